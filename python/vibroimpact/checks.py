@@ -1,0 +1,156 @@
+"""Checks of what callers give: one clear error that names the parameter, its value and the range.
+
+Everything here runs before any Fortran does. The ranges are those that the namelist program applies.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import ParameterError, ParameterTypeError
+
+#: Least and greatest allowed value of each number, and whether the greatest itself is allowed.
+RANGES: dict[str, tuple[float, float, bool]] = {
+    "xi": (0.0, 1.0, False),
+    "mu": (0.0, 1e6, True),
+    "restitution": (0.0, 1.0, True),
+    "r": (1e-6, 1e6, True),
+    "clearance": (1e-12, 1e12, True),
+    "acceptance": (0.0, 1.0, True),
+}
+MAX_IMPACTS = 1000
+MAX_CYCLES = 10_000
+
+
+def allowed(name: str) -> str:
+    """The range of a parameter in words, for messages and documentation."""
+    low, high, closed = RANGES[name]
+    return f"a number with {low:g} <= {name} {'<=' if closed else '<'} {high:g}"
+
+
+def number(value: Any, name: str, label: str | None = None) -> float:
+    """A float within the range of `name`; `label` is what the message calls it."""
+    if type(value) is not float:
+        value = to_float(value, label or name, allowed(name))
+    low, high, closed = RANGES[name]
+    if not (low <= value < high or (closed and value == high)):
+        raise ParameterError(f"{label or name} = {value!r}: must be {allowed(name)}")
+    return value
+
+
+def to_float(value: Any, label: str, wanted: str) -> float:
+    """A float from any real number; bool, str, None and complex are refused."""
+    if isinstance(value, (bool, str, bytes, complex)) or not hasattr(type(value), "__float__"):
+        raise ParameterTypeError(f"{label} = {value!r}: must be {wanted}, not {type(value).__name__}")
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        kind = ParameterTypeError if isinstance(error, TypeError) else ParameterError
+        raise kind(f"{label} = {value!r}: must be {wanted}") from None
+
+
+def integer(value: Any, name: str, low: int, high: int) -> int:
+    """An int with low <= value <= high."""
+    wanted = f"a whole number with {low} <= {name} <= {high}"
+    if isinstance(value, (bool, np.bool_)):
+        raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}, not bool")
+    try:
+        value = operator.index(value)
+    except TypeError:
+        kind = ParameterError if isinstance(value, float) else ParameterTypeError
+        raise kind(f"{name} = {value!r}: must be {wanted}") from None
+    if not low <= value <= high:
+        raise ParameterError(f"{name} = {value!r}: must be {wanted}")
+    return value
+
+
+def choice(value: Any, name: str, choices: Sequence[str]) -> str:
+    """One of a few words."""
+    wanted = " or ".join(map(repr, choices))
+    if not isinstance(value, str):
+        raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}")
+    if value not in choices:
+        raise ParameterError(f"{name} = {value!r}: must be {wanted}")
+    return value
+
+
+def instance(value: Any, name: str, kind: type) -> Any:
+    """A value of one of the package's own classes."""
+    if not isinstance(value, kind):
+        raise ParameterTypeError(
+            f"{name} = {value!r}: must be a vibroimpact.{kind.__name__}, not {type(value).__name__}"
+        )
+    return value
+
+
+def real_array(values: ArrayLike, name: str, wanted: str) -> NDArray[np.float64]:
+    """A float64 array from real numbers."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise ParameterError(f"{name} = {values!r}: must be {wanted}") from None
+    if array.size and array.dtype.kind not in "iuf":
+        raise ParameterTypeError(f"{name} = {values!r}: must be {wanted}")
+    return array.astype(np.float64, copy=False)
+
+
+def frequency_ratio(value: Any, xi: float) -> float:
+    """A frequency ratio r at which the motion without impacts is finite."""
+    r = number(value, "r")
+    if r == 1.0 and xi == 0.0:
+        raise ParameterError(
+            "r = 1.0: must differ from 1 when xi = 0 (resonance without damping: the amplitude is infinite)"
+        )
+    return r
+
+
+def phases(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
+    """Impact phases: n numbers, 0 first, increasing, below 2 pi k."""
+    period = 2 * math.pi * cycles
+    wanted = f"{n} increasing numbers from 0 to below 2 pi k = {period:.6g}, one an impact"
+    array = real_array(values, "phases", wanted)
+    if array.ndim != 1 or array.size != n:
+        raise ParameterError(f"phases = {values!r}: must be {wanted}; the shape is {array.shape}")
+    items = array.tolist()
+    if items[0] != 0.0:
+        raise ParameterError(f"phases[0] = {items[0]!r}: must be 0, the first impact sets the origin")
+    previous = -1.0
+    for i, item in enumerate(items):
+        if not previous < item < period:
+            raise ParameterError(
+                f"phases[{i}] = {item!r}: must be finite, above phases[{i - 1}] and below 2 pi k = "
+                f"{period:.6g}"
+            )
+        previous = item
+    return array
+
+
+def phase_table(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
+    """Many sets of impact phases (n, m), each as in `phases`."""
+    period = 2 * math.pi * cycles
+    wanted = f"an array (N = {n}, M), each column increasing from 0 to below 2 pi k = {period:.6g}"
+    array = real_array(values, "phases", wanted)
+    if array.ndim != 2 or array.shape[0] != n:
+        raise ParameterError(f"phases of shape {array.shape}: must be {wanted}")
+    bad = ~((array[0] == 0) & (np.diff(array, axis=0) > 0).all(axis=0) & (array[-1] < period))
+    if bad.any():
+        j = int(np.argmax(bad))
+        raise ParameterError(f"phases[:, {j}] = {array[:, j].tolist()!r}: must be {wanted}")
+    return array
+
+
+def restitution_list(values: Any, n: int) -> NDArray[np.float64]:
+    """One coefficient of restitution for each of n impacts."""
+    wanted = f"{n} numbers with 0 <= R <= 1, one an impact"
+    array = real_array(values, "restitution", wanted)
+    if array.ndim != 1 or array.size != n:
+        raise ParameterError(f"restitution = {values!r}: must be {wanted}; the shape is {array.shape}")
+    for i, item in enumerate(array.tolist()):
+        number(item, "restitution", f"restitution[{i}]")
+    return array

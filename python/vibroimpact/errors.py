@@ -1,0 +1,21 @@
+"""Exceptions of the package. Each also is the builtin exception that a caller would expect."""
+
+from __future__ import annotations
+
+__all__ = ["ParameterError", "ParameterTypeError", "SingularError", "VibroimpactError"]
+
+
+class VibroimpactError(Exception):
+    """Base of every exception that this package raises on purpose."""
+
+
+class ParameterError(VibroimpactError, ValueError):
+    """A parameter has a value that is not allowed; nothing was computed."""
+
+
+class ParameterTypeError(VibroimpactError, TypeError):
+    """A parameter has the wrong type; nothing was computed."""
+
+
+class SingularError(VibroimpactError, ArithmeticError):
+    """The equations have no unique, finite solution for these (allowed) parameters."""

@@ -1,0 +1,288 @@
+"""What is given: the vibrating system, the pattern of impacts, and physical units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import checks
+from .errors import ParameterError, ParameterTypeError
+
+if TYPE_CHECKING:
+    from .motion import Motion
+
+__all__ = ["Oscillator", "Pattern", "Units"]
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """A primary mass on spring and dashpot, with a free mass between two walls.
+
+    Between impacts ``x'' + 2 xi x' + x = sin(r t)`` and ``z'' = 0``, with time in 1/omega and length
+    in F0/K (equations (1)-(4) of Popplewell, Bapat and McLachlan, 1983).
+
+    Parameters
+    ----------
+    xi : float
+        Damping ratio C/(2 sqrt(K M)), ``0 <= xi < 1``.
+    mu : float
+        Mass ratio m/M, ``0 <= mu <= 1e6``. With 0 the primary mass does not feel the impacts (the
+        impact pair).
+    restitution : float or (float, float)
+        Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1]; one
+        number stands for both.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If a value is outside its range, or is not a real number.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    """
+
+    xi: float
+    mu: float
+    restitution: tuple[float, float]
+    #: Primary mass and stiffness in physical units, where `from_dimensional` was told them.
+    M: float | None = field(default=None, repr=False, compare=False, kw_only=True)
+    K: float | None = field(default=None, repr=False, compare=False, kw_only=True)
+
+    def __init__(
+        self,
+        xi: float,
+        mu: float,
+        restitution: float | tuple[float, float],
+        *,
+        M: float | None = None,
+        K: float | None = None,
+    ) -> None:
+        if (M is None) != (K is None):
+            raise ParameterError(f"M = {M!r}, K = {K!r}: give both or neither")
+        values: dict[str, Any] = {
+            "xi": checks.number(xi, "xi"),
+            "mu": checks.number(mu, "mu"),
+            "restitution": _walls(restitution),
+            "M": M if M is None else _positive(M, "M"),
+            "K": K if K is None else _positive(K, "K"),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_dimensional(
+        cls, M: float, K: float, C: float, m: float, restitution: float | tuple[float, float]
+    ) -> Oscillator:
+        """The dimensionless system of a rig in any consistent set of units.
+
+        Parameters
+        ----------
+        M, K, C : float
+            Primary mass (> 0), stiffness (> 0) and viscous damping (>= 0, below critical).
+        m : float
+            Free mass (>= 0).
+        restitution : float or (float, float)
+            As for the class.
+
+        Examples
+        --------
+        The rig of 1983: 1.61 lbf and 0.044 lbf of weight, 65.01 lbf/in.
+
+        >>> import math, vibroimpact as vi
+        >>> g = 386.09                                   # in/s^2
+        >>> M, K = 1.61 / g, 65.01
+        >>> C = 2 * 0.0114 * math.sqrt(K * M)
+        >>> rig = vi.Oscillator.from_dimensional(M, K, C, 0.044 / g, restitution=0.75)
+        >>> round(rig.xi, 4), round(rig.mu, 4)
+        (0.0114, 0.0273)
+        >>> units = rig.units(F0=0.5)
+        >>> round(units.clearance(d=0.0105), 4)
+        1.3652
+        >>> round(units.frequency_ratio(Omega=2 * math.pi * 19.87), 4)
+        0.9999
+        """
+        M, K = _positive(M, "M"), _positive(K, "K")
+        C, m = _positive(C, "C", zero=True), _positive(m, "m", zero=True)
+        critical = 2 * math.sqrt(K) * math.sqrt(M)
+        if not C < critical:
+            raise ParameterError(f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}")
+        return cls(C / critical, m / M, restitution, M=M, K=K)
+
+    def units(self, F0: float) -> Units:
+        """Physical units of length, time, velocity, … for a load amplitude F0.
+
+        The oscillator has to know M and K (see `from_dimensional`).
+        """
+        if self.M is None or self.K is None:
+            raise ParameterError(
+                "M = None: units need the primary mass and stiffness; make the oscillator with "
+                "Oscillator.from_dimensional(M, K, C, m, restitution)"
+            )
+        return Units(self.M, self.K, _positive(F0, "F0"))
+
+
+@dataclass(frozen=True)
+class Units:
+    """Physical units of the dimensionless quantities for a primary mass M, stiffness K and load F0.
+
+    Multiply a dimensionless number by its unit to get the physical one.
+
+    Attributes
+    ----------
+    M, K, F0 : float
+        Primary mass, stiffness, load amplitude.
+    """
+
+    M: float
+    K: float
+    F0: float
+
+    @property
+    def omega(self) -> float:
+        """Natural frequency sqrt(K/M), radians per unit of time."""
+        return math.sqrt(self.K / self.M)
+
+    @property
+    def length(self) -> float:
+        """F0/K."""
+        return self.F0 / self.K
+
+    @property
+    def time(self) -> float:
+        """1/omega."""
+        return 1 / self.omega
+
+    @property
+    def velocity(self) -> float:
+        """omega F0/K."""
+        return self.omega * self.length
+
+    @property
+    def acceleration(self) -> float:
+        """omega^2 F0/K = F0/M."""
+        return self.F0 / self.M
+
+    @property
+    def force(self) -> float:
+        """F0."""
+        return self.F0
+
+    def clearance(self, d: float) -> float:
+        """The dimensionless clearance d K/F0 of a clearance d."""
+        return _positive(d, "d") / self.length
+
+    def frequency_ratio(self, Omega: float) -> float:
+        """r = Omega/omega of a load frequency in radians per unit of time."""
+        return _positive(Omega, "Omega") / self.omega
+
+    def motion(self, motion: Motion) -> dict[str, Any]:
+        """The numbers of a motion in physical units.
+
+        Returns
+        -------
+        dict
+            ``d``, ``Omega``, ``period``, ``t`` (times of the impacts), ``X``, ``Z``, the four
+            velocities, ``A``, ``x_min``, ``x_max``; names as in `Motion`.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75)
+        >>> motion = vi.equispaced(osc, r=1.04, clearance=25.0)[0]
+        >>> physical = osc.units(F0=4.0).motion(motion)
+        >>> round(physical["d"], 6), round(physical["Omega"], 6)
+        (0.125, 20.8)
+        """
+        from .motion import Motion
+
+        checks.instance(motion, "motion", Motion)
+        physical: dict[str, Any] = {
+            "d": motion.clearance * self.length,
+            "Omega": motion.r * self.omega,
+            "period": motion.period * self.time,
+            "t": motion.phases / motion.r * self.time,
+        }
+        for name in ("X", "Z", "A", "x_min", "x_max"):
+            physical[name] = getattr(motion, name) * self.length
+        for name in ("X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"):
+            physical[name] = getattr(motion, name) * self.velocity
+        return physical
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Which walls are hit, in which order, within how many load cycles.
+
+    Parameters
+    ----------
+    sides : str
+        One letter an impact, R for the right wall and L for the left; 2 to 1000 letters, both walls
+        at least once (a motion with impacts on one wall only is never periodic).
+    cycles : int, optional
+        Load cycles k in one period of the motion, 1 to 10000.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> vi.Pattern("RRL")
+    Pattern(sides='RRL', cycles=1)
+    """
+
+    sides: str
+    cycles: int = 1
+    #: +1 for R, -1 for L (N)
+    signs: NDArray[np.int32] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        wanted = "letters R and L, one an impact, each wall at least once"
+        if not isinstance(self.sides, str):
+            raise ParameterTypeError(f"sides = {self.sides!r}: must be a string of {wanted}")
+        sides = self.sides.upper()
+        if not sides or set(sides) - {"R", "L"}:
+            raise ParameterError(f"sides = {self.sides!r}: must be {wanted}")
+        if len(sides) < 2 or len(set(sides)) < 2:
+            raise ParameterError(
+                f"sides = {self.sides!r}: must name both walls; with N = 1 or impacts on one wall only "
+                "no motion is periodic"
+            )
+        if len(sides) > checks.MAX_IMPACTS:
+            raise ParameterError(f"sides of {len(sides)} letters: at most {checks.MAX_IMPACTS} are allowed")
+        object.__setattr__(self, "sides", sides)
+        object.__setattr__(self, "cycles", checks.integer(self.cycles, "cycles", 1, checks.MAX_CYCLES))
+        signs = np.array([1 if side == "R" else -1 for side in sides], dtype=np.int32)
+        signs.flags.writeable = False
+        object.__setattr__(self, "signs", signs)
+
+    def __len__(self) -> int:
+        """Number of impacts N."""
+        return len(self.sides)
+
+
+def _walls(restitution: Any) -> tuple[float, float]:
+    if isinstance(restitution, (tuple, list, np.ndarray)) and np.ndim(restitution) == 1:
+        if len(restitution) != 2:
+            raise ParameterError(
+                f"restitution = {restitution!r}: must be one number or two (R1 right wall, R2 left wall)"
+            )
+        first, second = restitution
+        return (
+            checks.number(first, "restitution", "restitution[0]"),
+            checks.number(second, "restitution", "restitution[1]"),
+        )
+    value = checks.number(restitution, "restitution")
+    return value, value
+
+
+def _positive(value: Any, name: str, *, zero: bool = False) -> float:
+    wanted = f"a finite number with {name} {'>=' if zero else '>'} 0"
+    value = checks.to_float(value, name, wanted)
+    if not (0 < value < math.inf or (zero and value == 0)):
+        raise ParameterError(f"{name} = {value!r}: must be {wanted}")
+    return value

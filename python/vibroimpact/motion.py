@@ -1,0 +1,299 @@
+"""The one noun that every solver returns: a periodic motion with impacts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, checks
+from .model import Oscillator, Pattern
+
+__all__ = ["Motion", "Motions", "Sample"]
+
+#: What the core's verdicts mean: 1, 0, and -1 for "not computed".
+VERDICT = {1: True, 0: False, -1: None}
+
+
+class Sample(NamedTuple):
+    """Time history of a motion; each array has the shape of the times asked for."""
+
+    X: NDArray[np.float64]
+    X_dot: NDArray[np.float64]
+    Z: NDArray[np.float64]
+    Z_dot: NDArray[np.float64]
+    Y: NDArray[np.float64]
+    load: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Motion:
+    """A periodic motion with impacts. Lengths in F0/K, velocities in omega F0/K, angles in radians.
+
+    Motions come from `periodic` and `equispaced`; their arrays are read-only.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    r : float
+        Frequency ratio Omega/omega.
+    clearance : float
+        D = d K/F0.
+    pattern : Pattern
+    restitution : ndarray (N,)
+        Coefficient of restitution of each impact.
+    phases : ndarray (N,)
+        Load phase of each impact after the first, alpha_i.
+    X, Z : ndarray (N,)
+        Positions of primary and free mass at each impact.
+    X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N,)
+        Velocities just before and just after each impact.
+    A, tau : float
+        Amplitude of the motion without impacts and phase of equation (4): the forced part of the
+        motion is ``A sin(r t + tau)`` with t = 0 at the first impact.
+    residual : float
+        Relative 2-norm of the residual of equations (26), (30).
+    multipliers : ndarray (4,) of complex
+        Eigenvalues of [P], by falling modulus; NaN where an impact has no approach speed.
+    consistent : bool
+        Whether the residual is within the acceptance.
+    admissible : bool or None
+        Whether the masses approach at each impact and the free mass stays between the walls.
+    stable : bool or None
+        Whether all multipliers lie inside the unit circle. None means "not computed".
+    x_min, x_max : float
+        Extreme positions of the primary mass over the period.
+    precision : str
+        "double", or "single" if the chain was computed in 32-bit arithmetic.
+    """
+
+    osc: Oscillator
+    r: float
+    clearance: float
+    pattern: Pattern
+    restitution: NDArray[np.float64]
+    phases: NDArray[np.float64]
+    X: NDArray[np.float64]
+    Z: NDArray[np.float64]
+    X_dot_before: NDArray[np.float64]
+    X_dot_after: NDArray[np.float64]
+    Z_dot_before: NDArray[np.float64]
+    Z_dot_after: NDArray[np.float64]
+    A: float
+    tau: float
+    residual: float
+    multipliers: NDArray[np.complex128]
+    consistent: bool | None
+    admissible: bool | None
+    stable: bool | None
+    x_min: float
+    x_max: float
+    precision: str
+
+    @property
+    def period(self) -> float:
+        """Period of the motion, 2 pi k/r in units of 1/omega."""
+        return 2 * math.pi * self.pattern.cycles / self.r
+
+    @property
+    def attenuation(self) -> float:
+        """max|x|/A: below 1 the impacts reduce the motion of the primary mass."""
+        return max(-self.x_min, self.x_max) / self.A
+
+    @property
+    def load_phase(self) -> float:
+        """Phase of the load at the first impact, Omega t_1: the load is ``sin(r t + load_phase)``."""
+        return self.tau + math.atan2(2 * self.osc.xi * self.r, (1 - self.r) * (1 + self.r))
+
+    @property
+    def leading_kind(self) -> str | None:
+        """Where the leading multiplier lies: "positive", "negative" or "complex" (None: unknown).
+
+        Crossing the unit circle there is a fold or pitchfork, a flip, or a Neimark-Sacker bifurcation.
+        """
+        leading = complex(self.multipliers[0])
+        if leading != leading:
+            return None
+        if leading.imag != 0:
+            return "complex"
+        return "positive" if leading.real >= 0 else "negative"
+
+    def sample(self, t: ArrayLike) -> Sample:
+        """Positions, velocities and load at any times, from the closed form.
+
+        Parameters
+        ----------
+        t : array_like
+            Times in 1/omega, 0 at the first impact; any finite value, the motion being periodic. At an
+            impact the velocities are those just after it.
+
+        Examples
+        --------
+        >>> import numpy as np, vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+        >>> motion = vi.equispaced(osc, r=0.94, clearance=37.0)[0]
+        >>> history = motion.sample(np.linspace(0, motion.period, 400))
+        >>> bool(np.all(abs(history.Y) <= 37.0 / 2 + 1e-12))
+        True
+        """
+        times = checks.real_array(t, "t", "real times")
+        if not np.isfinite(times).all():
+            raise checks.ParameterError(f"t = {t!r}: must be finite")
+        values = _core.sample(*self._flights(), times.ravel())
+        return Sample(*values.reshape((6, *times.shape)))
+
+    def impact_maps(self) -> NDArray[np.float64]:
+        """The matrices [P_i] of (A7), (N, 4, 4).
+
+        P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to that
+        just after impact i. All zero where the impact has no approach speed.
+        """
+        maps, _ = _core.impact_maps(*self._flights())
+        return np.moveaxis(maps, 2, 0)
+
+    def stability_matrix(self) -> NDArray[np.float64]:
+        """[P] = [P_N] ... [P_1] of equation (32), (4, 4); its eigenvalues are the multipliers."""
+        product = np.eye(4)
+        for matrix in self.impact_maps():
+            product = matrix @ product
+        return product
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain Python values, ready for JSON; complex numbers are [re, im] pairs."""
+        result: dict[str, Any] = {}
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if isinstance(value, Oscillator):
+                value = {"xi": value.xi, "mu": value.mu, "restitution": list(value.restitution)}
+            elif isinstance(value, Pattern):
+                value = {"sides": value.sides, "cycles": value.cycles}
+            elif isinstance(value, np.ndarray):
+                if value.dtype.kind == "c":
+                    value = np.stack([value.real, value.imag], axis=-1)
+                value = value.tolist()
+            result[item.name] = value
+        result["attenuation"] = self.attenuation
+        return result
+
+    def verdicts(self) -> str:
+        """The three verdicts in words, with the numbers behind them."""
+        words = []
+        for name, value in (("consistent", self.consistent), ("admissible", self.admissible)):
+            words.append({True: name, False: f"not {name}", None: f"{name}?"}[value])
+        modulus = abs(complex(self.multipliers[0]))
+        stability = {True: "stable", False: "unstable", None: "stable?"}[self.stable]
+        words.append(f"{stability} (max|lambda| = {modulus:.4g}, {self.leading_kind})")
+        return ", ".join(words)
+
+    def __repr__(self) -> str:
+        single = ", single precision" if self.precision == "single" else ""
+        return (
+            f"<Motion {self.pattern.sides}/{self.pattern.cycles} at r = {self.r:.6g}, "
+            f"d K/F0 = {self.clearance:.6g}{single}: {self.verdicts()}>"
+        )
+
+    def __str__(self) -> str:
+        n = len(self.pattern)
+        cycles = "cycle" if self.pattern.cycles == 1 else f"{self.pattern.cycles} cycles"
+        lines = [
+            f"{n} impacts/{cycles}, sides {self.pattern.sides}",
+            f"  r = {self.r:.10g}   d K/F0 = {self.clearance:.10g}   A = {self.A:.6g}   "
+            f"tau/pi = {self.tau / math.pi:.6g}",
+            f"  {self.verdicts()}",
+            f"  residual = {self.residual:.2e}   x from {self.x_min:.6g} to {self.x_max:.6g}   "
+            f"max|x|/A = {self.attenuation:.6g}",
+            "  side  phase/pi          X          Z  X' before   X' after  Z' before   Z' after",
+        ]
+        columns = zip(
+            self.pattern.sides, self.phases / math.pi, self.X, self.Z, self.X_dot_before,
+            self.X_dot_after, self.Z_dot_before, self.Z_dot_after, strict=True,
+        )  # fmt: skip
+        for side, *numbers in columns:
+            lines.append(f"  {side:>4}  {numbers[0]:8.5f}" + "".join(f" {x:10.4f}" for x in numbers[1:]))
+        return "\n".join(lines)
+
+    def _flights(self) -> tuple[Any, ...]:
+        """The leading arguments of the core's procedures on a finished motion."""
+        impacts = np.stack(
+            [self.X, self.Z, self.X_dot_before, self.X_dot_after, self.Z_dot_before, self.Z_dot_after],
+            axis=1,
+        )
+        return (
+            self.osc.xi, self.osc.mu, self.r, self.pattern.cycles, self.pattern.signs,
+            self.restitution, self.phases, impacts, self.A, self.tau,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Motions:
+    """Many motions of one pattern as arrays, points on the last axis; an index gives one `Motion`.
+
+    Attributes
+    ----------
+    osc, pattern, restitution, precision
+        As in `Motion`, common to all points.
+    r : ndarray (M,)
+    phases : ndarray (N, M)
+    X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
+    clearance, A, tau, residual, x_min, x_max : ndarray (M,)
+    multipliers : ndarray (4, M) of complex
+    consistent, admissible, stable : ndarray (M,) of int8
+        1, 0, or -1 for "not computed".
+    status : ndarray (M,) of int
+        0 where the motion was computed; other codes are explained by `status_text`. The numbers of
+        a failed point are NaN.
+    """
+
+    osc: Oscillator
+    r: NDArray[np.float64]
+    clearance: NDArray[np.float64]
+    pattern: Pattern
+    restitution: NDArray[np.float64]
+    phases: NDArray[np.float64]
+    X: NDArray[np.float64]
+    Z: NDArray[np.float64]
+    X_dot_before: NDArray[np.float64]
+    X_dot_after: NDArray[np.float64]
+    Z_dot_before: NDArray[np.float64]
+    Z_dot_after: NDArray[np.float64]
+    A: NDArray[np.float64]
+    tau: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    multipliers: NDArray[np.complex128]
+    consistent: NDArray[np.int8]
+    admissible: NDArray[np.int8]
+    stable: NDArray[np.int8]
+    x_min: NDArray[np.float64]
+    x_max: NDArray[np.float64]
+    status: NDArray[np.int32]
+    precision: str
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __getitem__(self, index: int) -> Motion:
+        """One motion; SingularError where that point failed."""
+        from .solve import raise_status
+
+        raise_status(int(self.status[index]))
+        values: dict[str, Any] = {}
+        for item in fields(Motion):
+            value = getattr(self, item.name)
+            if item.name in ("consistent", "admissible", "stable"):
+                value = VERDICT[int(value[index])]
+            elif isinstance(value, np.ndarray) and item.name != "restitution":
+                value = value[..., index]
+                value = float(value) if value.ndim == 0 else value
+            values[item.name] = value
+        return Motion(**values)
+
+    def __repr__(self) -> str:
+        good = self.status == 0
+        all_three = good & (self.consistent == 1) & (self.admissible == 1) & (self.stable == 1)
+        return (
+            f"<Motions {self.pattern.sides}/{self.pattern.cycles}: {len(self)} points, {good.sum()} computed, "
+            f"{all_three.sum()} consistent, admissible and stable>"
+        )

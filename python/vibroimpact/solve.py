@@ -1,0 +1,304 @@
+"""The solvers of the 1983 theory: impact phases given, and the equispaced pair."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, checks
+from .errors import ParameterError, SingularError
+from .model import Oscillator, Pattern
+from .motion import VERDICT, Motion, Motions
+
+__all__ = ["equispaced", "linear_system", "periodic", "periodic_batch", "status_text"]
+
+PRECISIONS = ("double", "single")
+NO_MOTION = 7
+
+
+@functools.cache
+def status_text(code: int) -> str:
+    """What a status code of the core means."""
+    return bytes(_core.status_text(code)).decode().rstrip()
+
+
+def raise_status(code: int) -> None:
+    """Raise SingularError unless the code says that all went well."""
+    if code:
+        raise SingularError(status_text(code))
+
+
+def periodic(
+    osc: Oscillator,
+    r: float,
+    phases: ArrayLike,
+    pattern: Pattern,
+    restitution: ArrayLike | None = None,
+    precision: str = "double",
+    acceptance: float = 0.03,
+) -> Motion:
+    """The periodic motion whose impact phases are given (equations (26), (30) of the 1983 paper).
+
+    N = 2 impacts are a square linear system (LAPACK DGESV). N > 2 are overdetermined (DGELS): the motion
+    is consistent only as far as its `residual` is small.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    r : float
+        Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
+    phases : array_like (N,)
+        Load phase of each impact after the first: increasing from 0, below 2 pi k (radians).
+    pattern : Pattern
+        Sides of the N impacts and the number k of load cycles.
+    restitution : array_like (N,), optional
+        Coefficient of restitution of each impact; by default the wall decides.
+    precision : {"double", "single"}
+        "single" computes the whole chain in 32-bit arithmetic.
+    acceptance : float
+        Largest relative residual that counts as consistent, 0 to 1. The paper used 0.03.
+
+    Returns
+    -------
+    Motion
+        Its clearance d K/F0 is part of the answer.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+    SingularError
+        If these phases have no unique motion, or need no load.
+
+    Examples
+    --------
+    The third column of Table 1:
+
+    >>> import math, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.periodic(osc, r=0.94, phases=[0, 1.37 * math.pi], pattern=vi.Pattern("RL"))
+    >>> motion
+    <Motion RL/1 at r = 0.94, d K/F0 = 38.2222: consistent, admissible, stable (max|lambda| = 0.9347, complex)>
+    """
+    checks.instance(osc, "osc", Oscillator)
+    checks.instance(pattern, "pattern", Pattern)
+    r = checks.frequency_ratio(r, osc.xi)
+    table = checks.phases(phases, len(pattern), pattern.cycles)
+    each = _restitution(osc, pattern, restitution)
+    single = checks.choice(precision, "precision", PRECISIONS) == "single"
+    acceptance = checks.number(acceptance, "acceptance")
+    results = _core.periodic(
+        osc.xi, osc.mu, osc.restitution, r, pattern.cycles, pattern.signs, each, table[:, np.newaxis],
+        acceptance, single, True,
+    )  # fmt: skip
+    raise_status(int(results[4][0]))
+    return _motion(osc, r, pattern, each, table, results, 0, precision)
+
+
+def periodic_batch(
+    osc: Oscillator,
+    r: ArrayLike,
+    phases: ArrayLike,
+    pattern: Pattern,
+    restitution: ArrayLike | None = None,
+    precision: str = "double",
+    acceptance: float = 0.03,
+    flights: bool = True,
+) -> Motions:
+    """`periodic` for many sets of phases in one call.
+
+    Parameters
+    ----------
+    r : array_like, scalar or (M,)
+    phases : array_like (N, M)
+        One set of impact phases a column.
+    flights : bool
+        Whether to examine every flight too: `admissible`, `x_min`, `x_max`. Without it they are
+        -1 and NaN, and the call is faster.
+    osc, pattern, restitution, precision, acceptance
+        As in `periodic`.
+
+    Returns
+    -------
+    Motions
+        A point that fails has its status code and NaN; the others go on.
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> second = np.linspace(1.2, 1.5, 7) * np.pi
+    >>> vi.periodic_batch(osc, 0.94, [np.zeros(7), second], vi.Pattern("RL"))
+    <Motions RL/1: 7 points, 7 computed, 2 consistent, admissible and stable>
+    """
+    checks.instance(osc, "osc", Oscillator)
+    checks.instance(pattern, "pattern", Pattern)
+    table = checks.phase_table(phases, len(pattern), pattern.cycles)
+    m = table.shape[1]
+    ratios = checks.real_array(r, "r", f"one number or {m}, one a column of phases")
+    if ratios.ndim > 1 or ratios.size not in (1, m):
+        raise ParameterError(f"r of shape {ratios.shape}: must be one number or {m}, one a column of phases")
+    for value in ratios.ravel() if ratios.size == 1 else (ratios.min(), ratios.max()):
+        checks.number(float(value), "r")
+    if osc.xi == 0 and (ratios == 1).any():
+        checks.frequency_ratio(1.0, osc.xi)
+    ratios = np.broadcast_to(ratios.ravel(), m) if ratios.size == 1 else ratios
+    each = _restitution(osc, pattern, restitution)
+    single = checks.choice(precision, "precision", PRECISIONS) == "single"
+    acceptance = checks.number(acceptance, "acceptance")
+    impacts, scalars, multipliers, verdicts, status = _core.periodic(
+        osc.xi, osc.mu, osc.restitution, ratios, pattern.cycles, pattern.signs, each, table, acceptance,
+        single, bool(flights),
+    )  # fmt: skip
+    for array in (impacts, scalars, multipliers, verdicts, status):
+        array.flags.writeable = False
+    clearance, amplitude, tau, residual, x_min, x_max = scalars
+    consistent, admissible, stable = verdicts.astype(np.int8)
+    return Motions(
+        osc, _frozen(ratios), clearance, pattern, each, _frozen(table), *(impacts[:, i] for i in range(6)),
+        amplitude, tau, residual, multipliers, consistent, admissible, stable, x_min, x_max, status,
+        precision,
+    )  # fmt: skip
+
+
+def equispaced(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    cycles: int = 1,
+    precision: str = "double",
+) -> list[Motion]:
+    """The motions with two equally spaced impacts: none, one or two of them.
+
+    With equal restitution the phases 0, k pi leave the amplitude free; at a given clearance the phase
+    tau lies on the intersection of a line with a circle.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        With R1 = R2.
+    r : float
+        Frequency ratio, as in `periodic`.
+    clearance : float
+        D = d K/F0, 1e-12 to 1e12.
+    cycles : int
+        Load cycles k in a period, odd.
+    precision : {"double", "single"}
+
+    Returns
+    -------
+    list of Motion
+        0, 1 or 2 motions, stable or not.
+
+    Examples
+    --------
+    The first two columns of Table 1:
+
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> [round(float(motion.X[0]), 2) for motion in vi.equispaced(osc, r=0.94, clearance=37.0)]
+    [16.17, -5.09]
+    >>> vi.equispaced(osc, r=0.94, clearance=200.0)
+    []
+    """
+    checks.instance(osc, "osc", Oscillator)
+    if osc.restitution[0] != osc.restitution[1]:
+        raise ParameterError(
+            f"restitution = {osc.restitution!r}: must be equal on both walls for equispaced impacts; use "
+            "periodic(osc, r, phases, pattern)"
+        )
+    r = checks.frequency_ratio(r, osc.xi)
+    clearance = checks.number(clearance, "clearance")
+    cycles = checks.integer(cycles, "cycles", 1, checks.MAX_CYCLES)
+    if cycles % 2 == 0:
+        raise ParameterError(f"cycles = {cycles}: must be odd for equispaced impacts")
+    single = checks.choice(precision, "precision", PRECISIONS) == "single"
+    pattern = Pattern("RL", cycles)
+    each = _restitution(osc, pattern, None)
+    phases = _frozen(np.array([0.0, cycles * np.pi]))
+    results = _core.equispaced(
+        osc.xi, osc.mu, osc.restitution, [r], [clearance], cycles, 0.03, single, True
+    )
+    motions = []
+    for j, code in enumerate(results[4].tolist()):
+        if code == NO_MOTION:
+            continue
+        raise_status(code)
+        motions.append(_motion(osc, r, pattern, each, phases, results, j, precision))
+    return motions
+
+
+def linear_system(
+    osc: Oscillator,
+    r: float,
+    phases: ArrayLike,
+    pattern: Pattern,
+    restitution: ArrayLike | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The linear equations of the 1983 paper, for inspection: (26), i = 1..N, then (30), i = 1..N.
+
+    Returns
+    -------
+    matrix : ndarray (2N, N + 2)
+        Coefficients of x_1 .. x_N, A cos(tau), A sin(tau), for omega = 1.
+    rhs : ndarray (2N,)
+        Right sides for clearance 1.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> matrix, rhs = vi.linear_system(osc, 0.94, [0, 2, 4], vi.Pattern("RRL"))
+    >>> matrix.shape, rhs.shape
+    ((6, 5), (6,))
+    """
+    checks.instance(osc, "osc", Oscillator)
+    checks.instance(pattern, "pattern", Pattern)
+    r = checks.frequency_ratio(r, osc.xi)
+    table = checks.phases(phases, len(pattern), pattern.cycles)
+    each = _restitution(osc, pattern, restitution)
+    matrix, rhs = _core.linear_system(osc.xi, osc.mu, r, pattern.cycles, pattern.signs, each, table)
+    return matrix, rhs
+
+
+def _restitution(osc: Oscillator, pattern: Pattern, restitution: Any) -> NDArray[np.float64]:
+    """Coefficient of restitution of each impact, read-only."""
+    if restitution is None:
+        right, left = osc.restitution
+        return _frozen(np.array([right if side == "R" else left for side in pattern.sides]))
+    return _frozen(checks.restitution_list(restitution, len(pattern)))
+
+
+def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A read-only array that no caller can change behind our back."""
+    if array.flags.writeable:
+        array = array.copy()
+        array.flags.writeable = False
+    return array
+
+
+def _motion(
+    osc: Oscillator,
+    r: float,
+    pattern: Pattern,
+    restitution: NDArray[np.float64],
+    phases: NDArray[np.float64],
+    results: Any,
+    j: int,
+    precision: str,
+) -> Motion:
+    """One column of the core's results as a Motion."""
+    impacts, scalars, multipliers, verdicts, _ = results
+    impacts.flags.writeable = False
+    multipliers.flags.writeable = False
+    clearance, amplitude, tau, residual, x_min, x_max = scalars[:, j].tolist()
+    consistent, admissible, stable = verdicts[:, j].tolist()
+    return Motion(
+        osc, r, clearance, pattern, restitution, _frozen(phases),
+        impacts[:, 0, j], impacts[:, 1, j], impacts[:, 2, j], impacts[:, 3, j], impacts[:, 4, j],
+        impacts[:, 5, j], amplitude, tau, residual, multipliers[:, j], VERDICT[consistent],
+        VERDICT[admissible], VERDICT[stable], x_min, x_max, precision,
+    )  # fmt: skip

@@ -1,0 +1,80 @@
+!> The verdicts on a motion: is it consistent, admissible, stable? No other module sets them.
+module vi_assess
+   use vi_extrema, only: relative_extrema
+   use vi_flight, only: flight_type
+   use vi_kinds, only: wp
+   use vi_motion, only: flight_of, motion_type, no, unknown, yes
+   use vi_stability, only: multipliers
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: assess_linear, assess_flights
+
+   !> The residual that the 1983 paper accepted for N > 2.
+   real(wp), parameter, public :: paper_acceptance = 0.03_wp
+
+contains
+
+   !> `consistent` from the residual, the multipliers, and `stable` from them.
+   pure subroutine assess_linear(motion, acceptance)
+      type(motion_type), intent(inout) :: motion
+      !> Largest relative residual of (26), (30) that counts as consistent.
+      real(wp), intent(in) :: acceptance
+      integer :: status
+
+      if (motion%status /= stat%ok) return
+      motion%consistent = verdict(motion%residual <= acceptance)
+      call multipliers(motion, motion%multipliers, status)
+      if (status == stat%ok) then
+         motion%stable = verdict(all(abs(motion%multipliers) < 1))
+      else
+         motion%multipliers = 0
+         motion%status = merge(stat%ok, status, status == stat%zero_approach)
+      end if
+   end subroutine assess_linear
+
+   !> `admissible`, and the extreme positions of the primary mass, from certified extrema.
+   !!
+   !! Admissible: at every impact the masses approach each other, s (z' - x') > 0 just before it, and
+   !! inside every flight the free mass stays strictly between the walls, |y| < d/2.
+   pure subroutine assess_flights(motion)
+      type(motion_type), intent(inout) :: motion
+      type(flight_type) :: flight
+      real(wp) :: lowest, highest
+      logical :: approaches, inside, complete, complete_x
+      integer :: i
+
+      if (motion%status /= stat%ok) return
+      approaches = all(motion%pattern%sides*(motion%z_dot_before - motion%x_dot_before) > 0)
+      inside = .true.
+      complete = .true.
+      motion%x_min = minval(motion%x)
+      motion%x_max = maxval(motion%x)
+      do i = 1, size(motion%x)
+         flight = flight_of(motion, i)
+         call relative_extrema(flight, lowest, highest, complete_x)
+         inside = inside .and. highest < 0.5_wp*motion%clearance .and. &
+            lowest > -0.5_wp*motion%clearance
+         complete = complete .and. complete_x
+         flight%z = 0
+         flight%z_dot = 0
+         call relative_extrema(flight, lowest, highest, complete_x)
+         motion%x_min = min(motion%x_min, -highest)
+         motion%x_max = max(motion%x_max, -lowest)
+         complete = complete .and. complete_x
+      end do
+      if (.not. (approaches .and. inside)) then
+         motion%admissible = no
+      else
+         motion%admissible = merge(yes, unknown, complete)
+      end if
+   end subroutine assess_flights
+
+   elemental integer function verdict(condition)
+      logical, intent(in) :: condition
+
+      verdict = merge(yes, no, condition)
+   end function verdict
+
+end module vi_assess

@@ -1,0 +1,54 @@
+!> From parameters to an assessed motion: the whole chain of the 1983 theory in one call.
+module vi_chain
+   use vi_assess, only: assess_flights, assess_linear
+   use vi_equispaced, only: solve_equispaced
+   use vi_kinds, only: wp
+   use vi_motion, only: motion_type
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_periodic, only: linear_system_type, solve_periodic
+   implicit none (type, external)
+   private
+
+   public :: periodic_chain, equispaced_chain
+
+contains
+
+   !> The motion with given impact phases, with its verdicts. Arguments as in `solve_periodic`.
+   pure subroutine periodic_chain(osc, r, pattern, restitution, phases, acceptance, flights, system, &
+         motion)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: restitution(:), phases(:)
+      !> Largest relative residual that counts as consistent.
+      real(wp), intent(in) :: acceptance
+      !> Whether the flights are examined too: `admissible`, `x_min`, `x_max`.
+      logical, intent(in) :: flights
+      type(linear_system_type), intent(inout) :: system
+      type(motion_type), intent(inout) :: motion
+
+      call solve_periodic(osc, r, pattern, restitution, phases, system, motion)
+      call assess_linear(motion, acceptance)
+      if (flights) call assess_flights(motion)
+   end subroutine periodic_chain
+
+   !> Both equispaced motions, with their verdicts. Arguments as in `solve_equispaced`.
+   pure subroutine equispaced_chain(osc, r, clearance, cycles, acceptance, flights, system, motions)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, clearance
+      integer, intent(in) :: cycles
+      real(wp), intent(in) :: acceptance
+      logical, intent(in) :: flights
+      type(linear_system_type), intent(inout) :: system
+      type(motion_type), intent(inout) :: motions(2)
+      integer :: i
+
+      call solve_equispaced(osc, r, clearance, cycles, system, motions)
+      do i = 1, 2
+         call assess_linear(motions(i), acceptance)
+         if (flights) call assess_flights(motions(i))
+      end do
+   end subroutine equispaced_chain
+
+end module vi_chain

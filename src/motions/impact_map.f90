@@ -1,0 +1,110 @@
+!> The derivative of the map from one impact to the next, [P_i] of (A5)-(A7).
+!!
+!! The state is (x, x', z', alpha) just after an impact, alpha being the load phase of the impact. Three
+!! terms of the printed formulas are corrected here (see the comments); with them [P_i] is the exact
+!! derivative, also for unequal restitution.
+module vi_impact_map
+   use vi_kinds, only: wp
+   use vi_motion, only: motion_type
+   use vi_oscillator, only: eta
+   use vi_pattern, only: durations
+   implicit none (type, external)
+   private
+
+   public :: impact_maps
+
+contains
+
+   !> All [P_i], i = 1..N, of a motion.
+   pure subroutine impact_maps(motion, p, regular)
+      type(motion_type), intent(in) :: motion
+      !> (4, 4, N)
+      real(wp), intent(out) :: p(:, :, :)
+      !> False if an impact has no approach speed: there the map has no derivative.
+      logical, intent(out) :: regular
+      real(wp), dimension(size(motion%phases)) :: length, angle, sine, cosine
+      integer :: n, i, next
+      logical :: good
+
+      n = size(motion%phases)
+      length = durations(motion%phases, motion%pattern%cycles)
+      angle = motion%phases + motion%tau
+      sine = motion%amplitude*sin(angle)
+      cosine = motion%amplitude*cos(angle)
+      regular = .true.
+      do i = 1, n
+         next = modulo(i, n) + 1
+         call impact_map(motion%osc%xi, motion%osc%mu, motion%r, motion%restitution(next), &
+            length(i), sine([i, next]), cosine([i, next]), motion%x(i), motion%x_dot_after(i), &
+            motion%z_dot_after(i), p(:, :, i), good)
+         regular = regular .and. good
+      end do
+   end subroutine impact_maps
+
+   !> [P_i] of one flight, omega = 1, Omega = r.
+   pure subroutine impact_map(xi, mu, r, restitution, length, sine, cosine, x, x_dot, z_dot, p, &
+         regular)
+      !> `restitution` is R_(i+1), `length` is alpha_(i+1) - alpha_i.
+      real(wp), intent(in) :: xi, mu, r, restitution, length
+      !> A sin and A cos of alpha + tau at impacts i and i+1.
+      real(wp), intent(in) :: sine(2), cosine(2)
+      !> State just after impact i.
+      real(wp), intent(in) :: x, x_dot, z_dot
+      real(wp), intent(out) :: p(4, 4)
+      logical, intent(out) :: regular
+      real(wp) :: h, b, c1, c2, c3, c4, k1, k2, k3, k4
+      real(wp) :: s1, s2, s3, s4, s5, s6, s7, s8, s9, s10, s11, s12, s13, s14, free_dot
+
+      h = eta(xi)
+      b = x - sine(1)                                                                     ! (6)
+      c2 = exp(-xi/r*length)
+      c1 = c2*sin(h/r*length)                                                             ! (9)
+      c2 = c2*cos(h/r*length)                                                             ! (10)
+      c3 = h*c2 - xi*c1                                                                   ! (A4)
+      c4 = -(h*c1 + xi*c2)
+      k1 = (1 - mu*restitution)/(1 + mu)                                                  ! (A5)
+      k2 = mu*(1 + restitution)/(1 + mu)
+      k3 = (1 + restitution)/(1 + mu)
+      k4 = (mu - restitution)/(1 + mu)
+
+      free_dot = x_dot - r*cosine(1)
+      s1 = (xi*c1 + h*c2)/h                                                               ! (A6)
+      s2 = c1/h
+      s3 = -c1/h
+      s4 = c3/h
+      s6 = (b*s3 + free_dot*c3/h)/r
+      s5 = z_dot/r - cosine(2) - s6                    ! corrected: z' in place of the printed x'
+      regular = abs(s5) > 0
+      if (.not. regular) then
+         p = 0
+         return
+      end if
+      s7 = s1/s5
+      s8 = s2/s5
+      s9 = -1/s5
+      s10 = -length/(r*s5)
+      s11 = (-s6 - s1*cosine(1) + r*s2*sine(1) + z_dot/r)/s5     ! corrected: z' in place of x'
+      s12 = cosine(2) + s6
+      s13 = (-b*c3 + (h*c4 - xi*c3)*free_dot)/(r*h)
+      s14 = s13 - r*sine(2)
+
+      p(1, 1) = s1 + s12*(s7 + s9)                                                        ! (A7)
+      p(1, 2) = s2 + s8*s12
+      p(1, 3) = s10*s12
+      p(1, 4) = -s1*cosine(1) + r*s2*sine(1) - s6 + s11*s12
+      p(4, 1) = s7 + s9
+      p(4, 2) = s8
+      p(4, 3) = s10
+      p(4, 4) = s11
+      ! the change of x' just before the impact is shared by rows 2 and 3
+      p(2, 1) = s3 + s14*(s7 + s9)         ! corrected in row 3: s3 in place of the printed s6
+      p(2, 2) = s4 + s8*s14
+      p(2, 3) = s10*s14
+      p(2, 4) = -s3*cosine(1) + r*s4*sine(1) - s13 + s11*s14
+      p(3, :) = k3*p(2, :)
+      p(2, :) = k1*p(2, :)
+      p(2, 3) = p(2, 3) + k2
+      p(3, 3) = p(3, 3) + k4
+   end subroutine impact_map
+
+end module vi_impact_map

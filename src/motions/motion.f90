@@ -1,0 +1,115 @@
+!> The one noun that flows through the code: a periodic motion with impacts.
+module vi_motion
+   use vi_flight, only: flight_type, new_flight
+   use vi_impact, only: primary_velocities
+   use vi_kinds, only: wp
+   use vi_oscillator, only: gain, oscillator_type
+   use vi_pattern, only: durations, pattern_type
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: start_motion, complete_motion, flight_of
+
+   !> Values of the three verdicts of a motion.
+   integer, parameter, public :: no = 0, yes = 1, unknown = -1
+
+   !> Lengths in F0/K, velocities in omega F0/K, angles in radians; arrays have one entry an impact.
+   type, public :: motion_type
+      type(oscillator_type) :: osc
+      type(pattern_type) :: pattern
+      !> Frequency ratio Omega/omega, and clearance d K/F0.
+      real(wp) :: r = 0, clearance = 0
+      !> Coefficient of restitution R_i and phase alpha_i (alpha_1 = 0) of each impact.
+      real(wp), allocatable :: restitution(:), phases(:)
+      !> Positions of both masses, and their velocities just before and after each impact.
+      real(wp), allocatable, dimension(:) :: x, z, x_dot_before, x_dot_after, z_dot_before, &
+         z_dot_after
+      !> Amplitude A of the motion without impacts, and phase tau of (4).
+      real(wp) :: amplitude = 0, tau = 0
+      !> Relative 2-norm of (26), (30): |left - right|/|right|.
+      real(wp) :: residual = 0
+      !> Eigenvalues of [P], by falling modulus.
+      complex(wp) :: multipliers(4) = 0
+      !> Extreme positions of the primary mass over the period.
+      real(wp) :: x_min = 0, x_max = 0
+      !> Set by `assess` alone: `yes`, `no` or `unknown`.
+      integer :: consistent = unknown, admissible = unknown, stable = unknown
+      !> A code of vi_status; unless `stat%ok` the fields after `phases` mean nothing.
+      integer :: status = stat%ok
+   end type motion_type
+
+contains
+
+   !> Puts the given data into a motion and makes room for the rest; the room is kept between calls.
+   pure subroutine start_motion(motion, osc, r, pattern, restitution, phases)
+      type(motion_type), intent(inout) :: motion
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: restitution(:), phases(:)
+      integer :: n
+
+      n = size(phases)
+      motion%osc = osc
+      motion%r = r
+      motion%pattern = pattern
+      motion%restitution = restitution
+      motion%phases = phases
+      if (allocated(motion%x)) then
+         if (size(motion%x) /= n) deallocate (motion%x, motion%z, motion%x_dot_before, &
+            motion%x_dot_after, motion%z_dot_before, motion%z_dot_after)
+      end if
+      if (.not. allocated(motion%x)) allocate (motion%x(n), motion%z(n), motion%x_dot_before(n), &
+         motion%x_dot_after(n), motion%z_dot_before(n), motion%z_dot_after(n))
+      motion%consistent = unknown
+      motion%admissible = unknown
+      motion%stable = unknown
+      motion%status = stat%ok
+   end subroutine start_motion
+
+   !> Fills positions and velocities from the unknowns of (26), (30), scaled to F0/K = 1.
+   !!
+   !! The unknowns may come in any unit of length; `unit_clearance` is the clearance in that unit.
+   pure subroutine complete_motion(motion, x, a_cos_tau, a_sin_tau, unit_clearance)
+      type(motion_type), intent(inout) :: motion
+      real(wp), intent(in) :: x(:), a_cos_tau, a_sin_tau, unit_clearance
+      real(wp) :: amplitude, scale
+      real(wp) :: length(size(x))
+      integer :: n, i
+
+      n = size(x)
+      amplitude = hypot(a_cos_tau, a_sin_tau)
+      ! A below the rounding of the solution is no amplitude at all
+      if (.not. amplitude > n*epsilon(1.0_wp)*max(maxval(abs(x)), unit_clearance)) then
+         motion%status = stat%no_load
+         return
+      end if
+      motion%amplitude = gain(motion%osc%xi, motion%r)
+      motion%tau = atan2(a_sin_tau, a_cos_tau)
+      scale = motion%amplitude/amplitude
+      motion%clearance = scale*unit_clearance
+      motion%x = scale*x
+      motion%z = motion%x + 0.5_wp*motion%clearance*motion%pattern%sides                  ! (17), (18)
+      length = durations(motion%phases, motion%pattern%cycles)
+      do i = 1, n
+         motion%z_dot_after(i) = motion%r*(motion%z(modulo(i, n) + 1) - motion%z(i))/length(i)  ! (16)
+         motion%z_dot_before(modulo(i, n) + 1) = motion%z_dot_after(i)                          ! (19)
+      end do
+      call primary_velocities(motion%osc%mu, motion%restitution, motion%z_dot_before, &
+         motion%z_dot_after, motion%x_dot_before, motion%x_dot_after)
+   end subroutine complete_motion
+
+   !> The flight that begins at impact i.
+   pure function flight_of(motion, i) result(flight)
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: i
+      type(flight_type) :: flight
+      real(wp) :: length(size(motion%phases))
+
+      length = durations(motion%phases, motion%pattern%cycles)
+      flight = new_flight(motion%osc%xi, motion%r, motion%amplitude, motion%phases(i) + motion%tau, &
+         motion%x(i), motion%x_dot_after(i), motion%z(i), motion%z_dot_after(i), length(i)/motion%r)
+   end function flight_of
+
+end module vi_motion

@@ -1,0 +1,71 @@
+!> A pattern of impacts: which walls are hit, in which order, in how many load cycles.
+module vi_pattern
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: new_pattern, side_letters, durations, default_restitution
+
+   type, public :: pattern_type
+      !> Side s of each impact (n): +1 for the right wall, -1 for the left; y = s d/2 there.
+      integer, allocatable :: sides(:)
+      !> Load cycles k in one period of the motion.
+      integer :: cycles = 1
+   end type pattern_type
+
+contains
+
+   !> A pattern from letters, R for the right wall and L for the left; other letters give side 0.
+   pure function new_pattern(letters, cycles) result(pattern)
+      character(*), intent(in) :: letters
+      integer, intent(in) :: cycles
+      type(pattern_type) :: pattern
+      integer :: i
+
+      allocate (pattern%sides(len(letters)))
+      do i = 1, len(letters)
+         select case (letters(i:i))
+         case ('R', 'r')
+            pattern%sides(i) = 1
+         case ('L', 'l')
+            pattern%sides(i) = -1
+         case default
+            pattern%sides(i) = 0
+         end select
+      end do
+      pattern%cycles = cycles
+   end function new_pattern
+
+   !> The letters of the sides, the inverse of `new_pattern`.
+   pure function side_letters(sides) result(letters)
+      integer, intent(in) :: sides(:)
+      character(size(sides)) :: letters
+      integer :: i
+
+      do i = 1, size(sides)
+         letters(i:i) = merge('R', 'L', sides(i) > 0)
+      end do
+   end function side_letters
+
+   !> The coefficient of restitution of each impact where the wall alone decides it.
+   elemental real(wp) function default_restitution(side, right_value, left_value) result(restitution)
+      integer, intent(in) :: side
+      real(wp), intent(in) :: right_value, left_value
+
+      restitution = merge(right_value, left_value, side > 0)
+   end function default_restitution
+
+   !> Phase from each impact to the next, alpha_(i+1) - alpha_i, closed by (25).
+   pure function durations(phases, cycles) result(length)
+      real(wp), intent(in) :: phases(:)
+      integer, intent(in) :: cycles
+      real(wp) :: length(size(phases))
+      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+      integer :: n
+
+      n = size(phases)
+      length(:n - 1) = phases(2:) - phases(:n - 1)
+      length(n) = phases(1) + two_pi*cycles - phases(n)
+   end function durations
+
+end module vi_pattern

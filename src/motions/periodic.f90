@@ -1,0 +1,171 @@
+!> Motions whose impact phases are given: the linear equations (26) and (30).
+!!
+!! N impacts in k load cycles give 2N equations in the N + 2 unknowns x_1 .. x_N, A cos(tau),
+!! A sin(tau). They are proportional to the clearance, so they are solved with d = 1 and read in units
+!! of F0/K afterwards. N = 2 is a square system (DGESV); N > 2 is overdetermined (DGELS) and
+!! consistent only if the phases are those of a motion.
+module vi_periodic
+   use vi_kinds, only: wp
+   use vi_lapack, only: least_squares, least_squares_work, solve
+   use vi_motion, only: complete_motion, motion_type, start_motion
+   use vi_oscillator, only: eta, oscillator_type
+   use vi_pattern, only: durations, pattern_type
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: assemble, solve_periodic
+
+   !> The equations (26), i = 1..N, then (30), i = 1..N, with the scratch that solves them.
+   type, public :: linear_system_type
+      !> Coefficients (2N, N + 2) and right side (2N), for d = 1.
+      real(wp), allocatable :: matrix(:, :), rhs(:)
+      real(wp), allocatable :: work(:)
+   end type linear_system_type
+
+contains
+
+   !> The motion with the given impact phases, without verdicts.
+   pure subroutine solve_periodic(osc, r, pattern, restitution, phases, system, motion)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r
+      type(pattern_type), intent(in) :: pattern
+      !> Coefficient of restitution (N) and phase (N, increasing from 0, below 2 pi k) of each impact.
+      real(wp), intent(in) :: restitution(:), phases(:)
+      !> Scratch, kept between calls.
+      type(linear_system_type), intent(inout) :: system
+      type(motion_type), intent(inout) :: motion
+      real(wp) :: size_of_rhs, residual
+      integer :: n
+
+      n = size(phases)
+      call start_motion(motion, osc, r, pattern, restitution, phases)
+      call assemble(osc, r, pattern, restitution, phases, system)
+      size_of_rhs = norm2(system%rhs)
+      if (.not. size_of_rhs <= huge(1.0_wp)) then
+         motion%status = stat%not_finite
+         return
+      end if
+      if (n == 2) then
+         residual = 0
+         call solve(system%matrix, system%rhs, motion%status)
+         if (motion%status == stat%singular .and. free_amplitude(pattern, restitution, phases)) &
+            motion%status = stat%free_amplitude
+      else
+         call least_squares(system%matrix, system%rhs, system%work, residual, motion%status)
+      end if
+      if (motion%status /= stat%ok) return
+      motion%residual = residual/size_of_rhs
+      call complete_motion(motion, system%rhs(:n), system%rhs(n + 1), system%rhs(n + 2), 1.0_wp)
+   end subroutine solve_periodic
+
+   !> Whether the two equations of an equispaced pair with equal restitution leave A free.
+   pure logical function free_amplitude(pattern, restitution, phases)
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: restitution(:), phases(:)
+      real(wp) :: length(2)
+
+      length = durations(phases, pattern%cycles)
+      free_amplitude = abs(restitution(1) - restitution(2)) <= epsilon(1.0_wp) .and. &
+         abs(length(1) - length(2)) <= 100*epsilon(1.0_wp)*sum(length)
+   end function free_amplitude
+
+   !> Builds the equations (26) and (30) with the coefficients (A1)-(A4), omega = 1, Omega = r, d = 1.
+   pure subroutine assemble(osc, r, pattern, restitution, phases, system)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: restitution(:), phases(:)
+      type(linear_system_type), intent(inout) :: system
+      real(wp), dimension(size(phases)) :: length, sine, cosine
+      real(wp) :: y(size(phases)), w(6), v(7)
+      integer :: n, i, previous, next, after_next
+
+      n = size(phases)
+      call make_room(system, n)
+      length = durations(phases, pattern%cycles)
+      sine = sin(phases)
+      cosine = cos(phases)
+      y = 0.5_wp*pattern%sides                                                            ! (18)
+      system%matrix = 0
+      do i = 1, n
+         previous = modulo(i - 2, n) + 1
+         next = modulo(i, n) + 1
+         after_next = modulo(i + 1, n) + 1
+         call coefficients(osc, r, restitution([i, next]), length([previous, i, next]), &
+            sine([i, next]), cosine([i, next]), &
+            [y(i) - y(previous), y(next) - y(i), y(after_next) - y(next)], w, v)
+         ! the columns may coincide (N = 2), so the terms are added
+         associate (m => system%matrix)
+            m(i, i) = m(i, i) + w(1)                                                      ! (26)
+            m(i, next) = m(i, next) + w(2)
+            m(i, previous) = m(i, previous) + w(3)
+            m(i, n + 1:) = w(4:5)
+            m(n + i, i) = m(n + i, i) + v(1)                                              ! (30)
+            m(n + i, next) = m(n + i, next) + v(2)
+            m(n + i, after_next) = m(n + i, after_next) + v(3)
+            m(n + i, previous) = m(n + i, previous) + v(4)
+            m(n + i, n + 1:) = v(5:6)
+         end associate
+         system%rhs(i) = w(6)
+         system%rhs(n + i) = v(7)
+      end do
+   end subroutine assemble
+
+   !> W_1i..W_6i of (26) and V_1i..V_7i of (30) for one flight.
+   pure subroutine coefficients(osc, r, restitution, length, sine, cosine, y_step, w, v)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r
+      !> R of impacts i and i+1; phase lengths of flights i-1, i, i+1; sine and cosine of the phases
+      !> alpha_i and alpha_(i+1); change of y in flights i-1, i, i+1.
+      real(wp), intent(in) :: restitution(2), length(3), sine(2), cosine(2), y_step(3)
+      real(wp), intent(out) :: w(6), v(7)
+      real(wp) :: h, c1, c2, c3, c4, g1, g2, g3, g4, sine_term, cosine_term, pull, c1h, c3h
+
+      associate (xi => osc%xi, mu => osc%mu)
+         h = eta(xi)
+         c2 = exp(-xi/r*length(2))
+         c1 = c2*sin(h/r*length(2))                                                       ! (9)
+         c2 = c2*cos(h/r*length(2))                                                       ! (10)
+         c3 = h*c2 - xi*c1                                                                ! (A4)
+         c4 = -(h*c1 + xi*c2)
+         g1 = (1 + mu)*restitution(1)*r/((1 + restitution(1))*length(1))                  ! (A1)
+         g2 = (1 - mu*restitution(1))*r/((1 + restitution(1))*length(2))
+         g3 = (restitution(2) - mu)*r/((1 + restitution(2))*length(2))
+         g4 = (1 + mu)*r/((1 + restitution(2))*length(3))
+         c1h = c1/h
+         c3h = c3/h
+         sine_term = (r*cosine(1) + xi*sine(1))/h
+         cosine_term = (-r*sine(1) + xi*cosine(1))/h
+         pull = g1*y_step(1) + g2*y_step(2)
+
+         w(1) = c1h*(g2 - g1 - xi) - c2                                                   ! (A2)
+         w(2) = 1 - c1h*g2
+         w(3) = c1h*g1
+         w(4) = c1*sine_term + c2*sine(1) - sine(2)
+         w(5) = c1*cosine_term + c2*cosine(1) - cosine(2)
+         w(6) = c1h*pull
+
+         v(1) = -g3 - c4 - c3h*(g1 - g2 + xi)                                             ! (A3)
+         v(2) = g3 - g4 - c3h*g2
+         v(3) = g4
+         v(4) = c3h*g1
+         v(5) = c3*sine_term + c4*sine(1) - r*cosine(2)
+         v(6) = c3*cosine_term + c4*cosine(1) + r*sine(2)
+         v(7) = -g3*y_step(2) - g4*y_step(3) + c3h*pull
+      end associate
+   end subroutine coefficients
+
+   pure subroutine make_room(system, n)
+      type(linear_system_type), intent(inout) :: system
+      integer, intent(in) :: n
+
+      if (allocated(system%rhs)) then
+         if (size(system%rhs) == 2*n) return
+         deallocate (system%matrix, system%rhs, system%work)
+      end if
+      allocate (system%matrix(2*n, n + 2), system%rhs(2*n), &
+         system%work(least_squares_work(2*n, n + 2)))
+   end subroutine make_room
+
+end module vi_periodic

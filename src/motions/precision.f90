@@ -1,0 +1,99 @@
+!> The same chain in single precision, for a caller that works in double precision.
+!!
+!! Every number of the computation is rounded to 32 bits and every LAPACK call is the S routine; only
+!! the given data and the finished motion are converted. This is the one file, beside the kinds, that
+!! knows of two precisions.
+module vi_precision
+   use vi_chain_single, only: equispaced_chain_single => equispaced_chain, &
+      periodic_chain_single => periodic_chain
+   use vi_kinds, only: wp
+   use vi_kinds_single, only: sp => wp
+   use vi_motion, only: motion_type
+   use vi_motion_single, only: motion_type_single => motion_type
+   use vi_oscillator, only: oscillator_type
+   use vi_oscillator_single, only: oscillator_type_single => oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_pattern_single, only: pattern_type_single => pattern_type
+   use vi_periodic_single, only: linear_system_type_single => linear_system_type
+   implicit none (type, external)
+   private
+
+   public :: periodic_in_single, equispaced_in_single
+
+contains
+
+   !> `periodic_chain` in single precision.
+   pure subroutine periodic_in_single(osc, r, pattern, restitution, phases, acceptance, flights, motion)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: restitution(:), phases(:)
+      real(wp), intent(in) :: acceptance
+      logical, intent(in) :: flights
+      type(motion_type), intent(inout) :: motion
+      type(linear_system_type_single) :: system
+      type(motion_type_single) :: narrow
+
+      call periodic_chain_single(narrowed(osc), real(r, sp), &
+         pattern_type_single(pattern%sides, pattern%cycles), real(restitution, sp), &
+         real(phases, sp), real(acceptance, sp), flights, system, narrow)
+      call widen(narrow, osc, motion)
+   end subroutine periodic_in_single
+
+   !> `equispaced_chain` in single precision.
+   pure subroutine equispaced_in_single(osc, r, clearance, cycles, acceptance, flights, motions)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, clearance
+      integer, intent(in) :: cycles
+      real(wp), intent(in) :: acceptance
+      logical, intent(in) :: flights
+      type(motion_type), intent(inout) :: motions(2)
+      type(linear_system_type_single) :: system
+      type(motion_type_single) :: narrow(2)
+      integer :: i
+
+      call equispaced_chain_single(narrowed(osc), real(r, sp), real(clearance, sp), cycles, &
+         real(acceptance, sp), flights, system, narrow)
+      do i = 1, 2
+         call widen(narrow(i), osc, motions(i))
+      end do
+   end subroutine equispaced_in_single
+
+   pure function narrowed(osc) result(narrow)
+      type(oscillator_type), intent(in) :: osc
+      type(oscillator_type_single) :: narrow
+
+      narrow = oscillator_type_single(real(osc%xi, sp), real(osc%mu, sp), real(osc%restitution, sp))
+   end function narrowed
+
+   !> Copies a finished motion; the oscillator keeps the digits it was given in.
+   pure subroutine widen(narrow, osc, motion)
+      type(motion_type_single), intent(in) :: narrow
+      type(oscillator_type), intent(in) :: osc
+      type(motion_type), intent(inout) :: motion
+
+      motion%osc = osc
+      motion%pattern = pattern_type(narrow%pattern%sides, narrow%pattern%cycles)
+      motion%r = real(narrow%r, wp)
+      motion%clearance = real(narrow%clearance, wp)
+      motion%restitution = real(narrow%restitution, wp)
+      motion%phases = real(narrow%phases, wp)
+      motion%x = real(narrow%x, wp)
+      motion%z = real(narrow%z, wp)
+      motion%x_dot_before = real(narrow%x_dot_before, wp)
+      motion%x_dot_after = real(narrow%x_dot_after, wp)
+      motion%z_dot_before = real(narrow%z_dot_before, wp)
+      motion%z_dot_after = real(narrow%z_dot_after, wp)
+      motion%amplitude = real(narrow%amplitude, wp)
+      motion%tau = real(narrow%tau, wp)
+      motion%residual = real(narrow%residual, wp)
+      motion%multipliers = cmplx(narrow%multipliers, kind=wp)
+      motion%x_min = real(narrow%x_min, wp)
+      motion%x_max = real(narrow%x_max, wp)
+      motion%consistent = narrow%consistent
+      motion%admissible = narrow%admissible
+      motion%stable = narrow%stable
+      motion%status = narrow%status
+   end subroutine widen
+
+end module vi_precision

@@ -1,0 +1,8 @@
+!> The one real kind that the core computes in.
+module vi_kinds
+   use, intrinsic :: iso_fortran_env, only: real64
+   implicit none (type, external)
+   private
+
+   integer, parameter, public :: wp = real64
+end module vi_kinds

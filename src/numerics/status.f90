@@ -1,0 +1,61 @@
+!> What can go wrong in a computation: one integer code each, and one text for each code.
+!!
+!! The core never prints and never stops. A procedure that can fail returns one of these codes; a
+!! point of a chart that failed keeps its code and NaN, and the rest of the chart goes on.
+module vi_status
+   implicit none (type, external)
+   private
+
+   public :: status_text
+
+   type :: status_codes
+      integer :: ok = 0
+      !> The linear equations (26), (30) have no unique solution.
+      integer :: singular = 1
+      !> Equal durations and equal restitution: A is free (rank 3), the clearance has to be given.
+      integer :: free_amplitude = 2
+      !> The solution needs no load (A = 0), or a load and a clearance of opposite sign.
+      integer :: no_load = 3
+      !> An impact has no approach speed: the impact map has no derivative there.
+      integer :: zero_approach = 4
+      !> LAPACK reported a failure (an illegal value, or QR iterations that did not converge).
+      integer :: lapack_failed = 5
+      !> A result is not a finite number.
+      integer :: not_finite = 6
+      !> There is no such motion for these parameters.
+      integer :: no_motion = 7
+   end type status_codes
+
+   type(status_codes), parameter, public :: stat = status_codes()
+
+contains
+
+   !> The sentence for a status code.
+   pure function status_text(code) result(text)
+      integer, intent(in) :: code
+      character(:), allocatable :: text
+
+      select case (code)
+      case (stat%ok)
+         text = 'done'
+      case (stat%singular)
+         text = 'the linear equations (26), (30) have no unique solution for these phases'
+      case (stat%free_amplitude)
+         text = 'two equally spaced impacts with equal restitution leave the load amplitude free: &
+            &give the clearance and ask for the equispaced motions instead'
+      case (stat%no_load)
+         text = 'no clearance d > 0 and load F0 > 0 give these phases (the solution needs no load)'
+      case (stat%zero_approach)
+         text = 'an impact has no approach speed, so the motion has no multipliers'
+      case (stat%lapack_failed)
+         text = 'LAPACK could not finish'
+      case (stat%not_finite)
+         text = 'the result is not a finite number: the parameters are too extreme for this precision'
+      case (stat%no_motion)
+         text = 'there is no such motion for these parameters'
+      case default
+         text = 'unknown status code'
+      end select
+   end function status_text
+
+end module vi_status
