@@ -98,15 +98,52 @@ subroutine sample(n, m, xi, mu, r, cycles, sides, restitution, phases, impacts, 
       phases, impacts, amplitude, tau), times, values)
 end subroutine sample
 
-!> The sentence for a status code, padded with blanks.
-subroutine status_text(code, text)
+!> The sentence for a status code, as `length` bytes of `text`.
+subroutine status_text(code, text, length)
    use, intrinsic :: iso_c_binding, only: c_char, c_int
    use vi_status, only: sentence => status_text
    implicit none (type, external)
    integer(c_int), intent(in) :: code
    character(kind=c_char), intent(out) :: text(200)
+   integer(c_int), intent(out) :: length
    character(200) :: line
 
    line = sentence(code)
    text = transfer(line, text)
+   length = len_trim(line)
 end subroutine status_text
+
+!> Runs namelist files; `paths` are separated by line feeds, and so are the lines of `text`.
+!!
+!! `text` has room for `room` bytes; `length` tells how many were wanted.
+subroutine run_namelists(n_paths, paths, n_folder, folder, room, text, length, status)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int
+   use vi_batch, only: log_type, run_file
+   use vi_text, only: join, line_type, split
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n_paths, n_folder, room
+   character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder)
+   character(kind=c_char), intent(out) :: text(room)
+   integer(c_int), intent(out) :: length, status
+   type(log_type) :: log
+   type(line_type), allocatable :: files(:)
+   character(n_paths) :: all_paths
+   character(n_folder) :: one_folder
+   character(:), allocatable :: said
+   integer :: i
+
+   all_paths = transfer(paths, all_paths)
+   one_folder = transfer(folder, one_folder)
+   files = split(all_paths, achar(10))
+   do i = 1, size(files)
+      call run_file(files(i)%text, one_folder, log)
+   end do
+   said = join(log%lines, achar(10))
+   length = len(said)
+   text = ' '
+   do i = 1, min(length, room)
+      text(i) = said(i:i)
+   end do
+   status = log%status
+end subroutine run_namelists

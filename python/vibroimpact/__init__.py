@@ -1,17 +1,21 @@
 """Stable periodic motions of a vibrating system in which a free mass collides with its walls."""
 
+from importlib.metadata import version as _version
+
 from . import errors
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
+from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
 
-__version__ = "0.1.0"
+__version__ = _version("vibroimpact")
 
 __all__ = [
     "Motion",
     "Motions",
     "Oscillator",
     "Pattern",
+    "RunLog",
     "Sample",
     "Units",
     "equispaced",
@@ -19,5 +23,6 @@ __all__ = [
     "linear_system",
     "periodic",
     "periodic_batch",
+    "run_namelists",
     "status_text",
 ]

@@ -22,7 +22,8 @@ NO_MOTION = 7
 @functools.cache
 def status_text(code: int) -> str:
     """What a status code of the core means."""
-    return bytes(_core.status_text(code)).decode().rstrip()
+    text, length = _core.status_text(code)
+    return text[:length].tobytes().decode()
 
 
 def raise_status(code: int) -> None:

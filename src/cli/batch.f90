@@ -1,0 +1,142 @@
+!> Runs the cases of a namelist file and writes their results.
+module vi_batch
+   use vi_case, only: case_type, read_cases
+   use vi_chain, only: equispaced_chain, periodic_chain
+   use vi_files, only: make_folder, write_file
+   use vi_motion, only: motion_type
+   use vi_periodic, only: linear_system_type
+   use vi_precision, only: equispaced_in_single, periodic_in_single
+   use vi_report, only: csv_lines, table_lines, verdict_text
+   use vi_status, only: stat, status_text
+   use vi_text, only: append, line_type, lower, whole
+   implicit none (type, external)
+   private
+
+   public :: run_file
+
+   !> Exit statuses: all done; ran, but something failed or is not there; the input is wrong.
+   integer, parameter, public :: done = 0, failed = 1, wrong = 2
+
+   !> What is said while files run: a line for each case, and the names taken so far.
+   type, public :: log_type
+      !> The first character of a line is '-' for news and '!' for a fault.
+      type(line_type), allocatable :: lines(:)
+      !> File names of results, in lower case, with the place that took each.
+      type(line_type), allocatable :: names(:), places(:)
+      !> The worst so far: `done`, `failed` or `wrong`.
+      integer :: status = done
+   end type log_type
+
+contains
+
+   !> Runs all cases of one file; nothing runs unless the whole file is right.
+   subroutine run_file(path, folder, log)
+      character(*), intent(in) :: path
+      !> Where results go; made if it is not there.
+      character(*), intent(in) :: folder
+      type(log_type), intent(inout) :: log
+      type(case_type), allocatable :: cases(:)
+      type(motion_type), allocatable :: motions(:)
+      character(:), allocatable :: message
+      integer :: i
+
+      if (.not. allocated(log%lines)) allocate (log%lines(0), log%names(0), log%places(0))
+      call read_cases(path, cases, message)
+      if (len(message) == 0) call take_names(path, cases, log, message)
+      if (len(message) > 0) then
+         call append(log%lines, '!'//message)
+         log%status = wrong
+         return
+      end if
+      call make_folder(folder)
+      do i = 1, size(cases)
+         call compute(cases(i), motions)
+         call write_results(cases(i), motions, folder, log)
+      end do
+   end subroutine run_file
+
+   !> Reserves the names of the results; two cases with one name would overwrite each other.
+   subroutine take_names(path, cases, log, message)
+      character(*), intent(in) :: path
+      type(case_type), intent(in) :: cases(:)
+      type(log_type), intent(inout) :: log
+      character(:), allocatable, intent(inout) :: message
+      character(:), allocatable :: place
+      integer :: i, j
+
+      do i = 1, size(cases)
+         place = path//':'//whole(cases(i)%line)
+         do j = 1, size(log%names)
+            if (log%names(j)%text /= lower(cases(i)%name)) cycle
+            message = place//': &output name = '''//cases(i)%name//''': is already the name of the &
+               &case at '//log%places(j)%text//'; must be another'
+            return
+         end do
+         call append(log%names, lower(cases(i)%name))
+         call append(log%places, place)
+      end do
+   end subroutine take_names
+
+   subroutine compute(case, motions)
+      type(case_type), intent(in) :: case
+      type(motion_type), allocatable, intent(out) :: motions(:)
+      type(linear_system_type) :: system
+
+      if (case%kind == 'equispaced') then
+         allocate (motions(2))
+         if (case%single) then
+            call equispaced_in_single(case%osc, case%r, case%clearance, case%pattern%cycles, &
+               case%acceptance, .true., motions)
+         else
+            call equispaced_chain(case%osc, case%r, case%clearance, case%pattern%cycles, &
+               case%acceptance, .true., system, motions)
+         end if
+      else
+         allocate (motions(1))
+         if (case%single) then
+            call periodic_in_single(case%osc, case%r, case%pattern, case%restitution, case%phases, &
+               case%acceptance, .true., motions(1))
+         else
+            call periodic_chain(case%osc, case%r, case%pattern, case%restitution, case%phases, &
+               case%acceptance, .true., system, motions(1))
+         end if
+      end if
+   end subroutine compute
+
+   subroutine write_results(case, motions, folder, log)
+      type(case_type), intent(in) :: case
+      type(motion_type), intent(in) :: motions(:)
+      character(*), intent(in) :: folder
+      type(log_type), intent(inout) :: log
+      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: message, path
+      integer :: i
+
+      message = ''
+      path = folder//'/'//case%name
+      if (case%format /= 'csv') then
+         call table_lines(case, motions, lines)
+         call write_file(path//'.txt', lines, message)
+         if (len(message) > 0) message = path//'.txt: '//message
+      end if
+      if (case%format /= 'table' .and. len(message) == 0) then
+         call csv_lines(case, motions, lines)
+         call write_file(path//'.csv', lines, message)
+         if (len(message) > 0) message = path//'.csv: '//message
+      end if
+      if (len(message) > 0) then
+         call append(log%lines, '!'//message//'; must be a folder and disk that can be written')
+         log%status = wrong
+         return
+      end if
+      if (all(motions%status /= stat%ok)) then
+         call append(log%lines, '!'//case%name//': '//status_text(motions(1)%status))
+         log%status = max(log%status, failed)
+      end if
+      do i = 1, size(motions)
+         if (motions(i)%status == stat%ok) call append(log%lines, '-'//case%name//': '// &
+            verdict_text(motions(i)))
+      end do
+   end subroutine write_results
+
+end module vi_batch

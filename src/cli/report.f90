@@ -1,0 +1,242 @@
+!> Results as text: a table for machines (CSV) and a printout for people.
+module vi_report
+   use vi_case, only: case_type
+   use vi_kinds, only: wp
+   use vi_motion, only: motion_type, unknown, yes
+   use vi_oscillator, only: lag
+   use vi_pattern, only: side_letters
+   use vi_status, only: stat, status_text
+   use vi_text, only: append, exact, line_type, shown, whole
+   use vi_version, only: version
+   implicit none (type, external)
+   private
+
+   public :: csv_lines, table_lines, verdict_text
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+contains
+
+   !> The motions of a case as CSV: one row an impact, motion by motion.
+   !!
+   !! The header is the complete case as a namelist behind `#`, so that the file is an input that
+   !! reproduces itself. Numbers have 17 digits.
+   pure subroutine csv_lines(case, motions, lines)
+      type(case_type), intent(in) :: case
+      type(motion_type), intent(in) :: motions(:)
+      type(line_type), allocatable, intent(out) :: lines(:)
+      integer :: i, j
+
+      call echo(case, lines)
+      do i = 1, size(motions)
+         if (motions(i)%status /= stat%ok) call append(lines, '# ! motion '//whole(i)//': '// &
+            status_text(motions(i)%status))
+      end do
+      call append(lines, 'motion,impact,side,restitution,phase,X,Z,X_dot_before,X_dot_after,'// &
+         'Z_dot_before,Z_dot_after,r,clearance,A,tau,residual,consistent,admissible,stable,'// &
+         'x_min,x_max,attenuation,multiplier_1_re,multiplier_1_im,multiplier_2_re,'// &
+         'multiplier_2_im,multiplier_3_re,multiplier_3_im,multiplier_4_re,multiplier_4_im')
+      do i = 1, size(motions)
+         if (motions(i)%status /= stat%ok) cycle
+         do j = 1, size(motions(i)%x)
+            call append(lines, whole(i)//','//whole(j)//impact_columns(motions(i), j) &
+               //motion_columns(motions(i)))
+         end do
+      end do
+   end subroutine csv_lines
+
+   !> The complete case as a namelist, each line behind `#`.
+   pure subroutine echo(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(out) :: lines(:)
+
+      call append(lines, '# ! vibroimpact '//version//'; lengths in F0/K, time in 1/omega, angles in &
+         &radians; this file is an input too')
+      call append(lines, '# &system')
+      call append(lines, '#   xi = '//exact(case%osc%xi))
+      call append(lines, '#   mu = '//exact(case%osc%mu))
+      call append(lines, '#   restitution = '//list(case%osc%restitution))
+      call append(lines, '#   r = '//exact(case%r))
+      call append(lines, '# /')
+      call append(lines, '# &motion')
+      call append(lines, '#   kind = '''//case%kind//'''')
+      call append(lines, '#   cycles = '//whole(case%pattern%cycles))
+      if (case%kind == 'equispaced') then
+         call append(lines, '#   clearance = '//exact(case%clearance))
+      else
+         call append(lines, '#   sides = '''//side_letters(case%pattern%sides)//'''')
+         call append(lines, '#   phases = '//list(case%phases))
+      end if
+      if (case%own_restitution) call append(lines, '#   impact_restitution = '//list(case%restitution))
+      call append(lines, '#   precision = '//trim(merge('''single''', '''double''', case%single)))
+      call append(lines, '#   acceptance = '//exact(case%acceptance))
+      call append(lines, '# /')
+      call append(lines, '# &output')
+      call append(lines, '#   name = '''//case%name//'''')
+      call append(lines, '#   format = '''//case%format//'''')
+      call append(lines, '# /')
+   end subroutine echo
+
+   pure function list(values) result(text)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = exact(values(1))
+      do i = 2, size(values)
+         text = text//', '//exact(values(i))
+      end do
+   end function list
+
+   pure function impact_columns(motion, j) result(text)
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: j
+      character(:), allocatable :: text
+
+      text = ','//side_letters(motion%pattern%sides(j:j))//numbers([motion%restitution(j), &
+         motion%phases(j), motion%x(j), motion%z(j), motion%x_dot_before(j), motion%x_dot_after(j), &
+         motion%z_dot_before(j), motion%z_dot_after(j)])
+   end function impact_columns
+
+   !> What all impacts of a motion share.
+   pure function motion_columns(motion) result(text)
+      type(motion_type), intent(in) :: motion
+      character(:), allocatable :: text
+      integer :: i
+
+      text = numbers([motion%r, motion%clearance, motion%amplitude, motion%tau, motion%residual])
+      text = text//','//verdict_word(motion%consistent)//','//verdict_word(motion%admissible)//','// &
+         verdict_word(motion%stable)
+      text = text//numbers([motion%x_min, motion%x_max, attenuation(motion)])
+      do i = 1, 4
+         if (motion%stable == unknown) then
+            text = text//',nan,nan'
+         else
+            text = text//numbers([motion%multipliers(i)%re, motion%multipliers(i)%im])
+         end if
+      end do
+   end function motion_columns
+
+   pure function numbers(values) result(text)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(values)
+         text = text//','//exact(values(i))
+      end do
+   end function numbers
+
+   pure function verdict_word(verdict) result(word)
+      integer, intent(in) :: verdict
+      character(:), allocatable :: word
+
+      if (verdict == unknown) then
+         word = 'unknown'
+      else
+         word = trim(merge('true ', 'false', verdict == yes))
+      end if
+   end function verdict_word
+
+   pure real(wp) function attenuation(motion)
+      type(motion_type), intent(in) :: motion
+
+      attenuation = max(-motion%x_min, motion%x_max)/motion%amplitude
+   end function attenuation
+
+   !> The verdicts of a motion in words.
+   pure function verdict_text(motion) result(text)
+      type(motion_type), intent(in) :: motion
+      character(:), allocatable :: text
+
+      text = said(motion%consistent, 'consistent')//', '//said(motion%admissible, 'admissible')//', '
+      select case (motion%stable)
+      case (unknown)
+         text = text//'stable? (no multipliers)'
+      case default
+         text = text//trim(merge('stable  ', 'unstable', motion%stable == yes))//' (max|lambda| = '// &
+            shown(abs(motion%multipliers(1)), 'g0.4')//')'
+      end select
+   end function verdict_text
+
+   pure function said(verdict, word) result(text)
+      integer, intent(in) :: verdict
+      character(*), intent(in) :: word
+      character(:), allocatable :: text
+
+      text = word
+      if (verdict == unknown) text = word//'?'
+      if (verdict /= unknown .and. verdict /= yes) text = 'not '//word
+   end function said
+
+   !> The motions of a case as a printout with the rows of Table 1 of the 1983 paper.
+   pure subroutine table_lines(case, motions, lines)
+      type(case_type), intent(in) :: case
+      type(motion_type), intent(in) :: motions(:)
+      type(line_type), allocatable, intent(out) :: lines(:)
+      integer :: i
+
+      call append(lines, case%name)
+      call append(lines, '')
+      call append(lines, 'Parameters of primary and secondary system')
+      call append(lines, '  xi = '//shown(case%osc%xi, 'g0.6')//', r = '//shown(case%r, 'g0.6')// &
+         ', mu = '//shown(case%osc%mu, 'g0.6')//', R1 = '//shown(case%osc%restitution(1), 'g0.6')// &
+         ', R2 = '//shown(case%osc%restitution(2), 'g0.6'))
+      call append(lines, '  lengths in F0/K, velocities in omega F0/K')
+      do i = 1, size(motions)
+         call append(lines, '')
+         if (motions(i)%status == stat%ok) then
+            call table_of(motions(i), lines)
+         else
+            call append(lines, status_text(motions(i)%status))
+         end if
+      end do
+   end subroutine table_lines
+
+   pure subroutine table_of(motion, lines)
+      type(motion_type), intent(in) :: motion
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      call append(lines, whole(size(motion%x))//' impacts in '//whole(motion%pattern%cycles)//' cycle(s), sides '// &
+         side_letters(motion%pattern%sides))
+      call append(lines, row('alpha_i/pi', motion%phases/pi, 'f12.4'))
+      call append(lines, row('Omega t_1/pi', [wrapped(motion%tau + lag(motion%osc%xi, motion%r))/pi], 'f12.4'))
+      call append(lines, row('tau/pi', [motion%tau/pi], 'f12.4'))
+      call append(lines, row('d/(F0/K)', [motion%clearance], 'f12.4'))
+      call append(lines, row('X_i', motion%x, 'f12.4'))
+      call append(lines, row('Z_i', motion%z, 'f12.4'))
+      call append(lines, row('X''_ia', motion%x_dot_after, 'f12.4'))
+      call append(lines, row('X''_ib', motion%x_dot_before, 'f12.4'))
+      call append(lines, row('Z''_ia', motion%z_dot_after, 'f12.4'))
+      call append(lines, row('X_max', [motion%x_min, motion%x_max], 'f12.4'))
+      call append(lines, row('X_max/A', [attenuation(motion)], 'f12.4'))
+      call append(lines, row('|eigenvalues|', abs(motion%multipliers), 'f12.4'))
+      call append(lines, row('residual', [motion%residual], 'es12.2'))
+      call append(lines, verdict_text(motion))
+   end subroutine table_of
+
+   !> A row of the printout: its name, then its numbers.
+   pure function row(name, values, format) result(text)
+      character(*), intent(in) :: name, format
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: text
+      character(16) :: label
+      character(12) :: number
+      integer :: i
+
+      label = name
+      text = label
+      do i = 1, size(values)
+         write (number, '('//format//')') values(i)
+         text = text//number
+      end do
+   end function row
+
+   !> An angle in (-pi, pi].
+   pure real(wp) function wrapped(angle)
+      real(wp), intent(in) :: angle
+
+      wrapped = atan2(sin(angle), cos(angle))
+   end function wrapped
+
+end module vi_report
