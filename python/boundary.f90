@@ -135,7 +135,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, room, text, length, s
 
    all_paths = transfer(paths, all_paths)
    one_folder = transfer(folder, one_folder)
-   files = split(all_paths, achar(10))
+   allocate (files, source=split(all_paths, achar(10)))
    do i = 1, size(files)
       call run_file(files(i)%text, one_folder, log)
    end do
@@ -147,3 +147,128 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, room, text, length, s
    end do
    status = log%status
 end subroutine run_namelists
+
+!> Simulates from a state to an end of time, or until `room` events are found.
+!!
+!! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released); both are
+!! returned at the end. Rows of `values`: time, phase, x, x' before and after, z' before and after; of
+!! `labels`: kind, side.
+subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycle, last_phase, room, &
+      values, labels, n_events, end_state, end_contact, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_trajectory, only: simulate_arrays
+   use vi_oscillator, only: oscillator_type
+   use vi_simulate, only: new_drive
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: contact(3), room
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, state(7), last_cycle, last_phase
+   real(c_double), intent(out) :: values(7, room), end_state(7)
+   integer(c_int), intent(out) :: labels(2, room), n_events, end_contact(3), status
+
+   end_state = state
+   end_contact = contact
+   call simulate_arrays(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), end_state, &
+      end_contact, last_cycle, last_phase, values, labels, n_events, status)
+end subroutine simulate
+
+!> The time history of a trajectory: x, x', z, z', y and load at the given times.
+subroutine sample_trajectory(n, m, xi, mu, r, load, clearance, starts, resting, times, values)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_oscillator, only: oscillator_type
+   use vi_simulate, only: new_drive
+   use vi_trajectory, only: sample_segments
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, resting(n)
+   real(c_double), intent(in) :: xi, mu, r, load, clearance, starts(6, n), times(m)
+   real(c_double), intent(out) :: values(6, m)
+
+   call sample_segments(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, times, &
+      values)
+end subroutine sample_trajectory
+
+!> The exact motion near a guess of x_i and theta_i = alpha_i + tau, by Newton's method.
+subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitution, x, theta, most, phases, &
+      impacts, scalars, multipliers, verdicts, status, iterations)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_exact, only: setting_type
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_points, only: exact_point
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, cycles, sides(n), most
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, restitution(n), x(n), theta(n)
+   real(c_double), intent(out) :: phases(n), impacts(n, 6), scalars(6)
+   complex(c_double_complex), intent(out) :: multipliers(4)
+   integer(c_int), intent(out) :: verdicts(3), status, iterations
+
+   call exact_point(setting_type(oscillator_type(xi, mu, walls), r, load, clearance, &
+      pattern_type(sides, cycles), restitution), x, theta, most, phases, impacts, scalars, multipliers, &
+      verdicts, status, iterations)
+end subroutine exact
+
+!> Least and greatest x over the segments of a trajectory, from certified extrema.
+subroutine extreme_positions(n, xi, mu, r, load, clearance, starts, resting, last, x_min, x_max, complete)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_oscillator, only: oscillator_type
+   use vi_simulate, only: new_drive
+   use vi_trajectory, only: extremes => extreme_positions
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, resting(n)
+   real(c_double), intent(in) :: xi, mu, r, load, clearance, starts(6, n), last
+   real(c_double), intent(out) :: x_min, x_max
+   integer(c_int), intent(out) :: complete
+   logical :: whole
+
+   call extremes(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, last, x_min, &
+      x_max, whole)
+   complete = merge(1, 0, whole)
+end subroutine extreme_positions
+
+!> The periodic motion with rest near a release at (phase, v) on a wall; its events over one period.
+subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, room, point, multipliers, &
+      residual, values, labels, n_events, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_oscillator, only: oscillator_type
+   use vi_rest_motion, only: solve_rest_motion
+   use vi_simulate, only: event_type, new_drive
+   use vi_trajectory, only: store_events
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: side, cycles, room
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, guess(2)
+   real(c_double), intent(out) :: point(2), residual, values(7, room)
+   complex(c_double_complex), intent(out) :: multipliers(4)
+   integer(c_int), intent(out) :: labels(2, room), n_events, status
+   type(event_type), allocatable :: events(:)
+
+   allocate (events(room))
+   point = guess
+   n_events = 0
+   call solve_rest_motion(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), side, cycles, &
+      point, multipliers, residual, events, n_events, status)
+   call store_events(events(:n_events), r, values, labels)
+end subroutine rest_motion
+
+!> Exact motions of one pattern from a number of guesses, as columns (x_i, theta_i).
+subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, guesses, room, found, &
+      n_found, tried)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_exact, only: setting_type
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: default_restitution, pattern_type
+   use vi_search, only: search => search_pattern
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, cycles, sides(n), guesses, room
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance
+   real(c_double), intent(out) :: found(2*n, room)
+   integer(c_int), intent(out) :: n_found, tried
+
+   call search(setting_type(oscillator_type(xi, mu, walls), r, load, clearance, &
+      pattern_type(sides, cycles), default_restitution(sides, walls(1), walls(2))), guesses, found, &
+      n_found, tried)
+end subroutine search_pattern

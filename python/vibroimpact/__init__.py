@@ -7,6 +7,7 @@ from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
+from .trajectory import Trajectory, simulate
 
 __version__ = _version("vibroimpact")
 
@@ -17,6 +18,7 @@ __all__ = [
     "Pattern",
     "RunLog",
     "Sample",
+    "Trajectory",
     "Units",
     "equispaced",
     "errors",
@@ -24,5 +26,6 @@ __all__ = [
     "periodic",
     "periodic_batch",
     "run_namelists",
+    "simulate",
     "status_text",
 ]

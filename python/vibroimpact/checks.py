@@ -23,6 +23,8 @@ RANGES: dict[str, tuple[float, float, bool]] = {
     "r": (1e-6, 1e6, True),
     "clearance": (1e-12, 1e12, True),
     "acceptance": (0.0, 1.0, True),
+    "load": (0.0, 1e12, True),
+    "cycles_simulated": (0.0, 1e9, True),
 }
 MAX_IMPACTS = 1000
 MAX_CYCLES = 10_000

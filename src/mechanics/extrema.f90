@@ -1,12 +1,12 @@
 !> Certified extrema of the relative position in a flight: none is missed, however narrow.
 !!
-!! The relative position y = z - x is stationary where g(t) = x'(t) - z' vanishes. From an instant
-!! with value g and slope g', and with |g''| <= B, the next zero is no nearer than the positive root
-!! h of |g| + (rate of |g|) h - B h^2/2 = 0. Stepping by h therefore never jumps over a zero; near a
-!! simple zero h converges to it quadratically, as Newton's method would.
+!! The relative position y = z - x is stationary where g(t) = x'(t) - z' vanishes. Conservative
+!! advancement along |g| never jumps over such an instant.
 module vi_extrema
-   use vi_flight, only: derivative_bound, flight_position, flight_state, flight_type
+   use vi_advance, only: safe_step
+   use vi_flight, only: flight_position, flight_type
    use vi_kinds, only: wp
+   use vi_oscillation, only: derivative_bound, derivatives
    implicit none (type, external)
    private
 
@@ -22,42 +22,40 @@ contains
    !! The ends of the flight are not stationary points and do not count. Where there is no stationary
    !! point, `lowest` is +huge and `highest` is -huge. With z = z_dot = 0 the answer is that of -x.
    !! A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest time scale, so
-   !! that the error of the value, at most B delta^2/2, is of the order of rounding.
+   !! that the error of the value, at most |x''| delta^2/2, is of the order of rounding.
    pure subroutine relative_extrema(flight, lowest, highest, complete)
       type(flight_type), intent(in) :: flight
       real(wp), intent(out) :: lowest, highest
       !> False if the step budget ran out before the end of the flight.
       logical, intent(out) :: complete
-      real(wp) :: t, x, g, g_dot, bound, rate, root, step, shortest, relative
+      real(wp) :: t, d(0:4), g, direction, before, bound, step, shortest, longest, relative
       integer :: n
 
       lowest = huge(1.0_wp)
       highest = -huge(1.0_wp)
       complete = .true.
       shortest = max(sqrt(epsilon(1.0_wp))/max(1.0_wp, flight%r), 4*spacing(flight%duration))
+      longest = max(3/max(1.0_wp, flight%r), 2*shortest)
       t = 0
+      before = 0
       do n = 1, step_budget
-         call flight_state(flight, t, x, g, g_dot)
-         g = g - flight%z_dot
-         bound = derivative_bound(flight, 3, t)
+         d = derivatives(flight, t)
+         g = d(1) - flight%z_dot
+         bound = derivative_bound(flight, 4, t)
          if (.not. bound > 0) return
-         rate = sign(1.0_wp, g)*g_dot
-         root = sqrt(rate**2 + 2*bound*abs(g))
-         if (.not. abs(g) > 0) then
-            step = 0
-         else if (rate > 0) then
-            step = (rate + root)/bound
-         else
-            step = 2*abs(g)/(root - rate)          ! the same root, without cancellation
-         end if
-         if (step < shortest) then
+         direction = sign(1.0_wp, g)
+         step = 0
+         if (abs(g) > 0) step = safe_step(abs(g), direction*d(2), direction*d(3), bound, longest)
+         ! a step may land on the zero to rounding, and so a last bit beyond it
+         if (step < shortest .or. direction*before < 0) then
             if (t > shortest .and. t < flight%duration - shortest) then
-               relative = flight_position(flight, t) - x
+               relative = flight_position(flight, t) - d(0)
                lowest = min(lowest, relative)
                highest = max(highest, relative)
             end if
-            step = shortest
+            step = max(step, shortest)
          end if
+         before = direction
          t = t + step
          if (.not. t < flight%duration) return
       end do

@@ -1,19 +1,17 @@
 !> The motion of both masses between two impacts, in closed form.
 module vi_flight
    use vi_kinds, only: wp
+   use vi_oscillation, only: derivatives, new_oscillation, oscillation_type
    use vi_oscillator, only: eta
    implicit none (type, external)
    private
 
-   public :: new_flight, flight_state, flight_position, derivative_bound
+   public :: new_flight, flight_state, flight_position
 
-   !> One flight. Its clock starts at 0 at the impact that begins it (time unit 1/omega).
-   type, public :: flight_type
-      real(wp) :: xi, eta, r
-      !> Free motion exp(-xi t) (a sin(eta t) + b cos(eta t)), equations (5), (6).
-      real(wp) :: a, b
-      !> Forced motion A sin(r t + phase).
-      real(wp) :: amplitude, phase
+   !> One flight: the oscillation of the primary mass, and the free mass in uniform motion.
+   !!
+   !! Its clock starts at 0 at the impact that begins it (time unit 1/omega).
+   type, extends(oscillation_type), public :: flight_type
       !> Position and velocity of the free mass at the start.
       real(wp) :: z, z_dot
       real(wp) :: duration
@@ -31,13 +29,7 @@ contains
       real(wp), intent(in) :: duration
       type(flight_type) :: flight
 
-      flight%xi = xi
-      flight%eta = eta(xi)
-      flight%r = r
-      flight%amplitude = amplitude
-      flight%phase = phase
-      flight%b = x - amplitude*sin(phase)                                                     ! (6)
-      flight%a = (x_dot - amplitude*r*cos(phase) + xi*flight%b)/flight%eta                    ! (5)
+      flight%oscillation_type = new_oscillation(xi, eta(xi), r, amplitude, phase, x, x_dot)
       flight%z = z
       flight%z_dot = z_dot
       flight%duration = duration
@@ -48,18 +40,12 @@ contains
       type(flight_type), intent(in) :: flight
       real(wp), intent(in) :: t
       real(wp), intent(out) :: x, x_dot, x_ddot
-      real(wp) :: decay, s, c, free, free_dot, forced, forced_dot
+      real(wp) :: d(0:4)
 
-      decay = exp(-flight%xi*t)
-      s = decay*sin(flight%eta*t)
-      c = decay*cos(flight%eta*t)
-      free = flight%a*s + flight%b*c
-      free_dot = flight%eta*(flight%a*c - flight%b*s) - flight%xi*free
-      forced = flight%amplitude*sin(flight%r*t + flight%phase)
-      forced_dot = flight%amplitude*flight%r*cos(flight%r*t + flight%phase)
-      x = free + forced
-      x_dot = free_dot + forced_dot
-      x_ddot = -2*flight%xi*free_dot - free - flight%r**2*forced
+      d = derivatives(flight, t)
+      x = d(0)
+      x_dot = d(1)
+      x_ddot = d(2)
    end subroutine flight_state
 
    !> Position of the free mass at time t.
@@ -69,17 +55,5 @@ contains
 
       z = flight%z + flight%z_dot*t
    end function flight_position
-
-   !> A bound on the absolute n-th derivative of x from time t on.
-   !!
-   !! The free part is Re(c exp(lambda t)) with |c| = |(a, b)| and |lambda| = 1 in units of omega, so
-   !! each derivative keeps its amplitude; the forced part gains a factor r.
-   pure real(wp) function derivative_bound(flight, n, t) result(bound)
-      type(flight_type), intent(in) :: flight
-      integer, intent(in) :: n
-      real(wp), intent(in) :: t
-
-      bound = hypot(flight%a, flight%b)*exp(-flight%xi*t) + abs(flight%amplitude)*flight%r**n
-   end function derivative_bound
 
 end module vi_flight

@@ -24,6 +24,12 @@ module vi_status
       integer :: not_finite = 6
       !> There is no such motion for these parameters.
       integer :: no_motion = 7
+      !> The list of events is full; calling again goes on.
+      integer :: more_events = 8
+      !> Newton's method did not converge.
+      integer :: no_convergence = 10
+      !> A search for the next event took more steps than it may.
+      integer :: budget = 9
    end type status_codes
 
    type(status_codes), parameter, public :: stat = status_codes()
@@ -53,6 +59,12 @@ contains
          text = 'the result is not a finite number: the parameters are too extreme for this precision'
       case (stat%no_motion)
          text = 'there is no such motion for these parameters'
+      case (stat%more_events)
+         text = 'the list of events is full before the end of time'
+      case (stat%budget)
+         text = 'the step budget ran out in a flight of millions of oscillations'
+      case (stat%no_convergence)
+         text = 'the iteration did not converge; a closer guess may help'
       case default
          text = 'unknown status code'
       end select

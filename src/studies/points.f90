@@ -10,7 +10,9 @@
 !! What could not be computed is NaN.
 module vi_points
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use vi_assess, only: assess_flights, assess_linear
    use vi_chain, only: equispaced_chain, periodic_chain
+   use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion, unknown
    use vi_oscillator, only: oscillator_type
@@ -21,7 +23,10 @@ module vi_points
    implicit none (type, external)
    private
 
-   public :: periodic_points, equispaced_points, recall
+   public :: periodic_points, equispaced_points, exact_point, recall
+
+   !> Relative residual up to which an exact motion counts as consistent.
+   real(wp), parameter :: exact_acceptance = 1.0e-9_wp
 
 contains
 
@@ -83,6 +88,28 @@ contains
          end do
       end do
    end subroutine equispaced_points
+
+   !> An exact motion from a guess of x_i and theta_i.
+   pure subroutine exact_point(setting, x, theta, most, phases, impacts, scalars, multipliers, verdicts, &
+         status, iterations)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: x(:), theta(:)
+      !> Most iterations.
+      integer, intent(in) :: most
+      real(wp), intent(out) :: phases(:), impacts(:, :), scalars(:)
+      complex(wp), intent(out) :: multipliers(:)
+      integer, intent(out) :: verdicts(:), status, iterations
+      type(motion_type) :: motion
+      real(wp) :: x_now(size(x)), theta_now(size(x)), none(2*size(x), 0)
+
+      x_now = x
+      theta_now = theta
+      call solve_exact(setting, x_now, theta_now, most, none, motion, iterations)
+      call assess_linear(motion, exact_acceptance)
+      call assess_flights(motion)
+      phases = motion%phases
+      call store(motion, .true., impacts, scalars, multipliers, verdicts, status)
+   end subroutine exact_point
 
    !> Writes one motion into its place.
    pure subroutine store(motion, flights, impacts, scalars, multipliers, verdicts, status)

@@ -1,0 +1,310 @@
+"""What really happens: simulated trajectories with every impact, accumulation and rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, checks
+from .errors import ParameterError, SingularError
+from .model import Oscillator
+from .motion import Sample
+
+__all__ = ["State", "Trajectory", "simulate"]
+
+TWO_PI = 2 * math.pi
+KINDS = np.array(["", "impact", "stick", "release"])
+LETTERS = {1: "R", -1: "L"}
+#: Columns of `Trajectory.events`.
+EVENT_TYPE = np.dtype(
+    [
+        ("time", "f8"), ("kind", "U7"), ("side", "U1"), ("phase", "f8"), ("x", "f8"),
+        ("x_dot_before", "f8"), ("x_dot_after", "f8"), ("z_dot_before", "f8"), ("z_dot_after", "f8"),
+    ]
+)  # fmt: skip
+#: Events that one call of the core finds at most; between calls Ctrl-C is heard.
+CHUNK = 65_536
+MORE_EVENTS = 8
+
+#: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on bit for bit.
+State = dict[str, float]
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Trajectory:
+    """A simulated trajectory. Lengths in F0/K (or any unit, if `load` is not 1), time in 1/omega.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    r, clearance, load : float
+        Frequency ratio, clearance and load amplitude.
+    events : structured ndarray
+        In order of time: ``time``, ``kind`` ("impact", "stick" where accumulating impacts end in rest,
+        "release" where the rest ends), ``side`` ("R" or "L"), ``phase`` (of the load, in [0, 2 pi)),
+        ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
+    initial_state, final_state : dict
+        States at both ends; a final state continues bit for bit when given to `simulate`.
+    complete : bool
+        False if `max_events` was reached before the end of time.
+    """
+
+    osc: Oscillator
+    r: float
+    clearance: float
+    load: float
+    events: NDArray[Any]
+    initial_state: State
+    final_state: State
+    complete: bool
+
+    def sample(self, t: ArrayLike) -> Sample:
+        """Positions, velocities and load at times within the trajectory, from the closed form.
+
+        Parameters
+        ----------
+        t : array_like
+            Times between those of `initial_state` and `final_state`, in any order. At an event the
+            velocities are those just after it.
+
+        Examples
+        --------
+        >>> import numpy as np, vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+        >>> run = vi.simulate(osc, r=1.04, clearance=25.0, cycles=50)
+        >>> history = run.sample(np.linspace(0, run.final_state["t"], 1000))
+        >>> bool(np.all(abs(history.Y) <= 12.5 + 1e-12))
+        True
+        """
+        times = checks.real_array(t, "t", "real times")
+        first, last = self.initial_state["t"], self.final_state["t"]
+        if times.size and not (first <= times.min() and times.max() <= last):
+            raise ParameterError(
+                f"t from {times.min():.6g} to {times.max():.6g}: must be within the trajectory, "
+                f"{first:.6g} to {last:.6g}"
+            )
+        starts, resting = self._segments()
+        values = _core.sample_trajectory(
+            self.osc.xi, self.osc.mu, self.r, self.load, self.clearance, starts, resting, times.ravel()
+        )
+        return Sample(*values.reshape((6, *times.shape)))
+
+    def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+        """Start of each segment (6, n), and the side on which the free mass rests in it."""
+        n = len(self.events) + 1
+        starts = np.empty((6, n), order="F")
+        resting = np.zeros(n, dtype=np.int32)
+        state = self.initial_state
+        starts[:, 0] = [state[name] for name in ("t", "phase", "x", "x_dot", "z", "z_dot")]
+        resting[0] = int(state["side"]) if state["resting"] else 0
+        events = self.events
+        side = np.where(events["side"] == "R", 1, -1)
+        starts[0, 1:] = events["time"]
+        starts[1, 1:] = events["phase"]
+        starts[2, 1:] = events["x"]
+        starts[3, 1:] = events["x_dot_after"]
+        starts[4, 1:] = events["x"] + 0.5 * side * self.clearance
+        starts[5, 1:] = events["z_dot_after"]
+        resting[1:] = np.where(events["kind"] == "stick", side, 0)
+        return starts, resting
+
+    def __repr__(self) -> str:
+        counts = {kind: int((self.events["kind"] == kind).sum()) for kind in KINDS[1:]}
+        rests = f", {counts['stick']} rests" if counts["stick"] else ""
+        cut = "" if self.complete else "; cut short by max_events"
+        return (
+            f"<Trajectory at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, t = {self.initial_state['t']:.6g} "
+            f"to {self.final_state['t']:.6g}: {counts['impact']} impacts{rests}{cut}>"
+        )
+
+
+def simulate(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    cycles: float,
+    state: Mapping[str, float] | None = None,
+    load: float = 1.0,
+    discard: float = 0,
+    max_events: int = 10_000_000,
+) -> Trajectory:
+    """Simulate from an initial state; no impact is missed, and accumulating impacts are completed.
+
+    Between impacts everything is closed form. The next contact is found by steps that a bound on the
+    derivatives proves free of contact. Impacts that accumulate are summed to their limit (the time of the
+    limit is wrong by 1e-16 at most); the free mass then rests on the wall until the contact force ends.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    r : float
+        Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
+    clearance : float
+        D = d K/F0 (or d in the unit of length in which `load` is the static deflection F0/K).
+    cycles : float
+        Load cycles to simulate, 0 to 1e9.
+    state : mapping, optional
+        ``t, x, x_dot, z, z_dot`` with the load phase r t at time t; default: all 0. Or the
+        `final_state` of a trajectory, which goes on bit for bit.
+    load : float
+        Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free vibration.
+    discard : float
+        Load cycles simulated before those that are kept.
+    max_events : int
+        Events after which the trajectory ends early (`complete` is then False).
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+    SingularError
+        If an event cannot be found within millions of oscillations.
+
+    Examples
+    --------
+    One impact on the right wall, then impacts that accumulate on the left one and end in rest:
+
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    >>> run = vi.simulate(osc, r=0.9, clearance=6.0, cycles=4, discard=300)
+    >>> run.events["kind"][run.events["kind"] != "impact"].tolist()
+    ['stick', 'release', 'stick', 'release', 'stick', 'release', 'stick', 'release']
+    """
+    checks.instance(osc, "osc", Oscillator)
+    r = checks.frequency_ratio(r, osc.xi)
+    clearance = checks.number(clearance, "clearance")
+    load = checks.number(load, "load")
+    cycles = checks.number(cycles, "cycles_simulated", "cycles")
+    discard = checks.number(discard, "cycles_simulated", "discard")
+    max_events = checks.integer(max_events, "max_events", 1, 10**9)
+    values, contact = _start(osc, r, clearance, load, state)
+    system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
+    if discard:
+        end = _later(values, discard)
+        _, _, values, contact, complete = _run(system, values, contact, end, max_events, keep=False)
+        if not complete:
+            raise ParameterError(f"max_events = {max_events}: was reached within the discarded cycles")
+    first = _state(values, contact, r)
+    numbers, labels, values, contact, complete = _run(
+        system, values, contact, _later(values, cycles), max_events, keep=True
+    )
+    events = np.empty(numbers.shape[1], dtype=EVENT_TYPE)
+    events["kind"] = KINDS[labels[0]]
+    events["side"] = np.where(labels[1] > 0, "R", "L")
+    names = ("time", "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
+    for name, column in zip(names, numbers, strict=True):
+        events[name] = column
+    events.flags.writeable = False
+    return Trajectory(osc, r, clearance, load, events, first, _state(values, contact, r), complete)
+
+
+def _run(
+    system: tuple[Any, ...],
+    values: NDArray[np.float64],
+    contact: NDArray[np.int32],
+    end: tuple[float, float],
+    max_events: int,
+    *,
+    keep: bool,
+) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64], NDArray[np.int32], bool]:
+    """Simulate to the end in chunks: events, the state at the end, and whether the end was reached."""
+    numbers, labels, total = [], [], 0
+    chunk = int(min(CHUNK, 64 + 8 * (end[0] - values[0] + 1)))
+    while True:
+        room = min(chunk, max_events - total + 1)
+        found, kinds, n, values, contact, status = _core.simulate(*system, values, contact, *end, max(room, 2))
+        if keep:
+            numbers.append(found[:, :n])
+            labels.append(kinds[:, :n])
+        total += n
+        if status == 0:
+            complete = True
+            break
+        if status != MORE_EVENTS:
+            from .solve import status_text
+
+            raise SingularError(status_text(status))
+        if total >= max_events:
+            complete = False
+            break
+        chunk = CHUNK
+    if not keep:
+        return np.empty((7, 0)), np.empty((2, 0), dtype=np.int32), values, contact, complete
+    return np.concatenate(numbers, axis=1), np.concatenate(labels, axis=1), values, contact, complete
+
+
+def _later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
+    """Cycle and phase a number of load cycles after a state."""
+    whole = math.floor(cycles)
+    phase = values[1] + TWO_PI * (cycles - whole)
+    over = 1 if phase >= TWO_PI else 0
+    return float(values[0] + whole + over), float(max(0.0, phase - TWO_PI * over))
+
+
+def _state(values: NDArray[np.float64], contact: NDArray[np.int32], r: float) -> State:
+    """The arrays of the core as a dictionary."""
+    cycle, phase, x, x_dot, z, z_dot, speed = values.tolist()
+    side, resting, released = contact.tolist()
+    return {
+        "t": (TWO_PI * cycle + phase) / r, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot,
+        "cycle": cycle, "phase": phase, "side": side, "speed": speed, "resting": resting,
+        "released": released,
+    }  # fmt: skip
+
+
+def _start(
+    osc: Oscillator, r: float, clearance: float, load: float, state: Mapping[str, float] | None
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """The arrays of the core from a state given by the caller."""
+    if state is None:
+        return np.zeros(7), np.zeros(3, dtype=np.int32)
+    if not isinstance(state, Mapping):
+        raise checks.ParameterTypeError(
+            f"state = {state!r}: must be a mapping with t, x, x_dot, z, z_dot, or a final_state"
+        )
+    needed = ("t", "x", "x_dot", "z", "z_dot")
+    extra = ("cycle", "phase", "side", "speed", "resting", "released")
+    missing = [name for name in needed if name not in state]
+    unknown = [name for name in state if name not in needed + extra]
+    if missing or unknown:
+        raise ParameterError(
+            f"state with {', '.join(map(repr, state))}: must have {', '.join(needed)} "
+            f"(missing: {missing}, unknown: {unknown})"
+        )
+    given = {}
+    for name in state:
+        given[name] = checks.to_float(state[name], f"state[{name!r}]", "a finite number")
+        if not math.isfinite(given[name]):
+            raise ParameterError(f"state[{name!r}] = {state[name]!r}: must be a finite number")
+    y, half = given["z"] - given["x"], 0.5 * clearance
+    if abs(y) > half * (1 + 1e-9):
+        raise ParameterError(
+            f"state['z'] - state['x'] = {y!r}: must be between the walls, -{half:.6g} to {half:.6g}"
+        )
+    if all(name in given for name in extra):
+        values = [given[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
+        labels = [int(given[name]) for name in ("side", "resting", "released")]
+        return np.array(values), np.array(labels, dtype=np.int32)
+    cycle = math.floor(r * given["t"] / TWO_PI)
+    phase = math.fmod(r * given["t"], TWO_PI)
+    phase += TWO_PI if phase < 0 else 0.0
+    values = np.array([cycle, phase, given["x"], given["x_dot"], given["z"], given["z_dot"], 0.0])
+    contact = np.zeros(3, dtype=np.int32)
+    if abs(y) > half * (1 - 1e-12):
+        side = 1 if y > 0 else -1
+        speed = side * (given["x_dot"] - given["z_dot"])
+        pull = side * (load * math.sin(phase) - 2 * osc.xi * given["x_dot"] - given["x"])
+        if speed > 0 or (speed == 0 and pull > 0):
+            contact[0], values[6] = side, speed
+        elif speed == 0:
+            contact[:] = side, 1, 0
+    return values, contact

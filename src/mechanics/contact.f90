@@ -1,0 +1,182 @@
+!> First contact: the first instant at which the free mass reaches a wall, and none before is missed.
+!!
+!! From any instant a bound on the third derivative of the gaps tells how long neither can close; steps
+!! of that length cannot jump over a contact, however short it is, and converge to it with third order.
+!! In the first moments after leaving a wall the gap to that wall is a small difference of large
+!! numbers. There its Taylor series is used instead: g(t) = t k(t) with k(0) the departure speed, so
+!! that flights in an accumulation of impacts keep their relative accuracy.
+module vi_contact
+   use vi_advance, only: safe_step
+   use vi_flight, only: flight_type
+   use vi_kinds, only: wp
+   use vi_oscillation, only: amplitude_bound, derivative_bound, derivatives
+   implicit none (type, external)
+   private
+
+   public :: first_contact
+
+   !> How a flight begins: on a wall (side +1 or -1) with a departure speed, or inside (side 0).
+   type, public :: departure_type
+      integer :: side = 0
+      real(wp) :: speed = 0
+      !> The gap opens from rest, its second derivative being 0: the end of a rest on the wall.
+      logical :: released = .false.
+   end type departure_type
+
+   type, public :: contact_type
+      !> +1 or -1; 0 if there is no contact within the limit.
+      integer :: side = 0
+      !> Time of the contact after the start of the flight, and approach speed.
+      real(wp) :: time = 0, speed = 0
+      !> False if the step budget ran out.
+      logical :: complete = .true.
+   end type contact_type
+
+   integer, parameter :: step_budget = 10000000
+   !> Terms of the Taylor series of k, and the time (over the shortest time scale) it is used for:
+   !> the terms left out are below 0.1^10/10! = 3e-17 of the amplitude.
+   integer, parameter :: terms = 9
+   real(wp), parameter :: taylor_time = 0.1_wp
+
+contains
+
+   !> The first contact of a flight with a wall within a time limit.
+   pure function first_contact(flight, half, departure, limit) result(contact)
+      type(flight_type), intent(in) :: flight
+      !> Half the clearance: the walls are at y = -half and y = +half.
+      real(wp), intent(in) :: half
+      type(departure_type), intent(in) :: departure
+      real(wp), intent(in) :: limit
+      type(contact_type) :: contact
+      real(wp) :: t, step, other, reach, bound, near, far(2), k(0:terms - 1), d(0:4)
+      integer :: n, first, side
+
+      t = 0
+      near = 0
+      reach = 3/max(1.0_wp, flight%r)
+      bound = derivative_bound(flight, 3, 0.0_wp)
+      far = out_of_reach(flight, half)
+      if (departure%side /= 0) then
+         near = taylor_time/max(1.0_wp, flight%r)
+         k = gap_series(flight, departure)
+      end if
+      do n = 1, step_budget
+         if (mod(n, 16) == 0) bound = derivative_bound(flight, 3, t)
+         d = derivatives(flight, t)
+         ! the wall that is approached first: the other one need only be as far
+         first = merge(1, -1, flight%z_dot >= d(1))
+         step = gap_step(first, reach)
+         other = gap_step(-first, min(step, reach))
+         side = merge(first, -first, step <= other)
+         step = min(step, other)
+         if (step <= 2*spacing(t)) then
+            contact%side = side
+            contact%time = t
+            contact%speed = contact%side*(flight%z_dot - d(1))
+            if (contact%side == departure%side .and. t < near) contact%speed = series_speed(k, t)
+            contact%speed = max(0.0_wp, contact%speed)
+            return
+         end if
+         t = t + step
+         if (t > limit) return
+      end do
+      contact%complete = .false.
+   contains
+      !> A safe step for the gap to the wall of a side, no longer than needed.
+      pure real(wp) function gap_step(side, longest) result(h)
+         integer, intent(in) :: side
+         real(wp), intent(in) :: longest
+         real(wp) :: gap
+
+         if (side == departure%side .and. t < near) then
+            h = series_step(flight, k, departure, t, near)
+         else
+            gap = max(0.0_wp, half - side*(flight%z + flight%z_dot*t - d(0)))
+            h = safe_step(gap, side*(d(1) - flight%z_dot), side*d(2), bound, longest)
+            h = max(h, far(merge(1, 2, side > 0)) - t)
+         end if
+      end function gap_step
+   end function first_contact
+
+   !> Times before which the walls (right, left) are out of the reach of the primary mass.
+   pure function out_of_reach(flight, half) result(time)
+      type(flight_type), intent(in) :: flight
+      real(wp), intent(in) :: half
+      real(wp) :: time(2), reserve, speed
+      integer :: i, side
+
+      do i = 1, 2
+         side = 3 - 2*i
+         reserve = half - side*flight%z - amplitude_bound(flight)
+         speed = side*flight%z_dot
+         time(i) = 0
+         if (.not. reserve > 0) cycle
+         time(i) = huge(1.0_wp)
+         if (speed > 0 .and. reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) time(i) = reserve/speed
+      end do
+   end function out_of_reach
+
+   !> Coefficients of k(t) = g(t)/t, the gap to the wall just left over time.
+   pure function gap_series(flight, departure) result(k)
+      type(flight_type), intent(in) :: flight
+      type(departure_type), intent(in) :: departure
+      real(wp) :: k(0:terms - 1)
+      real(wp) :: free(0:terms), forced(0:terms), factorial
+      integer :: n
+
+      free(0) = flight%b
+      free(1) = flight%frequency*flight%a - flight%decay*flight%b
+      forced(0) = flight%amplitude*sin(flight%phase)
+      forced(1) = flight%amplitude*flight%r*cos(flight%phase)
+      k(0) = departure%speed
+      factorial = 1
+      do n = 2, terms
+         free(n) = -2*flight%decay*free(n - 1) - (flight%decay**2 + flight%frequency**2)*free(n - 2)
+         forced(n) = -flight%r**2*forced(n - 2)
+         factorial = factorial*n
+         k(n - 1) = departure%side*(free(n) + forced(n))/factorial
+      end do
+      if (departure%released) k(1) = 0
+   end function gap_series
+
+   !> A safe step for the gap to the wall just left, from its series.
+   !!
+   !! |k'''| <= B/4 with B a bound on the fourth derivative of the gap.
+   pure real(wp) function series_step(flight, k, departure, t, near) result(step)
+      type(flight_type), intent(in) :: flight
+      real(wp), intent(in) :: k(0:)
+      type(departure_type), intent(in) :: departure
+      real(wp), intent(in) :: t, near
+      real(wp) :: value, slope, curvature, bound
+      integer :: n
+
+      bound = 0.25_wp*derivative_bound(flight, 4, 0.0_wp)
+      if (t <= 0 .and. departure%released) then
+         ! k = k2 t^2 + ..: positive as long as the third derivative cannot undo it
+         step = min(near, 5.9_wp*k(2)/max(bound, tiny(bound)))
+         return
+      end if
+      value = 0
+      slope = 0
+      curvature = 0
+      do n = ubound(k, 1), 0, -1
+         curvature = curvature*t + 2*slope
+         slope = slope*t + value
+         value = value*t + k(n)
+      end do
+      step = safe_step(max(0.0_wp, value), slope, curvature, bound, max(near - t, spacing(near)) + near)
+   end function series_step
+
+   !> Approach speed -g' = -t k' at a zero of k.
+   pure real(wp) function series_speed(k, t) result(speed)
+      real(wp), intent(in) :: k(0:), t
+      integer :: n
+
+      speed = 0
+      do n = ubound(k, 1), 1, -1
+         speed = speed*t + n*k(n)
+      end do
+      speed = -t*speed
+   end function series_speed
+
+end module vi_contact

@@ -1,0 +1,78 @@
+!> A damped oscillation plus a forced one, in closed form with all derivatives.
+!!
+!! The primary mass moves like this between impacts, and, with other constants, while the free mass
+!! rests on a wall: x = exp(-decay t) (a sin(nu t) + b cos(nu t)) + A sin(r t + phase).
+module vi_oscillation
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: new_oscillation, derivatives, derivative_bound, amplitude_bound
+
+   type, public :: oscillation_type
+      !> Decay rate and frequency of the free part, both over omega.
+      real(wp) :: decay, frequency
+      !> Free part, equations (5), (6).
+      real(wp) :: a, b
+      !> Forced part: frequency ratio, amplitude, and the argument of its sine at time 0.
+      real(wp) :: r, amplitude, phase
+   end type oscillation_type
+
+contains
+
+   !> The oscillation with position x and velocity x_dot at time 0.
+   pure function new_oscillation(decay, frequency, r, amplitude, phase, x, x_dot) result(o)
+      real(wp), intent(in) :: decay, frequency, r, amplitude, phase, x, x_dot
+      type(oscillation_type) :: o
+
+      o%decay = decay
+      o%frequency = frequency
+      o%r = r
+      o%amplitude = amplitude
+      o%phase = phase
+      o%b = x - amplitude*sin(phase)                                                          ! (6)
+      o%a = (x_dot - amplitude*r*cos(phase) + decay*o%b)/frequency                            ! (5)
+   end function new_oscillation
+
+   !> x and its first four derivatives at time t: equations (2), (27) and on.
+   pure function derivatives(o, t) result(d)
+      class(oscillation_type), intent(in) :: o
+      real(wp), intent(in) :: t
+      real(wp) :: d(0:4)
+      real(wp) :: shrink, s, c, forced, forced_dot, stiffness, free(0:4)
+
+      shrink = exp(-o%decay*t)
+      s = shrink*sin(o%frequency*t)
+      c = shrink*cos(o%frequency*t)
+      stiffness = o%decay**2 + o%frequency**2
+      free(0) = o%a*s + o%b*c
+      free(1) = o%frequency*(o%a*c - o%b*s) - o%decay*free(0)
+      free(2) = -2*o%decay*free(1) - stiffness*free(0)
+      free(3) = -2*o%decay*free(2) - stiffness*free(1)
+      free(4) = -2*o%decay*free(3) - stiffness*free(2)
+      forced = o%amplitude*sin(o%r*t + o%phase)
+      forced_dot = o%amplitude*o%r*cos(o%r*t + o%phase)
+      d = free + [forced, forced_dot, -o%r**2*forced, -o%r**2*forced_dot, o%r**4*forced]
+   end function derivatives
+
+   !> A bound on the absolute n-th derivative of x from time t on.
+   !!
+   !! The free part is Re(c exp(lambda t)) with |c| = |(a, b)|: a derivative multiplies its amplitude by
+   !! |lambda|, and that of the forced part by r.
+   pure real(wp) function derivative_bound(o, n, t) result(bound)
+      class(oscillation_type), intent(in) :: o
+      integer, intent(in) :: n
+      real(wp), intent(in) :: t
+
+      bound = hypot(o%a, o%b)*exp(-o%decay*t)*sqrt(o%decay**2 + o%frequency**2)**n + &
+         abs(o%amplitude)*o%r**n
+   end function derivative_bound
+
+   !> A bound on |x| itself from time 0 on.
+   pure real(wp) function amplitude_bound(o) result(bound)
+      class(oscillation_type), intent(in) :: o
+
+      bound = hypot(o%a, o%b) + abs(o%amplitude)
+   end function amplitude_bound
+
+end module vi_oscillation

@@ -1,0 +1,70 @@
+!> Rest: the free mass lies on a wall and moves with the primary mass until the contact force ends.
+!!
+!! (1 + mu) x'' + 2 xi x' + x = f sin(r t), in closed form. On the wall of side s the contact holds
+!! while s x'' <= 0 and is released when s x'' rises through 0.
+module vi_rest
+   use vi_advance, only: safe_step
+   use vi_kinds, only: wp
+   use vi_oscillation, only: derivative_bound, derivatives, new_oscillation, oscillation_type
+   implicit none (type, external)
+   private
+
+   public :: new_rest, release_time
+
+   integer, parameter :: step_budget = 10000000
+
+contains
+
+   !> The joint oscillation of both masses.
+   pure function new_rest(xi, mu, r, load, load_phase, x, x_dot) result(rest)
+      real(wp), intent(in) :: xi, mu, r
+      !> Amplitude f of the load, and its phase at time 0.
+      real(wp), intent(in) :: load, load_phase
+      real(wp), intent(in) :: x, x_dot
+      type(oscillation_type) :: rest
+      real(wp) :: decay, frequency, elastic, viscous
+
+      decay = xi/(1 + mu)
+      frequency = sqrt((1 + mu - xi**2))/(1 + mu)
+      elastic = 1 - (1 + mu)*r**2
+      viscous = 2*xi*r
+      rest = new_oscillation(decay, frequency, r, load/hypot(elastic, viscous), &
+         load_phase - atan2(viscous, elastic), x, x_dot)
+   end function new_rest
+
+   !> When the contact with the wall of side s ends; huge if not within the limit.
+   pure subroutine release_time(rest, side, limit, time, complete)
+      type(oscillation_type), intent(in) :: rest
+      integer, intent(in) :: side
+      real(wp), intent(in) :: limit
+      real(wp), intent(out) :: time
+      !> False if the step budget ran out.
+      logical, intent(out) :: complete
+      real(wp) :: t, step, d(0:4), bound, reach, force
+      integer :: n
+
+      time = huge(1.0_wp)
+      complete = .true.
+      t = 0
+      reach = 3/max(1.0_wp, rest%r)
+      do n = 1, step_budget
+         d = derivatives(rest, t)
+         bound = derivative_bound(rest, 5, t)
+         if (.not. bound > 0) return                              ! both masses are at rest for good
+         force = -side*d(2)
+         step = 0
+         if (force > 0) step = safe_step(force, -side*d(3), -side*d(4), bound, reach)
+         if (step <= 2*spacing(t)) then
+            if (side*d(3) > 0) then
+               time = t
+               return
+            end if
+            step = max(step, sqrt(epsilon(1.0_wp))*reach)         ! touches 0 from above: it holds
+         end if
+         t = t + step
+         if (t > limit) return
+      end do
+      complete = .false.
+   end subroutine release_time
+
+end module vi_rest

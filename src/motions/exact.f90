@@ -1,0 +1,225 @@
+!> Exact motions: Newton's method on the 2N unknowns x_i, alpha_i at a given clearance.
+!!
+!! The equations (26), (30) with A known and the phases unknown (the footnote on the paper's page 45).
+!! They say that every flight ends where and as fast as the next impact starts. The unknown phases are
+!! theta_i = alpha_i + tau, the arguments of the forced motion A sin(theta).
+module vi_exact
+   use vi_flight, only: flight_type, new_flight
+   use vi_impact, only: primary_velocities
+   use vi_kinds, only: wp
+   use vi_lapack, only: solve
+   use vi_motion, only: motion_type, start_motion
+   use vi_oscillation, only: derivatives
+   use vi_oscillator, only: eta, gain, oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: solve_exact, newton_equations
+
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+
+   !> What is given of an exact motion.
+   type, public :: setting_type
+      type(oscillator_type) :: osc
+      real(wp) :: r = 1, load = 1, clearance = 1
+      type(pattern_type) :: pattern
+      real(wp), allocatable :: restitution(:)
+   end type setting_type
+
+contains
+
+   !> Newton's method from a guess; the motion is without verdicts.
+   pure subroutine solve_exact(setting, x, theta, most, known, motion, iterations)
+      type(setting_type), intent(in) :: setting
+      !> In: guess of x_i and theta_i (N). Out: the last iterate.
+      real(wp), intent(inout) :: x(:), theta(:)
+      !> Most iterations.
+      integer, intent(in) :: most
+      !> Motions already known (2N, m), in the unknowns (x, theta): they repel the iteration.
+      real(wp), intent(in) :: known(:, :)
+      type(motion_type), intent(inout) :: motion
+      integer, intent(out) :: iterations
+      real(wp), allocatable :: jacobian(:, :), step(:), unknowns(:)
+      real(wp) :: size_step, share, scale
+      integer :: n, status
+      logical :: last
+
+      n = size(x)
+      call start_motion(motion, setting%osc, setting%r, setting%pattern, setting%restitution, 0*x)
+      motion%status = stat%no_convergence
+      allocate (jacobian(2*n, 2*n), step(2*n), unknowns(2*n))
+      unknowns = [x, theta]
+      scale = setting%clearance
+      last = .false.
+      call newton_equations(setting, unknowns, step, jacobian)
+      do iterations = 1, most
+         call solve(jacobian, step, status)
+         if (status /= stat%ok .or. .not. all(abs(step) <= huge(1.0_wp))) then
+            motion%status = stat%singular
+            return
+         end if
+         step = -step*deflation(unknowns, -step, known, scale)
+         share = step_share(setting, unknowns, step)
+         if (share < 1.0e-6_wp) return
+         unknowns = unknowns + share*step
+         x = unknowns(:n)
+         theta = unknowns(n + 1:)
+         if (last) exit
+         ! quadratic convergence: after a step of 1e-7 the next one ends at rounding
+         size_step = max(maxval(abs(step(:n)))/scale, maxval(abs(step(n + 1:))))
+         last = size_step < 1.0e-7_wp
+         call newton_equations(setting, unknowns, step, jacobian)
+      end do
+      if (iterations > most) return
+      call finish(setting, x, theta, motion)
+   end subroutine solve_exact
+
+   !> Residuals E_i of all flights, position then velocity, and their derivatives.
+   pure subroutine newton_equations(setting, unknowns, residual, jacobian)
+      type(setting_type), intent(in) :: setting
+      !> x_i, theta_i (2N)
+      real(wp), intent(in) :: unknowns(:)
+      !> (2N): x and x' at the end of flight i less those just before impact i+1.
+      real(wp), intent(out) :: residual(:)
+      !> (2N, 2N)
+      real(wp), intent(out) :: jacobian(:, :)
+      real(wp), dimension(size(unknowns)/2) :: x, theta, z, time, speed, before, after
+      real(wp), dimension(size(unknowns)/2, size(unknowns)) :: d_speed, d_before, d_after
+      real(wp) :: d_time(size(unknowns)), end_d(0:4), s(4), forced(2), amplitude
+      type(flight_type) :: flight
+      integer :: n, i, next, previous
+
+      n = size(x)
+      x = unknowns(:n)
+      theta = unknowns(n + 1:)
+      z = x + 0.5_wp*setting%clearance*setting%pattern%sides
+      amplitude = setting%load*gain(setting%osc%xi, setting%r)
+      d_speed = 0
+      do i = 1, n
+         next = modulo(i, n) + 1
+         time(i) = (theta(next) - theta(i) + merge(two_pi*setting%pattern%cycles, 0.0_wp, i == n)) &
+            /setting%r
+         speed(i) = (z(next) - z(i))/time(i)                                              ! (16)
+         d_speed(i, next) = d_speed(i, next) + 1/time(i)
+         d_speed(i, i) = d_speed(i, i) - 1/time(i)
+         d_speed(i, n + next) = d_speed(i, n + next) - speed(i)/(time(i)*setting%r)
+         d_speed(i, n + i) = d_speed(i, n + i) + speed(i)/(time(i)*setting%r)
+      end do
+      call primary_velocities(setting%osc%mu, setting%restitution, cshift(speed, -1), speed, before, after)
+      do i = 1, n
+         previous = modulo(i - 2, n) + 1
+         call primary_velocities(setting%osc%mu, setting%restitution(i), d_speed(previous, :), &
+            d_speed(i, :), d_before(i, :), d_after(i, :))
+      end do
+      do i = 1, n
+         next = modulo(i, n) + 1
+         flight = new_flight(setting%osc%xi, setting%r, amplitude, theta(i), x(i), after(i), z(i), &
+            speed(i), time(i))
+         end_d = derivatives(flight, time(i))
+         residual(i) = end_d(0) - x(next)
+         residual(n + i) = end_d(1) - before(next)
+         call transfer(flight, time(i), s, forced)
+         d_time = 0
+         d_time(n + next) = d_time(n + next) + 1/setting%r
+         d_time(n + i) = d_time(n + i) - 1/setting%r
+         jacobian(i, :) = s(2)*d_after(i, :) + end_d(1)*d_time
+         jacobian(i, i) = jacobian(i, i) + s(1)
+         jacobian(i, n + i) = jacobian(i, n + i) + forced(1)
+         jacobian(i, next) = jacobian(i, next) - 1
+         jacobian(n + i, :) = s(4)*d_after(i, :) + end_d(2)*d_time - d_before(next, :)
+         jacobian(n + i, i) = jacobian(n + i, i) + s(3)
+         jacobian(n + i, n + i) = jacobian(n + i, n + i) + forced(2)
+      end do
+   end subroutine newton_equations
+
+   !> Derivatives of x and x' after a time: by x and x' at the start (S_1..S_4 of (A6)), and by the
+   !> phase of the forced motion.
+   pure subroutine transfer(flight, t, s, forced)
+      type(flight_type), intent(in) :: flight
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: s(4), forced(2)
+      real(wp) :: h, c1, c2, start(2), finish(2)
+
+      h = eta(flight%decay)
+      c2 = exp(-flight%decay*t)
+      c1 = c2*sin(h*t)
+      c2 = c2*cos(h*t)
+      s = [c2 + flight%decay*c1/h, c1/h, -c1/h, c2 - flight%decay*c1/h]
+      start = flight%amplitude*[cos(flight%phase), -flight%r*sin(flight%phase)]
+      finish = flight%amplitude*[cos(flight%phase + flight%r*t), &
+         -flight%r*sin(flight%phase + flight%r*t)]
+      forced = finish - [s(1)*start(1) + s(2)*start(2), s(3)*start(1) + s(4)*start(2)]
+   end subroutine transfer
+
+   !> The share of a Newton step that leaves every flight at least half its duration.
+   pure real(wp) function step_share(setting, unknowns, step) result(share)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: unknowns(:), step(:)
+      real(wp), dimension(size(unknowns)/2) :: length, change
+      integer :: n
+
+      n = size(length)
+      length = cshift(unknowns(n + 1:), 1) - unknowns(n + 1:)
+      length(n) = length(n) + two_pi*setting%pattern%cycles
+      change = cshift(step(n + 1:), 1) - step(n + 1:)
+      share = 1
+      if (any(-change > 0.5_wp*length)) share = minval(0.5_wp*length/(-change), -change > 0)
+   end function step_share
+
+   !> The factor of a Newton step by which known motions repel it.
+   !!
+   !! For the equations multiplied by m(u) = prod (1/|u - u_j|^2 + 1) Newton's step is the plain one
+   !! over 1 - step . grad(log m) (Farrell, Birkisson and Funke, SIAM J. Sci. Comput. 37, 2015).
+   pure real(wp) function deflation(unknowns, step, known, scale) result(factor)
+      real(wp), intent(in) :: unknowns(:), step(:), known(:, :), scale
+      real(wp) :: distance(size(unknowns)), square, slope
+      integer :: j, n
+
+      n = size(unknowns)/2
+      slope = 0
+      do j = 1, size(known, 2)
+         distance = unknowns - known(:, j)
+         distance(n + 1:) = distance(n + 1:) - two_pi*nint(distance(n + 1)/two_pi)
+         distance(:n) = distance(:n)/scale
+         square = max(sum(distance**2), tiny(1.0_wp)**0.25_wp)
+         slope = slope - 2*(dot_product(distance(:n), step(:n))/scale + &
+            dot_product(distance(n + 1:), step(n + 1:)))/(square*(1 + square))
+      end do
+      factor = 1 - slope
+      factor = 1/merge(factor, sign(1.0e-3_wp, factor), abs(factor) > 1.0e-3_wp)
+   end function deflation
+
+   !> Writes a converged solution into a motion.
+   pure subroutine finish(setting, x, theta, motion)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: x(:), theta(:)
+      type(motion_type), intent(inout) :: motion
+      real(wp) :: residual(2*size(x)), unused(2*size(x), 2*size(x))
+      real(wp) :: time(size(x))
+      integer :: n, i, next
+
+      n = size(x)
+      motion%phases = theta - theta(1)
+      motion%tau = atan2(sin(theta(1)), cos(theta(1)))
+      motion%amplitude = setting%load*gain(setting%osc%xi, setting%r)
+      motion%clearance = setting%clearance
+      motion%x = x
+      motion%z = x + 0.5_wp*setting%clearance*setting%pattern%sides
+      do i = 1, n
+         next = modulo(i, n) + 1
+         time(i) = (theta(next) - theta(i) + merge(two_pi*setting%pattern%cycles, 0.0_wp, i == n)) &
+            /setting%r
+         motion%z_dot_after(i) = (motion%z(next) - motion%z(i))/time(i)
+      end do
+      motion%z_dot_before = cshift(motion%z_dot_after, -1)
+      call primary_velocities(motion%osc%mu, motion%restitution, motion%z_dot_before, &
+         motion%z_dot_after, motion%x_dot_before, motion%x_dot_after)
+      call newton_equations(setting, [x, theta], residual, unused)
+      motion%residual = norm2(residual)/max(setting%clearance, maxval(abs(motion%x_dot_after)), &
+         maxval(abs(motion%z_dot_after)))
+      motion%status = merge(stat%ok, stat%no_convergence, motion%residual < 1.0e-9_wp)
+   end subroutine finish
+
+end module vi_exact

@@ -1,0 +1,52 @@
+!> Conservative advancement: a step along a smooth function that cannot jump over a zero.
+module vi_advance
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: safe_step
+
+contains
+
+   !> A step within which a function g >= 0 has no zero.
+   !!
+   !! Over a step of at most H, a bound B on |g'''| gives
+   !! g(t + h) >= g + g' h + (g''/2 - B H/6) h^2, and the first positive zero of this parabola is safe.
+   !! A large H makes the parabola pessimistic and a small one limits the step, so H is lowered twice
+   !! towards the zero. Near a simple zero of g the step converges to it with third order.
+   pure real(wp) function safe_step(g, slope, curvature, bound, limit) result(step)
+      !> Value, first and second derivative now; g > 0, or g = 0 where the function starts to rise.
+      real(wp), intent(in) :: g, slope, curvature
+      !> Bound on the absolute third derivative from now on.
+      real(wp), intent(in) :: bound
+      !> No longer step is wanted.
+      real(wp), intent(in) :: limit
+      real(wp) :: zero, reach
+      integer :: i
+
+      step = 0
+      reach = min(limit, 1.5_wp*min(limit, first_zero(g, slope, 0.5_wp*curvature)))
+      if (.not. reach > 0) return
+      do i = 1, 2
+         zero = first_zero(g, slope, 0.5_wp*curvature - bound*reach/6)
+         step = max(step, min(zero, reach))
+         if (zero >= reach) return
+         reach = min(reach, 1.5_wp*zero)
+      end do
+   end function safe_step
+
+   !> The first positive zero of g + slope h + c h^2 with g >= 0; huge if there is none.
+   pure real(wp) function first_zero(g, slope, c) result(h)
+      real(wp), intent(in) :: g, slope, c
+      real(wp) :: discriminant
+
+      h = huge(1.0_wp)
+      discriminant = slope**2 - 4*c*g
+      if (slope < 0) then
+         if (discriminant >= 0) h = 2*g/(sqrt(discriminant) - slope)
+      else if (c < 0) then
+         h = (slope + sqrt(discriminant))/(-2*c)
+      end if
+   end function first_zero
+
+end module vi_advance

@@ -1,0 +1,259 @@
+!> Event by event simulation in closed form: no impact is missed, accumulations are completed.
+module vi_simulate
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_contact, only: contact_type, departure_type, first_contact
+   use vi_flight, only: flight_position, flight_type, new_flight
+   use vi_kinds, only: wp
+   use vi_oscillation, only: derivatives, oscillation_type
+   use vi_oscillator, only: gain, lag, left, oscillator_type, right
+   use vi_rest, only: new_rest, release_time
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: new_drive, simulate, state_time
+
+   !> Kinds of events.
+   integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
+
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+
+   !> The system in motion: oscillator, frequency ratio, load amplitude f, clearance (same unit).
+   type, public :: drive_type
+      type(oscillator_type) :: osc
+      real(wp) :: r = 1, load = 1, clearance = 1
+      !> Amplitude of the motion without impacts, and its lag behind the load, equation (4).
+      real(wp) :: amplitude = 0, lag = 0
+   end type drive_type
+
+   !> Where the system is. The load phase r t is kept as whole cycles and the rest, so that its error
+   !> does not grow with time.
+   type, public :: state_type
+      integer(int64) :: cycle = 0
+      !> In [0, 2 pi).
+      real(wp) :: phase = 0
+      real(wp) :: x = 0, x_dot = 0, z = 0, z_dot = 0
+      !> +1 or -1 while on a wall, 0 inside.
+      integer :: side = 0
+      !> On a wall: the departure speed, whether the free mass rests there or was just released.
+      real(wp) :: speed = 0
+      logical :: resting = .false., released = .false.
+   end type state_type
+
+   type, public :: event_type
+      integer :: kind, side
+      integer(int64) :: cycle
+      real(wp) :: phase, x, x_dot_before, x_dot_after, z_dot_before, z_dot_after
+   end type event_type
+
+contains
+
+   pure function new_drive(osc, r, load, clearance) result(drive)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, load, clearance
+      type(drive_type) :: drive
+
+      drive = drive_type(osc, r, load, clearance, load*gain(osc%xi, r), lag(osc%xi, r))
+   end function new_drive
+
+   !> Time of a state in 1/omega.
+   pure real(wp) function state_time(cycle, phase, r) result(time)
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: phase, r
+
+      time = (two_pi*real(cycle, wp) + phase)/r
+   end function state_time
+
+   !> Goes on from a state to an end of time, or until the events are full.
+   !!
+   !! Ending because the events are full loses nothing: calling again goes on bit for bit.
+   pure subroutine simulate(drive, state, last_cycle, last_phase, events, n, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(inout) :: state
+      !> The end: load cycles and the phase above them.
+      integer(int64), intent(in) :: last_cycle
+      real(wp), intent(in) :: last_phase
+      type(event_type), intent(inout) :: events(:)
+      !> Events found.
+      integer, intent(out) :: n
+      !> `stat%ok`, `stat%more_events` (full before the end) or `stat%budget`.
+      integer, intent(out) :: status
+      real(wp) :: remaining
+      logical :: finished
+
+      n = 0
+      status = stat%ok
+      do
+         remaining = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase - state%phase))/drive%r
+         if (n + 2 > size(events)) then
+            status = stat%more_events
+            return
+         end if
+         if (state%resting) then
+            call rest_on(drive, state, remaining, events(n + 1), finished, status)
+            if (.not. finished .and. status == stat%ok) n = n + 1
+         else
+            call fly_on(drive, state, remaining, events(n + 1), finished, status)
+            if (.not. finished .and. status == stat%ok) then
+               n = n + 1
+               call accumulate(drive, state, events(n + 1))
+               if (state%resting) n = n + 1
+            end if
+         end if
+         if (finished .or. status /= stat%ok) exit
+      end do
+      if (status == stat%ok) then
+         state%cycle = last_cycle
+         state%phase = last_phase
+      end if
+   end subroutine simulate
+
+   !> Flies to the next impact and through it, or to the end of time.
+   pure subroutine fly_on(drive, state, remaining, event, finished, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(inout) :: state
+      real(wp), intent(in) :: remaining
+      type(event_type), intent(inout) :: event
+      logical, intent(out) :: finished
+      integer, intent(inout) :: status
+      type(flight_type) :: flight
+      type(contact_type) :: contact
+      real(wp) :: d(0:4), half
+
+      associate (osc => drive%osc)
+         half = 0.5_wp*drive%clearance
+         flight = new_flight(osc%xi, drive%r, drive%amplitude, &
+            state%phase - drive%lag, state%x, state%x_dot, state%z, state%z_dot, remaining)
+         contact = first_contact(flight, half, &
+            departure_type(state%side, state%speed, state%released), remaining)
+         finished = contact%side == 0
+         if (.not. contact%complete) then
+            status = stat%budget
+            return
+         end if
+         state%released = .false.
+         if (finished) then
+            d = derivatives(flight, remaining)
+            state%x = d(0)
+            state%x_dot = d(1)
+            state%z = flight_position(flight, remaining)
+            state%side = 0
+            return
+         end if
+         d = derivatives(flight, contact%time)
+         call move(state, drive%r*contact%time)
+         state%x = d(0)
+         state%side = contact%side
+         state%z = state%x + contact%side*half
+         call collide(osc, contact%side, contact%speed, d(1), state, event)
+      end associate
+   end subroutine fly_on
+
+   !> Velocities through an impact, from the momentum and the reversed approach speed: (11), (12).
+   !!
+   !! The departure speed R v is kept as a number of its own: as the difference of two velocities it
+   !! would lose its relative accuracy when impacts accumulate.
+   pure subroutine collide(osc, side, approach, x_dot, state, event)
+      type(oscillator_type), intent(in) :: osc
+      integer, intent(in) :: side
+      real(wp), intent(in) :: approach, x_dot
+      type(state_type), intent(inout) :: state
+      type(event_type), intent(inout) :: event
+      real(wp) :: restitution, momentum
+
+      restitution = osc%restitution(merge(right, left, side > 0))
+      event = event_type(impact_event, side, state%cycle, state%phase, state%x, x_dot, 0.0_wp, &
+         x_dot + side*approach, 0.0_wp)
+      state%speed = restitution*approach
+      momentum = x_dot + osc%mu*event%z_dot_before
+      state%x_dot = (momentum + osc%mu*side*state%speed)/(1 + osc%mu)
+      state%z_dot = state%x_dot - side*state%speed
+      event%x_dot_after = state%x_dot
+      event%z_dot_after = state%z_dot
+   end subroutine collide
+
+   !> Completes an accumulation of impacts, where the rest of it is short enough.
+   !!
+   !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts take
+   !! T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next order
+   !! is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most: that has
+   !! to be below 1e-16.
+   pure subroutine accumulate(drive, state, event)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(inout) :: state
+      type(event_type), intent(inout) :: event
+      real(wp), parameter :: time_error = 1.0e-16_wp
+      real(wp) :: x_ddot, closing, jerk, restitution, duration, velocity
+
+      associate (osc => drive%osc)
+         x_ddot = drive%load*sin(state%phase) - 2*osc%xi*state%x_dot - state%x
+         closing = -state%side*x_ddot
+         if (.not. closing > 0) return
+         restitution = osc%restitution(merge(right, left, state%side > 0))
+         duration = 0
+         if (state%speed > 0) then
+            if (.not. restitution < 1) return
+            duration = 2*state%speed/(closing*(1 - restitution))
+            jerk = abs(drive%load*drive%r*cos(state%phase)) + 2*osc%xi*abs(x_ddot) + abs(state%x_dot)
+            if (duration > 1.0e-6_wp .or. jerk*duration**2 > time_error*closing) return
+         end if
+         velocity = (state%x_dot + osc%mu*state%z_dot)/(1 + osc%mu)
+         state%x = state%x + (velocity + 0.5_wp*x_ddot/(1 + osc%mu)*duration)*duration
+         state%x_dot = velocity + x_ddot/(1 + osc%mu)*duration
+         state%z_dot = state%x_dot
+         state%z = state%x + 0.5_wp*state%side*drive%clearance
+         state%speed = 0
+         state%resting = .true.
+         call move(state, drive%r*duration)
+         event = event_type(stick_event, state%side, state%cycle, state%phase, state%x, state%x_dot, &
+            state%x_dot, state%z_dot, state%z_dot)
+      end associate
+   end subroutine accumulate
+
+   !> Rests on the wall until the release, or the end of time.
+   pure subroutine rest_on(drive, state, remaining, event, finished, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(inout) :: state
+      real(wp), intent(in) :: remaining
+      type(event_type), intent(inout) :: event
+      logical, intent(out) :: finished
+      integer, intent(inout) :: status
+      type(oscillation_type) :: rest
+      real(wp) :: d(0:4), time
+      logical :: complete
+
+      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, state%x_dot)
+      call release_time(rest, state%side, remaining, time, complete)
+      finished = time > remaining
+      if (.not. complete) then
+         status = stat%budget
+         return
+      end if
+      time = min(time, remaining)
+      d = derivatives(rest, time)
+      state%x = d(0)
+      state%x_dot = d(1)
+      state%z = state%x + 0.5_wp*state%side*drive%clearance
+      state%z_dot = state%x_dot
+      if (finished) return
+      call move(state, drive%r*time)
+      state%resting = .false.
+      state%released = .true.
+      event = event_type(release_event, state%side, state%cycle, state%phase, state%x, state%x_dot, &
+         state%x_dot, state%z_dot, state%z_dot)
+   end subroutine rest_on
+
+   !> Advances the load phase.
+   pure subroutine move(state, phase_step)
+      type(state_type), intent(inout) :: state
+      real(wp), intent(in) :: phase_step
+      integer(int64) :: cycles
+
+      state%phase = state%phase + phase_step
+      if (state%phase < two_pi) return
+      cycles = int(state%phase/two_pi, int64)
+      state%cycle = state%cycle + cycles
+      state%phase = state%phase - two_pi*real(cycles, wp)
+   end subroutine move
+
+end module vi_simulate

@@ -1,0 +1,184 @@
+!> Simulations as plain arrays: states, events, and the time history between them.
+module vi_trajectory
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_extrema, only: relative_extrema
+   use vi_flight, only: flight_position, flight_type, new_flight
+   use vi_kinds, only: wp
+   use vi_oscillation, only: derivatives, oscillation_type
+   use vi_rest, only: new_rest
+   use vi_simulate, only: drive_type, event_type, simulate, state_time, state_type
+   implicit none (type, external)
+   private
+
+   public :: simulate_arrays, sample_segments, extreme_positions, store_events, pack_state, unpack_state
+
+contains
+
+   !> `simulate` between arrays.
+   !!
+   !! Rows of `values` (7, room): time, phase, x, x' before and after, z' before and after; of `labels`
+   !! (2, room): kind, side.
+   pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, values, labels, n, &
+         status)
+      type(drive_type), intent(in) :: drive
+      !> (7), (3) as in `pack_state`; at the end on return.
+      real(wp), intent(inout) :: state(:)
+      integer, intent(inout) :: contact(:)
+      real(wp), intent(in) :: last_cycle, last_phase
+      real(wp), intent(out) :: values(:, :)
+      integer, intent(out) :: labels(:, :)
+      integer, intent(out) :: n, status
+      type(state_type) :: now
+      type(event_type), allocatable :: events(:)
+
+      allocate (events(size(labels, 2)))
+      now = unpack_state(state, contact)
+      call simulate(drive, now, int(last_cycle, int64), last_phase, events, n, status)
+      call store_events(events(:n), drive%r, values, labels)
+      call pack_state(now, state, contact)
+   end subroutine simulate_arrays
+
+   !> Events as columns of `values` and `labels`.
+   pure subroutine store_events(events, r, values, labels)
+      type(event_type), intent(in) :: events(:)
+      real(wp), intent(in) :: r
+      real(wp), intent(inout) :: values(:, :)
+      integer, intent(inout) :: labels(:, :)
+      integer :: i
+
+      do i = 1, size(events)
+         associate (e => events(i))
+            values(:, i) = [state_time(e%cycle, e%phase, r), e%phase, e%x, e%x_dot_before, &
+               e%x_dot_after, e%z_dot_before, e%z_dot_after]
+            labels(:, i) = [e%kind, e%side]
+         end associate
+      end do
+   end subroutine store_events
+
+   !> Least and greatest x over segments, from certified extrema.
+   pure subroutine extreme_positions(drive, starts, resting, last, x_min, x_max, complete)
+      type(drive_type), intent(in) :: drive
+      !> As in `sample_segments`.
+      real(wp), intent(in) :: starts(:, :)
+      integer, intent(in) :: resting(:)
+      !> Time of the end of the last segment.
+      real(wp), intent(in) :: last
+      real(wp), intent(out) :: x_min, x_max
+      logical, intent(out) :: complete
+      type(flight_type) :: flight
+      real(wp) :: lowest, highest, duration
+      logical :: whole
+      integer :: i
+
+      x_min = minval(starts(3, :))
+      x_max = maxval(starts(3, :))
+      complete = .true.
+      do i = 1, size(resting)
+         duration = last - starts(1, i)
+         if (i < size(resting)) duration = starts(1, i + 1) - starts(1, i)
+         associate (s => starts(:, i))
+            if (resting(i) /= 0) then
+               flight%oscillation_type = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, s(2), &
+                  s(3), s(4))
+            else
+               flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, s(2) - drive%lag, s(3), &
+                  s(4), 0.0_wp, 0.0_wp, duration)
+            end if
+         end associate
+         flight%z = 0
+         flight%z_dot = 0
+         flight%duration = duration
+         call relative_extrema(flight, lowest, highest, whole)
+         complete = complete .and. whole
+         x_min = min(x_min, -highest)
+         x_max = max(x_max, -lowest)
+      end do
+   end subroutine extreme_positions
+
+   !> x, x', z, z', y and load at given times, each from the closed form of its segment.
+   !!
+   !! A segment begins at an event (or at the start) and lasts until the next; at an event the
+   !! velocities are those just after it.
+   pure subroutine sample_segments(drive, starts, resting, times, values)
+      type(drive_type), intent(in) :: drive
+      !> (6, n): time (increasing), phase, x, x', z, z' at the start of each segment.
+      real(wp), intent(in) :: starts(:, :)
+      !> (n): the side if the free mass rests on that wall during the segment, otherwise 0.
+      integer, intent(in) :: resting(:)
+      !> (m)
+      real(wp), intent(in) :: times(:)
+      !> (6, m)
+      real(wp), intent(out) :: values(:, :)
+      type(flight_type) :: flight
+      type(oscillation_type) :: rest
+      real(wp) :: d(0:4), t, z, z_dot
+      integer :: i, j
+
+      do j = 1, size(times)
+         i = last_not_after(starts(1, :), times(j))
+         t = times(j) - starts(1, i)
+         associate (s => starts(:, i))
+            if (resting(i) /= 0) then
+               rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, s(2), s(3), s(4))
+               d = derivatives(rest, t)
+               z = d(0) + 0.5_wp*resting(i)*drive%clearance
+               z_dot = d(1)
+            else
+               flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, s(2) - drive%lag, s(3), &
+                  s(4), s(5), s(6), t)
+               d = derivatives(flight, t)
+               z = flight_position(flight, t)
+               z_dot = s(6)
+            end if
+            values(:, j) = [d(0), d(1), z, z_dot, z - d(0), drive%load*sin(s(2) + drive%r*t)]
+         end associate
+      end do
+   end subroutine sample_segments
+
+   !> Index of the last element not above a value, at least 1, by bisection.
+   pure integer function last_not_after(sorted, value) result(low)
+      real(wp), intent(in) :: sorted(:), value
+      integer :: high, middle
+
+      low = 1
+      high = size(sorted) + 1
+      do while (high - low > 1)
+         middle = (low + high)/2
+         if (sorted(middle) <= value) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+   end function last_not_after
+
+   !> A state as numbers (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
+   pure subroutine pack_state(state, values, contact)
+      type(state_type), intent(in) :: state
+      real(wp), intent(out) :: values(:)
+      integer, intent(out) :: contact(:)
+
+      values = [real(state%cycle, wp), state%phase, state%x, state%x_dot, state%z, state%z_dot, &
+         state%speed]
+      contact = [state%side, merge(1, 0, state%resting), merge(1, 0, state%released)]
+   end subroutine pack_state
+
+   !> The inverse of `pack_state`.
+   pure function unpack_state(values, contact) result(state)
+      real(wp), intent(in) :: values(:)
+      integer, intent(in) :: contact(:)
+      type(state_type) :: state
+
+      state%cycle = int(values(1), int64)
+      state%phase = values(2)
+      state%x = values(3)
+      state%x_dot = values(4)
+      state%z = values(5)
+      state%z_dot = values(6)
+      state%speed = values(7)
+      state%side = contact(1)
+      state%resting = contact(2) /= 0
+      state%released = contact(3) /= 0
+   end function unpack_state
+
+end module vi_trajectory
