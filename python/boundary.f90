@@ -135,7 +135,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, room, text, length, s
 
    all_paths = transfer(paths, all_paths)
    one_folder = transfer(folder, one_folder)
-   files = split(all_paths, achar(10))
+   allocate (files, source=split(all_paths, achar(10)))
    do i = 1, size(files)
       call run_file(files(i)%text, one_folder, log)
    end do

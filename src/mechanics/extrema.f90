@@ -28,7 +28,7 @@ contains
       real(wp), intent(out) :: lowest, highest
       !> False if the step budget ran out before the end of the flight.
       logical, intent(out) :: complete
-      real(wp) :: t, x, g, g_dot, bound, rate, root, step, shortest, relative
+      real(wp) :: t, x, g, g_dot, before, bound, rate, root, step, shortest, relative
       integer :: n
 
       lowest = huge(1.0_wp)
@@ -36,6 +36,7 @@ contains
       complete = .true.
       shortest = max(sqrt(epsilon(1.0_wp))/max(1.0_wp, flight%r), 4*spacing(flight%duration))
       t = 0
+      before = 0
       do n = 1, step_budget
          call flight_state(flight, t, x, g, g_dot)
          g = g - flight%z_dot
@@ -50,14 +51,16 @@ contains
          else
             step = 2*abs(g)/(root - rate)          ! the same root, without cancellation
          end if
-         if (step < shortest) then
+         ! a step may land on the zero to rounding, and so a last bit beyond it
+         if (step < shortest .or. before*g < 0) then
             if (t > shortest .and. t < flight%duration - shortest) then
                relative = flight_position(flight, t) - x
                lowest = min(lowest, relative)
                highest = max(highest, relative)
             end if
-            step = shortest
+            step = max(step, shortest)
          end if
+         before = sign(1.0_wp, g)
          t = t + step
          if (.not. t < flight%duration) return
       end do
