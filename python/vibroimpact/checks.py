@@ -138,8 +138,8 @@ def phase_table(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
     period = 2 * math.pi * cycles
     wanted = f"an array (N = {n}, M), each column increasing from 0 to below 2 pi k = {period:.6g}"
     array = real_array(values, "phases", wanted)
-    if array.ndim != 2 or array.shape[0] != n:
-        raise ParameterError(f"phases of shape {array.shape}: must be {wanted}")
+    if array.ndim != 2 or array.shape[0] != n or array.shape[1] == 0:
+        raise ParameterError(f"phases of shape {array.shape}: must be {wanted}, M at least 1")
     bad = ~((array[0] == 0) & (np.diff(array, axis=0) > 0).all(axis=0) & (array[-1] < period))
     if bad.any():
         j = int(np.argmax(bad))

@@ -271,6 +271,11 @@ class Motions:
     status: NDArray[np.int32]
     precision: str
 
+    @property
+    def attenuation(self) -> NDArray[np.float64]:
+        """max|x|/A of each motion."""
+        return np.maximum(-self.x_min, self.x_max) / self.A
+
     def __len__(self) -> int:
         return len(self.status)
 

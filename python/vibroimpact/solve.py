@@ -82,7 +82,7 @@ def periodic(
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> motion = vi.periodic(osc, r=0.94, phases=[0, 1.37 * math.pi], pattern=vi.Pattern("RL"))
     >>> motion
-    <Motion RL/1 at r = 0.94, d K/F0 = 38.2222: consistent, admissible, stable (max|lambda| = 0.9347, complex)>
+    <Motion RL/1 at r = 0.94, d K/F0 = 38.221: consistent, admissible, stable (max|lambda| = 0.9347, complex)>
     """
     checks.instance(osc, "osc", Oscillator)
     checks.instance(pattern, "pattern", Pattern)
@@ -133,7 +133,7 @@ def periodic_batch(
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> second = np.linspace(1.2, 1.5, 7) * np.pi
     >>> vi.periodic_batch(osc, 0.94, [np.zeros(7), second], vi.Pattern("RL"))
-    <Motions RL/1: 7 points, 7 computed, 2 consistent, admissible and stable>
+    <Motions RL/1: 7 points, 7 computed, 5 consistent, admissible and stable>
     """
     checks.instance(osc, "osc", Oscillator)
     checks.instance(pattern, "pattern", Pattern)
@@ -201,7 +201,7 @@ def equispaced(
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> [round(float(motion.X[0]), 2) for motion in vi.equispaced(osc, r=0.94, clearance=37.0)]
-    [16.17, -5.09]
+    [16.17, -5.1]
     >>> vi.equispaced(osc, r=0.94, clearance=200.0)
     []
     """
