@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -224,7 +225,8 @@ class Pattern:
     ----------
     sides : str
         One letter an impact, R for the right wall and L for the left; 2 to 1000 letters, both walls
-        at least once (a motion with impacts on one wall only is never periodic).
+        at least once (a motion with impacts on one wall only is never periodic). A star after a letter
+        stands for impacts that accumulate on that wall and end in rest there.
     cycles : int, optional
         Load cycles k in one period of the motion, 1 to 10000.
 
@@ -233,36 +235,52 @@ class Pattern:
     >>> import vibroimpact as vi
     >>> vi.Pattern("RRL")
     Pattern(sides='RRL', cycles=1)
+    >>> vi.Pattern("RL*").rests
+    (False, True)
     """
 
     sides: str
     cycles: int = 1
     #: +1 for R, -1 for L (N)
     signs: NDArray[np.int32] = field(init=False, repr=False, compare=False)
+    #: Whether impacts accumulate and end in rest (N)
+    rests: tuple[bool, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        wanted = "letters R and L, one an impact, each wall at least once"
+        wanted = "letters R and L (a star after one for accumulation and rest), each wall at least once"
         if not isinstance(self.sides, str):
             raise ParameterTypeError(f"sides = {self.sides!r}: must be a string of {wanted}")
         sides = self.sides.upper()
-        if not sides or set(sides) - {"R", "L"}:
+        letters = re.findall(r"[RL]\*?", sides)
+        if not sides or "".join(letters) != sides:
             raise ParameterError(f"sides = {self.sides!r}: must be {wanted}")
-        if len(sides) < 2 or len(set(sides)) < 2:
+        if len({letter[0] for letter in letters}) < 2:
             raise ParameterError(
                 f"sides = {self.sides!r}: must name both walls; with N = 1 or impacts on one wall only "
                 "no motion is periodic"
             )
-        if len(sides) > checks.MAX_IMPACTS:
-            raise ParameterError(f"sides of {len(sides)} letters: at most {checks.MAX_IMPACTS} are allowed")
+        if len(letters) > checks.MAX_IMPACTS:
+            raise ParameterError(f"sides of {len(letters)} letters: at most {checks.MAX_IMPACTS} are allowed")
         object.__setattr__(self, "sides", sides)
         object.__setattr__(self, "cycles", checks.integer(self.cycles, "cycles", 1, checks.MAX_CYCLES))
-        signs = np.array([1 if side == "R" else -1 for side in sides], dtype=np.int32)
+        signs = np.array([1 if letter[0] == "R" else -1 for letter in letters], dtype=np.int32)
         signs.flags.writeable = False
         object.__setattr__(self, "signs", signs)
+        object.__setattr__(self, "rests", tuple(len(letter) == 2 for letter in letters))
 
     def __len__(self) -> int:
-        """Number of impacts N."""
-        return len(self.sides)
+        """Number of impacts N; an accumulation counts as one."""
+        return len(self.signs)
+
+    @property
+    def has_rest(self) -> bool:
+        """Whether any impacts accumulate and end in rest."""
+        return any(self.rests)
+
+    @property
+    def letters(self) -> list[str]:
+        """The letters one by one, each with its star."""
+        return re.findall(r"[RL]\*?", self.sides)
 
 
 def _walls(restitution: Any) -> tuple[float, float]:

@@ -68,6 +68,12 @@ class Motion:
         Extreme positions of the primary mass over the period.
     precision : str
         "double", or "single" if the chain was computed in 32-bit arithmetic.
+    load : float
+        Load amplitude f; 1 unless `exact` was given another one.
+    rest_events : structured ndarray or None
+        For a pattern with a star: all impacts, sticks and releases of a period from the first impact on.
+        The arrays above have one entry a letter then; that of a starred letter is the first impact of
+        the accumulation.
     """
 
     osc: Oscillator
@@ -91,7 +97,28 @@ class Motion:
     stable: bool | None
     x_min: float
     x_max: float
-    precision: str
+    precision: str = "double"
+    load: float = 1.0
+    rest_events: NDArray[Any] | None = None
+
+    @property
+    def events(self) -> NDArray[Any]:
+        """The events of one period from the first impact on, with the columns of `Trajectory.events`."""
+        if self.rest_events is not None:
+            return self.rest_events
+        from .trajectory import EVENT_TYPE
+
+        events = np.empty(len(self.pattern), dtype=EVENT_TYPE)
+        events["time"] = self.phases / self.r
+        events["kind"] = "impact"
+        events["side"] = self.pattern.letters
+        events["phase"] = np.mod(self.phases + self.load_phase, 2 * math.pi)
+        for name, values in (
+            ("x", self.X), ("x_dot_before", self.X_dot_before), ("x_dot_after", self.X_dot_after),
+            ("z_dot_before", self.Z_dot_before), ("z_dot_after", self.Z_dot_after),
+        ):  # fmt: skip
+            events[name] = values
+        return events
 
     @property
     def period(self) -> float:
@@ -142,7 +169,17 @@ class Motion:
         times = checks.real_array(t, "t", "real times")
         if not np.isfinite(times).all():
             raise checks.ParameterError(f"t = {t!r}: must be finite")
-        values = _core.sample(*self._flights(), times.ravel())
+        if self.rest_events is None:
+            values = _core.sample(*self._flights(), times.ravel())
+            values[5] *= self.load
+        else:
+            from .trajectory import segments
+
+            starts, resting = segments(self.rest_events, self.clearance)
+            wrapped = np.mod(times.ravel(), self.period)
+            values = _core.sample_trajectory(
+                self.osc.xi, self.osc.mu, self.r, self.load, self.clearance, starts, resting, wrapped
+            )
         return Sample(*values.reshape((6, *times.shape)))
 
     def impact_maps(self) -> NDArray[np.float64]:
@@ -151,6 +188,10 @@ class Motion:
         P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to that
         just after impact i. All zero where the impact has no approach speed.
         """
+        if self.pattern.has_rest:
+            raise checks.ParameterError(
+                f"pattern = {self.pattern.sides!r}: a motion with rest has no finite list of [P_i]"
+            )
         maps, _ = _core.impact_maps(*self._flights())
         return np.moveaxis(maps, 2, 0)
 
@@ -166,6 +207,10 @@ class Motion:
         result: dict[str, Any] = {}
         for item in fields(self):
             value = getattr(self, item.name)
+            if item.name == "rest_events":
+                if value is not None:
+                    result[item.name] = {name: value[name].tolist() for name in value.dtype.names}
+                continue
             if isinstance(value, Oscillator):
                 value = {"xi": value.xi, "mu": value.mu, "restitution": list(value.restitution)}
             elif isinstance(value, Pattern):
@@ -208,7 +253,7 @@ class Motion:
             "  side  phase/pi          X          Z  X' before   X' after  Z' before   Z' after",
         ]
         columns = zip(
-            self.pattern.sides, self.phases / math.pi, self.X, self.Z, self.X_dot_before,
+            self.pattern.letters, self.phases / math.pi, self.X, self.Z, self.X_dot_before,
             self.X_dot_after, self.Z_dot_before, self.Z_dot_after, strict=True,
         )  # fmt: skip
         for side, *numbers in columns:
@@ -285,7 +330,9 @@ class Motions:
 
         raise_status(int(self.status[index]))
         values: dict[str, Any] = {}
-        for item in fields(Motion):
+        for item in fields(self):
+            if item.name == "status":
+                continue
             value = getattr(self, item.name)
             if item.name in ("consistent", "admissible", "stable"):
                 value = VERDICT[int(value[index])]

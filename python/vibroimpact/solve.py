@@ -85,10 +85,10 @@ def periodic(
     <Motion RL/1 at r = 0.94, d K/F0 = 38.221: consistent, admissible, stable (max|lambda| = 0.9347, complex)>
     """
     checks.instance(osc, "osc", Oscillator)
-    checks.instance(pattern, "pattern", Pattern)
+    checks.plain_pattern(pattern)
     r = checks.frequency_ratio(r, osc.xi)
     table = checks.phases(phases, len(pattern), pattern.cycles)
-    each = _restitution(osc, pattern, restitution)
+    each = impact_restitution(osc, pattern, restitution)
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
     acceptance = checks.number(acceptance, "acceptance")
     results = _core.periodic(
@@ -136,7 +136,7 @@ def periodic_batch(
     <Motions RL/1: 7 points, 7 computed, 5 consistent, admissible and stable>
     """
     checks.instance(osc, "osc", Oscillator)
-    checks.instance(pattern, "pattern", Pattern)
+    checks.plain_pattern(pattern)
     table = checks.phase_table(phases, len(pattern), pattern.cycles)
     m = table.shape[1]
     ratios = checks.real_array(r, "r", f"one number or {m}, one a column of phases")
@@ -147,7 +147,7 @@ def periodic_batch(
     if osc.xi == 0 and (ratios == 1).any():
         checks.frequency_ratio(1.0, osc.xi)
     ratios = np.broadcast_to(ratios.ravel(), m) if ratios.size == 1 else ratios
-    each = _restitution(osc, pattern, restitution)
+    each = impact_restitution(osc, pattern, restitution)
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
     acceptance = checks.number(acceptance, "acceptance")
     impacts, scalars, multipliers, verdicts, status = _core.periodic(
@@ -159,7 +159,7 @@ def periodic_batch(
     clearance, amplitude, tau, residual, x_min, x_max = scalars
     consistent, admissible, stable = verdicts.astype(np.int8)
     return Motions(
-        osc, _frozen(ratios), clearance, pattern, each, _frozen(table), *(impacts[:, i] for i in range(6)),
+        osc, frozen(ratios), clearance, pattern, each, frozen(table), *(impacts[:, i] for i in range(6)),
         amplitude, tau, residual, multipliers, consistent, admissible, stable, x_min, x_max, status,
         precision,
     )  # fmt: skip
@@ -218,8 +218,8 @@ def equispaced(
         raise ParameterError(f"cycles = {cycles}: must be odd for equispaced impacts")
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
     pattern = Pattern("RL", cycles)
-    each = _restitution(osc, pattern, None)
-    phases = _frozen(np.array([0.0, cycles * np.pi]))
+    each = impact_restitution(osc, pattern, None)
+    phases = frozen(np.array([0.0, cycles * np.pi]))
     results = _core.equispaced(
         osc.xi, osc.mu, osc.restitution, [r], [clearance], cycles, 0.03, single, True
     )
@@ -257,23 +257,23 @@ def linear_system(
     ((6, 5), (6,))
     """
     checks.instance(osc, "osc", Oscillator)
-    checks.instance(pattern, "pattern", Pattern)
+    checks.plain_pattern(pattern)
     r = checks.frequency_ratio(r, osc.xi)
     table = checks.phases(phases, len(pattern), pattern.cycles)
-    each = _restitution(osc, pattern, restitution)
+    each = impact_restitution(osc, pattern, restitution)
     matrix, rhs = _core.linear_system(osc.xi, osc.mu, r, pattern.cycles, pattern.signs, each, table)
     return matrix, rhs
 
 
-def _restitution(osc: Oscillator, pattern: Pattern, restitution: Any) -> NDArray[np.float64]:
+def impact_restitution(osc: Oscillator, pattern: Pattern, restitution: Any) -> NDArray[np.float64]:
     """Coefficient of restitution of each impact, read-only."""
     if restitution is None:
         right, left = osc.restitution
-        return _frozen(np.array([right if side == "R" else left for side in pattern.sides]))
-    return _frozen(checks.restitution_list(restitution, len(pattern)))
+        return frozen(np.where(pattern.signs > 0, right, left))
+    return frozen(checks.restitution_list(restitution, len(pattern)))
 
 
-def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
     """A read-only array that no caller can change behind our back."""
     if array.flags.writeable:
         array = array.copy()
@@ -298,7 +298,7 @@ def _motion(
     clearance, amplitude, tau, residual, x_min, x_max = scalars[:, j].tolist()
     consistent, admissible, stable = verdicts[:, j].tolist()
     return Motion(
-        osc, r, clearance, pattern, restitution, _frozen(phases),
+        osc, r, clearance, pattern, restitution, frozen(phases),
         impacts[:, 0, j], impacts[:, 1, j], impacts[:, 2, j], impacts[:, 3, j], impacts[:, 4, j],
         impacts[:, 5, j], amplitude, tau, residual, multipliers[:, j], VERDICT[consistent],
         VERDICT[admissible], VERDICT[stable], x_min, x_max, precision,

@@ -96,22 +96,11 @@ class Trajectory:
 
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """Start of each segment (6, n), and the side on which the free mass rests in it."""
-        n = len(self.events) + 1
-        starts = np.empty((6, n), order="F")
-        resting = np.zeros(n, dtype=np.int32)
         state = self.initial_state
-        starts[:, 0] = [state[name] for name in ("t", "phase", "x", "x_dot", "z", "z_dot")]
-        resting[0] = int(state["side"]) if state["resting"] else 0
-        events = self.events
-        side = np.where(events["side"] == "R", 1, -1)
-        starts[0, 1:] = events["time"]
-        starts[1, 1:] = events["phase"]
-        starts[2, 1:] = events["x"]
-        starts[3, 1:] = events["x_dot_after"]
-        starts[4, 1:] = events["x"] + 0.5 * side * self.clearance
-        starts[5, 1:] = events["z_dot_after"]
-        resting[1:] = np.where(events["kind"] == "stick", side, 0)
-        return starts, resting
+        first = np.array([[state[name] for name in ("t", "phase", "x", "x_dot", "z", "z_dot")]]).T
+        starts, resting = segments(self.events, self.clearance)
+        side = int(state["side"]) if state["resting"] else 0
+        return np.hstack([first, starts]), np.concatenate([np.array([side], dtype=np.int32), resting])
 
     def __repr__(self) -> str:
         counts = {kind: int((self.events["kind"] == kind).sum()) for kind in KINDS[1:]}
@@ -121,6 +110,28 @@ class Trajectory:
             f"<Trajectory at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, t = {self.initial_state['t']:.6g} "
             f"to {self.final_state['t']:.6g}: {counts['impact']} impacts{rests}{cut}>"
         )
+
+
+def segments(
+    events: NDArray[Any], clearance: float
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Start (6, n) of the segment that each event begins, and the side of rest in it or 0."""
+    side = np.where(events["side"] == "R", 1, -1)
+    z = events["x"] + 0.5 * side * clearance
+    starts = [events["time"], events["phase"], events["x"], events["x_dot_after"], z, events["z_dot_after"]]
+    return np.array(starts), np.where(events["kind"] == "stick", side, 0).astype(np.int32)
+
+
+def event_table(numbers: NDArray[np.float64], labels: NDArray[np.int32]) -> NDArray[Any]:
+    """The events of the core as a structured array, read-only."""
+    events = np.empty(numbers.shape[1], dtype=EVENT_TYPE)
+    events["kind"] = KINDS[labels[0]]
+    events["side"] = np.where(labels[1] > 0, "R", "L")
+    names = ("time", "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
+    for name, column in zip(names, numbers, strict=True):
+        events[name] = column
+    events.flags.writeable = False
+    return events
 
 
 def simulate(
@@ -197,13 +208,7 @@ def simulate(
     numbers, labels, values, contact, complete = _run(
         system, values, contact, _later(values, cycles), max_events, keep=True
     )
-    events = np.empty(numbers.shape[1], dtype=EVENT_TYPE)
-    events["kind"] = KINDS[labels[0]]
-    events["side"] = np.where(labels[1] > 0, "R", "L")
-    names = ("time", "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-    for name, column in zip(names, numbers, strict=True):
-        events[name] = column
-    events.flags.writeable = False
+    events = event_table(numbers, labels)
     return Trajectory(osc, r, clearance, load, events, first, _state(values, contact, r), complete)
 
 

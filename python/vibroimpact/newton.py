@@ -1,0 +1,248 @@
+"""Exact motions by Newton's method, and the periodic part of a trajectory."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core, checks
+from .errors import ParameterError, ParameterTypeError
+from .model import Oscillator, Pattern
+from .motion import VERDICT, Motion
+from .solve import frozen, impact_restitution, periodic, raise_status
+from .trajectory import Trajectory, event_table, segments, simulate
+
+__all__ = ["exact"]
+
+TWO_PI = 2 * math.pi
+MOST_ITERATIONS = 50
+#: Impacts and rests that a period of a motion with rest may have.
+REST_EVENTS = 20_000
+
+
+class Period(NamedTuple):
+    """One period of a trajectory: its pattern and the events that start its letters."""
+
+    pattern: Pattern
+    events: NDArray[Any]
+    letters: NDArray[Any]
+    mismatch: float
+
+
+def exact(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    guess: Motion | Trajectory | tuple[Any, Pattern],
+    load: float = 1.0,
+) -> Motion:
+    """The exact periodic motion near a guess, by Newton's method with the analytic derivative.
+
+    Without rest the unknowns are the N positions and N phases of the impacts. With accumulation and rest
+    they are the phase and velocity at a release, a fixed point of the return map there.
+
+    Parameters
+    ----------
+    osc, r, clearance, load
+        As in `simulate`.
+    guess : Motion, Trajectory or (phases, Pattern)
+        A motion at other parameters; a trajectory whose last cycles are about periodic; or impact phases,
+        for which the linear equations of 1983 give the rest of the guess.
+
+    Returns
+    -------
+    Motion
+        `admissible` is False if the equations are solved by a motion that would pass through a wall.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the trajectory is not about periodic.
+    SingularError
+        If the iteration does not converge.
+
+    Examples
+    --------
+    The motion that belongs beside the third column of Table 1, at d K/F0 = 37 exactly:
+
+    >>> import math, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
+    >>> round(float(motion.phases[1]) / math.pi, 6), motion.stable
+    (1.382026, True)
+
+    From a simulation, with rest on the left wall:
+
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    >>> vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
+    <Motion RL*/1 at r = 0.9, d K/F0 = 6: consistent, admissible, stable (max|lambda| = 0.9189, complex)>
+    """
+    checks.instance(osc, "osc", Oscillator)
+    r = checks.frequency_ratio(r, osc.xi)
+    clearance = checks.number(clearance, "clearance")
+    load = checks.number(load, "load")
+    each = None
+    if isinstance(guess, Motion):
+        pattern = guess.pattern
+        if pattern.has_rest:
+            return rest_motion(osc, r, clearance, load, pattern.cycles, guess.events)
+        each = None if guess.osc.restitution != osc.restitution else guess.restitution
+        scale = clearance / guess.clearance
+        x, theta = scale * guess.X, guess.phases + guess.tau
+    elif isinstance(guess, Trajectory):
+        period = last_period(guess)
+        pattern = period.pattern
+        if pattern.has_rest:
+            return rest_motion(osc, r, clearance, load, pattern.cycles, period.events)
+        x = period.letters["x"] * (clearance / guess.clearance)
+        phases = np.mod(period.letters["phase"] - period.letters["phase"][0], TWO_PI)
+        whole = np.rint((period.letters["time"] - period.letters["time"][0]) * guess.r - phases)
+        phases = phases + TWO_PI * np.rint(whole / TWO_PI)
+        theta = phases + period.letters["phase"][0] - lag(osc, r)
+    elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], Pattern):
+        linear = periodic(osc, r, guess[0], guess[1])
+        pattern = linear.pattern
+        x, theta = linear.X * (clearance / linear.clearance), linear.phases + linear.tau
+    else:
+        raise ParameterTypeError(
+            f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, Pattern)"
+        )
+    return newton(osc, r, clearance, load, pattern, x, theta, each)
+
+
+def lag(osc: Oscillator, r: float) -> float:
+    """Phase by which the motion without impacts lags the load."""
+    return math.atan2(2 * osc.xi * r, (1 - r) * (1 + r))
+
+
+def newton(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    load: float,
+    pattern: Pattern,
+    x: NDArray[np.float64],
+    theta: NDArray[np.float64],
+    restitution: NDArray[np.float64] | None = None,
+) -> Motion:
+    """Newton's method on x_i and theta_i = alpha_i + tau of a pattern without rest."""
+    each = impact_restitution(osc, pattern, None) if restitution is None else restitution
+    phases, impacts, scalars, multipliers, verdicts, status, _ = _core.exact(
+        osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, each, x, theta,
+        MOST_ITERATIONS,
+    )  # fmt: skip
+    raise_status(int(status))
+    impacts.flags.writeable = False
+    multipliers.flags.writeable = False
+    _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
+    consistent, admissible, stable = verdicts.tolist()
+    return Motion(
+        osc, r, clearance, pattern, each, frozen(phases), *impacts.T, amplitude, tau, residual, multipliers,
+        VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max, load=load,
+    )  # fmt: skip
+
+
+def rest_motion(
+    osc: Oscillator, r: float, clearance: float, load: float, cycles: int, events: NDArray[Any]
+) -> Motion:
+    """Newton's method on the return map from the last release among some events."""
+    release = events[events["kind"] == "release"][-1]
+    side = 1 if release["side"] == "R" else -1
+    guess = np.array([release["phase"], release["x_dot_after"]])
+    point, multipliers, residual, numbers, labels, n, status = _core.rest_motion(
+        osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, REST_EVENTS
+    )
+    raise_status(int(status))
+    table = event_table(numbers[:, :n].copy(), labels[:, :n]).copy()
+    table["time"] -= table["time"][0]
+    table.flags.writeable = False
+    letters, first = letters_of(table)
+    pattern = Pattern("".join(letters), cycles)
+    starts, resting = segments(table, clearance)
+    period = TWO_PI * cycles / r
+    x_min, x_max, whole = _core.extreme_positions(
+        osc.xi, osc.mu, r, load, clearance, starts, resting, period
+    )
+    multipliers.flags.writeable = False
+    amplitude = load / math.hypot((1 - r) * (1 + r), 2 * osc.xi * r)
+    z = first["x"] + 0.5 * pattern.signs * clearance
+    columns = [first["x"], z] + [
+        first[name] for name in ("x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
+    ]
+    return Motion(
+        osc, r, clearance, pattern, impact_restitution(osc, pattern, None), frozen(first["time"] * r),
+        *(frozen(np.ascontiguousarray(column)) for column in columns), amplitude,
+        math.remainder(float(first["phase"][0]) - lag(osc, r), TWO_PI), residual, multipliers,
+        residual < 1e-9, True, bool(np.all(np.abs(multipliers) < 1)), x_min if whole else math.nan,
+        x_max if whole else math.nan, load=load, rest_events=table,
+    )  # fmt: skip
+
+
+def letters_of(events: NDArray[Any]) -> tuple[list[str], NDArray[Any]]:
+    """The letters of some events and the event that starts each.
+
+    A run of impacts on one wall that ends in rest is one starred letter.
+    """
+    letters: list[str] = []
+    first: list[int] = []
+    run = 0
+    for i, (kind, side) in enumerate(zip(events["kind"].tolist(), events["side"].tolist(), strict=True)):
+        if kind == "stick":
+            start = first[-run] if run else i
+            del letters[len(letters) - run :], first[len(first) - run :]
+            letters.append(side + "*")
+            first.append(start)
+            run = 0
+        elif kind == "impact":
+            run = run + 1 if letters and letters[-1] == side and run else 1
+            letters.append(side)
+            first.append(i)
+        else:
+            run = 0
+    return letters, events[first]
+
+
+def last_period(trajectory: Trajectory, most_cycles: int = 16, tolerance: float = 0.05) -> Period:
+    """The shortest period, in load cycles, with which a trajectory ends.
+
+    The last k cycles are compared with the k before; the pattern has to be the same and the phases within
+    the tolerance.
+    """
+    events = trajectory.events
+    r = trajectory.r
+    releases = np.flatnonzero(events["kind"] == "release")
+    end = len(events) if not releases.size else int(releases[-1]) + 1
+    last = trajectory.final_state["t"] if not releases.size else float(events["time"][end - 1])
+    for cycles in range(1, most_cycles + 1):
+        span = TWO_PI * cycles / r
+        # half a thousandth of a cycle: an event on the border belongs to one window
+        border = 0.0 if not releases.size else 1e-3 * TWO_PI / r
+        middle, begin = last - span + border, last - 2 * span + border
+        if begin < trajectory.initial_state["t"]:
+            break
+        i, j = np.searchsorted(events["time"][:end], [begin, middle])
+        before, after = letters_of(events[i:j]), letters_of(events[j:end])
+        if not after[0] or before[0] != after[0]:
+            continue
+        shift = (after[1]["time"] - before[1]["time"] - span) * r
+        mismatch = float(np.abs(shift).max())
+        if mismatch < tolerance and len(set("".join(after[0])) & {"R", "L"}) == 2:
+            return Period(Pattern("".join(after[0]), cycles), events[j:end], after[1], mismatch)
+    raise ParameterError(
+        f"guess = {trajectory!r}: must end about periodic; its last cycles do not repeat within "
+        f"{most_cycles} load cycles. Simulate longer (discard more), or give phases and a pattern"
+    )
+
+
+def settle(
+    osc: Oscillator, r: float, clearance: float, load: float, state: Any, discard: int, most_cycles: int
+) -> Period | None:
+    """The periodic part that a state settles on, or None."""
+    run = simulate(osc, r, clearance, 2 * most_cycles + 2, state=state, load=load, discard=discard)
+    try:
+        return last_period(run, most_cycles)
+    except ParameterError:
+        return None
