@@ -3,8 +3,10 @@
 from importlib.metadata import version as _version
 
 from . import errors
+from .find import FoundMotions, Search, find
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
+from .newton import exact
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
 from .trajectory import Trajectory, simulate
@@ -12,16 +14,20 @@ from .trajectory import Trajectory, simulate
 __version__ = _version("vibroimpact")
 
 __all__ = [
+    "FoundMotions",
     "Motion",
     "Motions",
     "Oscillator",
     "Pattern",
     "RunLog",
     "Sample",
+    "Search",
     "Trajectory",
     "Units",
     "equispaced",
     "errors",
+    "exact",
+    "find",
     "linear_system",
     "periodic",
     "periodic_batch",

@@ -182,6 +182,26 @@ class Motion:
             )
         return Sample(*values.reshape((6, *times.shape)))
 
+    def plot(self, ax: Any = None, kind: str | None = None, cycles: float | None = None) -> Any:
+        """Draw time history, load, acceleration and phase portrait (extra `plot`).
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw one panel; without it a figure with all panels is made.
+        kind : {"history", "load", "acceleration", "portrait"}, optional
+            Which panel.
+        cycles : float, optional
+            Load cycles shown; by default one period, at least two cycles.
+
+        Returns
+        -------
+        Axes, or an array of Axes if all panels were drawn.
+        """
+        from .plot import draw
+
+        return draw(self, ax, kind, max(2, self.pattern.cycles) if cycles is None else cycles)
+
     def impact_maps(self) -> NDArray[np.float64]:
         """The matrices [P_i] of (A7), (N, 4, 4).
 

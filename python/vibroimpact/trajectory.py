@@ -94,6 +94,26 @@ class Trajectory:
         )
         return Sample(*values.reshape((6, *times.shape)))
 
+    def plot(self, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
+        """Draw the last load cycles: time history, load, acceleration and phase portrait (extra `plot`).
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw one panel; without it a figure with all panels is made.
+        kind : {"history", "load", "acceleration", "portrait"}, optional
+            Which panel.
+        cycles : float
+            Load cycles shown, the last ones.
+
+        Returns
+        -------
+        Axes, or an array of Axes if all panels were drawn.
+        """
+        from .plot import draw
+
+        return draw(self, ax, kind, cycles)
+
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """Start of each segment (6, n), and the side on which the free mass rests in it."""
         state = self.initial_state

@@ -6,9 +6,11 @@ module vi_batch
    use vi_motion, only: motion_type
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
-   use vi_report, only: csv_lines, table_lines, verdict_text
+   use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
+   use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
    use vi_text, only: append, line_type, lower, whole
+   use vi_trajectory, only: simulate_case
    implicit none (type, external)
    private
 
@@ -50,8 +52,12 @@ contains
       end if
       call make_folder(folder)
       do i = 1, size(cases)
-         call compute(cases(i), motions)
-         call write_results(cases(i), motions, folder, log)
+         if (cases(i)%kind == 'simulate') then
+            call run_simulation(cases(i), folder, log)
+         else
+            call compute(cases(i), motions)
+            call write_results(cases(i), motions, folder, log)
+         end if
       end do
    end subroutine run_file
 
@@ -102,6 +108,39 @@ contains
          end if
       end if
    end subroutine compute
+
+   !> Simulates a case and writes its events.
+   subroutine run_simulation(case, folder, log)
+      type(case_type), intent(in) :: case
+      character(*), intent(in) :: folder
+      type(log_type), intent(inout) :: log
+      type(event_type), allocatable :: events(:)
+      type(state_type) :: state
+      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: message
+      integer :: status
+
+      call simulate_case(new_drive(case%osc, case%r, case%load, case%clearance), case%start, &
+         case%duration, case%discard, case%max_events, state, events, status)
+      if (status /= stat%ok .and. status /= stat%more_events) then
+         call append(log%lines, '!'//case%name//': '//status_text(status))
+         log%status = max(log%status, failed)
+         return
+      end if
+      call event_lines(case, events, state, status == stat%ok, lines)
+      call write_file(folder//'/'//case%name//'.csv', lines, message)
+      if (len(message) > 0) then
+         call append(log%lines, '!'//folder//'/'//case%name//'.csv: '//message// &
+            '; must be a folder and disk that can be written')
+         log%status = wrong
+         return
+      end if
+      call append(log%lines, '-'//case%name//': '//whole(count(events%kind == impact_event))// &
+         ' impacts, '//whole(count(events%kind == stick_event))//' rests')
+      if (status == stat%ok) return
+      call append(log%lines, '!'//case%name//': cut short, max_events was reached')
+      log%status = max(log%status, failed)
+   end subroutine run_simulation
 
    subroutine write_results(case, motions, folder, log)
       type(case_type), intent(in) :: case

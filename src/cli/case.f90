@@ -19,7 +19,7 @@ module vi_case
       character(:), allocatable :: name
       type(oscillator_type) :: osc
       real(wp) :: r = 0
-      !> 'periodic' (phases given) or 'equispaced' (clearance given)
+      !> 'periodic' (phases given), 'equispaced' (clearance given) or 'simulate'
       character(:), allocatable :: kind
       type(pattern_type) :: pattern
       real(wp), allocatable :: phases(:), restitution(:)
@@ -28,6 +28,9 @@ module vi_case
       logical :: single = .false.
       !> 'csv', 'table' or 'both'
       character(:), allocatable :: format
+      !> Of a simulation: load cycles kept and discarded, load amplitude, t, x, x', z, z' at the start.
+      real(wp) :: duration = 0, discard = 0, load = 1, start(5) = 0
+      integer :: max_events = 0
       !> Where the name was given, for messages.
       integer :: line = 0
    end type case_type
@@ -57,7 +60,7 @@ contains
       allocate (raw)
       allocate (output%items(0))
       deallocate (cases)
-      allocate (cases(count([(groups(i)%name == 'motion', i=1, size(groups))])))
+      allocate (cases(count([(makes_case(groups(i)%name), i=1, size(groups))])))
       n = 0
       system = 0
       call blank(raw)
@@ -65,16 +68,20 @@ contains
          line = groups(i)%line
          select case (groups(i)%name)
          case ('system')
-            if (.not. motion_follows(groups(i + 1:))) message = '&system: no &motion follows'
+            if (.not. motion_follows(groups(i + 1:))) message = '&system: no &motion or &simulate follows'
             if (len(message) == 0) call read_group(groups(i), raw, line, message)
             if (len(message) == 0) call check_system(groups(i), raw, line, message)
             system = i
-         case ('motion')
-            if (system == 0) message = '&motion: no &system stands before it'
+         case ('motion', 'simulate')
+            if (system == 0) message = '&'//groups(i)%name//': no &system stands before it'
             if (len(message) == 0) call read_group(groups(i), raw, line, message)
             if (len(message) == 0) then
                n = n + 1
-               call take_motion(groups(i), raw, cases(n), line, message)
+               if (groups(i)%name == 'motion') then
+                  call take_motion(groups(i), raw, cases(n), line, message)
+               else
+                  call take_simulation(groups(i), raw, cases(n), line, message)
+               end if
             end if
             if (len(message) == 0 .and. i < size(groups)) then
                if (groups(i + 1)%name == 'output') output = groups(i + 1)
@@ -89,12 +96,12 @@ contains
             output%line = 0
          case ('output')
             if (i == 1) then
-               message = '&output: no &motion stands before it'
-            else if (groups(i - 1)%name /= 'motion') then
-               message = '&output: no &motion stands before it'
+               message = '&output: no &motion or &simulate stands before it'
+            else if (.not. makes_case(groups(i - 1)%name)) then
+               message = '&output: no &motion or &simulate stands before it'
             end if
          case default
-            message = '&'//groups(i)%name//': is not a group; must be &system, &motion or &output'
+            message = '&'//groups(i)%name//': is not a group; must be &system, &motion, &simulate or &output'
          end select
          if (len(message) > 0) then
             message = place(path, line)//message
@@ -102,6 +109,13 @@ contains
          end if
       end do
    end subroutine read_cases
+
+   !> Whether each group of this name is a case.
+   pure logical function makes_case(name)
+      character(*), intent(in) :: name
+
+      makes_case = name == 'motion' .or. name == 'simulate'
+   end function makes_case
 
    !> Whether the next group is &motion, or one whose name is wrong anyway.
    pure logical function motion_follows(rest)
@@ -183,6 +197,46 @@ contains
          call take_periodic(group, raw, case, line, message)
       end if
    end subroutine take_motion
+
+   !> Checks the variables of &simulate and puts them into a case.
+   subroutine take_simulation(group, raw, case, line, message)
+      type(group_type), intent(in) :: group
+      type(raw_type), intent(in) :: raw
+      type(case_type), intent(inout) :: case
+      integer, intent(inout) :: line
+      character(:), allocatable, intent(inout) :: message
+      character(5), parameter :: names(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
+      integer :: i
+
+      case%osc = oscillator_type(raw%xi, raw%mu, raw%restitution)
+      case%r = raw%r
+      case%kind = 'simulate'
+      case%clearance = raw%clearance
+      case%duration = raw%duration
+      case%discard = raw%discard
+      case%load = raw%load
+      case%start = [raw%t, raw%x, raw%x_dot, raw%z, raw%z_dot]
+      case%max_events = raw%max_events
+      if (.not. (raw%clearance >= 1.0e-12_wp .and. raw%clearance <= 1.0e12_wp)) then
+         call complain(group, 'clearance', line, message)
+      else if (.not. (raw%duration >= 0 .and. raw%duration <= 1.0e9_wp)) then
+         call complain(group, 'cycles', line, message)
+      else if (.not. (raw%discard >= 0 .and. raw%discard <= 1.0e9_wp)) then
+         call complain(group, 'discard', line, message)
+      else if (.not. (raw%load >= 0 .and. raw%load <= 1.0e12_wp)) then
+         call complain(group, 'load', line, message)
+      else if (raw%max_events < 1 .or. raw%max_events > 1000000000) then
+         call complain(group, 'max_events', line, message)
+      else
+         do i = 1, 5
+            if (ieee_is_finite(case%start(i))) cycle
+            call complain(group, trim(names(i)), line, message)
+            return
+         end do
+         if (abs(raw%z - raw%x) > 0.5_wp*raw%clearance*(1 + 1.0e-9_wp)) call complain(group, 'z', line, &
+            message, 'z - x must be within half the clearance')
+      end if
+   end subroutine take_simulation
 
    subroutine take_equispaced(group, raw, case, line, message)
       type(group_type), intent(in) :: group

@@ -20,6 +20,9 @@ module vi_keys
       character(20) :: kind, precision, format
       character(101) :: name
       integer :: cycles
+      !> &simulate: load cycles kept and discarded, load amplitude, initial state, limit of events.
+      real(wp) :: duration, discard, load, t, x, x_dot, z, z_dot
+      integer :: max_events
    end type raw_type
 
 contains
@@ -53,6 +56,15 @@ contains
       raw%cycles = 1
       raw%name = ''
       raw%format = 'csv'
+      raw%duration = nan
+      raw%discard = 0
+      raw%load = 1
+      raw%t = 0
+      raw%x = 0
+      raw%x_dot = 0
+      raw%z = 0
+      raw%z_dot = 0
+      raw%max_events = 10000000
    end subroutine blank_motion
 
    !> What a key of a group takes; empty if the group has no such key.
@@ -88,6 +100,18 @@ contains
          text = '''double'' or ''single'''
       case ('motion acceptance')
          text = 'a number with 0 <= acceptance <= 1'
+      case ('simulate clearance')
+         text = 'a number with 1e-12 <= clearance <= 1e12'
+      case ('simulate cycles')
+         text = 'a number of load cycles with 0 <= cycles <= 1e9'
+      case ('simulate discard')
+         text = 'a number of load cycles with 0 <= discard <= 1e9'
+      case ('simulate load')
+         text = 'a number with 0 <= load <= 1e12'
+      case ('simulate t', 'simulate x', 'simulate x_dot', 'simulate z', 'simulate z_dot')
+         text = 'a finite number'
+      case ('simulate max_events')
+         text = 'a whole number with 1 <= max_events <= 1000000000'
       case ('output name')
          text = 'at most 100 letters, digits, _, - or ., the first one no .'
       case ('output format')
@@ -106,6 +130,8 @@ contains
       case ('motion')
          text = 'kind, sides, cycles, phases, phases_over_pi, impact_restitution, clearance, &
             &precision, acceptance'
+      case ('simulate')
+         text = 'clearance, cycles, discard, load, t, x, x_dot, z, z_dot, max_events'
       case default
          text = 'name, format'
       end select
@@ -119,7 +145,7 @@ contains
       character(:), allocatable, intent(inout) :: message
       integer :: i, j, status
 
-      if (group%name == 'motion') call blank_motion(raw)
+      if (group%name == 'motion' .or. group%name == 'simulate') call blank_motion(raw)
       if (group%name == 'system') call blank(raw)
       do i = 1, size(group%items)
          associate (item => group%items(i))
@@ -153,56 +179,115 @@ contains
       character(*), intent(in) :: text, group
       type(raw_type), intent(inout) :: raw
       integer, intent(out) :: status
-      real(wp) :: xi, mu, restitution(2), r, clearance, acceptance
-      real(wp), dimension(most_impacts) :: phases, phases_over_pi, impact_restitution
-      character(most_impacts + 1) :: sides
-      character(20) :: kind, precision, format
-      character(101) :: name
-      integer :: cycles
-      namelist /system/ xi, mu, restitution, r
-      namelist /motion/ kind, sides, cycles, phases, phases_over_pi, impact_restitution, clearance, &
-         precision, acceptance
-      namelist /output/ name, format
 
       select case (group)
       case ('system')
-         xi = raw%xi
-         mu = raw%mu
-         restitution = raw%restitution
-         r = raw%r
-         read (text, nml=system, iostat=status)
-         raw%xi = xi
-         raw%mu = mu
-         raw%restitution = restitution
-         raw%r = r
+         call read_system(text, raw, status)
       case ('motion')
-         kind = raw%kind
-         sides = raw%sides
-         cycles = raw%cycles
-         phases = raw%phases
-         phases_over_pi = raw%phases_over_pi
-         impact_restitution = raw%impact_restitution
-         clearance = raw%clearance
-         precision = raw%precision
-         acceptance = raw%acceptance
-         read (text, nml=motion, iostat=status)
-         raw%kind = kind
-         raw%sides = sides
-         raw%cycles = cycles
-         raw%phases = phases
-         raw%phases_over_pi = phases_over_pi
-         raw%impact_restitution = impact_restitution
-         raw%clearance = clearance
-         raw%precision = precision
-         raw%acceptance = acceptance
+         call read_motion(text, raw, status)
+      case ('simulate')
+         call read_simulate(text, raw, status)
       case default
-         name = raw%name
-         format = raw%format
-         read (text, nml=output, iostat=status)
-         raw%name = name
-         raw%format = format
+         call read_output(text, raw, status)
       end select
    end subroutine read_value
+
+   subroutine read_system(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      real(wp) :: xi, mu, restitution(2), r
+      namelist /system/ xi, mu, restitution, r
+
+      xi = raw%xi
+      mu = raw%mu
+      restitution = raw%restitution
+      r = raw%r
+      read (text, nml=system, iostat=status)
+      raw%xi = xi
+      raw%mu = mu
+      raw%restitution = restitution
+      raw%r = r
+   end subroutine read_system
+
+   subroutine read_motion(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      real(wp) :: clearance, acceptance
+      real(wp), dimension(most_impacts) :: phases, phases_over_pi, impact_restitution
+      character(most_impacts + 1) :: sides
+      character(20) :: kind, precision
+      integer :: cycles
+      namelist /motion/ kind, sides, cycles, phases, phases_over_pi, impact_restitution, clearance, &
+         precision, acceptance
+
+      kind = raw%kind
+      sides = raw%sides
+      cycles = raw%cycles
+      phases = raw%phases
+      phases_over_pi = raw%phases_over_pi
+      impact_restitution = raw%impact_restitution
+      clearance = raw%clearance
+      precision = raw%precision
+      acceptance = raw%acceptance
+      read (text, nml=motion, iostat=status)
+      raw%kind = kind
+      raw%sides = sides
+      raw%cycles = cycles
+      raw%phases = phases
+      raw%phases_over_pi = phases_over_pi
+      raw%impact_restitution = impact_restitution
+      raw%clearance = clearance
+      raw%precision = precision
+      raw%acceptance = acceptance
+   end subroutine read_motion
+
+   subroutine read_simulate(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      real(wp) :: clearance, cycles, discard, load, t, x, x_dot, z, z_dot
+      integer :: max_events
+      namelist /simulate/ clearance, cycles, discard, load, t, x, x_dot, z, z_dot, max_events
+
+      clearance = raw%clearance
+      cycles = raw%duration
+      discard = raw%discard
+      load = raw%load
+      t = raw%t
+      x = raw%x
+      x_dot = raw%x_dot
+      z = raw%z
+      z_dot = raw%z_dot
+      max_events = raw%max_events
+      read (text, nml=simulate, iostat=status)
+      raw%clearance = clearance
+      raw%duration = cycles
+      raw%discard = discard
+      raw%load = load
+      raw%t = t
+      raw%x = x
+      raw%x_dot = x_dot
+      raw%z = z
+      raw%z_dot = z_dot
+      raw%max_events = max_events
+   end subroutine read_simulate
+
+   subroutine read_output(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      character(20) :: format
+      character(101) :: name
+      namelist /output/ name, format
+
+      name = raw%name
+      format = raw%format
+      read (text, nml=output, iostat=status)
+      raw%name = name
+      raw%format = format
+   end subroutine read_output
 
    !> The message for a key that is missing or has a wrong value; `why` adds to what is allowed.
    pure subroutine complain(group, key, line, message, why)

@@ -5,13 +5,14 @@ module vi_report
    use vi_motion, only: motion_type, unknown, yes
    use vi_oscillator, only: lag
    use vi_pattern, only: side_letters
+   use vi_simulate, only: event_type, state_time, state_type
    use vi_status, only: stat, status_text
    use vi_text, only: append, exact, line_type, shown, whole
    use vi_version, only: version
    implicit none (type, external)
    private
 
-   public :: csv_lines, table_lines, verdict_text
+   public :: csv_lines, event_lines, table_lines, verdict_text
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -58,6 +59,21 @@ contains
       call append(lines, '#   restitution = '//list(case%osc%restitution))
       call append(lines, '#   r = '//exact(case%r))
       call append(lines, '# /')
+      if (case%kind == 'simulate') then
+         call echo_simulation(case, lines)
+      else
+         call echo_motion(case, lines)
+      end if
+      call append(lines, '# &output')
+      call append(lines, '#   name = '''//case%name//'''')
+      call append(lines, '#   format = '''//case%format//'''')
+      call append(lines, '# /')
+   end subroutine echo
+
+   pure subroutine echo_motion(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
       call append(lines, '# &motion')
       call append(lines, '#   kind = '''//case%kind//'''')
       call append(lines, '#   cycles = '//whole(case%pattern%cycles))
@@ -71,11 +87,61 @@ contains
       call append(lines, '#   precision = '//trim(merge('''single''', '''double''', case%single)))
       call append(lines, '#   acceptance = '//exact(case%acceptance))
       call append(lines, '# /')
-      call append(lines, '# &output')
-      call append(lines, '#   name = '''//case%name//'''')
-      call append(lines, '#   format = '''//case%format//'''')
+   end subroutine echo_motion
+
+   pure subroutine echo_simulation(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      character(5), parameter :: names(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
+      integer :: i
+
+      call append(lines, '# &simulate')
+      call append(lines, '#   clearance = '//exact(case%clearance))
+      call append(lines, '#   cycles = '//exact(case%duration))
+      call append(lines, '#   discard = '//exact(case%discard))
+      call append(lines, '#   load = '//exact(case%load))
+      do i = 1, 5
+         call append(lines, '#   '//trim(names(i))//' = '//exact(case%start(i)))
+      end do
+      call append(lines, '#   max_events = '//whole(case%max_events))
       call append(lines, '# /')
-   end subroutine echo
+   end subroutine echo_simulation
+
+   !> The events of a simulation as CSV; header as in `csv_lines`, and the final state.
+   pure subroutine event_lines(case, events, state, complete, lines)
+      type(case_type), intent(in) :: case
+      type(event_type), intent(in) :: events(:)
+      type(state_type), intent(in) :: state
+      !> False if the limit of events was reached before the end.
+      logical, intent(in) :: complete
+      type(line_type), allocatable, intent(out) :: lines(:)
+      type(line_type), allocatable :: head(:)
+      character(7), parameter :: kinds(3) = [character(7) :: 'impact', 'stick', 'release']
+      integer :: i, n
+
+      call echo(case, head)
+      if (.not. complete) call append(head, '# ! cut short: max_events was reached')
+      call append(head, '# ! final state: t, x, x_dot, z, z_dot ='//join_numbers([ &
+         state_time(state%cycle, state%phase, case%r), state%x, state%x_dot, state%z, state%z_dot]))
+      call append(head, 'time,kind,side,phase,x,x_dot_before,x_dot_after,z_dot_before,z_dot_after')
+      n = size(head)
+      allocate (lines(n + size(events)))
+      lines(:n) = head
+      do i = 1, size(events)
+         associate (e => events(i))
+            lines(n + i)%text = exact(state_time(e%cycle, e%phase, case%r))//','//trim(kinds(e%kind))// &
+               ','//side_letters([e%side])//numbers([e%phase, e%x, e%x_dot_before, e%x_dot_after, &
+               e%z_dot_before, e%z_dot_after])
+         end associate
+      end do
+   end subroutine event_lines
+
+   pure function join_numbers(values) result(text)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: text
+
+      text = ' '//list(values)
+   end function join_numbers
 
    pure function list(values) result(text)
       real(wp), intent(in) :: values(:)

@@ -7,10 +7,14 @@ module vi_trajectory
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_rest, only: new_rest
    use vi_simulate, only: drive_type, event_type, simulate, state_time, state_type
+   use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: simulate_arrays, sample_segments, extreme_positions, store_events, pack_state, unpack_state
+   public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, pack_state, &
+      unpack_state, initial_state
+
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 
@@ -37,6 +41,96 @@ contains
       call store_events(events(:n), drive%r, values, labels)
       call pack_state(now, state, contact)
    end subroutine simulate_arrays
+
+   !> A whole simulation: the discarded cycles, then those that are kept.
+   pure subroutine simulate_case(drive, start, duration, discard, max_events, state, events, status)
+      type(drive_type), intent(in) :: drive
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: start(5)
+      !> Load cycles kept and, before them, discarded.
+      real(wp), intent(in) :: duration, discard
+      integer, intent(in) :: max_events
+      !> The state at the end.
+      type(state_type), intent(out) :: state
+      type(event_type), allocatable, intent(out) :: events(:)
+      !> `stat%ok`, `stat%more_events` (max_events was reached) or `stat%budget`.
+      integer, intent(out) :: status
+
+      state = initial_state(drive, start)
+      allocate (events(0))
+      if (discard > 0) call gather(drive, state, discard, max_events, .false., events, status)
+      if (discard > 0 .and. status /= stat%ok) return
+      call gather(drive, state, duration, max_events, .true., events, status)
+   end subroutine simulate_case
+
+   !> Simulates some cycles in chunks and appends the events, if they are kept.
+   pure subroutine gather(drive, state, cycles, max_events, keep, events, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(inout) :: state
+      real(wp), intent(in) :: cycles
+      integer, intent(in) :: max_events
+      logical, intent(in) :: keep
+      type(event_type), allocatable, intent(inout) :: events(:)
+      integer, intent(out) :: status
+      integer, parameter :: chunk = 65536
+      type(event_type), allocatable :: room(:)
+      integer(int64) :: last_cycle
+      real(wp) :: last_phase
+      integer :: n, total
+
+      call later(state, cycles, last_cycle, last_phase)
+      total = 0
+      do
+         allocate (room(max(2, min(chunk, max_events - total + 1))))
+         call simulate(drive, state, last_cycle, last_phase, room, n, status)
+         if (keep) events = [events, room(:n)]
+         deallocate (room)
+         total = total + n
+         if (status /= stat%more_events .or. total >= max_events) return
+      end do
+   end subroutine gather
+
+   !> Cycle and phase a number of load cycles after a state.
+   pure subroutine later(state, cycles, cycle, phase)
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: cycles
+      integer(int64), intent(out) :: cycle
+      real(wp), intent(out) :: phase
+
+      cycle = state%cycle + int(cycles, int64)
+      phase = state%phase + two_pi*(cycles - aint(cycles))
+      if (phase < two_pi) return
+      cycle = cycle + 1
+      phase = max(0.0_wp, phase - two_pi)
+   end subroutine later
+
+   !> A state from t, x, x', z, z'; on a wall it may depart, rest, or be about to collide.
+   pure function initial_state(drive, start) result(state)
+      type(drive_type), intent(in) :: drive
+      real(wp), intent(in) :: start(5)
+      type(state_type) :: state
+      real(wp) :: y, half, pull, phase
+
+      phase = drive%r*start(1)
+      state%cycle = floor(phase/two_pi, int64)
+      state%phase = modulo(phase, two_pi)
+      state%x = start(2)
+      state%x_dot = start(3)
+      state%z = start(4)
+      state%z_dot = start(5)
+      y = state%z - state%x
+      half = 0.5_wp*drive%clearance
+      if (.not. abs(y) > half*(1 - 1.0e-12_wp)) return
+      state%side = merge(1, -1, y > 0)
+      state%speed = state%side*(state%x_dot - state%z_dot)
+      pull = state%side*(drive%load*sin(state%phase) - 2*drive%osc%xi*state%x_dot - state%x)
+      if (state%speed < 0) then                                      ! collides at once
+         state%side = 0
+         state%speed = 0
+      else if (.not. state%speed > 0 .and. pull <= 0) then
+         state%resting = .true.
+      end if
+   end function initial_state
 
    !> Events as columns of `values` and `labels`.
    pure subroutine store_events(events, r, values, labels)

@@ -1,0 +1,307 @@
+"""Every periodic motion at a point that a systematic search finds, stable and unstable."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core, checks
+from .errors import SingularError
+from .model import Oscillator, Pattern
+from .motion import Motion
+from .newton import TWO_PI, lag, newton, rest_motion, settle
+
+__all__ = ["FoundMotions", "Search", "find"]
+
+#: Motions of one pattern that a search keeps, admissible or not.
+ROOM = 128
+#: Two motions are one if positions (over the clearance) and phases differ by less.
+SAME = 1e-7
+
+
+@dataclass(frozen=True)
+class Search:
+    """How a search was done: what its answer can be trusted for, and what not.
+
+    Attributes
+    ----------
+    patterns : int
+        Side patterns (each with its number of cycles) that were searched.
+    guesses : int
+        Newton iterations started, over all patterns.
+    inadmissible : int
+        Solutions of the equations that would pass through a wall; they are left out.
+    states : int
+        Initial states that were simulated.
+    settled : int
+        States that settled on a periodic motion within the limits.
+    """
+
+    patterns: int
+    guesses: int
+    inadmissible: int
+    states: int
+    settled: int
+
+    def __str__(self) -> str:
+        return (
+            f"{self.patterns} patterns with {self.guesses} guesses (phases spread evenly, the rest from the "
+            f"linear problem; {self.inadmissible} inadmissible solutions left out), and {self.states} "
+            f"simulated states, of which {self.settled} settled on a periodic motion. A motion with a very "
+            "small neighbourhood of convergence, or with rest but unstable, can have been missed."
+        )
+
+
+class FoundMotions(list[Motion]):
+    """A list of motions that remembers in `search` how it was found."""
+
+    search: Search
+
+    def __init__(self, motions: Iterable[Motion], search: Search) -> None:
+        super().__init__(motions)
+        self.search = search
+
+
+def find(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    max_impacts: int = 6,
+    max_cycles: int = 2,
+    load: float = 1.0,
+    guesses: int = 96,
+    states: int = 24,
+    settling: int = 600,
+) -> FoundMotions:
+    """Periodic motions at a point: from all side patterns, and from simulated attractors.
+
+    For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's method
+    starts from guesses whose phases fill the period evenly and whose positions solve the linear equations
+    of 1983; motions found repel the later iterations, so none is found twice. Simulations from a spread
+    of initial states add the attractors, those with rest and those with more impacts included.
+
+    Parameters
+    ----------
+    osc, r, clearance, load
+        As in `simulate`.
+    max_impacts, max_cycles : int
+        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. A motion with accumulation
+        that simulation finds has no limit on its number of impacts.
+    guesses : int
+        Guesses for each pattern.
+    states : int
+        Initial states simulated.
+    settling : int
+        Load cycles simulated before an attractor is looked for.
+
+    Returns
+    -------
+    FoundMotions
+        A list of admissible motions, stable ones first; its attribute `search` says how it was found.
+
+    Examples
+    --------
+    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image
+    among others.
+
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motions = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
+    >>> [(motion.pattern.sides, motion.stable) for motion in motions]
+    [('RL', True), ('RL', True), ('RL', False), ('RL', False)]
+    """
+    checks.instance(osc, "osc", Oscillator)
+    r = checks.frequency_ratio(r, osc.xi)
+    clearance = checks.number(clearance, "clearance")
+    load = checks.number(load, "load")
+    max_impacts = checks.integer(max_impacts, "max_impacts", 2, 12)
+    max_cycles = checks.integer(max_cycles, "max_cycles", 1, 8)
+    guesses = checks.integer(guesses, "guesses", 0, 10**6)
+    states = checks.integer(states, "states", 0, 10**6)
+    settling = checks.integer(settling, "settling", 0, 10**7)
+    found: list[Motion] = []
+    patterns = list(_patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1]))
+    tried = inadmissible = 0
+    with ThreadPoolExecutor() as pool:
+
+        def search(pattern: Pattern) -> tuple[Pattern, NDArray[np.float64], int, int]:
+            return pattern, *_core.search_pattern(
+                osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, guesses,
+                ROOM,
+            )  # fmt: skip
+
+        for pattern, columns, n, started in pool.map(search, patterns):
+            tried += started
+            for column in columns[:, :n].T:
+                motion = newton(
+                    osc, r, clearance, load, pattern, column[: len(pattern)], column[len(pattern) :]
+                )
+                if not (motion.admissible and motion.consistent):
+                    inadmissible += 1
+                    continue
+                _add(found, motion)
+
+        def run(state: dict[str, float]) -> Any:
+            return settle(osc, r, clearance, load, state, settling, max_cycles)
+
+        periods = list(pool.map(run, _spread_states(osc, r, clearance, load, states)))
+    settled = 0
+    for period in periods:
+        if period is None or len(period.pattern) > max_impacts:
+            continue
+        settled += 1
+        try:
+            if period.pattern.has_rest:
+                motion = rest_motion(osc, r, clearance, load, period.pattern.cycles, period.events)
+            else:
+                letters = period.letters
+                phases = np.cumsum(np.diff(letters["time"], prepend=letters["time"][0])) * r
+                theta = phases + letters["phase"][0] - lag(osc, r)
+                motion = newton(osc, r, clearance, load, period.pattern, letters["x"], theta)
+        except SingularError:
+            continue
+        if motion.admissible:
+            _add(found, motion)
+    found.sort(key=_order)
+    return FoundMotions(found, Search(len(patterns), tried, inadmissible, states, settled))
+
+
+def _add(found: list[Motion], motion: Motion) -> None:
+    """Add a motion, and its mirror image where the walls are alike, unless they are there."""
+    motion = turned(reduced(motion))
+    images = [motion]
+    if motion.osc.restitution[0] == motion.osc.restitution[1]:
+        images.append(turned(mirror(motion)))
+    for image in images:
+        if not any(same(image, other) for other in found):
+            found.append(image)
+
+
+def reduced(motion: Motion) -> Motion:
+    """The motion written once, if it is written several times over."""
+    n, k = len(motion.pattern), motion.pattern.cycles
+    for parts in range(math.gcd(n, k), 1, -1):
+        if n % parts or k % parts or n // parts < 2:
+            continue
+        m = n // parts
+        letters = motion.pattern.letters
+        if letters != letters[:m] * parts:
+            continue
+        shift = np.append(motion.phases[m:], motion.phases[:m] + TWO_PI * k) - motion.phases
+        if np.abs(shift - TWO_PI * k / parts).max() > SAME:
+            continue
+        if np.abs(np.roll(motion.X, -m) - motion.X).max() > SAME * motion.clearance:
+            continue
+        pattern = Pattern("".join(letters[:m]), k // parts)
+        if motion.rest_events is not None:
+            return rest_motion(
+                motion.osc, motion.r, motion.clearance, motion.load, pattern.cycles, motion.events
+            )
+        theta = motion.phases[:m] + motion.tau
+        return newton(motion.osc, motion.r, motion.clearance, motion.load, pattern, motion.X[:m], theta)
+    return motion
+
+
+def turned(motion: Motion) -> Motion:
+    """The motion with its impacts counted from the one that puts R before L."""
+    letters, n = motion.pattern.letters, len(motion.pattern)
+    first = max(range(n), key=lambda j: letters[j:] + letters[:j])
+    if first == 0 or motion.rest_events is not None:
+        return motion
+    pattern = Pattern("".join(letters[first:] + letters[:first]), motion.pattern.cycles)
+    theta = np.append(motion.phases[first:], motion.phases[:first] + TWO_PI * pattern.cycles) + motion.tau
+    x = np.roll(motion.X, -first)
+    return newton(motion.osc, motion.r, motion.clearance, motion.load, pattern, x, theta)
+
+
+def mirror(motion: Motion) -> Motion:
+    """The mirror image of a motion of a symmetric system: x -> -x, R <-> L, half a cycle later."""
+    pattern = Pattern(motion.pattern.sides.translate(str.maketrans("RL", "LR")), motion.pattern.cycles)
+    if motion.rest_events is not None:
+        events = motion.rest_events.copy()
+        for name in ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"):
+            events[name] *= -1
+        events["side"] = np.where(events["side"] == "R", "L", "R")
+        events["phase"] = np.mod(events["phase"] + math.pi, TWO_PI)
+        return rest_motion(
+            motion.osc, motion.r, motion.clearance, motion.load, pattern.cycles, events
+        )
+    theta = motion.phases + motion.tau + math.pi
+    return newton(motion.osc, motion.r, motion.clearance, motion.load, pattern, -motion.X, theta)
+
+
+def same(one: Motion, other: Motion) -> bool:
+    """Whether two motions are one, whichever impact comes first."""
+    if len(one.pattern) != len(other.pattern) or one.pattern.cycles != other.pattern.cycles:
+        return False
+    letters, others = one.pattern.letters, other.pattern.letters
+    start = one.phases + one.load_phase
+    for j in range(len(others)):
+        if letters != others[j:] + others[:j]:
+            continue
+        later = np.append(other.phases[j:], other.phases[:j] + TWO_PI * other.pattern.cycles)
+        gap = later + other.load_phase - start
+        gap -= TWO_PI * round(gap[0] / TWO_PI)
+        if np.abs(gap).max() < 1e3 * SAME and (
+            np.abs(np.roll(other.X, -j) - one.X).max() < 1e3 * SAME * one.clearance
+        ):
+            return True
+    return False
+
+
+def _order(motion: Motion) -> tuple[Any, ...]:
+    """Stable first, then few cycles, few impacts, pattern, and position."""
+    return (
+        not motion.stable, motion.pattern.cycles, len(motion.pattern), motion.pattern.sides,
+        -round(float(motion.X[0]), 6),
+    )  # fmt: skip
+
+
+def _patterns(max_impacts: int, max_cycles: int, *, mirrored: bool) -> Iterator[Pattern]:
+    """All side patterns up to rotation (and up to mirror image), with each number of cycles.
+
+    A pattern that repeats a shorter one is searched too where its cycles do: motions of twice the period
+    look like that.
+    """
+    for n in range(2, max_impacts + 1):
+        seen: set[str] = set()
+        for letters in itertools.product("RL", repeat=n):
+            sides = "".join(letters)
+            if sides in seen or len(set(sides)) < 2:
+                continue
+            turned = {sides[j:] + sides[:j] for j in range(n)}
+            if mirrored:
+                turned |= {item.translate(str.maketrans("RL", "LR")) for item in turned}
+            seen |= turned
+            for cycles in range(1, max_cycles + 1):
+                yield Pattern(max(turned), cycles)
+
+
+def _spread_states(
+    osc: Oscillator, r: float, clearance: float, load: float, count: int
+) -> Iterator[dict[str, float]]:
+    """Initial states spread evenly (an additive recurrence) over a box about the motion without impacts."""
+    golden = 1.0
+    for _ in range(40):
+        golden = (1 + golden) ** (1 / 6)
+    amplitude = load / math.hypot((1 - r) * (1 + r), 2 * osc.xi * r)
+    size = 1.5 * max(min(amplitude, 3 * clearance), 0.1 * clearance)
+    for i in range(count):
+        u = [(0.5 + (i + 1) / golden ** (j + 1)) % 1.0 for j in range(5)]
+        x = size * (2 * u[0] - 1)
+        yield {
+            "t": TWO_PI * u[4] / r,
+            "x": x,
+            "x_dot": size * max(1.0, r) * (2 * u[1] - 1),
+            "z": x + 0.499 * clearance * (2 * u[2] - 1),
+            "z_dot": 2 * size * max(1.0, r) * (2 * u[3] - 1),
+        }
+
+

@@ -1,0 +1,185 @@
+"""Time histories, acceleration with impact spikes, and the phase portrait of the relative motion."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import checks
+from ..errors import ParameterError
+from . import style
+
+if TYPE_CHECKING:
+    from ..motion import Motion, Sample
+    from ..trajectory import Trajectory
+
+__all__ = ["KINDS", "draw"]
+
+
+class History(NamedTuple):
+    """What the panels draw: times in load cycles, the samples, and the events in the window."""
+
+    cycles: NDArray[np.float64]
+    sample: Sample
+    acceleration: NDArray[np.float64]
+    events: NDArray[Any]
+    event_cycles: NDArray[np.float64]
+    half: float
+
+
+def draw(thing: Motion | Trajectory, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
+    """Draw one panel into `ax`, or all of them into a new figure.
+
+    Parameters
+    ----------
+    thing : Motion or Trajectory
+    ax : matplotlib Axes, optional
+        Without it a figure with all panels is made (or with one, if `kind` is given).
+    kind : {"history", "load", "acceleration", "portrait"}, optional
+        Which panel; "history" if `ax` is given alone.
+    cycles : float
+        Load cycles shown: of a motion from its first impact on, of a trajectory its last ones.
+
+    Returns
+    -------
+    Axes, or an array of Axes if all panels were drawn.
+    """
+    if kind is not None:
+        checks.choice(kind, "kind", tuple(KINDS))
+    cycles = checks.to_float(cycles, "cycles", "a number above 0")
+    if not 0 < cycles < math.inf:
+        raise ParameterError(f"cycles = {cycles!r}: must be a number above 0")
+    history = _history(thing, cycles)
+    plt = style.pyplot()
+    with plt.rc_context(style.SETTINGS):
+        if ax is not None or kind is not None:
+            if ax is None:
+                _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 2.4), layout="constrained")
+            KINDS[kind or "history"](ax, history)
+            return ax
+        figure = plt.figure(figsize=(style.TWO_COLUMNS, 4.6), layout="constrained")
+        grid = figure.add_gridspec(3, 3, height_ratios=(2.2, 0.8, 1.6))
+        axes = [figure.add_subplot(grid[0, :2])]
+        axes += [figure.add_subplot(grid[i, :2], sharex=axes[0]) for i in (1, 2)]
+        axes.append(figure.add_subplot(grid[:, 2]))
+        for panel, one in zip(KINDS.values(), axes, strict=True):
+            panel(one, history)
+        for one in axes[:2]:
+            one.tick_params(labelbottom=False)
+            one.set_xlabel("")
+        figure.suptitle(_title(thing), fontsize=8)
+        return np.array(axes, dtype=object)
+
+
+def _title(thing: Motion | Trajectory) -> str:
+    from ..motion import Motion
+
+    osc = thing.osc
+    text = (
+        rf"$\xi$ = {osc.xi:g}, $\mu$ = {osc.mu:g}, $R_1$ = {osc.restitution[0]:g}, "
+        rf"$R_2$ = {osc.restitution[1]:g}, $r$ = {thing.r:.6g}, $dK/F_0$ = {thing.clearance:.6g}"
+    )
+    if isinstance(thing, Motion):
+        text = f"{thing.pattern.sides}, {thing.pattern.cycles} cycle(s): {thing.verdicts()}\n" + text
+    return text
+
+
+def _history(thing: Motion | Trajectory, cycles: float) -> History:
+    """Samples dense enough for a smooth curve, with both sides of each jump."""
+    from ..motion import Motion
+
+    cycle = 2 * math.pi / thing.r
+    if isinstance(thing, Motion):
+        first, last = 0.0, cycles * cycle
+        repeats = math.ceil(last / thing.period)
+        events = np.concatenate([thing.events] * repeats)
+        n = len(thing.events)
+        events["time"] += np.repeat(np.arange(repeats), n) * thing.period
+    else:
+        last = thing.final_state["t"]
+        first = max(thing.initial_state["t"], last - cycles * cycle)
+        events = thing.events
+    events = events[(events["time"] >= first) & (events["time"] <= last)]
+    # the end itself is the start of the next period
+    even = np.linspace(first, np.nextafter(last, -np.inf), int(400 * (last - first) / cycle) + 2)
+    before = np.nextafter(events["time"], -np.inf)
+    times = np.unique(np.concatenate([even, events["time"], before[before >= first]]))
+    sample = thing.sample(times)
+    free = sample.load - 2 * thing.osc.xi * sample.X_dot - sample.X
+    resting = np.zeros(times.size, dtype=bool)
+    for stick in events[events["kind"] == "stick"]["time"]:
+        release = events["time"][(events["kind"] == "release") & (events["time"] > stick)]
+        resting |= (times >= stick) & (times < (release[0] if release.size else math.inf))
+    acceleration = np.where(resting, free / (1 + thing.osc.mu), free)
+    return History(
+        (times - first) / cycle, sample, acceleration, events, (events["time"] - first) / cycle,
+        0.5 * thing.clearance,
+    )  # fmt: skip
+
+
+def _draw_history(ax: Any, h: History) -> None:
+    """x with the walls that it carries, z between them, and the impacts."""
+    ax.fill_between(h.cycles, h.sample.X - h.half, h.sample.X + h.half, color=style.PRIMARY, alpha=0.08, lw=0)
+    for sign in (1, -1):
+        ax.plot(h.cycles, h.sample.X + sign * h.half, color=style.PRIMARY, lw=0.7, ls=(0, (4, 2)))
+    ax.plot(h.cycles, h.sample.X, color=style.PRIMARY, label=r"$X$ (walls dashed)")
+    ax.plot(h.cycles, h.sample.Z, color=style.FREE, label="$Z$")
+    side = np.where(h.events["side"] == "R", 1, -1)
+    for kind, marker, colour in (("impact", "o", style.IMPACT), ("stick", "v", style.REST), ("release", "^", style.REST)):
+        chosen = h.events["kind"] == kind
+        if chosen.any():
+            ax.plot(
+                h.event_cycles[chosen], (h.events["x"] + side * h.half)[chosen], marker, color=colour, ms=3,
+                label=kind, mew=0,
+            )  # fmt: skip
+    ax.set_ylabel(r"$X$, $Z$  ($F_0/K$)")
+    ax.set_xlabel("time (load cycles)")
+    ax.margins(x=0)
+    ax.legend(loc="upper right", ncols=5, bbox_to_anchor=(1.0, 1.16), handlelength=1.4, columnspacing=1.0)
+
+
+def _draw_load(ax: Any, h: History) -> None:
+    ax.plot(h.cycles, h.sample.load, color=style.LOAD)
+    ax.set_ylabel(r"load ($F_0$)")
+    ax.set_xlabel("time (load cycles)")
+    ax.margins(x=0)
+
+
+def _draw_acceleration(ax: Any, h: History) -> None:
+    """Acceleration of the primary mass; an impact is a spike whose length is its change of velocity."""
+    ax.plot(h.cycles, h.acceleration, color=style.PRIMARY)
+    impacts = h.events["kind"] == "impact"
+    jump = (h.events["x_dot_after"] - h.events["x_dot_before"])[impacts]
+    largest = np.abs(jump).max(initial=0.0)
+    if largest > 0:
+        room = 1.2 * max(np.abs(h.acceleration).max(), 1e-300)
+        base = np.interp(h.event_cycles[impacts], h.cycles, h.acceleration)
+        tips = base + room * jump / largest
+        ax.vlines(h.event_cycles[impacts], base, tips, color=style.IMPACT, lw=0.9, label=r"impact: $\Delta\dot X$")
+        ax.legend(loc="upper right", bbox_to_anchor=(1.0, 1.16), handlelength=1.4)
+    ax.set_ylabel(r"$\ddot X$  ($\omega^2 F_0/K$)")
+    ax.set_xlabel("time (load cycles)")
+    ax.margins(x=0)
+
+
+def _draw_portrait(ax: Any, h: History) -> None:
+    """Relative velocity over relative position; impacts are jumps along the walls."""
+    y, y_dot = h.sample.Y, h.sample.Z_dot - h.sample.X_dot
+    ax.axvspan(-h.half, h.half, color=style.PRIMARY, alpha=0.05, lw=0)
+    for wall in (-h.half, h.half):
+        ax.axvline(wall, color=style.PRIMARY, lw=0.7, ls=(0, (4, 2)))
+    ax.plot(y, y_dot, color=style.FREE, lw=0.8)
+    ax.set_xlabel(r"$Y = Z - X$  ($F_0/K$)")
+    ax.set_ylabel(r"$\dot Y$  ($\omega F_0/K$)")
+
+
+#: The panels, in the order of the figure.
+KINDS = {
+    "history": _draw_history,
+    "load": _draw_load,
+    "acceleration": _draw_acceleration,
+    "portrait": _draw_portrait,
+}
