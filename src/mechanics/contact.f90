@@ -1,6 +1,6 @@
 !> First contact: the first instant at which the free mass reaches a wall, and none before is missed.
 !!
-!! From any instant a bound on the third derivative of the gaps tells how long neither can close; steps
+!! From any instant a bound on the fourth derivative of the gaps tells how long neither can close; steps
 !! of that length cannot jump over a contact, however short it is, and converge to it with third order.
 !! In the first moments after leaving a wall the gap to that wall is a small difference of large
 !! numbers. There its Taylor series is used instead: g(t) = t k(t) with k(0) the departure speed, so
@@ -28,6 +28,8 @@ module vi_contact
       integer :: side = 0
       !> Time of the contact after the start of the flight, and approach speed.
       real(wp) :: time = 0, speed = 0
+      !> x and its derivatives then.
+      real(wp) :: d(0:5) = 0
       !> False if the step budget ran out.
       logical :: complete = .true.
    end type contact_type
@@ -48,20 +50,20 @@ contains
       type(departure_type), intent(in) :: departure
       real(wp), intent(in) :: limit
       type(contact_type) :: contact
-      real(wp) :: t, step, other, reach, bound, near, far(2), k(0:terms - 1), d(0:4)
+      real(wp) :: t, step, other, reach, bound, near, far(2), k(0:terms - 1), d(0:5)
       integer :: n, first, side
 
       t = 0
       near = 0
       reach = 3/max(1.0_wp, flight%r)
-      bound = derivative_bound(flight, 3, 0.0_wp)
+      bound = derivative_bound(flight, 4, 0.0_wp)
       far = out_of_reach(flight, half)
       if (departure%side /= 0) then
          near = taylor_time/max(1.0_wp, flight%r)
          k = gap_series(flight, departure)
       end if
       do n = 1, step_budget
-         if (mod(n, 16) == 0) bound = derivative_bound(flight, 3, t)
+         if (mod(n, 16) == 0) bound = derivative_bound(flight, 4, t)
          d = derivatives(flight, t)
          ! the wall that is approached first: the other one need only be as far
          first = merge(1, -1, flight%z_dot >= d(1))
@@ -69,9 +71,10 @@ contains
          other = gap_step(-first, min(step, reach))
          side = merge(first, -first, step <= other)
          step = min(step, other)
-         if (step <= 2*spacing(t)) then
+         if (step <= 2*epsilon(1.0_wp)*t) then
             contact%side = side
             contact%time = t
+            contact%d = d
             contact%speed = contact%side*(flight%z_dot - d(1))
             if (contact%side == departure%side .and. t < near) contact%speed = series_speed(k, t)
             contact%speed = max(0.0_wp, contact%speed)
@@ -92,7 +95,7 @@ contains
             h = series_step(flight, k, departure, t, near)
          else
             gap = max(0.0_wp, half - side*(flight%z + flight%z_dot*t - d(0)))
-            h = safe_step(gap, side*(d(1) - flight%z_dot), side*d(2), bound, longest)
+            h = safe_step(gap, side*(d(1) - flight%z_dot), side*d(2), side*d(3), bound, longest)
             h = max(h, far(merge(1, 2, side > 0)) - t)
          end if
       end function gap_step
@@ -141,30 +144,33 @@ contains
 
    !> A safe step for the gap to the wall just left, from its series.
    !!
-   !! |k'''| <= B/4 with B a bound on the fourth derivative of the gap.
+   !! |k''''| <= B/5 with B a bound on the fifth derivative of the gap.
    pure real(wp) function series_step(flight, k, departure, t, near) result(step)
       type(flight_type), intent(in) :: flight
       real(wp), intent(in) :: k(0:)
       type(departure_type), intent(in) :: departure
       real(wp), intent(in) :: t, near
-      real(wp) :: value, slope, curvature, bound
+      real(wp) :: value, slope, curvature, jerk, bound
       integer :: n
 
-      bound = 0.25_wp*derivative_bound(flight, 4, 0.0_wp)
       if (t <= 0 .and. departure%released) then
-         ! k = k2 t^2 + ..: positive as long as the third derivative cannot undo it
-         step = min(near, 5.9_wp*k(2)/max(bound, tiny(bound)))
+         ! k = k2 t^2 + ..: positive as long as the fourth derivative of the gap cannot undo it
+         bound = derivative_bound(flight, 4, 0.0_wp)
+         step = min(near, 23.9_wp*max(0.0_wp, k(2))/max(bound, tiny(bound)))
          return
       end if
+      bound = 0.2_wp*derivative_bound(flight, 5, 0.0_wp)
       value = 0
       slope = 0
       curvature = 0
+      jerk = 0
       do n = ubound(k, 1), 0, -1
+         jerk = jerk*t + 3*curvature
          curvature = curvature*t + 2*slope
          slope = slope*t + value
          value = value*t + k(n)
       end do
-      step = safe_step(max(0.0_wp, value), slope, curvature, bound, max(near - t, spacing(near)) + near)
+      step = safe_step(max(0.0_wp, value), slope, curvature, jerk, bound, 2*near)
    end function series_step
 
    !> Approach speed -g' = -t k' at a zero of k.

@@ -28,7 +28,7 @@ contains
       real(wp), intent(out) :: lowest, highest
       !> False if the step budget ran out before the end of the flight.
       logical, intent(out) :: complete
-      real(wp) :: t, d(0:4), g, direction, before, bound, step, shortest, longest, relative
+      real(wp) :: t, d(0:5), g, direction, before, bound, step, shortest, longest, relative
       integer :: n
 
       lowest = huge(1.0_wp)
@@ -41,11 +41,12 @@ contains
       do n = 1, step_budget
          d = derivatives(flight, t)
          g = d(1) - flight%z_dot
-         bound = derivative_bound(flight, 4, t)
+         bound = derivative_bound(flight, 5, t)
          if (.not. bound > 0) return
          direction = sign(1.0_wp, g)
          step = 0
-         if (abs(g) > 0) step = safe_step(abs(g), direction*d(2), direction*d(3), bound, longest)
+         if (abs(g) > 0) step = safe_step(abs(g), direction*d(2), direction*d(3), direction*d(4), bound, &
+            longest)
          ! a step may land on the zero to rounding, and so a last bit beyond it
          if (step < shortest .or. direction*before < 0) then
             if (t > shortest .and. t < flight%duration - shortest) then

@@ -40,7 +40,7 @@ contains
       type(flight_type), intent(in) :: flight
       real(wp), intent(in) :: t
       real(wp), intent(out) :: x, x_dot, x_ddot
-      real(wp) :: d(0:4)
+      real(wp) :: d(0:5)
 
       d = derivatives(flight, t)
       x = d(0)

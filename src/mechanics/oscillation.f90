@@ -34,12 +34,12 @@ contains
       o%a = (x_dot - amplitude*r*cos(phase) + decay*o%b)/frequency                            ! (5)
    end function new_oscillation
 
-   !> x and its first four derivatives at time t: equations (2), (27) and on.
+   !> x and its first five derivatives at time t: equations (2), (27) and on.
    pure function derivatives(o, t) result(d)
       class(oscillation_type), intent(in) :: o
       real(wp), intent(in) :: t
-      real(wp) :: d(0:4)
-      real(wp) :: shrink, s, c, forced, forced_dot, stiffness, free(0:4)
+      real(wp) :: d(0:5)
+      real(wp) :: shrink, s, c, forced, forced_dot, stiffness, free(0:5)
 
       shrink = exp(-o%decay*t)
       s = shrink*sin(o%frequency*t)
@@ -50,9 +50,11 @@ contains
       free(2) = -2*o%decay*free(1) - stiffness*free(0)
       free(3) = -2*o%decay*free(2) - stiffness*free(1)
       free(4) = -2*o%decay*free(3) - stiffness*free(2)
+      free(5) = -2*o%decay*free(4) - stiffness*free(3)
       forced = o%amplitude*sin(o%r*t + o%phase)
       forced_dot = o%amplitude*o%r*cos(o%r*t + o%phase)
-      d = free + [forced, forced_dot, -o%r**2*forced, -o%r**2*forced_dot, o%r**4*forced]
+      d = free + [forced, forced_dot, -o%r**2*forced, -o%r**2*forced_dot, o%r**4*forced, &
+         o%r**4*forced_dot]
    end function derivatives
 
    !> A bound on the absolute n-th derivative of x from time t on.

@@ -40,7 +40,7 @@ contains
       real(wp), intent(out) :: time
       !> False if the step budget ran out.
       logical, intent(out) :: complete
-      real(wp) :: t, step, d(0:4), bound, reach, force
+      real(wp) :: t, step, d(0:5), bound, reach, force
       integer :: n
 
       time = huge(1.0_wp)
@@ -49,11 +49,12 @@ contains
       reach = 3/max(1.0_wp, rest%r)
       do n = 1, step_budget
          d = derivatives(rest, t)
-         bound = derivative_bound(rest, 5, t)
+         bound = derivative_bound(rest, 6, t)
          if (.not. bound > 0) return                              ! both masses are at rest for good
          force = -side*d(2)
          step = 0
-         if (force > 0) step = safe_step(force, -side*d(3), -side*d(4), bound, reach)
+         if (force > 0) step = safe_step(force, -side*d(3), -side*d(4), -side*d(5), &
+            bound, reach)
          if (step <= 2*spacing(t)) then
             if (side*d(3) > 0) then
                time = t

@@ -87,7 +87,7 @@ contains
       real(wp), intent(out) :: jacobian(:, :)
       real(wp), dimension(size(unknowns)/2) :: x, theta, z, time, speed, before, after
       real(wp), dimension(size(unknowns)/2, size(unknowns)) :: d_speed, d_before, d_after
-      real(wp) :: d_time(size(unknowns)), end_d(0:4), s(4), forced(2), amplitude
+      real(wp) :: d_time(size(unknowns)), end_d(0:5), s(4), forced(2), amplitude
       type(flight_type) :: flight
       integer :: n, i, next, previous
 

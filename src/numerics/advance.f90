@@ -10,14 +10,14 @@ contains
 
    !> A step within which a function g >= 0 has no zero.
    !!
-   !! Over a step of at most H, a bound B on |g'''| gives
-   !! g(t + h) >= g + g' h + (g''/2 - B H/6) h^2, and the first positive zero of this parabola is safe.
-   !! A large H makes the parabola pessimistic and a small one limits the step, so H is lowered twice
-   !! towards the zero. Near a simple zero of g the step converges to it with third order.
-   pure real(wp) function safe_step(g, slope, curvature, bound, limit) result(step)
-      !> Value, first and second derivative now; g > 0, or g = 0 where the function starts to rise.
-      real(wp), intent(in) :: g, slope, curvature
-      !> Bound on the absolute third derivative from now on.
+   !! Over a step of at most H, a bound B on |g''''| gives
+   !! g(t + h) >= g + g' h + (g''/2 + min(0, g'''/6 - B H/24) H) h^2, and the first positive zero of
+   !! this parabola is safe. A large H makes the parabola pessimistic and a small one limits the step, so
+   !! H is lowered towards the zero. Near a simple zero of g the step converges to it with third order.
+   pure real(wp) function safe_step(g, slope, curvature, jerk, bound, limit) result(step)
+      !> Value and first three derivatives now; g > 0, or g = 0 where the function starts to rise.
+      real(wp), intent(in) :: g, slope, curvature, jerk
+      !> Bound on the absolute fourth derivative from now on.
       real(wp), intent(in) :: bound
       !> No longer step is wanted.
       real(wp), intent(in) :: limit
@@ -28,7 +28,8 @@ contains
       reach = min(limit, 1.5_wp*min(limit, first_zero(g, slope, 0.5_wp*curvature)))
       if (.not. reach > 0) return
       do i = 1, 2
-         zero = first_zero(g, slope, 0.5_wp*curvature - bound*reach/6)
+         zero = first_zero(g, slope, 0.5_wp*curvature &
+            + min(0.0_wp, jerk/6 - bound*reach/24)*reach)
          step = max(step, min(zero, reach))
          if (zero >= reach) return
          reach = min(reach, 1.5_wp*zero)

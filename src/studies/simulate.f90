@@ -118,7 +118,7 @@ contains
       integer, intent(inout) :: status
       type(flight_type) :: flight
       type(contact_type) :: contact
-      real(wp) :: d(0:4), half
+      real(wp) :: d(0:5), half
 
       associate (osc => drive%osc)
          half = 0.5_wp*drive%clearance
@@ -140,12 +140,11 @@ contains
             state%side = 0
             return
          end if
-         d = derivatives(flight, contact%time)
          call move(state, drive%r*contact%time)
-         state%x = d(0)
+         state%x = contact%d(0)
          state%side = contact%side
          state%z = state%x + contact%side*half
-         call collide(osc, contact%side, contact%speed, d(1), state, event)
+         call collide(osc, contact%side, contact%speed, contact%d(1), state, event)
       end associate
    end subroutine fly_on
 
@@ -219,7 +218,7 @@ contains
       logical, intent(out) :: finished
       integer, intent(inout) :: status
       type(oscillation_type) :: rest
-      real(wp) :: d(0:4), time
+      real(wp) :: d(0:5), time
       logical :: complete
 
       rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, state%x_dot)

@@ -205,7 +205,7 @@ contains
       real(wp), intent(out) :: values(:, :)
       type(flight_type) :: flight
       type(oscillation_type) :: rest
-      real(wp) :: d(0:4), t, z, z_dot
+      real(wp) :: d(0:5), t, z, z_dot
       integer :: i, j
 
       do j = 1, size(times)
