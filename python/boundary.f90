@@ -272,3 +272,37 @@ subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, g
       pattern_type(sides, cycles), default_restitution(sides, walls(1), walls(2))), guesses, found, &
       n_found, tried)
 end subroutine search_pattern
+
+!> The state (7), (3) of the core from t, x, x', z, z'; on a wall it may depart, rest or be about to collide.
+subroutine start_state(xi, r, load, clearance, start, state, contact)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_oscillator, only: oscillator_type
+   use vi_simulate, only: new_drive
+   use vi_trajectory, only: initial_state, pack_state
+   implicit none (type, external)
+   real(c_double), intent(in) :: xi, r, load, clearance, start(5)
+   real(c_double), intent(out) :: state(7)
+   integer(c_int), intent(out) :: contact(3)
+
+   call pack_state(initial_state(new_drive(oscillator_type(xi), r, load, clearance), start), state, &
+      contact)
+end subroutine start_state
+
+!> Simulates many systems for a number of load cycles: final states, impacts and rests of each.
+subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_events, threads, states, &
+      contacts, end_states, end_contacts, counts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_bundle, only: run => simulate_bundle
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, most_events, threads, contacts(3, m)
+   real(c_double), intent(in) :: xi, mu, walls(2), r(m), load(m), clearance(m), cycles, states(7, m)
+   real(c_double), intent(out) :: end_states(7, m)
+   integer(c_int), intent(out) :: end_contacts(3, m), counts(2, m), status(m)
+
+   end_states = states
+   end_contacts = contacts
+   call run(oscillator_type(xi, mu, walls), r, load, clearance, cycles, most_events, threads, &
+      end_states, end_contacts, counts, status)
+end subroutine simulate_bundle

@@ -9,11 +9,12 @@ from .motion import Motion, Motions, Sample
 from .newton import exact
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
-from .trajectory import Trajectory, simulate
+from .trajectory import Bundle, Trajectory, simulate, simulate_bundle
 
 __version__ = _version("vibroimpact")
 
 __all__ = [
+    "Bundle",
     "FoundMotions",
     "Motion",
     "Motions",
@@ -33,5 +34,6 @@ __all__ = [
     "periodic_batch",
     "run_namelists",
     "simulate",
+    "simulate_bundle",
     "status_text",
 ]

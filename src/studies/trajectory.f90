@@ -12,7 +12,7 @@ module vi_trajectory
    private
 
    public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, pack_state, &
-      unpack_state, initial_state
+      unpack_state, initial_state, later
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 

@@ -1,0 +1,75 @@
+!> Many simulations in one call: initial states or parameters spread over threads.
+!!
+!! Each simulation is one task that writes to its own place, so the answer is the same to the last bit
+!! for any number of threads.
+module vi_bundle
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_kinds, only: wp
+   use vi_oscillator, only: oscillator_type
+   use vi_simulate, only: drive_type, event_type, impact_event, new_drive, simulate, state_type, &
+      stick_event
+   use vi_status, only: stat
+   use vi_trajectory, only: later, pack_state, unpack_state
+   implicit none (type, external)
+   private
+
+   public :: simulate_bundle
+
+   !> Events that are found at a time; only their number is kept.
+   integer, parameter :: chunk = 256
+
+contains
+
+   !> Simulates m systems for a number of load cycles each.
+   subroutine simulate_bundle(osc, r, load, clearance, cycles, most_events, threads, states, contacts, &
+         counts, status)
+      type(oscillator_type), intent(in) :: osc
+      !> (m) each
+      real(wp), intent(in) :: r(:), load(:), clearance(:)
+      real(wp), intent(in) :: cycles
+      integer, intent(in) :: most_events, threads
+      !> (7, m), (3, m) as in `pack_state`: in the initial states, out the final ones.
+      real(wp), intent(inout) :: states(:, :)
+      integer, intent(inout) :: contacts(:, :)
+      !> (2, m): impacts and rests.
+      integer, intent(out) :: counts(:, :)
+      !> (m): `stat%ok`, `stat%more_events` if most_events were reached, or `stat%budget`.
+      integer, intent(out) :: status(:)
+      type(state_type) :: state
+      integer :: j
+
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(state)
+      do j = 1, size(r)
+         state = unpack_state(states(:, j), contacts(:, j))
+         call simulate_counting(new_drive(osc, r(j), load(j), clearance(j)), state, cycles, most_events, &
+            counts(:, j), status(j))
+         call pack_state(state, states(:, j), contacts(:, j))
+      end do
+      !$omp end parallel do
+   end subroutine simulate_bundle
+
+   !> One simulation of which only the end and the numbers of impacts and rests are kept.
+   pure subroutine simulate_counting(drive, state, cycles, most_events, counts, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(inout) :: state
+      real(wp), intent(in) :: cycles
+      integer, intent(in) :: most_events
+      integer, intent(out) :: counts(2), status
+      type(event_type) :: events(chunk)
+      integer(int64) :: last_cycle
+      real(wp) :: last_phase
+      integer :: n, total
+
+      call later(state, cycles, last_cycle, last_phase)
+      counts = 0
+      total = 0
+      do
+         call simulate(drive, state, last_cycle, last_phase, events, n, status)
+         counts(1) = counts(1) + count(events(:n)%kind == impact_event)
+         counts(2) = counts(2) + count(events(:n)%kind == stick_event)
+         total = total + n
+         if (status /= stat%more_events .or. total >= most_events) return
+      end do
+   end subroutine simulate_counting
+
+end module vi_bundle
