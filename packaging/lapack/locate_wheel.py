@@ -1,7 +1,5 @@
-"""Print the path of the shared library in the package scipy-openblas32; fail if it is not installed."""
-
-from pathlib import Path
+"""Print the folder of the shared library in the PyPI package scipy-openblas32; fail if it is not installed."""
 
 import scipy_openblas32
 
-print(Path(scipy_openblas32.get_lib_dir(), scipy_openblas32.get_library(fullname=True)).as_posix())
+print(scipy_openblas32.get_lib_dir())
