@@ -1,0 +1,53 @@
+!> The whole of the test framework: count what holds, print what does not, stop with the outcome.
+module checks
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: check, check_close, finish
+
+   !> Failures that are printed one by one; a law that fails, fails for thousands of systems.
+   integer, parameter :: printed = 25
+   integer :: passed = 0, failed = 0
+
+contains
+
+   !> Counts whether something holds.
+   subroutine check(condition, what)
+      logical, intent(in) :: condition
+      character(*), intent(in) :: what
+
+      if (condition) then
+         passed = passed + 1
+      else
+         failed = failed + 1
+         if (failed <= printed) print '(2a)', 'FAILED: ', what
+      end if
+   end subroutine check
+
+   !> Counts whether |a - b| <= tolerance. Not a number is close to nothing.
+   subroutine check_close(a, b, tolerance, what)
+      real(wp), intent(in) :: a, b, tolerance
+      character(*), intent(in) :: what
+      character(100) :: numbers
+      logical :: close
+
+      ! asked first, because builds that trap invalid operations stop at a comparison with NaN
+      close = .not. (ieee_is_nan(a) .or. ieee_is_nan(b) .or. ieee_is_nan(tolerance))
+      if (close) close = abs(a - b) <= tolerance
+      if (close) then
+         passed = passed + 1
+         return
+      end if
+      write (numbers, '(3(a, es24.16))') ': ', a, ' is not', b, ' within', tolerance
+      call check(.false., what // trim(numbers))
+   end subroutine check_close
+
+   !> Prints the closing line and ends the program.
+   subroutine finish()
+      print '(i0, a, i0, a)', passed, ' passed, ', failed, ' failed'
+      if (failed > 0 .or. passed == 0) stop 1, quiet=.true.
+   end subroutine finish
+
+end module checks

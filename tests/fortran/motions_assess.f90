@@ -1,0 +1,279 @@
+!> The verdicts, on motions whose answers are known beforehand, and the time history.
+module motions_assess
+   use checks, only: check, check_close
+   use random_numbers, only: draw, draw_integer, random_type
+   use random_systems, only: pi, random_motion, scale_of
+   use vi_assess, only: assess_flights, assess_linear, paper_acceptance
+   use vi_chain, only: equispaced_chain, periodic_chain
+   use vi_extrema, only: relative_extrema
+   use vi_flight, only: flight_type
+   use vi_kinds, only: wp
+   use vi_motion, only: complete_motion, flight_of, motion_type, no, start_motion, unknown, yes
+   use vi_oscillator, only: lag, oscillator_type
+   use vi_pattern, only: new_pattern
+   use vi_periodic, only: linear_system_type
+   use vi_sample, only: sample_motion
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: test_assess
+
+   type(random_type) :: random
+
+contains
+
+   subroutine test_assess()
+      call test_ballistic()
+      call test_penetration()
+      call test_against_samples()
+      call test_acceptance()
+      call test_corners()
+      call test_stability_verdict()
+      call test_no_approach()
+      call test_sample()
+   end subroutine test_assess
+
+   !> A primary mass that hardly moves (high frequency) and a mass that goes to and fro:
+   !! admissible, and with R = 1 at both walls and mu = 0 the free mass keeps its speed.
+   subroutine test_ballistic()
+      type(oscillator_type), parameter :: osc = oscillator_type(0.1_wp, 0.0_wp, 1.0_wp)
+      type(linear_system_type) :: system
+      type(motion_type) :: motions(2)
+      real(wp) :: speed
+      integer :: i
+
+      call equispaced_chain(osc, 0.5_wp, 1e-2_wp, 1, paper_acceptance, .true., system, motions)
+      do i = 1, 2
+         if (motions(i)%status /= stat%ok) cycle
+         speed = abs(motions(i)%z_dot_after(1))
+         call check_close(abs(motions(i)%z_dot_before(1)), speed, 1e-12_wp, &
+            'mu = 0, R = 1: speed is kept')
+         call check_close(motions(i)%x_dot_before(1), motions(i)%x_dot_after(1), 1e-12_wp, &
+            'mu = 0: the primary mass feels no impact')
+         call check_close(motions(i)%x_max, motions(i)%amplitude, 1e-12_wp, 'mu = 0: x_max is A')
+         call check_close(motions(i)%x_min, -motions(i)%amplitude, 1e-12_wp, 'mu = 0: x_min is -A')
+      end do
+      call check(any(motions%status == stat%ok), 'mu = 0 has equispaced motions')
+   end subroutine test_ballistic
+
+   !> A motion put together by hand: x = A sin(r t), and a free mass that crosses the slot in a
+   !! straight line. In a narrow slot it comes to the far wall before its time.
+   subroutine test_penetration()
+      type(motion_type) :: motion
+      real(wp) :: half
+      integer :: i, expected
+
+      ! at r = 1/2, with load only: x = A sin(r t + tau) from both impacts on, A = gain
+      do i = 1, 2
+         call start_motion(motion, oscillator_type(0.0_wp, 0.0_wp, 1.0_wp), 0.5_wp, &
+            new_pattern('RL', 1), [1.0_wp, 1.0_wp], [0.0_wp, pi])
+         motion%amplitude = 4.0_wp/3
+         motion%tau = 0
+         half = merge(1.0_wp, 3.0_wp, i == 1)
+         motion%clearance = 2*half
+         motion%x = 0
+         motion%z = [half, -half]
+         motion%x_dot_after = motion%amplitude*motion%r*[1, -1]
+         motion%x_dot_before = motion%x_dot_after
+         ! from wall to wall in half a period, as a straight line
+         motion%z_dot_after = 2*half*motion%r/pi*[-1, 1]
+         motion%z_dot_before = -motion%z_dot_after
+         call assess_flights(motion)
+         expected = merge(no, yes, i == 1)
+         call check(motion%z_dot_before(1) - motion%x_dot_before(1) > 0 .eqv. i == 2, &
+            'approach of the hand-built motion')
+         call check(motion%admissible == expected, &
+            'a wall that is passed makes a motion inadmissible')
+         call check_close(motion%x_max, motion%amplitude, 1e-14_wp, &
+            'x_max of the hand-built motion')
+         call check_close(motion%x_min, -motion%amplitude, 1e-14_wp, &
+            'x_min of the hand-built motion')
+         if (i == 2) cycle
+         ! the same with approach: only the passed wall is wrong
+         motion%x_dot_before = motion%z_dot_before - [1, -1]
+         call assess_flights(motion)
+         call check(motion%admissible == no, 'penetration alone makes a motion inadmissible')
+      end do
+   end subroutine test_penetration
+
+   !> `admissible`, x_min and x_max against a time history of 2000 points a motion.
+   subroutine test_against_samples()
+      integer, parameter :: m = 2000
+      type(motion_type) :: motion
+      real(wp) :: times(m), values(6, m), period, half, rounding, slack
+      logical :: approaches
+      integer :: i, j, found(no:yes)
+
+      found = 0
+      do i = 1, 600
+         call random_motion(random, draw_integer(random, 2, 4), motion)
+         call assess_flights(motion)
+         period = 2*pi*motion%pattern%cycles/motion%r
+         times = [(period*j/m, j=0, m - 1)]
+         call sample_motion(motion, times, values)
+         half = 0.5_wp*motion%clearance
+         rounding = 1e-11_wp*scale_of(motion)
+         approaches = all(motion%pattern%sides*(motion%z_dot_before - motion%x_dot_before) > 0)
+         if (motion%admissible == yes) then
+            call check(approaches, 'admissible: the masses approach each other')
+            ! with more than two impacts a flight does not quite end at the wall
+            if (size(motion%x) == 2) call check(all(abs(values(5, :)) <= half + rounding), &
+               'admissible: no sample is outside')
+         else if (approaches) then
+            slack = passed_by(motion)
+            call check(slack >= 0, 'not admissible: a wall is passed')
+         end if
+         if (size(motion%x) > 2) cycle
+         call check(motion%x_min <= minval(values(1, :)) + rounding, 'x_min')
+         call check(motion%x_max >= maxval(values(1, :)) - rounding, 'x_max')
+         slack = 1e-4_wp*scale_of(motion)*(1 + motion%r**2)*(1 + period)**2
+         call check(motion%x_min >= minval(values(1, :)) - slack, 'x_min is reached')
+         call check(motion%x_max <= maxval(values(1, :)) + slack, 'x_max is reached')
+         found(motion%admissible) = found(motion%admissible) + 1
+      end do
+      call check(all(found > 20), 'both verdicts came up often')
+   end subroutine test_against_samples
+
+   !> By how much the free mass passes a wall, at most.
+   real(wp) function passed_by(motion)
+      type(motion_type), intent(in) :: motion
+      type(flight_type) :: flight
+      real(wp) :: lowest, highest
+      logical :: complete
+      integer :: i
+
+      passed_by = -huge(1.0_wp)
+      do i = 1, size(motion%x)
+         flight = flight_of(motion, i)
+         call relative_extrema(flight, lowest, highest, complete)
+         passed_by = max(passed_by, highest - 0.5_wp*motion%clearance, &
+            -lowest - 0.5_wp*motion%clearance)
+      end do
+   end function passed_by
+
+   !> `consistent` compares the residual with what the caller accepts, the limit included.
+   subroutine test_acceptance()
+      type(motion_type) :: motion
+      integer :: i, n
+
+      do i = 1, 300
+         n = draw_integer(random, 3, 5)
+         call random_motion(random, n, motion)
+         call check(motion%consistent == unknown .and. motion%admissible == unknown .and. &
+            motion%stable == unknown, 'solvers give no verdicts')
+         call assess_linear(motion, motion%residual)
+         call check(motion%consistent == yes, 'the accepted residual itself is accepted')
+         call check(motion%admissible == unknown, 'flights were not examined')
+         call assess_linear(motion, 0.999_wp*motion%residual)
+         call check(motion%consistent == no, 'a larger residual is not')
+      end do
+      motion%status = stat%singular
+      motion%consistent = unknown
+      call assess_linear(motion, 1.0_wp)
+      call check(motion%consistent == unknown, 'a failed motion gets no verdict')
+   end subroutine test_acceptance
+
+   !> R = 0, R = 1, mu = 0 and xi = 0, each alone and together: multipliers obey det[P].
+   subroutine test_corners()
+      type(oscillator_type) :: osc
+      type(linear_system_type) :: system
+      type(motion_type) :: motion
+      real(wp) :: expected
+      integer :: bits
+
+      do bits = 0, 15
+         osc%xi = merge(0.0_wp, 0.05_wp, btest(bits, 0))
+         osc%mu = merge(0.0_wp, 0.1_wp, btest(bits, 1))
+         osc%restitution = merge(0.0_wp, 0.6_wp, btest(bits, 2))
+         if (btest(bits, 3)) osc%restitution(2) = 1
+         call periodic_chain(osc, 0.8_wp, new_pattern('RL', 1), osc%restitution, &
+            [0.0_wp, 1.3_wp*pi], paper_acceptance, .true., system, motion)
+         call check(motion%status == stat%ok, 'corner: status')
+         call check(motion%consistent == yes, 'corner: consistent')
+         call check(motion%admissible /= unknown .and. motion%stable /= unknown, 'corner: verdicts')
+         expected = exp(-4*pi*osc%xi/0.8_wp)*product(osc%restitution**2)
+         call check_close(product(abs(motion%multipliers)), expected, &
+            1e-10_wp*(1 + abs(motion%multipliers(1))**3), 'corner: det[P]')
+      end do
+   end subroutine test_corners
+
+   !> `stable` means that every multiplier is inside the unit circle.
+   subroutine test_stability_verdict()
+      type(motion_type) :: motion
+      integer :: i, found(no:yes)
+
+      found = 0
+      do i = 1, 2000
+         call random_motion(random, 2, motion)
+         call assess_linear(motion, paper_acceptance)
+         if (motion%stable == unknown) cycle
+         found(motion%stable) = found(motion%stable) + 1
+         call check((motion%stable == yes) .eqv. abs(motion%multipliers(1)) < 1, 'stable')
+      end do
+      call check(all(found > 20), 'stable and unstable motions came up often')
+   end subroutine test_stability_verdict
+
+   !> An impact without approach: the motion stands, its stability is unknown.
+   subroutine test_no_approach()
+      type(motion_type) :: motion
+
+      call start_motion(motion, oscillator_type(0.1_wp, 0.2_wp, 0.5_wp), 1.3_wp, &
+         new_pattern('RL', 1), [0.5_wp, 0.5_wp], [0.0_wp, pi])
+      motion%x = 0
+      motion%z = 0
+      motion%x_dot_after = 0
+      motion%z_dot_after = 0
+      motion%x_dot_before = 0
+      motion%z_dot_before = 0
+      call assess_linear(motion, paper_acceptance)
+      call check(motion%status == stat%ok, 'no approach: the motion stands')
+      call check(motion%stable == unknown, 'no approach: stability is unknown')
+      call assess_flights(motion)
+      call check(motion%admissible == no, 'no approach: not admissible')
+      ! a solution without load is no motion
+      call complete_motion(motion, [1.0_wp, -1.0_wp], 0.0_wp, 0.0_wp, 1.0_wp)
+      call check(motion%status == stat%no_load, 'A = 0 is no motion')
+   end subroutine test_no_approach
+
+   !> The time history goes through the impacts, is periodic, and shows what follows an
+   !! impact at it.
+   subroutine test_sample()
+      type(motion_type) :: motion
+      real(wp), parameter :: brief = 1e-9_wp
+      real(wp) :: values(6, 2), later(6, 2), times(2), period, scale, t
+      integer :: i, j
+
+      do i = 1, 1000
+         call random_motion(random, 2, motion)
+         scale = scale_of(motion)*(1 + motion%r**2)
+         period = 2*pi*motion%pattern%cycles/motion%r
+         do j = 1, 2
+            t = motion%phases(j)/motion%r
+            times = [t, t - brief]
+            call sample_motion(motion, times, values)
+            call check_close(values(1, 1), motion%x(j), 1e-13_wp*scale, 'sample at an impact: x')
+            call check_close(values(3, 1), motion%z(j), 1e-13_wp*scale, 'sample at an impact: z')
+            call check_close(values(2, 1), motion%x_dot_after(j), 1e-13_wp*scale, &
+               'velocity after: x')
+            call check_close(values(4, 1), motion%z_dot_after(j), 0.0_wp, 'velocity after: z')
+            call check_close(values(2, 2), motion%x_dot_before(j), 1e-8_wp*scale, &
+               'velocity before: x')
+            call check_close(values(4, 2), motion%z_dot_before(j), 1e-13_wp*scale, &
+               'velocity before: z')
+            call check_close(values(1, 2), motion%x(j), 1e-8_wp*scale, 'x is continuous')
+            call check_close(values(3, 2), motion%z(j), 1e-8_wp*scale, 'z is continuous')
+         end do
+         times(1) = draw(random, 0.0_wp, period)
+         times(2) = draw(random, -period, period)
+         call sample_motion(motion, times, values)
+         call sample_motion(motion, times + 3*period, later)
+         call check_close(maxval(abs(values([1, 3, 5, 6], :) - later([1, 3, 5, 6], :))), 0.0_wp, &
+            1e-11_wp*scale*(1 + period), 'the time history is periodic')
+         call check_close(values(5, 1), values(3, 1) - values(1, 1), 0.0_wp, 'y = z - x')
+         call check_close(values(6, 1), sin(motion%r*times(1) + motion%tau &
+            + lag(motion%osc%xi, motion%r)), 1e-12_wp, 'load')
+      end do
+   end subroutine test_sample
+
+end module motions_assess

@@ -1,0 +1,16 @@
+!> The room of motions: linear problem, equispaced pair, stability, verdicts, time histories.
+program test_motions
+   use checks, only: finish
+   use motions_assess, only: test_assess
+   use motions_equispaced, only: test_equispaced
+   use motions_linear, only: test_linear
+   use motions_maps, only: test_maps
+   implicit none (type, external)
+
+   call test_linear()
+   call test_equispaced()
+   call test_maps()
+   call test_assess()
+   call finish()
+
+end program test_motions

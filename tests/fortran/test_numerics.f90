@@ -1,0 +1,184 @@
+!> The room of numerics: linear algebra in both kinds, and the status codes.
+program test_numerics
+   use, intrinsic :: iso_fortran_env, only: real32
+   use checks, only: check, check_close, finish
+   use random_numbers, only: draw, draw_integer, fill, random_type
+   use random_systems, only: determinant, misfit
+   use vi_kinds, only: wp
+   use vi_kinds_single, only: sp => wp
+   use vi_lapack, only: eigenvalues, least_squares, least_squares_work, solve
+   use vi_lapack_single, only: solve_single => solve
+   use vi_status, only: stat, status_text
+   implicit none (type, external)
+
+   type(random_type) :: random
+
+   call test_kinds()
+   call test_solve()
+   call test_least_squares()
+   call test_eigenvalues()
+   call test_known_eigenvalues()
+   call test_status()
+   call finish()
+
+contains
+
+   subroutine test_kinds()
+      call check(sp == real32, 'the second build computes in 32 bits')
+      call check(precision(1.0_wp) > 2*precision(1.0_sp), &
+         'the first build in more than twice as many')
+   end subroutine test_kinds
+
+   !> A x = b is fulfilled, in both kinds; a matrix without full rank is reported.
+   subroutine test_solve()
+      real(wp) :: a(4, 4), lu(4, 4), b(4), x(4)
+      real(sp) :: narrow(4, 4), narrow_x(4)
+      integer :: i, j, status, overlooked
+
+      overlooked = 0
+      do i = 1, 2000
+         call random_matrix(a)
+         call fill(random, -1.0_wp, 1.0_wp, b)
+         lu = a
+         x = b
+         call solve(lu, x, status)
+         call check(status == stat%ok, 'a random matrix has full rank')
+         call check_close(maxval(abs(matmul(a, x) - b)), 0.0_wp, 1e-14_wp*(1 + maxval(abs(x))), &
+            'A x = b')
+         narrow = real(a, sp)
+         narrow_x = real(b, sp)
+         call solve_single(narrow, narrow_x, status)
+         call check_close(maxval(abs(matmul(a, real(narrow_x, wp)) - b)), 0.0_wp, &
+            1e-5_wp*(1 + maxval(abs(x))), 'A x = b in single precision')
+         j = draw_integer(random, 1, 4)
+         lu = a
+         lu(:, j) = 0
+         x = b
+         call solve(lu, x, status)
+         call check(status == stat%singular, 'a column of zeros is singular')
+         lu = a
+         lu(j, :) = 2*a(modulo(j, 4) + 1, :)
+         x = b
+         call solve(lu, x, status)
+         if (status /= stat%singular) overlooked = overlooked + 1
+      end do
+      ! rounding may hide the loss of rank, but not often
+      call check(overlooked <= 20, 'two parallel rows are singular')
+   end subroutine test_solve
+
+   !> The residual is orthogonal to every column, its norm is returned, and rank loss is reported.
+   subroutine test_least_squares()
+      real(wp), allocatable :: a(:, :), qr(:, :), b(:), x(:), work(:), rest(:)
+      real(wp) :: residual
+      integer :: i, n, status
+
+      do i = 1, 500
+         n = draw_integer(random, 2, 12)
+         allocate (a(2*n, n + 2), b(2*n))
+         call random_matrix(a)
+         call fill(random, -1.0_wp, 1.0_wp, b)
+         qr = a
+         x = b
+         allocate (work(least_squares_work(2*n, n + 2)))
+         call least_squares(qr, x, work, residual, status)
+         call check(status == stat%ok, 'a random least squares problem has full rank')
+         rest = misfit(a, x(:n + 2), b)
+         call check_close(residual, norm2(rest), 1e-12_wp*(1 + maxval(abs(x))), &
+            'norm of the residual')
+         call check_close(maxval(abs(matmul(transpose(a), rest))), 0.0_wp, &
+            1e-12_wp*(1 + maxval(abs(x))), 'the residual is orthogonal to the columns')
+         qr = a
+         qr(:, n + 2) = qr(:, 1) - 3*qr(:, 2)
+         x = b
+         call least_squares(qr, x, work, residual, status)
+         call check(status == stat%singular, 'dependent columns are singular')
+         deallocate (a, b, work)
+      end do
+   end subroutine test_least_squares
+
+   !> Sum, sum of squares and product of the eigenvalues are invariants of the matrix.
+   subroutine test_eigenvalues()
+      real(wp) :: a(4, 4), copy(4, 4), square(4, 4)
+      complex(wp) :: lambda(4)
+      integer :: i, j, status
+
+      do i = 1, 2000
+         call random_matrix(a)
+         copy = a
+         call eigenvalues(copy, lambda, status)
+         call check(status == stat%ok, 'eigenvalues are found')
+         square = matmul(a, a)
+         call check_close(abs(sum(lambda) - sum([(a(j, j), j=1, 4)])), 0.0_wp, 1e-13_wp, 'trace')
+         call check_close(abs(sum(lambda**2) - sum([(square(j, j), j=1, 4)])), 0.0_wp, 1e-13_wp, &
+            'trace of the square')
+         call check_close(abs(product(lambda) - determinant(a)), 0.0_wp, 1e-13_wp, 'determinant')
+      end do
+   end subroutine test_eigenvalues
+
+   !> A similarity transform of a known block diagonal matrix keeps its eigenvalues.
+   subroutine test_known_eigenvalues()
+      real(wp) :: d(4, 4), t(4, 4), inverse(4, 4), copy(4, 4), column(4)
+      complex(wp) :: lambda(4), expected(4)
+      integer :: i, j, status
+
+      do i = 1, 500
+         d = 0
+         d(1, 1) = draw(random, -1.0_wp, 1.0_wp)
+         d(2, 2) = draw(random, 2.0_wp, 3.0_wp)
+         d(3, 3) = draw(random, -1.0_wp, 1.0_wp)
+         d(3, 4) = draw(random, 1.0_wp, 2.0_wp)
+         d(4, 3) = -d(3, 4)
+         d(4, 4) = d(3, 3)
+         expected = [cmplx(d(1, 1), 0, wp), cmplx(d(2, 2), 0, wp), cmplx(d(3, 3), d(3, 4), wp), &
+            cmplx(d(3, 3), -d(3, 4), wp)]
+         call random_matrix(t)
+         do j = 1, 4
+            t(j, j) = t(j, j) + 4                  ! well conditioned
+         end do
+         do j = 1, 4
+            copy = t
+            column = 0
+            column(j) = 1
+            call solve(copy, column, status)
+            inverse(:, j) = column
+         end do
+         copy = matmul(matmul(inverse, d), t)
+         call eigenvalues(copy, lambda, status)
+         do j = 1, 4
+            call check_close(minval(abs(lambda - expected(j))), 0.0_wp, 1e-12_wp, &
+               'known eigenvalue')
+         end do
+      end do
+   end subroutine test_known_eigenvalues
+
+   !> Every code has a text of its own that fits the boundary's 200 characters.
+   subroutine test_status()
+      integer, parameter :: codes(*) = [stat%ok, stat%singular, stat%free_amplitude, stat%no_load, &
+         stat%zero_approach, stat%lapack_failed, stat%not_finite, stat%no_motion]
+      character(:), allocatable :: text, nonsense
+      integer :: i, j
+
+      nonsense = status_text(-1)
+      do i = 1, size(codes)
+         text = status_text(codes(i))
+         call check(len_trim(text) > 0 .and. len(text) <= 200, 'a text of 1 to 200 characters')
+         call check(text /= nonsense, 'every code has a text')
+         do j = 1, i - 1
+            call check(codes(i) /= codes(j), 'codes differ')
+            call check(status_text(codes(j)) /= text, 'texts differ')
+         end do
+      end do
+      call check(status_text(maxval(codes) + 1) == nonsense, 'no code after the last')
+      call check(stat%ok == 0, 'success is 0')
+   end subroutine test_status
+
+   subroutine random_matrix(matrix)
+      real(wp), intent(out) :: matrix(:, :)
+      integer :: i
+
+      do i = 1, size(matrix, 2)
+         call fill(random, -1.0_wp, 1.0_wp, matrix(:, i))
+      end do
+   end subroutine random_matrix
+
+end program test_numerics

@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""House rules of the Fortran core that no compiler checks: for pytest, and as a plain script."""
+
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCE = ROOT / "src"
+KINDS = "numerics/kinds.f90"
+MAX_LINES = 300
+MAX_COLUMNS = 100
+
+
+def ordered_files():
+    """The files of src/meson.build in the order of its lists, which is the order of dependence."""
+    build = re.sub(r"#.*", "", (SOURCE / "meson.build").read_text(encoding="utf-8"))
+    names = re.findall(r"'([\w/]+\.f90(?:\.in)?)'", build)
+    assert KINDS in names, "src/meson.build was not understood"
+    return list(dict.fromkeys(names))
+
+
+def code_lines(path):
+    """The lines without comments; no string of the core holds an exclamation mark."""
+    return [line.split("!")[0].rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def stem_module(name):
+    return "vi_" + Path(name).name.split(".")[0]
+
+
+def every_source():
+    return [
+        *SOURCE.rglob("*.f90*"),
+        *Path(__file__).parent.glob("*.f90"),
+        *(ROOT / "benchmarks").glob("*.f90"),
+        ROOT / "python/boundary.f90",
+    ]
+
+
+def test_every_file_is_listed():
+    listed = set(ordered_files())
+    present = {path.relative_to(SOURCE).as_posix() for path in SOURCE.rglob("*.f90*")}
+    assert present - listed == set(), f"not in src/meson.build: {sorted(present - listed)}"
+
+
+def test_modules_are_used_upwards_only():
+    above = set()
+    core = set()
+    for name in ordered_files():
+        path = SOURCE / name
+        if not path.exists():  # the output of a template
+            continue
+        used = set()
+        for line in code_lines(path):
+            match = re.match(r"\s*use\s*(?:,\s*(\w+)\s*)?(?:::)?\s*(\w+)", line)
+            if match and match[1] != "intrinsic":
+                used.add(match[2])
+        if name.endswith("_single.f90"):
+            assert used == set(), f"{name} uses {sorted(used)}"
+        # the single precision twins are made of files that stand above
+        allowed = above | {module + "_single" for module in core}
+        assert used <= allowed, f"{name} uses what is not above it: {sorted(used - allowed)}"
+        above.add(stem_module(name))
+        core.add(stem_module(name))
+
+
+def test_module_names():
+    for path in SOURCE.rglob("*.f90*"):
+        text = "\n".join(code_lines(path))
+        modules = re.findall(r"^\s*module\s+(?!procedure)(\w+)$", text, re.MULTILINE)
+        programs = re.findall(r"^\s*program\s+\w+$", text, re.MULTILINE)
+        assert programs or modules == [stem_module(path)], f"{path} holds {modules}"
+
+
+def test_names_are_closed():
+    """`implicit none (type, external)` and `private` in every module, `only` in every use."""
+    for path in every_source():
+        lines = code_lines(path)
+        text = "\n".join(lines)
+        assert "implicit none (type, external)" in text, path
+        if re.search(r"^\s*module\s+\w+$", text, re.MULTILINE):
+            assert re.search(r"^\s*private$", text, re.MULTILINE), f"{path}: no private"
+        for line in lines:
+            if re.match(r"\s*use\b", line):
+                assert re.search(r",\s*only\s*:", line), f"{path}: {line.strip()}"
+            nameless = re.match(r"\s*end\s*(module|subroutine|function|program|type)$", line)
+            assert not nameless, f"{path}: {line.strip()}"
+
+
+def test_sizes():
+    wrong = []
+    for path in every_source():
+        lines = path.read_text(encoding="utf-8").splitlines()
+        if len(lines) > MAX_LINES:
+            wrong.append(f"{path}: {len(lines)} lines")
+        for number, line in enumerate(lines, 1):
+            if len(line) > MAX_COLUMNS:
+                wrong.append(f"{path}:{number}: {len(line)} columns")
+            if line != line.rstrip() or "\t" in line:
+                wrong.append(f"{path}:{number}: blanks at the end, or tabs")
+    assert not wrong, "\n".join(["house rules of size", *wrong])
+
+
+def test_procedures_are_short():
+    prefix = r"((pure|elemental|impure|recursive|real\(\w+\)|integer|logical|type\(\w+\))\s+)*"
+    start = re.compile(rf"\s*(?!end){prefix}(subroutine|function)\s+(\w+)")
+    for path in every_source():
+        begun = []
+        for number, line in enumerate(code_lines(path), 1):
+            if re.match(r"\s*end (subroutine|function)\b", line):
+                name, first = begun.pop()
+                assert number - first < 60, f"{path}: {name} has {number - first + 1} lines"
+            elif match := start.match(line):
+                begun.append((match[4], number))
+        assert not begun, f"{path}: {begun}"
+
+
+def test_core_is_silent():
+    """Below the command line nothing prints, stops, or reads and writes files."""
+    for room in ("numerics", "mechanics", "motions", "studies"):
+        for path in (SOURCE / room).rglob("*.f90"):
+            for line in code_lines(path):
+                verb = re.match(r"\s*(print|stop|error stop|open|close|read|write)\b", line)
+                assert not verb, f"{path}: {line.strip()}"
+
+
+def main():
+    failed = 0
+    tests = [(name, item) for name, item in globals().items() if name.startswith("test_")]
+    for name, item in tests:
+        try:
+            item()
+        except AssertionError as error:
+            failed += 1
+            print(f"FAILED: {name}: {error}")
+    print(f"{len(tests) - failed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

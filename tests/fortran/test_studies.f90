@@ -1,0 +1,264 @@
+!> The room of studies: many points in one call, and the same in single precision.
+program test_studies
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use checks, only: check, check_close, finish
+   use random_numbers, only: draw_integer, draw_log, random_type
+   use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
+      random_phases, random_sides, scale_of
+   use vi_assess, only: paper_acceptance
+   use vi_chain, only: equispaced_chain, periodic_chain
+   use vi_kinds, only: wp
+   use vi_kinds_single, only: sp => wp
+   use vi_motion, only: motion_type, unknown
+   use vi_oscillator, only: gain, oscillator_type
+   use vi_pattern, only: new_pattern, pattern_type
+   use vi_periodic, only: linear_system_type
+   use vi_points, only: equispaced_points, periodic_points, recall
+   use vi_precision, only: periodic_in_single
+   use vi_sample, only: sample_motion
+   use vi_status, only: stat
+   implicit none (type, external)
+
+   !> Results of `m` points of `n` impacts.
+   type :: results_type
+      real(wp), allocatable :: impacts(:, :, :), scalars(:, :)
+      complex(wp), allocatable :: multipliers(:, :)
+      integer, allocatable :: verdicts(:, :), status(:)
+   end type results_type
+
+   type(random_type) :: random
+
+   call test_batch()
+   call test_equispaced_batch()
+   call test_failed_point()
+   call test_recall()
+   call test_single()
+   call finish()
+
+contains
+
+   pure function room(n, m) result(results)
+      integer, intent(in) :: n, m
+      type(results_type) :: results
+
+      allocate (results%impacts(n, 6, m), results%scalars(6, m), results%multipliers(4, m), &
+         results%verdicts(3, m), results%status(m))
+   end function room
+
+   !> Bit for bit, not-a-number included.
+   elemental logical function same(a, b)
+      real(wp), intent(in) :: a, b
+
+      same = ieee_is_nan(a) .and. ieee_is_nan(b)
+      if (.not. (ieee_is_nan(a) .or. ieee_is_nan(b))) same = a >= b .and. a <= b
+   end function same
+
+   !> Whether column j of one result is column i of another.
+   pure logical function same_point(a, j, b, i)
+      type(results_type), intent(in) :: a, b
+      integer, intent(in) :: i, j
+
+      same_point = all(same(a%impacts(:, :, j), b%impacts(:, :, i))) .and. &
+         all(same(a%scalars(:, j), b%scalars(:, i))) .and. &
+         all(same(real(a%multipliers(:, j)), real(b%multipliers(:, i)))) .and. &
+         all(same(aimag(a%multipliers(:, j)), aimag(b%multipliers(:, i)))) .and. &
+         all(a%verdicts(:, j) == b%verdicts(:, i)) .and. a%status(j) == b%status(i)
+   end function same_point
+
+   !> Many points in one call are the same bits as one call a point, in any order and precision.
+   subroutine test_batch()
+      integer, parameter :: m = 12
+      type(oscillator_type) :: osc
+      type(pattern_type) :: pattern
+      type(results_type) :: many, one, reversed
+      real(wp), allocatable :: phases(:, :), restitution(:)
+      real(wp) :: r(m)
+      logical :: single, flights
+      integer :: i, j, n
+
+      do i = 1, 100
+         n = draw_integer(random, 2, 6)
+         single = mod(i, 2) == 0
+         flights = mod(i, 3) > 0
+         call random_oscillator(random, osc)
+         pattern = new_pattern(repeat('R', n), draw_integer(random, 1, 2))
+         call random_sides(random, pattern%sides)
+         allocate (phases(n, m))
+         restitution = spread(0.7_wp, 1, n)
+         do j = 1, m
+            r(j) = random_frequency(random)
+            call random_phases(random, pattern%cycles, phases(:, j))
+         end do
+         many = points(osc, r, pattern, restitution, phases, single, flights)
+         reversed = points(osc, r(m:1:-1), pattern, restitution, phases(:, m:1:-1), single, flights)
+         do j = 1, m
+            one = points(osc, r(j:j), pattern, restitution, phases(:, j:j), single, flights)
+            call check(same_point(many, j, one, 1), 'a batch is many single calls')
+            call check(same_point(many, j, reversed, m + 1 - j), &
+               'the order of points does not matter')
+            if (many%status(j) /= stat%ok) cycle
+            call check((many%verdicts(2, j) == unknown .and. &
+               all(ieee_is_nan(many%scalars(5:6, j)))) &
+               .neqv. flights, 'flights are examined on request alone')
+         end do
+         deallocate (phases)
+      end do
+   end subroutine test_batch
+
+   pure function points(osc, r, pattern, restitution, phases, single, flights) result(results)
+      type(oscillator_type), intent(in) :: osc
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: r(:), restitution(:), phases(:, :)
+      logical, intent(in) :: single, flights
+      type(results_type) :: results
+
+      results = room(size(phases, 1), size(r))
+      call periodic_points(osc, r, pattern, restitution, phases, paper_acceptance, single, &
+         flights, results%impacts, results%scalars, results%multipliers, results%verdicts, &
+         results%status)
+   end function points
+
+   !> Equispaced points are those of the chain, two columns a point; what does not exist is NaN.
+   subroutine test_equispaced_batch()
+      integer, parameter :: m = 200
+      type(oscillator_type) :: osc
+      type(linear_system_type) :: system
+      type(motion_type) :: motions(2)
+      type(results_type) :: many
+      real(wp) :: r(m), clearance(m)
+      integer :: i, j, column, missing
+
+      osc = oscillator_type(0.01_wp, 0.05_wp, [0.8_wp, 0.8_wp])
+      do j = 1, m
+         r(j) = random_frequency(random)
+         clearance(j) = gain(osc%xi, r(j))*draw_log(random, 0.1_wp, 100.0_wp)
+      end do
+      many = room(2, 2*m)
+      call equispaced_points(osc, r, clearance, 1, paper_acceptance, .false., .true., &
+         many%impacts, many%scalars, many%multipliers, many%verdicts, many%status)
+      missing = 0
+      do j = 1, m
+         call equispaced_chain(osc, r(j), clearance(j), 1, paper_acceptance, .true., system, &
+            motions)
+         do i = 1, 2
+            column = 2*(j - 1) + i
+            call check(many%status(column) == motions(i)%status, 'equispaced points: status')
+            if (motions(i)%status == stat%ok) then
+               call check(all(same(many%impacts(:, 1, column), motions(i)%x)), &
+                  'equispaced points: x')
+               call check(same(many%scalars(6, column), motions(i)%x_max), &
+                  'equispaced points: x_max')
+            else
+               missing = missing + 1
+               call check_all_nan(many, column)
+            end if
+         end do
+      end do
+      call check(missing > 10 .and. missing < 2*m - 10, 'motions that exist, and that do not')
+   end subroutine test_equispaced_batch
+
+   subroutine check_all_nan(results, j)
+      type(results_type), intent(in) :: results
+      integer, intent(in) :: j
+
+      call check(all(ieee_is_nan(results%impacts(:, :, j))), 'a failed point has no impacts')
+      call check(all(ieee_is_nan(results%scalars(:, j))), 'a failed point has no scalars')
+      call check(all(ieee_is_nan(real(results%multipliers(:, j)))), &
+         'a failed point has no multipliers')
+      call check(all(results%verdicts(:, j) == unknown), 'a failed point has no verdicts')
+   end subroutine check_all_nan
+
+   !> One failed point among others keeps its status and NaN; the others do not notice.
+   subroutine test_failed_point()
+      type(oscillator_type), parameter :: osc = oscillator_type(0.005_wp, 0.042_wp, &
+         [0.75_wp, 0.75_wp])
+      type(results_type) :: with, without
+      real(wp) :: phases(2, 5)
+      integer :: i, j
+
+      phases(1, :) = 0
+      phases(2, :) = pi*[1.2_wp, 1.37_wp, 1.0_wp, 1.4_wp, 0.7_wp]
+      do i = 1, 2
+         with = points(osc, spread(0.94_wp, 1, 5), new_pattern('RL', 1), osc%restitution, phases, &
+            i == 2, .true.)
+         without = points(osc, spread(0.94_wp, 1, 4), new_pattern('RL', 1), osc%restitution, &
+            phases(:, [1, 2, 4, 5]), i == 2, .true.)
+         call check(with%status(3) == stat%free_amplitude, 'the failed point keeps its status')
+         call check_all_nan(with, 3)
+         do j = 1, 4
+            call check(without%status(j) == stat%ok, 'the other points are computed')
+            call check(same_point(with, merge(j, j + 1, j <= 2), without, j), &
+               'other points do not notice')
+         end do
+      end do
+   end subroutine test_failed_point
+
+   !> What was stored gives the same time history as the motion it came from.
+   subroutine test_recall()
+      type(motion_type) :: motion, copy
+      real(wp) :: times(50), values(6, 50), again(6, 50), impacts(2, 6)
+      integer :: i, j
+
+      do i = 1, 300
+         call random_motion(random, 2, motion)
+         impacts = reshape([motion%x, motion%z, motion%x_dot_before, motion%x_dot_after, &
+            motion%z_dot_before, motion%z_dot_after], [2, 6])
+         copy = recall(motion%osc, motion%r, motion%pattern, motion%restitution, motion%phases, &
+            impacts, motion%amplitude, motion%tau)
+         times = [(0.37_wp*j, j=1, 50)]
+         call sample_motion(motion, times, values)
+         call sample_motion(copy, times, again)
+         call check(all(same(values, again)), 'a recalled motion has the same time history')
+      end do
+   end subroutine test_recall
+
+   !> In 32 bits the same motion comes out, to the digits that 32 bits and the problem's condition
+   !! allow.
+   !!
+   !! The condition is seen from what the rounding of the data alone does to the double precision
+   !! answer.
+   subroutine test_single()
+      type(motion_type) :: motion, narrow, rounded
+      type(linear_system_type) :: system
+      real(wp) :: scale, error, data_error
+      integer :: i, n, close, examined
+
+      close = 0
+      examined = 0
+      do i = 1, 1000
+         n = draw_integer(random, 2, 5)
+         call random_motion(random, n, motion)
+         associate (m => motion)
+            call periodic_in_single(m%osc, m%r, m%pattern, m%restitution, m%phases, &
+               paper_acceptance, .false., narrow)
+            call periodic_chain(narrowed(m%osc), narrowed_number(m%r), m%pattern, &
+               narrowed_number(m%restitution), narrowed_number(m%phases), paper_acceptance, &
+               .false., system, rounded)
+         end associate
+         if (narrow%status /= stat%ok .or. rounded%status /= stat%ok) cycle
+         scale = maxval(abs(motion%x)) + motion%clearance
+         error = maxval(abs(narrow%x - motion%x))/scale
+         data_error = maxval(abs(rounded%x - motion%x))/scale
+         examined = examined + 1
+         if (error < 30*data_error + 1e-5_wp) close = close + 1
+         call check(all(abs(narrow%x - real(narrow%x, sp)) <= 0), 'x has no more than 32 bits')
+         call check(all(abs(narrow%phases - real(motion%phases, sp)) <= 0), 'phases are rounded')
+      end do
+      call check(examined > 800, 'single precision solves most systems')
+      call check(close > 0.95_wp*examined, 'single precision agrees to its digits')
+   end subroutine test_single
+
+   elemental real(wp) function narrowed_number(x)
+      real(wp), intent(in) :: x
+
+      narrowed_number = real(real(x, sp), wp)
+   end function narrowed_number
+
+   pure type(oscillator_type) function narrowed(osc)
+      type(oscillator_type), intent(in) :: osc
+
+      narrowed = oscillator_type(narrowed_number(osc%xi), narrowed_number(osc%mu), &
+         narrowed_number(osc%restitution))
+   end function narrowed
+
+end program test_studies
