@@ -9,7 +9,7 @@ module bench_chain
    use vi_assess, only: paper_acceptance
    use vi_kinds, only: wp
    use vi_lapack, only: least_squares_work
-   use vi_motion, only: motion_type
+   use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: new_pattern, pattern_type
    use vi_periodic, only: assemble, linear_system_type, solve_periodic
@@ -120,7 +120,9 @@ contains
          gaps = 0.5_wp + gaps
          gaps = two_pi*gaps/sum(gaps)
          work%phases(:, j) = [(sum(gaps(:i - 1)), i=1, n)]
-         call assemble(osc, work%r(j), work%pattern, work%restitution, work%phases(:, j), system)
+         call start_motion(motion, osc, work%r(j), work%pattern, work%restitution, &
+            work%phases(:, j))
+         call assemble(motion, system)
          work%matrix(:, :, j) = system%matrix
          work%rhs(:, j) = system%rhs
          call solve_periodic(osc, work%r(j), work%pattern, work%restitution, work%phases(:, j), &

@@ -1,10 +1,12 @@
 !> The only file that f2py reads: plain arrays and C kinds, no state, no defaults, no checks.
 !!
-!! Everything is checked in Python before it comes here. Shapes come first, results last, points are on
+!! Everything is checked in Python before it comes here. Shapes come first, results last, points
+!! are on
 !! the last axis; the rows of the results are those of vi_points.
 
 !> Motions with given phases at many points.
-subroutine periodic(n, m, xi, mu, walls, r, cycles, sides, restitution, phases, acceptance, single, &
+subroutine periodic(n, m, xi, mu, walls, r, cycles, sides, restitution, phases, acceptance, &
+   single, &
       flights, impacts, scalars, multipliers, verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_oscillator, only: oscillator_type
@@ -18,12 +20,15 @@ subroutine periodic(n, m, xi, mu, walls, r, cycles, sides, restitution, phases, 
    complex(c_double_complex), intent(out) :: multipliers(4, m)
    integer(c_int), intent(out) :: verdicts(3, m), status(m)
 
-   call periodic_points(oscillator_type(xi, mu, walls), r, pattern_type(sides, cycles), restitution, &
-      phases, acceptance, single /= 0, flights /= 0, impacts, scalars, multipliers, verdicts, status)
+   call periodic_points(oscillator_type(xi, mu, walls), r, pattern_type(sides, cycles), &
+      restitution, &
+      phases, acceptance, single /= 0, flights /= 0, impacts, scalars, multipliers, verdicts, &
+      status)
 end subroutine periodic
 
 !> Both equispaced motions at many points; two columns a point.
-subroutine equispaced(m, xi, mu, walls, r, clearance, cycles, acceptance, single, flights, impacts, &
+subroutine equispaced(m, xi, mu, walls, r, clearance, cycles, acceptance, single, flights, &
+   impacts, &
       scalars, multipliers, verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_oscillator, only: oscillator_type
@@ -45,6 +50,7 @@ subroutine linear_system(n, xi, mu, r, cycles, sides, restitution, phases, matri
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
+   use vi_motion, only: motion_type, start_motion
    use vi_periodic, only: assemble, linear_system_type
    implicit none (type, external)
    !f2py threadsafe
@@ -52,14 +58,18 @@ subroutine linear_system(n, xi, mu, r, cycles, sides, restitution, phases, matri
    real(c_double), intent(in) :: xi, mu, r, restitution(n), phases(n)
    real(c_double), intent(out) :: matrix(2*n, n + 2), rhs(2*n)
    type(linear_system_type) :: system
+   type(motion_type) :: motion
 
-   call assemble(oscillator_type(xi, mu), r, pattern_type(sides, cycles), restitution, phases, system)
+   call start_motion(motion, oscillator_type(xi, mu), r, pattern_type(sides, cycles), restitution, &
+      phases)
+   call assemble(motion, system)
    matrix = system%matrix
    rhs = system%rhs
 end subroutine linear_system
 
 !> The matrices [P_i] of a motion.
-subroutine impact_maps(n, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, p, &
+subroutine impact_maps(n, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, &
+   p, &
       regular)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_impact_map, only: maps => impact_maps
@@ -80,7 +90,8 @@ subroutine impact_maps(n, xi, mu, r, cycles, sides, restitution, phases, impacts
 end subroutine impact_maps
 
 !> The time history of a motion: x, x', z, z', y and load at the given times.
-subroutine sample(n, m, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, times, &
+subroutine sample(n, m, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, &
+   times, &
       values)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
@@ -150,10 +161,13 @@ end subroutine run_namelists
 
 !> Simulates from a state to an end of time, or until `room` events are found.
 !!
-!! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released); both are
-!! returned at the end. Rows of `values`: time, phase, x, x' before and after, z' before and after; of
+!! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released);
+!! both are
+!! returned at the end. Rows of `values`: time, phase, x, x' before and after, z' before and
+!! after; of
 !! `labels`: kind, side.
-subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycle, last_phase, room, &
+subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycle, last_phase, &
+   room, &
       values, labels, n_events, end_state, end_contact, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_trajectory, only: simulate_arrays
@@ -162,7 +176,8 @@ subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycl
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: contact(3), room
-   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, state(7), last_cycle, last_phase
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, state(7), last_cycle, &
+      last_phase
    real(c_double), intent(out) :: values(7, room), end_state(7)
    integer(c_int), intent(out) :: labels(2, room), n_events, end_contact(3), status
 
@@ -184,12 +199,14 @@ subroutine sample_trajectory(n, m, xi, mu, r, load, clearance, starts, resting, 
    real(c_double), intent(in) :: xi, mu, r, load, clearance, starts(6, n), times(m)
    real(c_double), intent(out) :: values(6, m)
 
-   call sample_segments(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, times, &
+   call sample_segments(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, &
+      times, &
       values)
 end subroutine sample_trajectory
 
 !> The exact motion near a guess of x_i and theta_i = alpha_i + tau, by Newton's method.
-subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitution, x, theta, most, phases, &
+subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitution, x, theta, &
+   most, phases, &
       impacts, scalars, multipliers, verdicts, status, iterations)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_exact, only: setting_type
@@ -199,18 +216,21 @@ subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitutio
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n, cycles, sides(n), most
-   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, restitution(n), x(n), theta(n)
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, restitution(n), x(n), &
+      theta(n)
    real(c_double), intent(out) :: phases(n), impacts(n, 6), scalars(6)
    complex(c_double_complex), intent(out) :: multipliers(4)
    integer(c_int), intent(out) :: verdicts(3), status, iterations
 
    call exact_point(setting_type(oscillator_type(xi, mu, walls), r, load, clearance, &
-      pattern_type(sides, cycles), restitution), x, theta, most, phases, impacts, scalars, multipliers, &
+      pattern_type(sides, cycles), restitution), x, theta, most, phases, impacts, scalars, &
+      multipliers, &
       verdicts, status, iterations)
 end subroutine exact
 
 !> Least and greatest x over the segments of a trajectory, from certified extrema.
-subroutine extreme_positions(n, xi, mu, r, load, clearance, starts, resting, last, x_min, x_max, complete)
+subroutine extreme_positions(n, xi, mu, r, load, clearance, starts, resting, last, x_min, x_max, &
+   complete)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: new_drive
@@ -223,13 +243,15 @@ subroutine extreme_positions(n, xi, mu, r, load, clearance, starts, resting, las
    integer(c_int), intent(out) :: complete
    logical :: whole
 
-   call extremes(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, last, x_min, &
+   call extremes(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, last, &
+      x_min, &
       x_max, whole)
    complete = merge(1, 0, whole)
 end subroutine extreme_positions
 
 !> The periodic motion with rest near a release at (phase, v) on a wall; its events over one period.
-subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, room, point, multipliers, &
+subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, room, point, &
+   multipliers, &
       residual, values, labels, n_events, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_oscillator, only: oscillator_type
@@ -248,13 +270,15 @@ subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, r
    allocate (events(room))
    point = guess
    n_events = 0
-   call solve_rest_motion(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), side, cycles, &
+   call solve_rest_motion(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), side, &
+      cycles, &
       point, multipliers, residual, events, n_events, status)
    call store_events(events(:n_events), r, values, labels)
 end subroutine rest_motion
 
 !> Exact motions of one pattern from a number of guesses, as columns (x_i, theta_i).
-subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, guesses, room, found, &
+subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, guesses, room, &
+   found, &
       n_found, tried)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_exact, only: setting_type
@@ -269,11 +293,13 @@ subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, g
    integer(c_int), intent(out) :: n_found, tried
 
    call search(setting_type(oscillator_type(xi, mu, walls), r, load, clearance, &
-      pattern_type(sides, cycles), default_restitution(sides, walls(1), walls(2))), guesses, found, &
+      pattern_type(sides, cycles), default_restitution(sides, walls(1), walls(2))), guesses, &
+      found, &
       n_found, tried)
 end subroutine search_pattern
 
-!> The state (7), (3) of the core from t, x, x', z, z'; on a wall it may depart, rest or be about to collide.
+!> The state (7), (3) of the core from t, x, x', z, z'; on a wall it may depart, rest or be about
+!! to collide.
 subroutine start_state(xi, r, load, clearance, start, state, contact)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
@@ -284,12 +310,14 @@ subroutine start_state(xi, r, load, clearance, start, state, contact)
    real(c_double), intent(out) :: state(7)
    integer(c_int), intent(out) :: contact(3)
 
-   call pack_state(initial_state(new_drive(oscillator_type(xi), r, load, clearance), start), state, &
+   call pack_state(initial_state(new_drive(oscillator_type(xi), r, load, clearance), start), &
+      state, &
       contact)
 end subroutine start_state
 
 !> Simulates many systems for a number of load cycles: final states, impacts and rests of each.
-subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_events, threads, states, &
+subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_events, threads, &
+   states, &
       contacts, end_states, end_contacts, counts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_bundle, only: run => simulate_bundle

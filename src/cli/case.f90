@@ -1,6 +1,7 @@
 !> A case: everything that one computation of the batch program needs, checked.
 !!
-!! Each `&motion` makes a case. It uses the `&system` before it, and the `&output` that follows it, if
+!! Each `&motion` makes a case. It uses the `&system` before it, and the `&output` that follows
+!! it, if
 !! one does. The ranges are those of the Python package.
 module vi_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
@@ -28,7 +29,8 @@ module vi_case
       logical :: single = .false.
       !> 'csv', 'table' or 'both'
       character(:), allocatable :: format
-      !> Of a simulation: load cycles kept and discarded, load amplitude, t, x, x', z, z' at the start.
+      !> Of a simulation: load cycles kept and discarded, load amplitude, t, x, x', z, z' at the
+      !! start.
       real(wp) :: duration = 0, discard = 0, load = 1, start(5) = 0
       integer :: max_events = 0
       !> Where the name was given, for messages.
@@ -68,7 +70,8 @@ contains
          line = groups(i)%line
          select case (groups(i)%name)
          case ('system')
-            if (.not. motion_follows(groups(i + 1:))) message = '&system: no &motion or &simulate follows'
+            if (.not. motion_follows(groups(i &
+               + 1:))) message = '&system: no &motion or &simulate follows'
             if (len(message) == 0) call read_group(groups(i), raw, line, message)
             if (len(message) == 0) call check_system(groups(i), raw, line, message)
             system = i
@@ -91,7 +94,8 @@ contains
                if (output%line > 0) line = output%line
                if (output%line > 0) call read_group(output, raw, line, message)
             end if
-            if (len(message) == 0) call take_output(path, n, size(cases), groups(i)%line, output, raw, &
+            if (len(message) == 0) call take_output(path, n, size(cases), groups(i)%line, output, &
+               raw, &
                cases(n), line, message)
             output%line = 0
          case ('output')
@@ -101,7 +105,8 @@ contains
                message = '&output: no &motion or &simulate stands before it'
             end if
          case default
-            message = '&'//groups(i)%name//': is not a group; must be &system, &motion, &simulate or &output'
+            message = '&'//groups(i)%name &
+               //': is not a group; must be &system, &motion, &simulate or &output'
          end select
          if (len(message) > 0) then
             message = place(path, line)//message
@@ -233,7 +238,8 @@ contains
             call complain(group, trim(names(i)), line, message)
             return
          end do
-         if (abs(raw%z - raw%x) > 0.5_wp*raw%clearance*(1 + 1.0e-9_wp)) call complain(group, 'z', line, &
+         if (abs(raw%z - raw%x) > 0.5_wp*raw%clearance*(1 + 1.0e-9_wp)) call complain(group, 'z', &
+            line, &
             message, 'z - x must be within half the clearance')
       end if
    end subroutine take_simulation
@@ -244,7 +250,8 @@ contains
       type(case_type), intent(inout) :: case
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
-      character(18), parameter :: foreign(4) = [character(18) :: 'sides', 'phases', 'phases_over_pi', &
+      character(18), parameter :: foreign(4) = [character(18) :: 'sides', 'phases', &
+         'phases_over_pi', &
          'impact_restitution']
       integer :: i
 
@@ -294,7 +301,8 @@ contains
       if (given(group, 'phases')) then
          call take_phases(group, 'phases', raw%phases, 1.0_wp, case, line, message)
       else
-         call take_phases(group, 'phases_over_pi', raw%phases_over_pi, acos(-1.0_wp), case, line, message)
+         call take_phases(group, 'phases_over_pi', raw%phases_over_pi, acos(-1.0_wp), case, line, &
+            message)
       end if
       if (len(message) > 0) return
       case%own_restitution = given(group, 'impact_restitution')
@@ -302,7 +310,8 @@ contains
          case%restitution = raw%impact_restitution(:n)
          if (length_of(raw%impact_restitution) /= n .or. &
             .not. all(case%restitution >= 0 .and. case%restitution <= 1)) then
-            call complain(group, 'impact_restitution', line, message, whole(n)//' impacts are in sides')
+            call complain(group, 'impact_restitution', line, message, whole(n) &
+               //' impacts are in sides')
          end if
       else
          case%restitution = default_restitution(case%pattern%sides, case%osc%restitution(1), &
@@ -322,7 +331,8 @@ contains
 
       n = size(case%pattern%sides)
       if (length_of(values) /= n) then
-         call complain(group, key, line, message, whole(length_of(values))//' numbers for '//whole(n)// &
+         call complain(group, key, line, message, whole(length_of(values))//' numbers for ' &
+            //whole(n)// &
             ' impacts in sides')
          return
       end if
@@ -337,7 +347,8 @@ contains
       else
          do i = 2, n
             if (case%phases(i) > case%phases(i - 1)) cycle
-            call complain(group, key, line, message, 'number '//whole(i)//' is not above number '// &
+            call complain(group, key, line, message, 'number '//whole(i) &
+               //' is not above number '// &
                whole(i - 1))
             return
          end do
@@ -375,7 +386,8 @@ contains
          do i = 1, size(group%items)
             if (group%items(i)%key == 'name') case%line = group%items(i)%line
          end do
-         if (len(case%name) == 0 .or. len(case%name) > 100 .or. verify(case%name, allowed) > 0 .or. &
+         if (len(case%name) == 0 .or. len(case%name) > 100 .or. verify(case%name, allowed) > 0 &
+            .or. &
             index(case%name, '.') == 1) then
             call complain(group, 'name', line, message)
             return

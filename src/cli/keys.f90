@@ -151,7 +151,8 @@ contains
          associate (item => group%items(i))
             line = item%line
             if (len(wanted(group%name, item%key)) == 0) then
-               message = '&'//group%name//' '//item%key//' = '//item%value//': is not a key of &'// &
+               message = '&'//group%name//' '//item%key//' = '//item%value &
+                  //': is not a key of &'// &
                   group%name//'; must be one of '//keys(group%name)
                return
             end if
@@ -219,7 +220,8 @@ contains
       character(most_impacts + 1) :: sides
       character(20) :: kind, precision
       integer :: cycles
-      namelist /motion/ kind, sides, cycles, phases, phases_over_pi, impact_restitution, clearance, &
+      namelist /motion/ kind, sides, cycles, phases, phases_over_pi, impact_restitution, &
+         clearance, &
          precision, acceptance
 
       kind = raw%kind

@@ -1,7 +1,8 @@
 !> Splits a namelist file into groups and assignments that remember their lines.
 !!
 !! Values are not interpreted here: each assignment is later read by the compiler's own namelist
-!! input, one at a time, so that an error is known to be in that line and key. A file that starts with
+!! input, one at a time, so that an error is known to be in that line and key. A file that starts
+!! with
 !! `#` is a result of ours: only the lines with a `#` in front are read, without it, so that every
 !! table is an input that reproduces it.
 module vi_namelist
@@ -138,7 +139,8 @@ contains
 
    !> Collects the text of a group up to its closing slash, without comments.
    !!
-   !! On entry `rest` is the text after `&name` on line i; on return it is the text after the slash on
+   !! On entry `rest` is the text after `&name` on line i; on return it is the text after the
+   !! slash on
    !! the new line i.
    pure subroutine collect_body(lines, i, rest, body, message)
       type(line_type), intent(in) :: lines(:)
@@ -168,7 +170,8 @@ contains
                rest = rest(j + merge(1, 4, rest(j:j) == '/'):)
                return
             else if (rest(j:j) == '&') then
-               message = 'no / closes the group of line '//whole(first)//' before '//trim(rest(j:)) &
+               message = 'no / closes the group of line '//whole(first)//' before ' &
+                  //trim(rest(j:)) &
                   //' in line '//whole(i)
                return
             end if

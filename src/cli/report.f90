@@ -1,5 +1,6 @@
 !> Results as text: a table for machines (CSV) and a printout for people.
 module vi_report
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use vi_case, only: case_type
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, unknown, yes
@@ -51,7 +52,8 @@ contains
       type(case_type), intent(in) :: case
       type(line_type), allocatable, intent(out) :: lines(:)
 
-      call append(lines, '# ! vibroimpact '//version//'; lengths in F0/K, time in 1/omega, angles in &
+      call append(lines, '# ! vibroimpact '//version &
+         //'; lengths in F0/K, time in 1/omega, angles in &
          &radians; this file is an input too')
       call append(lines, '# &system')
       call append(lines, '#   xi = '//exact(case%osc%xi))
@@ -83,7 +85,8 @@ contains
          call append(lines, '#   sides = '''//side_letters(case%pattern%sides)//'''')
          call append(lines, '#   phases = '//list(case%phases))
       end if
-      if (case%own_restitution) call append(lines, '#   impact_restitution = '//list(case%restitution))
+      if (case%own_restitution) call append(lines, '#   impact_restitution = ' &
+         //list(case%restitution))
       call append(lines, '#   precision = '//trim(merge('''single''', '''double''', case%single)))
       call append(lines, '#   acceptance = '//exact(case%acceptance))
       call append(lines, '# /')
@@ -129,7 +132,8 @@ contains
       lines(:n) = head
       do i = 1, size(events)
          associate (e => events(i))
-            lines(n + i)%text = exact(state_time(e%cycle, e%phase, case%r))//','//trim(kinds(e%kind))// &
+            lines(n + i)%text = exact(state_time(e%cycle, e%phase, case%r))//',' &
+               //trim(kinds(e%kind))// &
                ','//side_letters([e%side])//numbers([e%phase, e%x, e%x_dot_before, e%x_dot_after, &
                e%z_dot_before, e%z_dot_after])
          end associate
@@ -160,7 +164,8 @@ contains
       character(:), allocatable :: text
 
       text = ','//side_letters(motion%pattern%sides(j:j))//numbers([motion%restitution(j), &
-         motion%phases(j), motion%x(j), motion%z(j), motion%x_dot_before(j), motion%x_dot_after(j), &
+         motion%phases(j), motion%x(j), motion%z(j), motion%x_dot_before(j), &
+         motion%x_dot_after(j), &
          motion%z_dot_before(j), motion%z_dot_after(j)])
    end function impact_columns
 
@@ -171,11 +176,12 @@ contains
       integer :: i
 
       text = numbers([motion%r, motion%clearance, motion%amplitude, motion%tau, motion%residual])
-      text = text//','//verdict_word(motion%consistent)//','//verdict_word(motion%admissible)//','// &
+      text = text//','//verdict_word(motion%consistent)//','//verdict_word(motion%admissible) &
+         //','// &
          verdict_word(motion%stable)
       text = text//numbers([motion%x_min, motion%x_max, attenuation(motion)])
       do i = 1, 4
-         if (motion%stable == unknown) then
+         if (ieee_is_nan(motion%multipliers(i)%re)) then
             text = text//',nan,nan'
          else
             text = text//numbers([motion%multipliers(i)%re, motion%multipliers(i)%im])
@@ -216,14 +222,15 @@ contains
       type(motion_type), intent(in) :: motion
       character(:), allocatable :: text
 
-      text = said(motion%consistent, 'consistent')//', '//said(motion%admissible, 'admissible')//', '
-      select case (motion%stable)
-      case (unknown)
-         text = text//'stable? (no multipliers)'
-      case default
-         text = text//trim(merge('stable  ', 'unstable', motion%stable == yes))//' (max|lambda| = '// &
-            shown(abs(motion%multipliers(1)), 'g0.4')//')'
-      end select
+      text = said(motion%consistent, 'consistent')//', '//said(motion%admissible, 'admissible') &
+         //', '
+      text = text//trim(merge('stable?  ', merge('stable   ', 'unstable ', motion%stable == yes), &
+         motion%stable == unknown))
+      if (ieee_is_nan(motion%multipliers(1)%re)) then
+         text = text//' (no multipliers)'
+      else
+         text = text//' (max|lambda| = '//shown(abs(motion%multipliers(1)), 'g0.4')//')'
+      end if
    end function verdict_text
 
    pure function said(verdict, word) result(text)
@@ -247,7 +254,8 @@ contains
       call append(lines, '')
       call append(lines, 'Parameters of primary and secondary system')
       call append(lines, '  xi = '//shown(case%osc%xi, 'g0.6')//', r = '//shown(case%r, 'g0.6')// &
-         ', mu = '//shown(case%osc%mu, 'g0.6')//', R1 = '//shown(case%osc%restitution(1), 'g0.6')// &
+         ', mu = '//shown(case%osc%mu, 'g0.6')//', R1 = '//shown(case%osc%restitution(1), &
+         'g0.6')// &
          ', R2 = '//shown(case%osc%restitution(2), 'g0.6'))
       call append(lines, '  lengths in F0/K, velocities in omega F0/K')
       do i = 1, size(motions)
@@ -263,10 +271,12 @@ contains
    pure subroutine table_of(motion, lines)
       type(motion_type), intent(in) :: motion
       type(line_type), allocatable, intent(inout) :: lines(:)
-      call append(lines, whole(size(motion%x))//' impacts in '//whole(motion%pattern%cycles)//' cycle(s), sides '// &
+      call append(lines, whole(size(motion%x))//' impacts in '//whole(motion%pattern%cycles) &
+         //' cycle(s), sides '// &
          side_letters(motion%pattern%sides))
       call append(lines, row('alpha_i/pi', motion%phases/pi, 'f12.4'))
-      call append(lines, row('Omega t_1/pi', [wrapped(motion%tau + lag(motion%osc%xi, motion%r))/pi], 'f12.4'))
+      call append(lines, row('Omega t_1/pi', [wrapped(motion%tau + lag(motion%osc%xi, &
+         motion%r))/pi], 'f12.4'))
       call append(lines, row('tau/pi', [motion%tau/pi], 'f12.4'))
       call append(lines, row('d/(F0/K)', [motion%clearance], 'f12.4'))
       call append(lines, row('X_i', motion%x, 'f12.4'))

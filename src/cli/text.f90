@@ -130,7 +130,8 @@ contains
       do i = 1, size(lines)
          length = len(lines(i)%text)
          if (length > 0) then
-            if (lines(i)%text(length:length) == achar(13)) lines(i)%text = lines(i)%text(:length - 1)
+            if (lines(i)%text(length:length) == achar(13)) lines(i)%text = lines(i)%text(:length &
+               - 1)
          end if
       end do
    end subroutine read_lines

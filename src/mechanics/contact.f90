@@ -1,7 +1,10 @@
-!> First contact: the first instant at which the free mass reaches a wall, and none before is missed.
+!> First contact: the first instant at which the free mass reaches a wall, and none before is
+!! missed.
 !!
-!! From any instant a bound on the fourth derivative of the gaps tells how long neither can close; steps
-!! of that length cannot jump over a contact, however short it is, and converge to it with third order.
+!! From any instant a bound on the fourth derivative of the gaps tells how long neither can close;
+!! steps
+!! of that length cannot jump over a contact, however short it is, and converge to it with third
+!! order.
 !! In the first moments after leaving a wall the gap to that wall is a small difference of large
 !! numbers. There its Taylor series is used instead: g(t) = t k(t) with k(0) the departure speed, so
 !! that flights in an accumulation of impacts keep their relative accuracy.

@@ -19,9 +19,11 @@ contains
 
    !> The least and greatest stationary value of z - x strictly inside a flight.
    !!
-   !! The ends of the flight are not stationary points and do not count. Where there is no stationary
+   !! The ends of the flight are not stationary points and do not count. Where there is no
+   !! stationary
    !! point, `lowest` is +huge and `highest` is -huge. With z = z_dot = 0 the answer is that of -x.
-   !! A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest time scale, so
+   !! A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest time
+   !! scale, so
    !! that the error of the value, at most |x''| delta^2/2, is of the order of rounding.
    pure subroutine relative_extrema(flight, lowest, highest, complete)
       type(flight_type), intent(in) :: flight
@@ -45,7 +47,8 @@ contains
          if (.not. bound > 0) return
          direction = sign(1.0_wp, g)
          step = 0
-         if (abs(g) > 0) step = safe_step(abs(g), direction*d(2), direction*d(3), direction*d(4), bound, &
+         if (abs(g) > 0) step = safe_step(abs(g), direction*d(2), direction*d(3), direction*d(4), &
+            bound, &
             longest)
          ! a step may land on the zero to rounding, and so a last bit beyond it
          if (step < shortest .or. direction*before < 0) then

@@ -9,7 +9,8 @@ module vi_impact
 contains
 
    !> Velocities just after an impact from those just before, from equations (11), (12).
-   elemental subroutine impact(mu, restitution, x_dot_before, z_dot_before, x_dot_after, z_dot_after)
+   elemental subroutine impact(mu, restitution, x_dot_before, z_dot_before, x_dot_after, &
+      z_dot_after)
       real(wp), intent(in) :: mu, restitution, x_dot_before, z_dot_before
       real(wp), intent(out) :: x_dot_after, z_dot_after
 

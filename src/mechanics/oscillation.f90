@@ -59,7 +59,8 @@ contains
 
    !> A bound on the absolute n-th derivative of x from time t on.
    !!
-   !! The free part is Re(c exp(lambda t)) with |c| = |(a, b)|: a derivative multiplies its amplitude by
+   !! The free part is Re(c exp(lambda t)) with |c| = |(a, b)|: a derivative multiplies its
+   !! amplitude by
    !! |lambda|, and that of the forced part by r.
    pure real(wp) function derivative_bound(o, n, t) result(bound)
       class(oscillation_type), intent(in) :: o

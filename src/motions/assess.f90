@@ -1,5 +1,6 @@
 !> The verdicts on a motion: is it consistent, admissible, stable? No other module sets them.
 module vi_assess
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
@@ -14,6 +15,9 @@ module vi_assess
    !> The residual that the 1983 paper accepted for N > 2.
    real(wp), parameter, public :: paper_acceptance = 0.03_wp
 
+   !> A leading multiplier this near to the unit circle is on it, as far as rounding can tell.
+   real(wp), parameter :: neutral = 1000*epsilon(1.0_wp)
+
 contains
 
    !> `consistent` from the residual, the multipliers, and `stable` from them.
@@ -26,17 +30,17 @@ contains
       if (motion%status /= stat%ok) return
       motion%consistent = verdict(motion%residual <= acceptance)
       call multipliers(motion, motion%multipliers, status)
-      if (status == stat%ok) then
-         motion%stable = verdict(all(abs(motion%multipliers) < 1))
-      else
-         motion%multipliers = 0
-         motion%status = merge(stat%ok, status, status == stat%zero_approach)
+      if (status /= stat%ok) then
+         motion%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
+      else if (abs(abs(motion%multipliers(1)) - 1) > neutral) then
+         motion%stable = verdict(abs(motion%multipliers(1)) < 1)          ! the largest comes first
       end if
    end subroutine assess_linear
 
    !> `admissible`, and the extreme positions of the primary mass, from certified extrema.
    !!
-   !! Admissible: at every impact the masses approach each other, s (z' - x') > 0 just before it, and
+   !! Admissible: at every impact the masses approach each other, s (z' - x') > 0 just before it,
+   !! and
    !! inside every flight the free mass stays strictly between the walls, |y| < d/2.
    pure subroutine assess_flights(motion)
       type(motion_type), intent(inout) :: motion

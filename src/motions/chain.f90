@@ -15,7 +15,8 @@ module vi_chain
 contains
 
    !> The motion with given impact phases, with its verdicts. Arguments as in `solve_periodic`.
-   pure subroutine periodic_chain(osc, r, pattern, restitution, phases, acceptance, flights, system, &
+   pure subroutine periodic_chain(osc, r, pattern, restitution, phases, acceptance, flights, &
+      system, &
          motion)
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r

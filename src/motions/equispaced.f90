@@ -19,7 +19,8 @@ contains
 
    !> Both equispaced motions at a frequency ratio and a clearance, without verdicts.
    !!
-   !! A motion that does not exist has the status `stat%no_motion`. Where the two coincide, the second
+   !! A motion that does not exist has the status `stat%no_motion`. Where the two coincide, the
+   !! second
    !! one does not exist.
    pure subroutine solve_equispaced(osc, r, clearance, cycles, system, motions)
       !> Its two coefficients of restitution are equal.
@@ -38,17 +39,18 @@ contains
 
       pattern = new_pattern('RL', cycles)
       phases = [0.0_wp, cycles*acos(-1.0_wp)]
-      call assemble(osc, r, pattern, osc%restitution, phases, system)
       do i = 1, 2
          call start_motion(motions(i), osc, r, pattern, osc%restitution, phases)
          motions(i)%status = stat%no_motion
       end do
+      call assemble(motions(1), system)
       associate (w => system%matrix(1, :), v => system%matrix(3, :), rhs => system%rhs*clearance)
          ! with x_2 = -x_1 both rows have one coefficient of x_1; eliminating x_1 leaves the line
          x_row = [w(1) - w(2), v(1) - v(2)]
          line = x_row(2)*w(3:4) - x_row(1)*v(3:4)
          amplitude = gain(osc%xi, r)
-         if (.not. (norm2(line) > 0 .and. maxval(abs(x_row)) > 0)) then
+         ! at a resonance without damping the line is rounding noise
+         if (.not. norm2(line) > 100*epsilon(1.0_wp)*(sum(abs(w)) + sum(abs(v)))) then
             motions%status = stat%singular
             return
          end if

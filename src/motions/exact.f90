@@ -1,14 +1,16 @@
 !> Exact motions: Newton's method on the 2N unknowns x_i, alpha_i at a given clearance.
 !!
-!! The equations (26), (30) with A known and the phases unknown (the footnote on the paper's page 45).
-!! They say that every flight ends where and as fast as the next impact starts. The unknown phases are
+!! The equations (26), (30) with A known and the phases unknown (the footnote on the paper's page
+!! 45).
+!! They say that every flight ends where and as fast as the next impact starts. The unknown phases
+!! are
 !! theta_i = alpha_i + tau, the arguments of the forced motion A sin(theta).
 module vi_exact
    use vi_flight, only: flight_type, new_flight
    use vi_impact, only: primary_velocities
    use vi_kinds, only: wp
    use vi_lapack, only: solve
-   use vi_motion, only: motion_type, start_motion
+   use vi_motion, only: motion_type, set_phases, start_motion
    use vi_oscillation, only: derivatives
    use vi_oscillator, only: eta, gain, oscillator_type
    use vi_pattern, only: pattern_type
@@ -47,7 +49,8 @@ contains
       logical :: last
 
       n = size(x)
-      call start_motion(motion, setting%osc, setting%r, setting%pattern, setting%restitution, 0*x)
+      call start_motion(motion, setting%osc, setting%r, setting%pattern, setting%restitution, &
+         theta - theta(1))
       motion%status = stat%no_convergence
       allocate (jacobian(2*n, 2*n), step(2*n), unknowns(2*n))
       unknowns = [x, theta]
@@ -107,7 +110,8 @@ contains
          d_speed(i, n + next) = d_speed(i, n + next) - speed(i)/(time(i)*setting%r)
          d_speed(i, n + i) = d_speed(i, n + i) + speed(i)/(time(i)*setting%r)
       end do
-      call primary_velocities(setting%osc%mu, setting%restitution, cshift(speed, -1), speed, before, after)
+      call primary_velocities(setting%osc%mu, setting%restitution, cshift(speed, -1), speed, &
+         before, after)
       do i = 1, n
          previous = modulo(i - 2, n) + 1
          call primary_velocities(setting%osc%mu, setting%restitution(i), d_speed(previous, :), &
@@ -201,7 +205,7 @@ contains
       integer :: n, i, next
 
       n = size(x)
-      motion%phases = theta - theta(1)
+      call set_phases(motion, theta - theta(1))
       motion%tau = atan2(sin(theta(1)), cos(theta(1)))
       motion%amplitude = setting%load*gain(setting%osc%xi, setting%r)
       motion%clearance = setting%clearance

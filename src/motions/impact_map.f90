@@ -1,13 +1,13 @@
 !> The derivative of the map from one impact to the next, [P_i] of (A5)-(A7).
 !!
-!! The state is (x, x', z', alpha) just after an impact, alpha being the load phase of the impact. Three
+!! The state is (x, x', z', alpha) just after an impact, alpha being the load phase of the impact.
+!! Three
 !! terms of the printed formulas are corrected here (see the comments); with them [P_i] is the exact
 !! derivative, also for unequal restitution.
 module vi_impact_map
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_oscillator, only: eta
-   use vi_pattern, only: durations
    implicit none (type, external)
    private
 
@@ -22,44 +22,44 @@ contains
       real(wp), intent(out) :: p(:, :, :)
       !> False if an impact has no approach speed: there the map has no derivative.
       logical, intent(out) :: regular
-      real(wp), dimension(size(motion%phases)) :: length, angle, sine, cosine
+      real(wp) :: angle, sine(size(motion%phases)), cosine(size(motion%phases))
       integer :: n, i, next
       logical :: good
 
       n = size(motion%phases)
-      length = durations(motion%phases, motion%pattern%cycles)
-      angle = motion%phases + motion%tau
-      sine = motion%amplitude*sin(angle)
-      cosine = motion%amplitude*cos(angle)
+      do i = 1, n
+         angle = motion%phases(i) + motion%tau
+         sine(i) = motion%amplitude*sin(angle)
+         cosine(i) = motion%amplitude*cos(angle)
+      end do
       regular = .true.
       do i = 1, n
          next = modulo(i, n) + 1
          call impact_map(motion%osc%xi, motion%osc%mu, motion%r, motion%restitution(next), &
-            length(i), sine([i, next]), cosine([i, next]), motion%x(i), motion%x_dot_after(i), &
+            motion%length(i), motion%c1(i), motion%c2(i), sine([i, next]), cosine([i, next]), &
+            motion%x(i), motion%x_dot_after(i), &
             motion%z_dot_after(i), p(:, :, i), good)
          regular = regular .and. good
       end do
    end subroutine impact_maps
 
    !> [P_i] of one flight, omega = 1, Omega = r.
-   pure subroutine impact_map(xi, mu, r, restitution, length, sine, cosine, x, x_dot, z_dot, p, &
+   pure subroutine impact_map(xi, mu, r, restitution, length, c1, c2, sine, cosine, x, x_dot, &
+      z_dot, p, &
          regular)
-      !> `restitution` is R_(i+1), `length` is alpha_(i+1) - alpha_i.
-      real(wp), intent(in) :: xi, mu, r, restitution, length
+      !> `restitution` is R_(i+1), `length` is alpha_(i+1) - alpha_i; C_1i, C_2i of (9), (10).
+      real(wp), intent(in) :: xi, mu, r, restitution, length, c1, c2
       !> A sin and A cos of alpha + tau at impacts i and i+1.
       real(wp), intent(in) :: sine(2), cosine(2)
       !> State just after impact i.
       real(wp), intent(in) :: x, x_dot, z_dot
       real(wp), intent(out) :: p(4, 4)
       logical, intent(out) :: regular
-      real(wp) :: h, b, c1, c2, c3, c4, k1, k2, k3, k4
+      real(wp) :: h, b, c3, c4, k1, k2, k3, k4
       real(wp) :: s1, s2, s3, s4, s5, s6, s7, s8, s9, s10, s11, s12, s13, s14, free_dot
 
       h = eta(xi)
       b = x - sine(1)                                                                     ! (6)
-      c2 = exp(-xi/r*length)
-      c1 = c2*sin(h/r*length)                                                             ! (9)
-      c2 = c2*cos(h/r*length)                                                             ! (10)
       c3 = h*c2 - xi*c1                                                                   ! (A4)
       c4 = -(h*c1 + xi*c2)
       k1 = (1 - mu*restitution)/(1 + mu)                                                  ! (A5)
@@ -74,7 +74,7 @@ contains
       s4 = c3/h
       s6 = (b*s3 + free_dot*c3/h)/r
       s5 = z_dot/r - cosine(2) - s6                    ! corrected: z' in place of the printed x'
-      regular = abs(s5) > 0
+      regular = abs(s5) > 8*epsilon(1.0_wp)*(abs(z_dot)/r + abs(cosine(2)) + abs(s6))
       if (.not. regular) then
          p = 0
          return

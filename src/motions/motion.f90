@@ -3,13 +3,13 @@ module vi_motion
    use vi_flight, only: flight_type, new_flight
    use vi_impact, only: primary_velocities
    use vi_kinds, only: wp
-   use vi_oscillator, only: gain, oscillator_type
+   use vi_oscillator, only: eta, gain, oscillator_type
    use vi_pattern, only: durations, pattern_type
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: start_motion, complete_motion, flight_of
+   public :: start_motion, set_phases, complete_motion, flight_of
 
    !> Values of the three verdicts of a motion.
    integer, parameter, public :: no = 0, yes = 1, unknown = -1
@@ -22,6 +22,9 @@ module vi_motion
       real(wp) :: r = 0, clearance = 0
       !> Coefficient of restitution R_i and phase alpha_i (alpha_1 = 0) of each impact.
       real(wp), allocatable :: restitution(:), phases(:)
+      !> Phase from each impact to the next, and the coefficients C_1i, C_2i of (9), (10) of that
+      !! flight.
+      real(wp), allocatable :: length(:), c1(:), c2(:)
       !> Positions of both masses, and their velocities just before and after each impact.
       real(wp), allocatable, dimension(:) :: x, z, x_dot_before, x_dot_after, z_dot_before, &
          z_dot_after
@@ -55,7 +58,7 @@ contains
       motion%r = r
       motion%pattern = pattern
       motion%restitution = restitution
-      motion%phases = phases
+      call set_phases(motion, phases)
       if (allocated(motion%x)) then
          if (size(motion%x) /= n) deallocate (motion%x, motion%z, motion%x_dot_before, &
             motion%x_dot_after, motion%z_dot_before, motion%z_dot_after)
@@ -68,6 +71,29 @@ contains
       motion%status = stat%ok
    end subroutine start_motion
 
+   !> Sets the impact phases and what follows from them alone.
+   pure subroutine set_phases(motion, phases)
+      type(motion_type), intent(inout) :: motion
+      real(wp), intent(in) :: phases(:)
+      real(wp) :: shrink, t, frequency
+      integer :: i, n
+
+      n = size(phases)
+      if (allocated(motion%length)) then
+         if (size(motion%length) /= n) deallocate (motion%length, motion%c1, motion%c2)
+      end if
+      if (.not. allocated(motion%length)) allocate (motion%length(n), motion%c1(n), motion%c2(n))
+      motion%phases = phases
+      motion%length = durations(phases, motion%pattern%cycles)
+      frequency = eta(motion%osc%xi)
+      do i = 1, n
+         t = motion%length(i)/motion%r
+         shrink = exp(-motion%osc%xi*t)
+         motion%c1(i) = shrink*sin(frequency*t)                                             ! (9)
+         motion%c2(i) = shrink*cos(frequency*t)                                             ! (10)
+      end do
+   end subroutine set_phases
+
    !> Fills positions and velocities from the unknowns of (26), (30), scaled to F0/K = 1.
    !!
    !! The unknowns may come in any unit of length; `unit_clearance` is the clearance in that unit.
@@ -75,7 +101,6 @@ contains
       type(motion_type), intent(inout) :: motion
       real(wp), intent(in) :: x(:), a_cos_tau, a_sin_tau, unit_clearance
       real(wp) :: amplitude, scale
-      real(wp) :: length(size(x))
       integer :: n, i
 
       n = size(x)
@@ -90,11 +115,11 @@ contains
       scale = motion%amplitude/amplitude
       motion%clearance = scale*unit_clearance
       motion%x = scale*x
-      motion%z = motion%x + 0.5_wp*motion%clearance*motion%pattern%sides                  ! (17), (18)
-      length = durations(motion%phases, motion%pattern%cycles)
+      motion%z = motion%x + 0.5_wp*motion%clearance*motion%pattern%sides                ! (17), (18)
       do i = 1, n
-         motion%z_dot_after(i) = motion%r*(motion%z(modulo(i, n) + 1) - motion%z(i))/length(i)  ! (16)
-         motion%z_dot_before(modulo(i, n) + 1) = motion%z_dot_after(i)                          ! (19)
+         motion%z_dot_after(i) = motion%r*(motion%z(modulo(i, n) + 1) - motion%z(i)) &
+            /motion%length(i)                                                               ! (16)
+         motion%z_dot_before(modulo(i, n) + 1) = motion%z_dot_after(i)                      ! (19)
       end do
       call primary_velocities(motion%osc%mu, motion%restitution, motion%z_dot_before, &
          motion%z_dot_after, motion%x_dot_before, motion%x_dot_after)
@@ -105,11 +130,11 @@ contains
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: i
       type(flight_type) :: flight
-      real(wp) :: length(size(motion%phases))
 
-      length = durations(motion%phases, motion%pattern%cycles)
-      flight = new_flight(motion%osc%xi, motion%r, motion%amplitude, motion%phases(i) + motion%tau, &
-         motion%x(i), motion%x_dot_after(i), motion%z(i), motion%z_dot_after(i), length(i)/motion%r)
+      flight = new_flight(motion%osc%xi, motion%r, motion%amplitude, motion%phases(i) &
+         + motion%tau, &
+         motion%x(i), motion%x_dot_after(i), motion%z(i), motion%z_dot_after(i), &
+         motion%length(i)/motion%r)
    end function flight_of
 
 end module vi_motion

@@ -48,7 +48,8 @@ contains
    end function side_letters
 
    !> The coefficient of restitution of each impact where the wall alone decides it.
-   elemental real(wp) function default_restitution(side, right_value, left_value) result(restitution)
+   elemental real(wp) function default_restitution(side, right_value, &
+      left_value) result(restitution)
       integer, intent(in) :: side
       real(wp), intent(in) :: right_value, left_value
 

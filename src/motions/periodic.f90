@@ -1,7 +1,8 @@
 !> Motions whose impact phases are given: the linear equations (26) and (30).
 !!
 !! N impacts in k load cycles give 2N equations in the N + 2 unknowns x_1 .. x_N, A cos(tau),
-!! A sin(tau). They are proportional to the clearance, so they are solved with d = 1 and read in units
+!! A sin(tau). They are proportional to the clearance, so they are solved with d = 1 and read in
+!! units
 !! of F0/K afterwards. N = 2 is a square system (DGESV); N > 2 is overdetermined (DGELS) and
 !! consistent only if the phases are those of a motion.
 module vi_periodic
@@ -9,7 +10,7 @@ module vi_periodic
    use vi_lapack, only: least_squares, least_squares_work, solve
    use vi_motion, only: complete_motion, motion_type, start_motion
    use vi_oscillator, only: eta, oscillator_type
-   use vi_pattern, only: durations, pattern_type
+   use vi_pattern, only: pattern_type
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -30,7 +31,8 @@ contains
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r
       type(pattern_type), intent(in) :: pattern
-      !> Coefficient of restitution (N) and phase (N, increasing from 0, below 2 pi k) of each impact.
+      !> Coefficient of restitution (N) and phase (N, increasing from 0, below 2 pi k) of each
+      !! impact.
       real(wp), intent(in) :: restitution(:), phases(:)
       !> Scratch, kept between calls.
       type(linear_system_type), intent(inout) :: system
@@ -40,7 +42,11 @@ contains
 
       n = size(phases)
       call start_motion(motion, osc, r, pattern, restitution, phases)
-      call assemble(osc, r, pattern, restitution, phases, system)
+      if (free_amplitude(motion)) then
+         motion%status = stat%free_amplitude
+         return
+      end if
+      call assemble(motion, system)
       size_of_rhs = norm2(system%rhs)
       if (.not. size_of_rhs <= huge(1.0_wp)) then
          motion%status = stat%not_finite
@@ -49,52 +55,55 @@ contains
       if (n == 2) then
          residual = 0
          call solve(system%matrix, system%rhs, motion%status)
-         if (motion%status == stat%singular .and. free_amplitude(pattern, restitution, phases)) &
-            motion%status = stat%free_amplitude
       else
          call least_squares(system%matrix, system%rhs, system%work, residual, motion%status)
       end if
       if (motion%status /= stat%ok) return
+      if (.not. all(abs(system%rhs(:n + 2)) <= huge(1.0_wp))) then
+         motion%status = stat%not_finite
+         return
+      end if
       motion%residual = residual/size_of_rhs
       call complete_motion(motion, system%rhs(:n), system%rhs(n + 1), system%rhs(n + 2), 1.0_wp)
    end subroutine solve_periodic
 
-   !> Whether the two equations of an equispaced pair with equal restitution leave A free.
-   pure logical function free_amplitude(pattern, restitution, phases)
-      type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: restitution(:), phases(:)
-      real(wp) :: length(2)
+   !> Whether this is an equispaced pair with equal restitution, which leaves A free (rank 3).
+   !!
+   !! Rounding hides the missing rank from the factors, so the reason for it is looked for.
+   pure logical function free_amplitude(motion)
+      type(motion_type), intent(in) :: motion
 
-      length = durations(phases, pattern%cycles)
-      free_amplitude = abs(restitution(1) - restitution(2)) <= epsilon(1.0_wp) .and. &
-         abs(length(1) - length(2)) <= 100*epsilon(1.0_wp)*sum(length)
+      free_amplitude = .false.
+      if (size(motion%phases) /= 2 .or. modulo(motion%pattern%cycles, 2) == 0) return
+      free_amplitude = abs(motion%restitution(1) - motion%restitution(2)) <= epsilon(1.0_wp) .and. &
+         abs(motion%length(1) - motion%length(2)) <= 100*epsilon(1.0_wp)*sum(motion%length)
    end function free_amplitude
 
-   !> Builds the equations (26) and (30) with the coefficients (A1)-(A4), omega = 1, Omega = r, d = 1.
-   pure subroutine assemble(osc, r, pattern, restitution, phases, system)
-      type(oscillator_type), intent(in) :: osc
-      real(wp), intent(in) :: r
-      type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: restitution(:), phases(:)
+   !> Builds the equations (26) and (30) with the coefficients (A1)-(A4), omega = 1, Omega = r, d
+   !! = 1.
+   pure subroutine assemble(motion, system)
+      !> Of this motion the given data count: oscillator, r, pattern, restitution, phases.
+      type(motion_type), intent(in) :: motion
       type(linear_system_type), intent(inout) :: system
-      real(wp), dimension(size(phases)) :: length, sine, cosine
-      real(wp) :: y(size(phases)), w(6), v(7)
+      real(wp) :: sine(size(motion%phases)), cosine(size(motion%phases)), y(size(motion%phases))
+      real(wp) :: w(6), v(7)
       integer :: n, i, previous, next, after_next
 
-      n = size(phases)
+      n = size(motion%phases)
       call make_room(system, n)
-      length = durations(phases, pattern%cycles)
-      sine = sin(phases)
-      cosine = cos(phases)
-      y = 0.5_wp*pattern%sides                                                            ! (18)
+      do i = 1, n
+         sine(i) = sin(motion%phases(i))
+         cosine(i) = cos(motion%phases(i))
+      end do
+      y = 0.5_wp*motion%pattern%sides                                                     ! (18)
       system%matrix = 0
       do i = 1, n
          previous = modulo(i - 2, n) + 1
          next = modulo(i, n) + 1
          after_next = modulo(i + 1, n) + 1
-         call coefficients(osc, r, restitution([i, next]), length([previous, i, next]), &
-            sine([i, next]), cosine([i, next]), &
-            [y(i) - y(previous), y(next) - y(i), y(after_next) - y(next)], w, v)
+         call coefficients(motion%osc, motion%r, motion%restitution([i, next]), &
+            motion%length([previous, i, next]), motion%c1(i), motion%c2(i), sine([i, next]), &
+            cosine([i, next]), [y(i) - y(previous), y(next) - y(i), y(after_next) - y(next)], w, v)
          ! the columns may coincide (N = 2), so the terms are added
          associate (m => system%matrix)
             m(i, i) = m(i, i) + w(1)                                                      ! (26)
@@ -113,20 +122,18 @@ contains
    end subroutine assemble
 
    !> W_1i..W_6i of (26) and V_1i..V_7i of (30) for one flight.
-   pure subroutine coefficients(osc, r, restitution, length, sine, cosine, y_step, w, v)
+   pure subroutine coefficients(osc, r, restitution, length, c1, c2, sine, cosine, y_step, w, v)
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r
-      !> R of impacts i and i+1; phase lengths of flights i-1, i, i+1; sine and cosine of the phases
-      !> alpha_i and alpha_(i+1); change of y in flights i-1, i, i+1.
-      real(wp), intent(in) :: restitution(2), length(3), sine(2), cosine(2), y_step(3)
+      !> R of impacts i and i+1; phase lengths of flights i-1, i, i+1; C_1i, C_2i of (9), (10);
+      !! sine and
+      !> cosine of the phases alpha_i and alpha_(i+1); change of y in flights i-1, i, i+1.
+      real(wp), intent(in) :: restitution(2), length(3), c1, c2, sine(2), cosine(2), y_step(3)
       real(wp), intent(out) :: w(6), v(7)
-      real(wp) :: h, c1, c2, c3, c4, g1, g2, g3, g4, sine_term, cosine_term, pull, c1h, c3h
+      real(wp) :: h, c3, c4, g1, g2, g3, g4, sine_term, cosine_term, pull, c1h, c3h
 
       associate (xi => osc%xi, mu => osc%mu)
          h = eta(xi)
-         c2 = exp(-xi/r*length(2))
-         c1 = c2*sin(h/r*length(2))                                                       ! (9)
-         c2 = c2*cos(h/r*length(2))                                                       ! (10)
          c3 = h*c2 - xi*c1                                                                ! (A4)
          c4 = -(h*c1 + xi*c2)
          g1 = (1 + mu)*restitution(1)*r/((1 + restitution(1))*length(1))                  ! (A1)

@@ -1,7 +1,9 @@
 !> The same chain in single precision, for a caller that works in double precision.
 !!
-!! Every number of the computation is rounded to 32 bits and every LAPACK call is the S routine; only
-!! the given data and the finished motion are converted. This is the one file, beside the kinds, that
+!! Every number of the computation is rounded to 32 bits and every LAPACK call is the S routine;
+!! only
+!! the given data and the finished motion are converted. This is the one file, beside the kinds,
+!! that
 !! knows of two precisions.
 module vi_precision
    use vi_chain_single, only: equispaced_chain_single => equispaced_chain, &
@@ -23,7 +25,8 @@ module vi_precision
 contains
 
    !> `periodic_chain` in single precision.
-   pure subroutine periodic_in_single(osc, r, pattern, restitution, phases, acceptance, flights, motion)
+   pure subroutine periodic_in_single(osc, r, pattern, restitution, phases, acceptance, flights, &
+      motion)
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r
       type(pattern_type), intent(in) :: pattern
@@ -72,6 +75,7 @@ contains
       type(oscillator_type), intent(in) :: osc
       type(motion_type), intent(inout) :: motion
 
+      motion%status = narrow%status
       motion%osc = osc
       motion%pattern = pattern_type(narrow%pattern%sides, narrow%pattern%cycles)
       motion%r = real(narrow%r, wp)

@@ -33,6 +33,7 @@ contains
       end do
       do j = 1, size(times)
          t = modulo(times(j), period)
+         if (.not. t < period) t = 0                     ! a tiny negative time rounds to the period
          i = max(1, count(start <= t))
          call flight_state(flights(i), t - start(i), x, x_dot, x_ddot)
          z = flight_position(flights(i), t - start(i))

@@ -14,7 +14,7 @@ module vi_status
       integer :: singular = 1
       !> Equal durations and equal restitution: A is free (rank 3), the clearance has to be given.
       integer :: free_amplitude = 2
-      !> The solution needs no load (A = 0), or a load and a clearance of opposite sign.
+      !> The solution needs no load (A = 0).
       integer :: no_load = 3
       !> An impact has no approach speed: the impact map has no derivative there.
       integer :: zero_approach = 4

@@ -1,6 +1,7 @@
 !> Many simulations in one call: initial states or parameters spread over threads.
 !!
-!! Each simulation is one task that writes to its own place, so the answer is the same to the last bit
+!! Each simulation is one task that writes to its own place, so the answer is the same to the last
+!! bit
 !! for any number of threads.
 module vi_bundle
    use, intrinsic :: iso_fortran_env, only: int64
@@ -21,7 +22,8 @@ module vi_bundle
 contains
 
    !> Simulates m systems for a number of load cycles each.
-   subroutine simulate_bundle(osc, r, load, clearance, cycles, most_events, threads, states, contacts, &
+   subroutine simulate_bundle(osc, r, load, clearance, cycles, most_events, threads, states, &
+      contacts, &
          counts, status)
       type(oscillator_type), intent(in) :: osc
       !> (m) each
@@ -41,7 +43,8 @@ contains
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(state)
       do j = 1, size(r)
          state = unpack_state(states(:, j), contacts(:, j))
-         call simulate_counting(new_drive(osc, r(j), load(j), clearance(j)), state, cycles, most_events, &
+         call simulate_counting(new_drive(osc, r(j), load(j), clearance(j)), state, cycles, &
+            most_events, &
             counts(:, j), status(j))
          call pack_state(state, states(:, j), contacts(:, j))
       end do

@@ -14,7 +14,7 @@ module vi_points
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
-   use vi_motion, only: motion_type, start_motion, unknown
+   use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
    use vi_periodic, only: linear_system_type
@@ -31,7 +31,8 @@ module vi_points
 contains
 
    !> Motions with given phases (n, m) at frequency ratios r (m).
-   pure subroutine periodic_points(osc, r, pattern, restitution, phases, acceptance, single, flights, &
+   pure subroutine periodic_points(osc, r, pattern, restitution, phases, acceptance, single, &
+      flights, &
          impacts, scalars, multipliers, verdicts, status)
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r(:)
@@ -52,7 +53,8 @@ contains
             call periodic_in_single(osc, r(j), pattern, restitution, phases(:, j), acceptance, &
                flights, motion)
          else
-            call periodic_chain(osc, r(j), pattern, restitution, phases(:, j), acceptance, flights, &
+            call periodic_chain(osc, r(j), pattern, restitution, phases(:, j), acceptance, &
+               flights, &
                system, motion)
          end if
          call store(motion, flights, impacts(:, :, j), scalars(:, j), multipliers(:, j), &
@@ -79,7 +81,8 @@ contains
          if (single) then
             call equispaced_in_single(osc, r(j), clearance(j), cycles, acceptance, flights, motions)
          else
-            call equispaced_chain(osc, r(j), clearance(j), cycles, acceptance, flights, system, motions)
+            call equispaced_chain(osc, r(j), clearance(j), cycles, acceptance, flights, system, &
+               motions)
          end if
          do i = 1, 2
             column = 2*(j - 1) + i
@@ -90,7 +93,8 @@ contains
    end subroutine equispaced_points
 
    !> An exact motion from a guess of x_i and theta_i.
-   pure subroutine exact_point(setting, x, theta, most, phases, impacts, scalars, multipliers, verdicts, &
+   pure subroutine exact_point(setting, x, theta, most, phases, impacts, scalars, multipliers, &
+      verdicts, &
          status, iterations)
       type(setting_type), intent(in) :: setting
       real(wp), intent(in) :: x(:), theta(:)
@@ -139,12 +143,11 @@ contains
          motion%x_max]
       if (.not. flights) scalars(5:6) = nan
       multipliers = motion%multipliers
-      ! an impact without approach speed leaves a motion whose multipliers do not exist
-      if (motion%stable == unknown) multipliers = cmplx(nan, nan, wp)
    end subroutine store
 
    !> The motion whose rows `store` wrote, as far as its flights are concerned.
-   pure function recall(osc, r, pattern, restitution, phases, impacts, amplitude, tau) result(motion)
+   pure function recall(osc, r, pattern, restitution, phases, impacts, amplitude, &
+      tau) result(motion)
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r
       type(pattern_type), intent(in) :: pattern

@@ -1,7 +1,9 @@
 !> All exact motions of one pattern that a spread of guesses leads to.
 !!
-!! A guess is a set of phases from a low-discrepancy sequence, with positions and tau from the paper's
-!! linear problem for these phases. Newton's method is repelled by the motions found before, so that each
+!! A guess is a set of phases from a low-discrepancy sequence, with positions and tau from the
+!! paper's
+!! linear problem for these phases. Newton's method is repelled by the motions found before, so
+!! that each
 !! further success is another motion.
 module vi_search
    use vi_exact, only: setting_type, solve_exact
@@ -47,7 +49,8 @@ contains
          tried = tried + 1
          x = motion%x*setting%clearance/motion%clearance
          theta = phases + motion%tau
-         call solve_exact(setting, x, theta, most_iterations, found(:, :n_found), motion, iterations)
+         call solve_exact(setting, x, theta, most_iterations, found(:, :n_found), motion, &
+            iterations)
          if (motion%status /= stat%ok) cycle
          n_found = n_found + 1
          found(:, n_found) = [x, theta]
@@ -56,7 +59,8 @@ contains
 
    !> Phases of one guess over the period: 0, then increasing numbers below 1.
    !!
-   !! An additive recurrence with the powers of the generalised golden ratio fills the simplex evenly.
+   !! An additive recurrence with the powers of the generalised golden ratio fills the simplex
+   !! evenly.
    pure function spread_phases(i, n) result(phases)
       integer, intent(in) :: i, n
       real(wp) :: phases(n)

@@ -26,7 +26,8 @@ module vi_simulate
       real(wp) :: amplitude = 0, lag = 0
    end type drive_type
 
-   !> Where the system is. The load phase r t is kept as whole cycles and the rest, so that its error
+   !> Where the system is. The load phase r t is kept as whole cycles and the rest, so that its
+   !! error
    !> does not grow with time.
    type, public :: state_type
       integer(int64) :: cycle = 0
@@ -84,7 +85,8 @@ contains
       n = 0
       status = stat%ok
       do
-         remaining = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase - state%phase))/drive%r
+         remaining = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase &
+            - state%phase))/drive%r
          if (n + 2 > size(events)) then
             status = stat%more_events
             return
@@ -173,9 +175,12 @@ contains
 
    !> Completes an accumulation of impacts, where the rest of it is short enough.
    !!
-   !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts take
-   !! T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next order
-   !! is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most: that has
+   !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
+   !! take
+   !! T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next
+   !! order
+   !! is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
+   !! that has
    !! to be below 1e-16.
    pure subroutine accumulate(drive, state, event)
       type(drive_type), intent(in) :: drive
@@ -193,7 +198,8 @@ contains
          if (state%speed > 0) then
             if (.not. restitution < 1) return
             duration = 2*state%speed/(closing*(1 - restitution))
-            jerk = abs(drive%load*drive%r*cos(state%phase)) + 2*osc%xi*abs(x_ddot) + abs(state%x_dot)
+            jerk = abs(drive%load*drive%r*cos(state%phase)) + 2*osc%xi*abs(x_ddot) &
+               + abs(state%x_dot)
             if (duration > 1.0e-6_wp .or. jerk*duration**2 > time_error*closing) return
          end if
          velocity = (state%x_dot + osc%mu*state%z_dot)/(1 + osc%mu)
@@ -204,7 +210,8 @@ contains
          state%speed = 0
          state%resting = .true.
          call move(state, drive%r*duration)
-         event = event_type(stick_event, state%side, state%cycle, state%phase, state%x, state%x_dot, &
+         event = event_type(stick_event, state%side, state%cycle, state%phase, state%x, &
+            state%x_dot, &
             state%x_dot, state%z_dot, state%z_dot)
       end associate
    end subroutine accumulate
@@ -221,7 +228,8 @@ contains
       real(wp) :: d(0:5), time
       logical :: complete
 
-      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, state%x_dot)
+      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, &
+         state%x_dot)
       call release_time(rest, state%side, remaining, time, complete)
       finished = time > remaining
       if (.not. complete) then
@@ -238,7 +246,8 @@ contains
       call move(state, drive%r*time)
       state%resting = .false.
       state%released = .true.
-      event = event_type(release_event, state%side, state%cycle, state%phase, state%x, state%x_dot, &
+      event = event_type(release_event, state%side, state%cycle, state%phase, state%x, &
+         state%x_dot, &
          state%x_dot, state%z_dot, state%z_dot)
    end subroutine rest_on
 

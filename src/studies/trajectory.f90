@@ -11,7 +11,8 @@ module vi_trajectory
    implicit none (type, external)
    private
 
-   public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, pack_state, &
+   public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, &
+      pack_state, &
       unpack_state, initial_state, later
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
@@ -20,9 +21,11 @@ contains
 
    !> `simulate` between arrays.
    !!
-   !! Rows of `values` (7, room): time, phase, x, x' before and after, z' before and after; of `labels`
+   !! Rows of `values` (7, room): time, phase, x, x' before and after, z' before and after; of
+   !! `labels`
    !! (2, room): kind, side.
-   pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, values, labels, n, &
+   pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, values, labels, &
+      n, &
          status)
       type(drive_type), intent(in) :: drive
       !> (7), (3) as in `pack_state`; at the end on return.
@@ -172,7 +175,8 @@ contains
          if (i < size(resting)) duration = starts(1, i + 1) - starts(1, i)
          associate (s => starts(:, i))
             if (resting(i) /= 0) then
-               flight%oscillation_type = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, s(2), &
+               flight%oscillation_type = new_rest(drive%osc%xi, drive%osc%mu, drive%r, &
+                  drive%load, s(2), &
                   s(3), s(4))
             else
                flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, s(2) - drive%lag, s(3), &
@@ -246,7 +250,8 @@ contains
       end do
    end function last_not_after
 
-   !> A state as numbers (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
+   !> A state as numbers (cycle, phase, x, x', z, z', departure speed) and (side, resting,
+   !! released).
    pure subroutine pack_state(state, values, contact)
       type(state_type), intent(in) :: state
       real(wp), intent(out) :: values(:)

@@ -4,8 +4,9 @@ module mechanics_extrema
    use random_numbers, only: draw, draw_log, random_type
    use random_systems, only: pi, random_flight
    use vi_extrema, only: relative_extrema
-   use vi_flight, only: derivative_bound, flight_position, flight_state, flight_type, new_flight
+   use vi_flight, only: flight_position, flight_state, flight_type, new_flight
    use vi_kinds, only: wp
+   use vi_oscillation, only: derivative_bound
    implicit none (type, external)
    private
 
@@ -182,7 +183,7 @@ contains
       half = 0.1_wp/(1 + derivative_bound(whole, 4, 0.0_wp))
       half = max(half, 0.02_wp)
       call flight_state(whole, t - half, start(1), start(2), start(3))
-      around = new_flight(whole%xi, whole%r, whole%amplitude, whole%phase + whole%r*(t - half), &
+      around = new_flight(whole%decay, whole%r, whole%amplitude, whole%phase + whole%r*(t - half), &
          start(1), start(2), state(1), z_dot, 2*half)
    end function around
 

@@ -110,8 +110,7 @@ contains
          n = draw_integer(random, 3, 9)
          call random_motion(random, n, motion)
          call check_impacts(motion, 'more impacts')
-         call assemble(motion%osc, motion%r, motion%pattern, motion%restitution, motion%phases, &
-            system)
+         call assemble(motion, system)
          unit = 1/motion%clearance
          unknowns = [motion%x*unit, motion%amplitude*cos(motion%tau)*unit, &
             motion%amplitude*sin(motion%tau)*unit]

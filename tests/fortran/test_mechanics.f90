@@ -4,9 +4,10 @@ program test_mechanics
    use mechanics_extrema, only: test_extrema
    use random_numbers, only: draw, random_type
    use random_systems, only: pi, random_flight, random_frequency, random_oscillator
-   use vi_flight, only: derivative_bound, flight_position, flight_state, flight_type, new_flight
+   use vi_flight, only: flight_position, flight_state, flight_type, new_flight
    use vi_impact, only: impact, primary_velocities
    use vi_kinds, only: wp
+   use vi_oscillation, only: derivative_bound
    use vi_oscillator, only: eta, gain, lag, oscillator_type
    implicit none (type, external)
 
@@ -80,14 +81,15 @@ contains
       do i = 1, 3000
          call random_flight(random, flight)
          call flight_state(flight, 0.0_wp, start(1), start(2), start(3))
-         rest = new_flight(flight%xi, flight%r, flight%amplitude, flight%phase, start(1), &
+         rest = new_flight(flight%decay, flight%r, flight%amplitude, flight%phase, start(1), &
             start(2), flight%z, flight%z_dot, flight%duration)
          call check_close(rest%a, flight%a, 1e-12_wp*(1 + abs(flight%a)), 'the state gives a')
          call check_close(rest%b, flight%b, 1e-12_wp*(1 + abs(flight%b)), 'the state gives b')
          t = draw(random, 0.0_wp, flight%duration)
          u = draw(random, 0.0_wp, flight%duration)
          call flight_state(flight, t, x(1), x(2), x(3))
-         rest = new_flight(flight%xi, flight%r, flight%amplitude, flight%phase + flight%r*t, x(1), &
+         rest = new_flight(flight%decay, flight%r, flight%amplitude, flight%phase + flight%r*t, &
+            x(1), &
             x(2), flight_position(flight, t), flight%z_dot, flight%duration)
          call flight_state(flight, t + u, later(1), later(2), later(3))
          call flight_state(rest, u, x(1), x(2), x(3))
@@ -108,10 +110,10 @@ contains
          call random_flight(random, flight)
          t = draw(random, 0.0_wp, flight%duration)
          call flight_state(flight, t, x(1), x(2), x(3))
-         load = flight%amplitude/gain(flight%xi, flight%r)
+         load = flight%amplitude/gain(flight%decay, flight%r)
          scale = scale_of_flight(flight)
-         call check_close(x(3) + 2*flight%xi*x(2) + x(1), &
-            load*sin(flight%r*t + flight%phase + lag(flight%xi, flight%r)), 1e-13_wp*scale, &
+         call check_close(x(3) + 2*flight%decay*x(2) + x(1), &
+            load*sin(flight%r*t + flight%phase + lag(flight%decay, flight%r)), 1e-13_wp*scale, &
             'equation of motion')
          h = 0.02_wp/max(1.0_wp, flight%r)
          do j = 1, 3
@@ -139,12 +141,12 @@ contains
             bound(n) = derivative_bound(flight, n, t)
             call check(bound(n) <= derivative_bound(flight, n, 0.5_wp*t), 'a bound does not grow')
          end do
-         load = flight%amplitude/gain(flight%xi, flight%r)
+         load = flight%amplitude/gain(flight%decay, flight%r)
          do j = 0, 40
             s = t + j*0.05_wp*flight%duration
             call flight_state(flight, s, x(1), x(2), x(3))
-            angle = flight%r*s + flight%phase + lag(flight%xi, flight%r)
-            x(4) = load*flight%r*cos(angle) - 2*flight%xi*x(3) - x(2)
+            angle = flight%r*s + flight%phase + lag(flight%decay, flight%r)
+            x(4) = load*flight%r*cos(angle) - 2*flight%decay*x(3) - x(2)
             call check(all(abs(x) <= bound*(1 + 1e-12_wp)), 'derivatives stay below their bounds')
          end do
       end do
