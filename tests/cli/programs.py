@@ -1,0 +1,175 @@
+"""How the tests find and run the program `vibroimpact-batch` and the command `vibroimpact run`."""
+
+import csv
+import io
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+BIN = Path(sys.executable).parent
+ROOT = Path(__file__).resolve().parents[2]
+OTHER_BUILD = bool(os.environ.get("VIBROIMPACT_BATCH"))
+
+SYSTEM = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
+PAIR = SYSTEM + "&motion sides = 'RL', phases_over_pi = 0, 1.37 /\n"
+#: A complete case with one key a line; the tables of bad input change single lines of it.
+COMPLETE = """&system
+  xi = 0.005
+  mu = 0.042
+  restitution = 0.75
+  r = 0.94
+/
+&motion
+  sides = 'RL'
+  cycles = 1
+  phases_over_pi = 0, 1.37
+/
+&output
+  name = 'case'
+  format = 'csv'
+/
+"""
+#: What a sanitizer or the compiler's runtime library says when a program breaks.
+BREAKDOWN = ("Fortran runtime", "Backtrace", "Sanitizer", "runtime error", "SIG", "Traceback")
+
+
+class Outcome(NamedTuple):
+    """Exit status, and what was said on the two channels."""
+
+    status: int
+    out: bytes
+    err: bytes
+
+    @property
+    def faults(self):
+        """Lines on stderr."""
+        return self.err.decode(errors="surrogateescape").splitlines()
+
+
+class Runner:
+    """Runs one program in one folder; relative paths are relative to that folder."""
+
+    def __init__(self, start, cwd):
+        """`start` is the program with its first arguments."""
+        self.start = [str(item) for item in start]
+        self.cwd = cwd
+
+    def __call__(self, *arguments, **options):
+        """Run with arguments; a breakdown (crash, backtrace, hang) fails the test."""
+        call = [*self.start, *arguments]
+        options = {"cwd": self.cwd, "timeout": 60, "stdin": subprocess.DEVNULL, **options}
+        if "input" in options:
+            del options["stdin"]
+        done = subprocess.run(call, capture_output=True, **options)
+        said = done.stderr.decode(errors="replace")
+        assert done.returncode in (0, 1, 2), f"exit status {done.returncode}: {said[:500]}"
+        assert not any(word in said for word in BREAKDOWN), said[:500]
+        return Outcome(done.returncode, done.stdout, done.stderr)
+
+    def case(self, text, *arguments, name="case.nml", **options):
+        """Write a namelist file and run it."""
+        write(self.cwd / name, text)
+        return self(name, *arguments, **options)
+
+
+def write(path, text):
+    """Write text or bytes exactly as they are."""
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    return path
+
+
+def find_batch():
+    """The compiled program: $VIBROIMPACT_BATCH, else the installed one without its launcher."""
+    chosen = os.environ.get("VIBROIMPACT_BATCH")
+    if chosen:
+        return str(Path(chosen).resolve(strict=True))
+    found = find_launcher()
+    if found and Path(found).read_bytes()[:2] != b"#!":
+        return found
+    from importlib.resources import files
+
+    return str(files("vibroimpact") / "_bin" / "vibroimpact-batch")
+
+
+def find_launcher():
+    """`vibroimpact-batch` beside the running interpreter, or None."""
+    return shutil.which("vibroimpact-batch", path=str(BIN))
+
+
+def find_command():
+    """`vibroimpact` beside the running interpreter."""
+    return shutil.which("vibroimpact", path=str(BIN)) or "vibroimpact"
+
+
+def find_twin():
+    """The start of `vibroimpact run`, or of the program itself where another build was chosen.
+
+    Other compiler options may change last bits, so another build is compared with itself.
+    """
+    return [find_batch()] if OTHER_BUILD else [find_command(), "run"]
+
+
+def contents(folder):
+    """Name and bytes of every file below a folder."""
+    files = (path for path in Path(folder).rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+def rows(path):
+    """The rows of a result as dictionaries of text."""
+    lines = Path(path).read_text().splitlines()
+    table = "\n".join(line for line in lines if not line.startswith("#"))
+    return list(csv.DictReader(io.StringIO(table)))
+
+
+def motions(path):
+    """The motions of a result: for each, a dictionary of the columns as lists of text."""
+    found = {}
+    for row in rows(path):
+        motion = found.setdefault(row["motion"], {key: [] for key in row})
+        for key, value in row.items():
+            motion[key].append(value)
+    return list(found.values())
+
+
+def floats(motion, key):
+    """A column as numbers."""
+    return [float(item) for item in motion[key]]
+
+
+def multipliers(motion):
+    """The four multipliers of a motion."""
+    first = {key: value[0] for key, value in motion.items()}
+    return [
+        complex(float(first[f"multiplier_{i}_re"]), float(first[f"multiplier_{i}_im"]))
+        for i in range(1, 5)
+    ]
+
+
+def many_cases(count):
+    """A file of cases `case_0` to `case_{count-1}`, their second phases spread over a range."""
+    lines = [SYSTEM]
+    for i in range(count):
+        phase = 1.3 + 0.1 * i / count
+        lines.append(f"&motion sides = 'RL', phases_over_pi = 0, {phase!r} /\n")
+        lines.append(f"&output name = 'case_{i}' /\n")
+    return "".join(lines)
+
+
+def chain(count):
+    """A namelist of one motion with `count` (even) alternating impacts, one each half cycle."""
+    phases = ", ".join(repr(i + 0.001 * (i % 7)) for i in range(count))
+    return (
+        f"{SYSTEM}&motion sides = '{'RL' * (count // 2)}', cycles = {count // 2}, acceptance = 1\n"
+        f"phases_over_pi = {phases} /\n"
+    )
+
+
+def changed(line, text):
+    """The complete case with one line replaced by other text."""
+    lines = COMPLETE.splitlines()
+    lines[line - 1] = text
+    return "\n".join(lines) + "\n"

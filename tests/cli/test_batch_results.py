@@ -1,0 +1,399 @@
+"""The numbers: laws they obey, the header that reproduces them, and the Python API bit for bit."""
+
+import cmath
+import math
+import random
+
+import pytest
+import vibroimpact as vi
+from programs import (
+    COMPLETE,
+    PAIR,
+    ROOT,
+    SYSTEM,
+    Runner,
+    chain,
+    contents,
+    floats,
+    motions,
+    multipliers,
+    rows,
+    write,
+)
+
+OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+IMPACT = ["X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"]
+SHARED = ["clearance", "A", "tau", "residual", "x_min", "x_max", "attenuation"]
+WORDS = {True: "true", False: "false", None: "unknown"}
+
+
+def random_case(rng, n):
+    """Parameters of a motion with n impacts, all of them within their ranges."""
+    cycles = rng.randint(1, 3)
+    phases = sorted(rng.uniform(0.05, 2 * cycles - 0.05) for _ in range(n - 1))
+    sides = "RL" + "".join(rng.choice("RL") for _ in range(n - 2))
+    return {
+        "xi": rng.uniform(0.0, 0.3), "mu": rng.uniform(0.0, 0.5), "r": rng.uniform(0.3, 2.0),
+        "restitution": (rng.uniform(0.3, 1.0), rng.uniform(0.3, 1.0)), "cycles": cycles,
+        "sides": sides, "phases_over_pi": [0.0, *phases],
+        "impact_restitution": [rng.uniform(0.3, 1.0) for _ in range(n)] if n % 2 else None,
+    }  # fmt: skip
+
+
+def namelist(case, name, precision):
+    """The namelist of a random case, its numbers written with all their digits."""
+    own = case["impact_restitution"]
+    each = f", impact_restitution = {', '.join(map(repr, own))}" if own else ""
+    return (
+        f"&system xi = {case['xi']!r}, mu = {case['mu']!r}, r = {case['r']!r}\n"
+        f"restitution = {case['restitution'][0]!r}, {case['restitution'][1]!r} /\n"
+        f"&motion sides = '{case['sides']}', cycles = {case['cycles']}, acceptance = 1\n"
+        f"phases_over_pi = {', '.join(map(repr, case['phases_over_pi']))}\n"
+        f"precision = '{precision}'{each} /\n&output name = '{name}' /\n"
+    )
+
+
+def by_api(case, precision):
+    """The same case through the Python API."""
+    osc = vi.Oscillator(xi=case["xi"], mu=case["mu"], restitution=case["restitution"])
+    return vi.periodic(
+        osc, case["r"], [phase * math.pi for phase in case["phases_over_pi"]],
+        vi.Pattern(case["sides"], case["cycles"]), case["impact_restitution"], precision,
+        acceptance=1.0,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cases():
+    """Random cases with 2 to 5 impacts, in both precisions."""
+    rng = random.Random(1983)
+    made = [random_case(rng, n) for n in (2, 2, 2, 3, 4, 5) for _ in range(5)]
+    return {
+        f"{precision}_{i}": (case, precision)
+        for i, case in enumerate(made)
+        for precision in ("double", "single")
+    }
+
+
+@pytest.fixture(scope="module")
+def results(cases, binary, tmp_path_factory):
+    """The folder with the results of all random cases."""
+    folder = tmp_path_factory.mktemp("random")
+    text = "".join(namelist(case, name, word) for name, (case, word) in cases.items())
+    done = Runner([binary], folder).case(text)
+    assert (done.status, done.err) == (0, b""), done
+    return folder / "results"
+
+
+@pytest.fixture(scope="module")
+def doubles(cases, results):
+    """Every random case in double precision with its motion."""
+    return [
+        (case, motions(results / f"{name}.csv")[0])
+        for name, (case, word) in cases.items()
+        if word == "double"
+    ]
+
+
+def close(left, right, scale=1.0):
+    """Equal but for rounding."""
+    return math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9 * scale)
+
+
+def test_momentum_is_conserved(doubles):
+    """At an impact x' + mu z' stays the same."""
+    for case, motion in doubles:
+        columns = [floats(motion, key) for key in IMPACT[2:]]
+        for xb, xa, zb, za in zip(*columns, strict=True):
+            scale = abs(xb) + abs(zb)
+            assert close(xa + case["mu"] * za, xb + case["mu"] * zb, scale)
+
+
+def test_restitution_at_every_impact(doubles):
+    """The relative velocity is reversed and R times as large, with the R of that impact."""
+    for case, motion in doubles:
+        walls = dict(zip("RL", case["restitution"], strict=True))
+        expected = case["impact_restitution"] or [walls[side] for side in case["sides"]]
+        assert floats(motion, "restitution") == expected
+        columns = [floats(motion, key) for key in ("restitution", *IMPACT[2:])]
+        for R, xb, xa, zb, za in zip(*columns, strict=True):
+            assert close(za - xa, -R * (zb - xb), abs(zb) + abs(xb))
+
+
+def test_free_mass_touches_the_walls(doubles):
+    """At an impact z - x = +d/2 on the right wall, -d/2 on the left one."""
+    for _, motion in doubles:
+        half = floats(motion, "clearance")[0] / 2
+        assert half > 0
+        x_column, z_column = floats(motion, "X"), floats(motion, "Z")
+        for side, x, z in zip(motion["side"], x_column, z_column, strict=True):
+            assert close(z - x, half if side == "R" else -half, abs(x))
+
+
+def test_free_mass_flies_straight(doubles):
+    """Between impacts z' is constant and z grows by z' times the time (phase / r)."""
+    for case, motion in doubles:
+        columns = [floats(motion, key) for key in ("phase", "Z", "Z_dot_before", "Z_dot_after")]
+        points = list(zip(*columns, strict=True))
+        turn = (points[0][0] + 2 * math.pi * case["cycles"], *points[0][1:])
+        following = [*points[1:], turn]
+        for (t0, z0, _, after), (t1, z1, before, _) in zip(points, following, strict=True):
+            assert close(before, after, abs(z0) + 1)
+            assert close(z1 - z0, after * (t1 - t0) / case["r"], abs(z0) + abs(z1))
+
+
+def test_primary_mass_obeys_newton(doubles):
+    """For N = 2, x'' + 2 xi x' + x = sin(load) carries each impact's state to the next one."""
+    for case, motion in doubles:
+        if len(case["sides"]) > 2:
+            continue
+        phases = [*floats(motion, "phase"), 2 * math.pi * case["cycles"]]
+        x, before, after = (floats(motion, k) for k in ("X", "X_dot_before", "X_dot_after"))
+        A, tau = floats(motion, "A")[0], floats(motion, "tau")[0]
+        for i in range(2):
+            state = (x[i], after[i])
+            end = flight(case, A, tau, phases[i], phases[i + 1], state)
+            assert close(end[0], x[1 - i], A)
+            assert close(end[1], before[1 - i], A)
+
+
+def flight(case, A, tau, start, stop, state):
+    """Position and velocity after a flight, by complex exponentials."""
+    xi, r = case["xi"], case["r"]
+    root = complex(-xi, math.sqrt(1 - xi * xi))
+    time = (stop - start) / r
+    u = state[0] - A * math.sin(start + tau)
+    v = state[1] - A * r * math.cos(start + tau)
+    # u(t) = Re(c exp(root t)) with Re(c) = u, Re(c root) = v
+    c = complex(u, (root.real * u - v) / root.imag)
+    free = c * cmath.exp(root * time)
+    position = free.real + A * math.sin(stop + tau)
+    return position, (root * free).real + A * r * math.cos(stop + tau)
+
+
+def test_amplitude_without_impacts(doubles):
+    """A = 1/sqrt((1 - r^2)^2 + (2 xi r)^2) in units of F0/K."""
+    for case, motion in doubles:
+        xi, r = case["xi"], case["r"]
+        assert close(floats(motion, "A")[0], 1 / math.hypot(1 - r * r, 2 * xi * r))
+
+
+def test_product_of_the_multipliers(doubles):
+    """det[P] = exp(-4 pi xi k/r) times the product of all R^2, for N = 2 (exact motions)."""
+    for case, motion in doubles:
+        if len(case["sides"]) > 2:
+            continue
+        expected = math.exp(-4 * math.pi * case["xi"] * case["cycles"] / case["r"])
+        expected *= math.prod(R * R for R in floats(motion, "restitution"))
+        product = math.prod(multipliers(motion), start=1)
+        largest = max(map(abs, multipliers(motion)))
+        assert abs(product - expected) <= 1e-9 * max(expected, 1e-6 * largest**2)
+
+
+def test_extremes_enclose_the_impacts(doubles):
+    """x_min <= X_i <= x_max, and the attenuation is max|x|/A."""
+    for _, motion in doubles:
+        low, high, ratio, A = (floats(motion, k)[0] for k in ("x_min", "x_max", "attenuation", "A"))
+        assert all(low <= x <= high for x in floats(motion, "X"))
+        assert ratio == max(-low, high) / A
+
+
+def test_same_bits_as_the_python_api(cases, results, same_build):
+    """The 17 digits of every number parse to the very number that `vi.periodic` returns."""
+    for name, (case, precision) in cases.items():
+        (motion,) = motions(results / f"{name}.csv")
+        assert_same(motion, by_api(case, precision))
+
+
+@pytest.mark.parametrize("word", ["double", "single"])
+def test_given_numbers_stand_in_the_rows(word, cases, results):
+    """r, phases and restitution of the rows are those of the header and of the Python API."""
+    for name, (case, precision) in cases.items():
+        if precision != word:
+            continue
+        motion, expected = motions(results / f"{name}.csv")[0], by_api(case, precision)
+        assert floats(motion, "r")[0] == expected.r
+        assert floats(motion, "phase") == expected.phases.tolist()
+        assert floats(motion, "restitution") == expected.restitution.tolist()
+
+
+def assert_same(motion, expected):
+    """A motion of a result equals one of the Python API, bit for bit."""
+    for key in IMPACT:
+        assert floats(motion, key) == getattr(expected, key).tolist(), key
+    for key in SHARED:
+        assert floats(motion, key) == [getattr(expected, key)] * len(motion["r"]), key
+    assert multipliers(motion) == expected.multipliers.tolist()
+    for key in ("consistent", "admissible", "stable"):
+        assert motion[key][0] == WORDS[getattr(expected, key)], key
+
+
+def test_single_precision_differs(cases, results):
+    """Single precision is other arithmetic: for N = 2 the same to 1e-2, but never the same bits."""
+    for i in range(15):
+        double, single = (motions(results / f"{w}_{i}.csv")[0] for w in ("double", "single"))
+        x, y = floats(double, "X")[0], floats(single, "X")[0]
+        scale = floats(double, "A")[0] + floats(double, "clearance")[0]
+        assert 0 < abs(x - y) < 1e-2 * scale
+
+
+def test_results_are_inputs(cases, results, binary, tmp_path):
+    """Every result, given as an input, gives itself byte by byte."""
+    names = [f"{name}.csv" for name in cases]
+    done = Runner([binary], results)(*names, "-o", str(tmp_path / "again"))
+    assert (done.status, done.err) == (0, b"")
+    assert contents(tmp_path / "again") == contents(results)
+
+
+def test_command_gives_the_same_bytes(cases, results, command, tmp_path):
+    """`vibroimpact run` writes the same files as the program."""
+    text = "".join(namelist(case, name, word) for name, (case, word) in cases.items())
+    assert command.case(text, "-o", "out").status == 0
+    assert contents(tmp_path / "out") == contents(results)
+
+
+def test_header_echoes_the_complete_case(batch):
+    """The header holds every key, the defaults too, as a namelist behind #."""
+    batch.case(COMPLETE)
+    text = (batch.cwd / "results/case.csv").read_text()
+    header = [line for line in text.splitlines() if line.startswith("#")]
+    for key in ("xi", "mu", "restitution", "r", "kind", "cycles", "sides", "phases", "precision",
+                "acceptance", "name", "format"):  # fmt: skip
+        assert sum(line.startswith(f"#   {key} = ") for line in header) == 1, key
+    assert vi.__version__ in header[0]
+    assert header == text.splitlines()[: len(header)]
+
+
+def test_numbers_are_es24_16(batch):
+    """Every number of the table has 17 digits, one before the point, and an exponent."""
+    import re
+
+    batch.case(PAIR)
+    words = {"motion", "impact", "side", "consistent", "admissible", "stable"}
+    for row in rows(batch.cwd / "results/case.csv"):
+        for key in row.keys() - words:
+            assert re.fullmatch(r"-?\d\.\d{16}E[+-]\d{2,3}", row[key]), (key, row[key])
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("cycles", [1, 3])
+def test_equispaced_pair(precision, cycles, batch, same_build):
+    """Two motions at half-period spacing, mirror images in themselves, equal to the API's."""
+    done = batch.case(
+        f"{SYSTEM}&motion kind = 'equispaced', clearance = 37, cycles = {cycles}\n"
+        f"precision = '{precision}' /"
+    )
+    assert (done.status, len(done.out.splitlines())) == (0, 2)
+    found = motions(batch.cwd / "results/case.csv")
+    expected = vi.equispaced(OSC, 0.94, 37.0, cycles, precision)
+    assert len(found) == len(expected) == 2
+    for motion, other in zip(found, expected, strict=True):
+        assert_same(motion, other)
+        assert floats(motion, "X")[0] == -floats(motion, "X")[1]
+        assert floats(motion, "Z_dot_after")[0] == -floats(motion, "Z_dot_after")[1]
+
+
+def test_no_equispaced_motion(batch, command):
+    """Where there is none the status is 1, one line says so, and the result has no rows."""
+    done = batch.case(SYSTEM + "&motion kind = 'equispaced', clearance = 200 /")
+    assert (done.status, done.out, done.faults) == (
+        1, b"", ["case: there is no such motion for these parameters"])  # fmt: skip
+    assert rows(batch.cwd / "results/case.csv") == []
+    assert command("case.nml", "-o", "again") == done
+    assert contents(batch.cwd / "again") == contents(batch.cwd / "results")
+    assert batch("results/case.csv", "-o", "third").status == 1
+    assert contents(batch.cwd / "third") == contents(batch.cwd / "results")
+
+
+def largest_clearance(r):
+    """The largest clearance with an equispaced motion, by bisection down to adjacent numbers."""
+    low, high = 1.0, 1e4
+    while low < (middle := 0.5 * (low + high)) < high:
+        if vi.equispaced(OSC, r, middle):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def test_one_equispaced_motion(batch, same_build):
+    """Where line and circle touch there is one motion, and that is a success."""
+    touching = ((r, largest_clearance(r)) for r in (0.9, 0.91, 0.93, 0.94, 0.95, 0.97, 0.98))
+    r, clearance = next(
+        pair for pair in touching if len(vi.equispaced(OSC, *pair)) == 1
+    )  # fmt: skip
+    done = batch.case(
+        SYSTEM.replace("r = 0.94", f"r = {r!r}")
+        + f"&motion kind = 'equispaced', clearance = {clearance!r} /"
+    )
+    assert (done.status, done.err) == (0, b"")
+    (motion,) = motions(batch.cwd / "results/case.csv")
+    assert_same(motion, vi.equispaced(OSC, r, clearance)[0])
+
+
+def test_free_amplitude_is_status_1(batch):
+    """Equal durations with equal R leave A free: ran, but there is no single motion."""
+    done = batch.case(PAIR.replace("1.37", "1"))
+    assert done.status == 1
+    assert "equispaced" in done.faults[0]
+
+
+def test_worst_status_wins(batch):
+    """0, 1 and 2 in one call give 2; 0 and 1 give 1; all that can run does."""
+    write(batch.cwd / "none.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 200 /")
+    write(batch.cwd / "good.nml", PAIR)
+    assert batch("none.nml", "good.nml").status == 1
+    assert batch("none.nml", "good.nml", "nope.nml").status == 2
+    assert sorted(contents(batch.cwd / "results")) == ["good.csv", "none.csv"]
+
+
+def test_legacy_printout(batch):
+    """The printout of Table 1 has the printed numbers of its third column, in units of F0/K."""
+    write(batch.cwd / "table1.nml", (ROOT / "inputs/table1.nml").read_bytes())
+    assert batch("table1.nml").status == 0
+    names = [f"table1_{kind}spaced.{end}" for kind in ("equi", "unequi") for end in ("csv", "txt")]
+    assert sorted(contents(batch.cwd / "results")) == names
+    text = (batch.cwd / "results/table1_unequispaced.txt").read_text()
+    table = {line[:16].strip(): line[16:].split() for line in text.splitlines()}
+    assert table["alpha_i/pi"] == ["0.0000", "1.3700"]
+    assert table["tau/pi"] == ["0.4999"]
+    assert table["|eigenvalues|"] == ["0.9347", "0.9347", "0.5820", "0.5820"]
+    assert "stable" in text.splitlines()[-1]
+
+
+@pytest.mark.parametrize(("word", "ends"), [("csv", {"csv"}), ("table", {"txt"}),
+                                            ("both", {"csv", "txt"})])  # fmt: skip
+def test_format_chooses_the_files(word, ends, batch):
+    """'csv', 'table' and 'both' write these files and no other."""
+    assert batch.case(COMPLETE.replace("'csv'", f"'{word}'")).status == 0
+    assert contents(batch.cwd / "results").keys() == {f"case.{end}" for end in ends}
+
+
+def test_printout_has_no_stars(cases, batch):
+    """No number of the printout overflows its column, whatever the parameters."""
+    texts = [namelist(case, name, word) for name, (case, word) in cases.items()]
+    wide = SYSTEM + "&motion sides = 'RL', phases = 0, 1e-7 /\n&output name = 'wide' /\n"
+    text = "".join([*texts, wide]).replace("name = ", "format = 'table', name = ")
+    batch.case(text)
+    assert "wide.txt" in contents(batch.cwd / "results")
+    for name, content in contents(batch.cwd / "results").items():
+        assert b"*" not in content, name
+
+
+def test_a_thousand_impacts(batch, command):
+    """N = 1000 impacts, the most allowed, run, and give an input again."""
+    done = batch.case(chain(1000))
+    assert done.status == 0
+    (motion,) = motions(batch.cwd / "results/case.csv")
+    assert motion["impact"] == [str(i + 1) for i in range(1000)]
+    assert floats(motion, "phase") == [math.pi * (i + 0.001 * (i % 7)) for i in range(1000)]
+    assert command("results/case.csv", "-o", "again") == done
+    assert contents(batch.cwd / "again") == contents(batch.cwd / "results")
+
+
+def test_no_mass_no_force(batch):
+    """With mu = 0 the primary mass does not feel the impacts: its velocity does not jump."""
+    batch.case(PAIR.replace("mu = 0.042", "mu = 0"))
+    (motion,) = motions(batch.cwd / "results/case.csv")
+    assert floats(motion, "X_dot_before") == pytest.approx(floats(motion, "X_dot_after"), rel=1e-12)
+    assert floats(motion, "attenuation")[0] == pytest.approx(1, rel=1e-9)
