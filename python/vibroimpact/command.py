@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -56,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of the command; returns the exit status."""
-    options = parser().parse_args(arguments)
+    options = _parse(arguments)
     try:
         if options.command == "run":
             return _run(options)
@@ -75,6 +76,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def batch() -> int:
     """Start the stand-alone program that lies inside the package."""
     with as_file(files("vibroimpact") / "_bin" / "vibroimpact-batch") as program:
+        if os.name == "posix":  # the program takes the place of the launcher, signals and all
+            os.execv(program, [str(program), *sys.argv[1:]])
         return subprocess.call([str(program), *sys.argv[1:]])
 
 
@@ -83,8 +86,27 @@ def _run(options: argparse.Namespace) -> int:
 
     log = run_namelists(options.files, options.folder)
     for fault, line in log.lines:
-        print(line, file=sys.stderr if fault else sys.stdout)
+        stream = sys.stderr if fault else sys.stdout
+        # a path need not be text: its bytes are printed as they are
+        buffer = getattr(stream, "buffer", None)
+        if buffer is None:
+            print(line, file=stream)
+        else:
+            stream.flush()
+            buffer.write(os.fsencode(line + "\n"))
+            buffer.flush()
     return log.status
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Parse the arguments; files and names may stand on both sides of an option."""
+    main_parser = parser()
+    options, rest = main_parser.parse_known_args(arguments)
+    if rest and (options.command not in ("run", "reproduce") or any(x.startswith("-") for x in rest)):
+        main_parser.error(f"unrecognized arguments: {' '.join(rest)}")
+    if rest:
+        (options.files if options.command == "run" else options.names).extend(rest)
+    return options
 
 
 def _reproduce(options: argparse.Namespace) -> int:

@@ -75,6 +75,6 @@ def run_namelists(
     text, length, status = _core.run_namelists(
         np.frombuffer(joined, "S1"), np.frombuffer(target, "S1"), room
     )
-    said = text[:length].tobytes().decode(errors="replace")
+    said = os.fsdecode(text[:length].tobytes())
     lines = [(line.startswith("!"), line[1:]) for line in said.split("\n") if line]
     return RunLog(lines, int(status))

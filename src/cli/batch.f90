@@ -1,15 +1,16 @@
 !> Runs the cases of a namelist file and writes their results.
 module vi_batch
-   use vi_case, only: case_type, read_cases
+   use vi_case, only: read_cases
+   use vi_case_type, only: case_type
    use vi_chain, only: equispaced_chain, periodic_chain
-   use vi_files, only: make_folder, write_file
+   use vi_files, only: make_folder, same_file, write_file
    use vi_motion, only: motion_type
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
    use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
-   use vi_text, only: append, line_type, lower, whole
+   use vi_text, only: append, is_result, line_type, lower, printable, whole
    use vi_trajectory, only: simulate_case
    implicit none (type, external)
    private
@@ -29,6 +30,8 @@ module vi_batch
       integer :: status = done
    end type log_type
 
+   character(*), parameter :: writable = '; must be a folder and disk that can be written'
+
 contains
 
    !> Runs all cases of one file; nothing runs unless the whole file is right.
@@ -40,46 +43,81 @@ contains
       type(case_type), allocatable :: cases(:)
       type(motion_type), allocatable :: motions(:)
       character(:), allocatable :: message
+      logical :: written
       integer :: i
 
       if (.not. allocated(log%lines)) allocate (log%lines(0), log%names(0), log%places(0))
-      call read_cases(path, cases, message)
-      if (len(message) == 0) call take_names(path, cases, log, message)
+      message = ''
+      if (ends_blank(path)) message = path//': must not end with a blank'
+      if (len(message) == 0) call read_cases(path, cases, message)
+      if (len(message) == 0) call take_names(path, folder, cases, log, message)
       if (len(message) > 0) then
-         call append(log%lines, '!'//message)
-         log%status = wrong
+         call say(log, wrong, message)
          return
       end if
       call make_folder(folder)
       do i = 1, size(cases)
          if (cases(i)%kind == 'simulate') then
-            call run_simulation(cases(i), folder, log)
+            call run_simulation(cases(i), folder, log, written)
          else
             call compute(cases(i), motions)
-            call write_results(cases(i), motions, folder, log)
+            call write_results(cases(i), motions, folder, log, written)
          end if
+         if (.not. written) return                     ! the next one would not be written either
       end do
    end subroutine run_file
 
-   !> Reserves the names of the results; two cases with one name would overwrite each other.
-   subroutine take_names(path, cases, log, message)
+   !> Adds a line to the log and remembers the worst status.
+   subroutine say(log, status, text)
+      type(log_type), intent(inout) :: log
+      integer, intent(in) :: status
+      character(*), intent(in) :: text
+
+      call append(log%lines, merge('-', '!', status == done)//printable(text))
+      log%status = max(log%status, status)
+   end subroutine say
+
+   pure logical function ends_blank(path)
       character(*), intent(in) :: path
+
+      ends_blank = len_trim(path) < len(path) .or. len(path) == 0
+   end function ends_blank
+
+   !> Reserves the names of the results; two cases with one name would overwrite each other.
+   subroutine take_names(path, folder, cases, log, message)
+      character(*), intent(in) :: path, folder
       type(case_type), intent(in) :: cases(:)
       type(log_type), intent(inout) :: log
       character(:), allocatable, intent(inout) :: message
-      character(:), allocatable :: place
+      character(:), allocatable :: result
+      logical :: overwrites
       integer :: i, j
 
       do i = 1, size(cases)
-         place = path//':'//whole(cases(i)%line)
-         do j = 1, size(log%names)
-            if (log%names(j)%text /= lower(cases(i)%name)) cycle
-            message = place//': &output name = '''//cases(i)%name//''': is already the name of the &
-               &case at '//log%places(j)%text//'; must be another'
-            return
-         end do
+         associate (name => cases(i)%name, place => path//':'//whole(cases(i)%line))
+            do j = 1, size(log%names)
+               if (log%names(j)%text == lower(name)) message = place//': &output name = '''// &
+                  name//''': is already the name of the case at '//log%places(j)%text// &
+                  '; must be another'
+            end do
+            do j = 1, i - 1
+               if (lower(cases(j)%name) == lower(name)) message = place//': &output name = '''// &
+                  name//''': is already the name of the case at '//path//':'// &
+                  whole(cases(j)%line)//'; must be another'
+            end do
+            result = folder//'/'//name
+            ! a result may be run into its own place: it writes the same bytes again
+            overwrites = same_file(path, result//'.txt')
+            if (.not. overwrites) overwrites = same_file(path, result//'.csv')
+            if (overwrites) overwrites = .not. is_result(path)
+            if (overwrites) message = place//': &output name = '''//name//''': its result would &
+               &overwrite this input; must be another name or folder'
+         end associate
+         if (len(message) > 0) return
+      end do
+      do i = 1, size(cases)
          call append(log%names, lower(cases(i)%name))
-         call append(log%places, place)
+         call append(log%places, path//':'//whole(cases(i)%line))
       end do
    end subroutine take_names
 
@@ -110,10 +148,12 @@ contains
    end subroutine compute
 
    !> Simulates a case and writes its events.
-   subroutine run_simulation(case, folder, log)
+   subroutine run_simulation(case, folder, log, written)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
+      !> False if the result could not be written.
+      logical, intent(out) :: written
       type(event_type), allocatable :: events(:)
       type(state_type) :: state
       type(line_type), allocatable :: lines(:)
@@ -122,31 +162,30 @@ contains
 
       call simulate_case(new_drive(case%osc, case%r, case%load, case%clearance), case%start, &
          case%duration, case%discard, case%max_events, state, events, status)
+      written = .true.
       if (status /= stat%ok .and. status /= stat%more_events) then
-         call append(log%lines, '!'//case%name//': '//status_text(status))
-         log%status = max(log%status, failed)
+         call say(log, failed, case%name//': '//status_text(status))
          return
       end if
       call event_lines(case, events, state, status == stat%ok, lines)
       call write_file(folder//'/'//case%name//'.csv', lines, message)
-      if (len(message) > 0) then
-         call append(log%lines, '!'//folder//'/'//case%name//'.csv: '//message// &
-            '; must be a folder and disk that can be written')
-         log%status = wrong
+      written = len(message) == 0
+      if (.not. written) then
+         call say(log, wrong, folder//'/'//case%name//'.csv: '//message//writable)
          return
       end if
-      call append(log%lines, '-'//case%name//': '//whole(count(events%kind == impact_event))// &
+      call say(log, done, case%name//': '//whole(count(events%kind == impact_event))// &
          ' impacts, '//whole(count(events%kind == stick_event))//' rests')
-      if (status == stat%ok) return
-      call append(log%lines, '!'//case%name//': cut short, max_events was reached')
-      log%status = max(log%status, failed)
+      if (status /= stat%ok) call say(log, failed, case%name//': cut short, max_events was reached')
    end subroutine run_simulation
 
-   subroutine write_results(case, motions, folder, log)
+   subroutine write_results(case, motions, folder, log, written)
       type(case_type), intent(in) :: case
       type(motion_type), intent(in) :: motions(:)
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
+      !> False if a result could not be written.
+      logical, intent(out) :: written
       type(line_type), allocatable :: lines(:)
       character(:), allocatable :: message, path
       integer :: i
@@ -163,17 +202,15 @@ contains
          call write_file(path//'.csv', lines, message)
          if (len(message) > 0) message = path//'.csv: '//message
       end if
-      if (len(message) > 0) then
-         call append(log%lines, '!'//message//'; must be a folder and disk that can be written')
-         log%status = wrong
+      written = len(message) == 0
+      if (.not. written) then
+         call say(log, wrong, message//writable)
          return
       end if
-      if (all(motions%status /= stat%ok)) then
-         call append(log%lines, '!'//case%name//': '//status_text(motions(1)%status))
-         log%status = max(log%status, failed)
-      end if
+      if (all(motions%status /= stat%ok)) call say(log, failed, case%name//': '// &
+         status_text(motions(1)%status))
       do i = 1, size(motions)
-         if (motions(i)%status == stat%ok) call append(log%lines, '-'//case%name//': '// &
+         if (motions(i)%status == stat%ok) call say(log, done, case%name//': '// &
             verdict_text(motions(i)))
       end do
    end subroutine write_results

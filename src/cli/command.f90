@@ -1,8 +1,9 @@
 !> The command line of the stand-alone program.
 module vi_command
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-   use vi_batch, only: done, log_type, run_file, wrong
+   use vi_batch, only: done, failed, log_type, run_file, wrong
    use vi_text, only: append, line_type
+   use vi_version, only: version
    implicit none (type, external)
    private
 
@@ -16,24 +17,32 @@ contains
       type(line_type), allocatable :: files(:)
       type(log_type) :: log
       character(:), allocatable :: folder, item
-      integer :: i, said
+      logical :: files_only
+      integer :: i, said, lost, outcome
 
       status = done
       folder = 'results'
+      files_only = .false.
+      lost = 0
       allocate (files(0))
       i = 0
       do while (i < command_argument_count())
          i = i + 1
          item = argument(i)
-         if (item == '-h' .or. item == '--help') then
+         if ((item == '-h' .or. item == '--help') .and. .not. files_only) then
             call help(output_unit)
             return
-         else if (item == '-o') then
+         else if (item == '--version') then
+            write (output_unit, '(a)') 'vibroimpact-batch '//version
+            return
+         else if (item == '-o' .and. .not. files_only) then
             i = i + 1
             folder = argument(i)
             if (len(folder) == 0) call refuse('-o: must be followed by a folder', status)
-         else if (index(item, '-') == 1 .and. len(item) > 1) then
-            call refuse(item//': is not an option; must be -o DIR or --help', status)
+         else if (item == '--' .and. .not. files_only) then
+            files_only = .true.
+         else if (index(item, '-') == 1 .and. .not. files_only) then
+            call refuse(item//': is not an option; must be -o DIR, --help or --version', status)
          else
             call append(files, item)
          end if
@@ -52,13 +61,14 @@ contains
                if (line(1:1) == '!') then
                   write (error_unit, '(a)') line(2:)
                else
-                  write (output_unit, '(a)') line(2:)
+                  write (output_unit, '(a)', iostat=outcome) line(2:)
+                  if (outcome /= 0) lost = outcome
                end if
             end associate
          end do
          said = size(log%lines)
       end do
-      status = log%status
+      status = max(log%status, merge(failed, done, lost /= 0))
    end subroutine run_command
 
    !> An argument of the command; empty if there are not so many.
@@ -87,9 +97,10 @@ contains
       write (unit, '(a)') &
          'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
          '', &
-         'Computes the periodic motions with impacts that the namelist files ask for and writes each', &
-         'case to DIR/NAME.csv (DIR is "results" unless given). A result is itself an input that', &
-         'reproduces it. Groups: &system, &motion, &output; see inputs/README.md.', &
+         'Computes the periodic motions and simulations that the namelist files ask for and', &
+         'writes each case to DIR/NAME.csv and, if it asks for a table, to DIR/NAME.txt (DIR is', &
+         '"results" unless given). A result is itself an input that reproduces it. Groups:', &
+         '&system, &motion, &simulate, &output; see inputs/README.md.', &
          '', &
          'example: vibroimpact-batch inputs/table1.nml -o results', &
          '', &

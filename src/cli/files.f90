@@ -1,11 +1,13 @@
 !> Files that are there whole or not at all: written under a temporary name, then renamed.
 module vi_files
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
-   use vi_text, only: line_type
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, &
+      c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_text, only: last_part, line_type, whole
    implicit none (type, external)
    private
 
-   public :: make_folder, write_file
+   public :: make_folder, same_file, write_file
 
    interface
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -24,6 +26,26 @@ module vi_files
          implicit none (type, external)
          character(kind=c_char), intent(in) :: path(*)
       end function c_remove
+      integer(c_int) function c_getpid() bind(c, name='getpid')
+         import :: c_int
+         implicit none (type, external)
+      end function c_getpid
+      type(c_ptr) function c_realpath(path, buffer) bind(c, name='realpath')
+         import :: c_char, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         type(c_ptr), value :: buffer
+      end function c_realpath
+      integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
+         import :: c_ptr, c_size_t
+         implicit none (type, external)
+         type(c_ptr), value :: text
+      end function c_strlen
+      subroutine c_free(address) bind(c, name='free')
+         import :: c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: address
+      end subroutine c_free
    end interface
 
 contains
@@ -35,10 +57,10 @@ contains
       integer :: i
 
       ! whether it worked shows when a file is written there
-      do i = 2, len_trim(path)
+      do i = 2, len(path)
          if (path(i:i) == '/') ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
       end do
-      ignored = c_mkdir(trim(path)//c_null_char, int(o'777', c_int))
+      ignored = c_mkdir(path//c_null_char, int(o'777', c_int))
    end subroutine make_folder
 
    !> Writes lines to a file; `message` is empty if that went well, and the old file is kept if not.
@@ -47,33 +69,86 @@ contains
       type(line_type), intent(in) :: lines(:)
       character(:), allocatable, intent(out) :: message
       character(:), allocatable :: temporary
-      character(200) :: reason
-      integer :: unit, status, i, ignored
+      character(len(path) + 300) :: reason
+      integer(int64) :: wanted, written
+      integer(c_int) :: ignored
+      integer :: unit, status, i
 
       message = ''
-      temporary = path//'.part'
-      open (newunit=unit, file=temporary, status='replace', action='write', iostat=status, &
-         iomsg=reason)
-      if (status /= 0) then
-         message = trim(adjustl(reason(index(reason, ': ', back=.true.) + 1:)))   ! without the path
-         return
-      end if
+      call open_temporary(path, unit, temporary, message)
+      if (len(message) > 0) return
+      status = 0
+      wanted = 0
       do i = 1, size(lines)
          write (unit, '(a)', iostat=status, iomsg=reason) lines(i)%text
          if (status /= 0) exit
+         wanted = wanted + len(lines(i)%text) + 1
       end do
-      if (status == 0) flush (unit, iostat=status, iomsg=reason)        ! a full disk shows here
       close (unit, iostat=i)
-      if (status == 0 .and. i /= 0) then
-         status = i
-         reason = 'the file could not be closed'
+      ! the runtime does not report every failed write: a full disk shows in the size
+      inquire (file=temporary, size=written)
+      if (status /= 0) then
+         message = last_part(reason)
+      else if (i /= 0 .or. written /= wanted) then
+         message = 'the disk is full, or the file could not be written whole'
+      else if (c_rename(temporary//c_null_char, path//c_null_char) /= 0) then
+         message = 'the temporary file could not be renamed'
+      else
+         return
       end if
-      if (status == 0) then
-         if (c_rename(temporary//c_null_char, path//c_null_char) == 0) return
-         reason = 'the file could not be renamed from '//temporary
-      end if
-      message = trim(reason)
       ignored = c_remove(temporary//c_null_char)
    end subroutine write_file
+
+   !> Opens a new file beside the wanted one; its name is free, also of other processes and threads.
+   subroutine open_temporary(path, unit, temporary, message)
+      character(*), intent(in) :: path
+      integer, intent(out) :: unit
+      character(:), allocatable, intent(out) :: temporary
+      character(:), allocatable, intent(inout) :: message
+      character(len(path) + 300) :: reason
+      integer :: status, i
+      logical :: taken
+
+      do i = 1, 1000
+         temporary = path//'.'//whole(int(c_getpid()))//'-'//whole(i)//'.part'
+         open (newunit=unit, file=temporary, status='new', action='write', iostat=status, &
+            iomsg=reason)
+         if (status == 0) return
+         inquire (file=temporary, exist=taken)
+         if (.not. taken) exit
+      end do
+      message = last_part(reason)
+   end subroutine open_temporary
+
+   !> Whether two paths lead to one existing file.
+   logical function same_file(one, other)
+      character(*), intent(in) :: one, other
+      character(:), allocatable :: a, b
+
+      a = resolved(one)
+      b = resolved(other)
+      same_file = len(a) > 0 .and. len(a) == len(b)
+      if (same_file) same_file = a == b
+   end function same_file
+
+   !> The absolute path without links; empty if there is no such file.
+   function resolved(path) result(absolute)
+      character(*), intent(in) :: path
+      character(:), allocatable :: absolute
+      character(kind=c_char), pointer :: text(:)
+      type(c_ptr) :: address
+      integer :: i, n
+
+      absolute = ''
+      address = c_realpath(path//c_null_char, c_null_ptr)
+      if (.not. c_associated(address)) return
+      n = int(c_strlen(address))
+      call c_f_pointer(address, text, [n])
+      absolute = repeat(' ', n)
+      do i = 1, n
+         absolute(i:i) = text(i)
+      end do
+      call c_free(address)
+   end function resolved
 
 end module vi_files

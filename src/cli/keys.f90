@@ -1,71 +1,14 @@
 !> The keys of the namelist groups: what each takes, and reading them one at a time.
 module vi_keys
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_kinds, only: wp
    use vi_namelist, only: group_type
+   use vi_raw, only: blank, blank_motion, most_letters, raw_type, read_value
    use vi_text, only: whole
    implicit none (type, external)
    private
 
-   public :: blank, complain, given, read_group
-
-   !> Impacts that a list of the namelist has room for.
-   integer, parameter, public :: most_impacts = 1000
-
-   !> The variables of the three namelist groups, as read.
-   type, public :: raw_type
-      real(wp) :: xi, mu, restitution(2), r, clearance, acceptance
-      real(wp), dimension(most_impacts) :: phases, phases_over_pi, impact_restitution
-      character(most_impacts + 1) :: sides
-      character(20) :: kind, precision, format
-      character(101) :: name
-      integer :: cycles
-      !> &simulate: load cycles kept and discarded, load amplitude, initial state, limit of events.
-      real(wp) :: duration, discard, load, t, x, x_dot, z, z_dot
-      integer :: max_events
-   end type raw_type
+   public :: complain, given, read_group
 
 contains
-
-   !> Nothing given yet.
-   subroutine blank(raw)
-      type(raw_type), intent(inout) :: raw
-      real(wp) :: nan
-
-      nan = ieee_value(1.0_wp, ieee_quiet_nan)
-      raw%xi = nan
-      raw%mu = nan
-      raw%restitution = nan
-      raw%r = nan
-      call blank_motion(raw)
-   end subroutine blank
-
-   subroutine blank_motion(raw)
-      type(raw_type), intent(inout) :: raw
-      real(wp) :: nan
-
-      nan = ieee_value(1.0_wp, ieee_quiet_nan)
-      raw%phases = nan
-      raw%phases_over_pi = nan
-      raw%impact_restitution = nan
-      raw%clearance = nan
-      raw%acceptance = 0.03_wp
-      raw%sides = ''
-      raw%kind = 'periodic'
-      raw%precision = 'double'
-      raw%cycles = 1
-      raw%name = ''
-      raw%format = 'csv'
-      raw%duration = nan
-      raw%discard = 0
-      raw%load = 1
-      raw%t = 0
-      raw%x = 0
-      raw%x_dot = 0
-      raw%z = 0
-      raw%z_dot = 0
-      raw%max_events = 10000000
-   end subroutine blank_motion
 
    !> What a key of a group takes; empty if the group has no such key.
    pure function wanted(group, key) result(text)
@@ -164,10 +107,10 @@ contains
                end if
             end do
             status = 1
-            if (len(item%value) > 0) call read_value('&'//group%name//' '//item%target//' = '// &
-               item%value//' /', group%name, raw, status)
+            if (len(item%value) > 0 .and. .not. too_long(item%value)) call read_value('&'// &
+               group%name//' '//item%target//' = '//item%value//' /', group%name, raw, status)
             if (status /= 0) then
-               call complain(group, item%key, line, message)
+               call complain(group, item%key, line, message, at=i)
                return
             end if
          end associate
@@ -175,138 +118,34 @@ contains
       line = group%line
    end subroutine read_group
 
-   !> One assignment through the compiler's namelist input.
-   subroutine read_value(text, group, raw, status)
-      character(*), intent(in) :: text, group
-      type(raw_type), intent(inout) :: raw
-      integer, intent(out) :: status
+   !> Whether a text in quotes would be cut off.
+   pure logical function too_long(value)
+      character(*), intent(in) :: value
 
-      select case (group)
-      case ('system')
-         call read_system(text, raw, status)
-      case ('motion')
-         call read_motion(text, raw, status)
-      case ('simulate')
-         call read_simulate(text, raw, status)
-      case default
-         call read_output(text, raw, status)
-      end select
-   end subroutine read_value
-
-   subroutine read_system(text, raw, status)
-      character(*), intent(in) :: text
-      type(raw_type), intent(inout) :: raw
-      integer, intent(out) :: status
-      real(wp) :: xi, mu, restitution(2), r
-      namelist /system/ xi, mu, restitution, r
-
-      xi = raw%xi
-      mu = raw%mu
-      restitution = raw%restitution
-      r = raw%r
-      read (text, nml=system, iostat=status)
-      raw%xi = xi
-      raw%mu = mu
-      raw%restitution = restitution
-      raw%r = r
-   end subroutine read_system
-
-   subroutine read_motion(text, raw, status)
-      character(*), intent(in) :: text
-      type(raw_type), intent(inout) :: raw
-      integer, intent(out) :: status
-      real(wp) :: clearance, acceptance
-      real(wp), dimension(most_impacts) :: phases, phases_over_pi, impact_restitution
-      character(most_impacts + 1) :: sides
-      character(20) :: kind, precision
-      integer :: cycles
-      namelist /motion/ kind, sides, cycles, phases, phases_over_pi, impact_restitution, &
-         clearance, &
-         precision, acceptance
-
-      kind = raw%kind
-      sides = raw%sides
-      cycles = raw%cycles
-      phases = raw%phases
-      phases_over_pi = raw%phases_over_pi
-      impact_restitution = raw%impact_restitution
-      clearance = raw%clearance
-      precision = raw%precision
-      acceptance = raw%acceptance
-      read (text, nml=motion, iostat=status)
-      raw%kind = kind
-      raw%sides = sides
-      raw%cycles = cycles
-      raw%phases = phases
-      raw%phases_over_pi = phases_over_pi
-      raw%impact_restitution = impact_restitution
-      raw%clearance = clearance
-      raw%precision = precision
-      raw%acceptance = acceptance
-   end subroutine read_motion
-
-   subroutine read_simulate(text, raw, status)
-      character(*), intent(in) :: text
-      type(raw_type), intent(inout) :: raw
-      integer, intent(out) :: status
-      real(wp) :: clearance, cycles, discard, load, t, x, x_dot, z, z_dot
-      integer :: max_events
-      namelist /simulate/ clearance, cycles, discard, load, t, x, x_dot, z, z_dot, max_events
-
-      clearance = raw%clearance
-      cycles = raw%duration
-      discard = raw%discard
-      load = raw%load
-      t = raw%t
-      x = raw%x
-      x_dot = raw%x_dot
-      z = raw%z
-      z_dot = raw%z_dot
-      max_events = raw%max_events
-      read (text, nml=simulate, iostat=status)
-      raw%clearance = clearance
-      raw%duration = cycles
-      raw%discard = discard
-      raw%load = load
-      raw%t = t
-      raw%x = x
-      raw%x_dot = x_dot
-      raw%z = z
-      raw%z_dot = z_dot
-      raw%max_events = max_events
-   end subroutine read_simulate
-
-   subroutine read_output(text, raw, status)
-      character(*), intent(in) :: text
-      type(raw_type), intent(inout) :: raw
-      integer, intent(out) :: status
-      character(20) :: format
-      character(101) :: name
-      namelist /output/ name, format
-
-      name = raw%name
-      format = raw%format
-      read (text, nml=output, iostat=status)
-      raw%name = name
-      raw%format = format
-   end subroutine read_output
+      too_long = len(value) > most_letters + 2 .and. scan(value(1:1), '''"') == 1
+   end function too_long
 
    !> The message for a key that is missing or has a wrong value; `why` adds to what is allowed.
-   pure subroutine complain(group, key, line, message, why)
+   pure subroutine complain(group, key, line, message, why, at)
       type(group_type), intent(in) :: group
       character(*), intent(in) :: key
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
       character(*), intent(in), optional :: why
+      !> Which of several assignments to the key is meant; the first unless given.
+      integer, intent(in), optional :: at
       integer :: i
 
       message = '&'//group%name//' '//key//': is missing; must be '//wanted(group%name, key)
       do i = 1, size(group%items)
-         if (group%items(i)%key == key) then
-            line = group%items(i)%line
-            message = '&'//group%name//' '//key//' = '//group%items(i)%value//': must be '// &
-               wanted(group%name, key)
+         if (group%items(i)%key /= key) cycle
+         if (present(at)) then
+            if (i /= at) cycle
          end if
+         line = group%items(i)%line
+         message = '&'//group%name//' '//group%items(i)%target//' = '//group%items(i)%value// &
+            ': must be '//wanted(group%name, key)
+         exit
       end do
       if (present(why)) message = message//'; '//why
    end subroutine complain

@@ -6,7 +6,7 @@
 !! `#` is a result of ours: only the lines with a `#` in front are read, without it, so that every
 !! table is an input that reproduces it.
 module vi_namelist
-   use vi_text, only: line_type, lower, read_lines, whole
+   use vi_text, only: detab, line_type, lower, read_lines, whole
    implicit none (type, external)
    private
 
@@ -83,7 +83,7 @@ contains
          end if
          call open_group(rest, group)
          group%line = i
-         call collect_body(lines, i, rest, body, message)
+         call collect_body(lines, i, rest, body, line, message)
          if (len(message) > 0) then
             message = '&'//group%name//': '//message
             return
@@ -114,17 +114,6 @@ contains
       end do
    end subroutine strip_hash
 
-   pure function detab(text) result(clean)
-      character(*), intent(in) :: text
-      character(len(text)) :: clean
-      integer :: i
-
-      clean = text
-      do i = 1, len(text)
-         if (text(i:i) == achar(9)) clean(i:i) = ' '
-      end do
-   end function detab
-
    !> Reads `&name` and leaves what follows it in `rest`.
    pure subroutine open_group(rest, group)
       character(:), allocatable, intent(inout) :: rest
@@ -142,11 +131,13 @@ contains
    !! On entry `rest` is the text after `&name` on line i; on return it is the text after the
    !! slash on
    !! the new line i.
-   pure subroutine collect_body(lines, i, rest, body, message)
+   pure subroutine collect_body(lines, i, rest, body, line, message)
       type(line_type), intent(in) :: lines(:)
       integer, intent(inout) :: i
       character(:), allocatable, intent(inout) :: rest
       type(body_type), intent(out) :: body
+      !> Line of the fault.
+      integer, intent(inout) :: line
       character(:), allocatable, intent(out) :: message
       character :: quote
       integer :: j, first
@@ -178,7 +169,8 @@ contains
             j = j + 1
          end do
          if (quote /= ' ') then
-            message = trim(adjustl(rest))//' in line '//whole(i)//': the quote is not closed'
+            line = i
+            message = trim(adjustl(rest))//': the quote is not closed'
             return
          end if
          call extend(body, rest(:j - 1)//' ', i)
@@ -190,6 +182,18 @@ contains
          rest = lines(i)%text
       end do
    end subroutine collect_body
+
+   !> The text without its blanks.
+   pure function squeezed(text) result(short)
+      character(*), intent(in) :: text
+      character(:), allocatable :: short
+      integer :: i
+
+      short = ''
+      do i = 1, len(text)
+         if (text(i:i) /= ' ') short = short//text(i:i)
+      end do
+   end function squeezed
 
    pure subroutine extend(body, text, line)
       type(body_type), intent(inout) :: body
@@ -230,7 +234,8 @@ contains
          if (next > 0) next_start = target_start(body%text, next)
          line = body%line(min(start, size(body%line)))
          item%line = line
-         item%target = lower(trim(adjustl(body%text(start:equals - 1))))
+         item%target = squeezed(lower(body%text(start:equals - 1)))
+         if (len(item%target) == 0) line = body%line(equals)
          item%key = item%target
          if (index(item%key, '(') > 0) item%key = trim(item%key(:index(item%key, '(') - 1))
          item%value = trim(adjustl(body%text(equals + 1:max(equals, next_start - 1))))

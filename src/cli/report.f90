@@ -1,7 +1,8 @@
 !> Results as text: a table for machines (CSV) and a printout for people.
 module vi_report
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-   use vi_case, only: case_type
+   use vi_case_type, only: case_type
+   use vi_echo, only: echo, list
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, unknown, yes
    use vi_oscillator, only: lag
@@ -9,7 +10,6 @@ module vi_report
    use vi_simulate, only: event_type, state_time, state_type
    use vi_status, only: stat, status_text
    use vi_text, only: append, exact, line_type, shown, whole
-   use vi_version, only: version
    implicit none (type, external)
    private
 
@@ -47,69 +47,6 @@ contains
       end do
    end subroutine csv_lines
 
-   !> The complete case as a namelist, each line behind `#`.
-   pure subroutine echo(case, lines)
-      type(case_type), intent(in) :: case
-      type(line_type), allocatable, intent(out) :: lines(:)
-
-      call append(lines, '# ! vibroimpact '//version &
-         //'; lengths in F0/K, time in 1/omega, angles in &
-         &radians; this file is an input too')
-      call append(lines, '# &system')
-      call append(lines, '#   xi = '//exact(case%osc%xi))
-      call append(lines, '#   mu = '//exact(case%osc%mu))
-      call append(lines, '#   restitution = '//list(case%osc%restitution))
-      call append(lines, '#   r = '//exact(case%r))
-      call append(lines, '# /')
-      if (case%kind == 'simulate') then
-         call echo_simulation(case, lines)
-      else
-         call echo_motion(case, lines)
-      end if
-      call append(lines, '# &output')
-      call append(lines, '#   name = '''//case%name//'''')
-      call append(lines, '#   format = '''//case%format//'''')
-      call append(lines, '# /')
-   end subroutine echo
-
-   pure subroutine echo_motion(case, lines)
-      type(case_type), intent(in) :: case
-      type(line_type), allocatable, intent(inout) :: lines(:)
-
-      call append(lines, '# &motion')
-      call append(lines, '#   kind = '''//case%kind//'''')
-      call append(lines, '#   cycles = '//whole(case%pattern%cycles))
-      if (case%kind == 'equispaced') then
-         call append(lines, '#   clearance = '//exact(case%clearance))
-      else
-         call append(lines, '#   sides = '''//side_letters(case%pattern%sides)//'''')
-         call append(lines, '#   phases = '//list(case%phases))
-      end if
-      if (case%own_restitution) call append(lines, '#   impact_restitution = ' &
-         //list(case%restitution))
-      call append(lines, '#   precision = '//trim(merge('''single''', '''double''', case%single)))
-      call append(lines, '#   acceptance = '//exact(case%acceptance))
-      call append(lines, '# /')
-   end subroutine echo_motion
-
-   pure subroutine echo_simulation(case, lines)
-      type(case_type), intent(in) :: case
-      type(line_type), allocatable, intent(inout) :: lines(:)
-      character(5), parameter :: names(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
-      integer :: i
-
-      call append(lines, '# &simulate')
-      call append(lines, '#   clearance = '//exact(case%clearance))
-      call append(lines, '#   cycles = '//exact(case%duration))
-      call append(lines, '#   discard = '//exact(case%discard))
-      call append(lines, '#   load = '//exact(case%load))
-      do i = 1, 5
-         call append(lines, '#   '//trim(names(i))//' = '//exact(case%start(i)))
-      end do
-      call append(lines, '#   max_events = '//whole(case%max_events))
-      call append(lines, '# /')
-   end subroutine echo_simulation
-
    !> The events of a simulation as CSV; header as in `csv_lines`, and the final state.
    pure subroutine event_lines(case, events, state, complete, lines)
       type(case_type), intent(in) :: case
@@ -124,7 +61,7 @@ contains
 
       call echo(case, head)
       if (.not. complete) call append(head, '# ! cut short: max_events was reached')
-      call append(head, '# ! final state: t, x, x_dot, z, z_dot ='//join_numbers([ &
+      call append(head, '# ! final state: t, x, x_dot, z, z_dot = '//list([ &
          state_time(state%cycle, state%phase, case%r), state%x, state%x_dot, state%z, state%z_dot]))
       call append(head, 'time,kind,side,phase,x,x_dot_before,x_dot_after,z_dot_before,z_dot_after')
       n = size(head)
@@ -139,24 +76,6 @@ contains
          end associate
       end do
    end subroutine event_lines
-
-   pure function join_numbers(values) result(text)
-      real(wp), intent(in) :: values(:)
-      character(:), allocatable :: text
-
-      text = ' '//list(values)
-   end function join_numbers
-
-   pure function list(values) result(text)
-      real(wp), intent(in) :: values(:)
-      character(:), allocatable :: text
-      integer :: i
-
-      text = exact(values(1))
-      do i = 2, size(values)
-         text = text//', '//exact(values(i))
-      end do
-   end function list
 
    pure function impact_columns(motion, j) result(text)
       type(motion_type), intent(in) :: motion

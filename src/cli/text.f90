@@ -4,12 +4,16 @@ module vi_text
    implicit none (type, external)
    private
 
-   public :: append, exact, join, lower, read_lines, shown, split, whole
+   public :: append, detab, exact, is_result, join, last_part, lower, printable, &
+      read_lines, shown, split, whole
 
    !> A line of text.
    type, public :: line_type
       character(:), allocatable :: text
    end type line_type
+
+   !> Bytes that a namelist file may have.
+   integer, parameter :: largest = 64*1024*1024
 
 contains
 
@@ -17,10 +21,43 @@ contains
    pure subroutine append(lines, text)
       type(line_type), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: text
+      type(line_type), allocatable :: longer(:)
+      integer :: i, n
 
-      if (.not. allocated(lines)) allocate (lines(0))
-      lines = [lines, line_type(text)]
+      ! not [lines, line_type(text)]: gfortran 12 loses the memory of such a constructor
+      n = 0
+      if (allocated(lines)) n = size(lines)
+      allocate (longer(n + 1))
+      do i = 1, n
+         call move_alloc(lines(i)%text, longer(i)%text)
+      end do
+      longer(n + 1)%text = text
+      call move_alloc(longer, lines)
    end subroutine append
+
+   !> The text with blanks for tabs.
+   pure function detab(text) result(clean)
+      character(*), intent(in) :: text
+      character(len(text)) :: clean
+      integer :: i
+
+      clean = text
+      do i = 1, len(text)
+         if (text(i:i) == achar(9)) clean(i:i) = ' '
+      end do
+   end function detab
+
+   !> The text with a question mark for each control character, safe for a terminal.
+   pure function printable(text) result(clean)
+      character(*), intent(in) :: text
+      character(len(text)) :: clean
+      integer :: i
+
+      clean = text
+      do i = 1, len(text)
+         if (iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) clean(i:i) = '?'
+      end do
+   end function printable
 
    !> The text in lower case (ASCII).
    pure function lower(text) result(lowered)
@@ -99,41 +136,87 @@ contains
       end do
    end function join
 
-   !> All lines of a text file, without carriage returns; `message` is empty if that went well.
+   !> All lines of a text file or pipe; `message` is empty if that went well.
    subroutine read_lines(path, lines, message)
       character(*), intent(in) :: path
       type(line_type), allocatable, intent(out) :: lines(:)
       character(:), allocatable, intent(out) :: message
       character(:), allocatable :: content
-      character(200) :: reason
-      integer :: unit, length, status, i
+      integer :: i
 
-      message = ''
-      open (newunit=unit, file=path, status='old', action='read', access='stream', &
-         form='unformatted', iostat=status, iomsg=reason)
-      if (status == 0) then
-         inquire (unit=unit, size=length)
-         allocate (character(max(0, length)) :: content)
-         if (length > 0) read (unit, iostat=status, iomsg=reason) content
-         close (unit)
-      end if
-      if (status /= 0) then
-         message = trim(reason(index(reason, ': ', back=.true.) + 1:))    ! without the path
-         message = trim(adjustl(message))
-         allocate (lines(0))
-         return
-      end if
+      call read_text(path, content, message)
       if (len(content) >= 3) then                                 ! a byte order mark is no text
          if (content(:3) == char(239)//char(187)//char(191)) content = content(4:)
       end if
       lines = split(content, achar(10))
       do i = 1, size(lines)
-         length = len(lines(i)%text)
-         if (length > 0) then
-            if (lines(i)%text(length:length) == achar(13)) lines(i)%text = lines(i)%text(:length &
-               - 1)
-         end if
+         associate (length => len(lines(i)%text))
+            if (length > 0) then
+               if (lines(i)%text(length:length) == achar(13)) lines(i)%text = &
+                  lines(i)%text(:length - 1)
+            end if
+         end associate
       end do
    end subroutine read_lines
+
+   !> Whether a file is a result of ours, which starts with #.
+   logical function is_result(path)
+      character(*), intent(in) :: path
+      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: message
+
+      call read_lines(path, lines, message)
+      is_result = .false.
+      if (size(lines) > 0) is_result = index(lines(1)%text, '#') == 1
+   end function is_result
+
+   !> The content of a text file or pipe, line feeds between its lines.
+   subroutine read_text(path, content, message)
+      character(*), intent(in) :: path
+      character(:), allocatable, intent(out) :: content, message
+      character(len(path) + 300) :: reason
+      character(65536) :: part
+      character(:), allocatable :: longer
+      integer :: unit, status, n, length
+
+      message = ''
+      content = ''
+      open (newunit=unit, file=path, status='old', action='read', iostat=status, iomsg=reason)
+      if (status /= 0) then
+         message = last_part(reason)
+         return
+      end if
+      length = 0
+      do
+         read (unit, '(a)', advance='no', size=n, iostat=status, iomsg=reason) part
+         if (status /= 0 .and. .not. is_iostat_eor(status)) exit
+         if (length + n + 1 > len(content)) then
+            allocate (character(2*(length + n + 1)) :: longer)
+            longer(:length) = content(:length)
+            call move_alloc(longer, content)
+         end if
+         content(length + 1:length + n) = part(:n)
+         length = length + n
+         if (is_iostat_eor(status)) then
+            length = length + 1
+            content(length:length) = achar(10)
+         end if
+         if (length > largest) then
+            message = 'is larger than 64 MB'
+            exit
+         end if
+      end do
+      if (len(message) == 0 .and. .not. is_iostat_end(status)) message = last_part(reason)
+      close (unit)
+      content = content(:length)
+   end subroutine read_text
+
+   !> What a message of the runtime says after the path that it repeats.
+   pure function last_part(reason) result(text)
+      character(*), intent(in) :: reason
+      character(:), allocatable :: text
+
+      text = trim(adjustl(reason(index(reason, ': ', back=.true.) + 1:)))
+   end function last_part
 
 end module vi_text

@@ -43,7 +43,7 @@ contains
       end do
    end subroutine impact_maps
 
-   !> [P_i] of one flight, omega = 1, Omega = r.
+   !> [P_i] of one flight from (A5)-(A7), omega = 1, Omega = r.
    pure subroutine impact_map(xi, mu, r, restitution, length, c1, c2, sine, cosine, x, x_dot, &
       z_dot, p, &
          regular)
@@ -66,7 +66,6 @@ contains
       k2 = mu*(1 + restitution)/(1 + mu)
       k3 = (1 + restitution)/(1 + mu)
       k4 = (mu - restitution)/(1 + mu)
-
       free_dot = x_dot - r*cosine(1)
       s1 = (xi*c1 + h*c2)/h                                                               ! (A6)
       s2 = c1/h
@@ -87,7 +86,6 @@ contains
       s12 = cosine(2) + s6
       s13 = (-b*c3 + (h*c4 - xi*c3)*free_dot)/(r*h)
       s14 = s13 - r*sine(2)
-
       p(1, 1) = s1 + s12*(s7 + s9)                                                        ! (A7)
       p(1, 2) = s2 + s8*s12
       p(1, 3) = s10*s12

@@ -10,13 +10,14 @@ module vi_precision
       periodic_chain_single => periodic_chain
    use vi_kinds, only: wp
    use vi_kinds_single, only: sp => wp
-   use vi_motion, only: motion_type
+   use vi_motion, only: motion_type, start_motion
    use vi_motion_single, only: motion_type_single => motion_type
    use vi_oscillator, only: oscillator_type
    use vi_oscillator_single, only: oscillator_type_single => oscillator_type
    use vi_pattern, only: pattern_type
    use vi_pattern_single, only: pattern_type_single => pattern_type
    use vi_periodic_single, only: linear_system_type_single => linear_system_type
+   use vi_status, only: stat
    implicit none (type, external)
    private
 
@@ -40,7 +41,7 @@ contains
       call periodic_chain_single(narrowed(osc), real(r, sp), &
          pattern_type_single(pattern%sides, pattern%cycles), real(restitution, sp), &
          real(phases, sp), real(acceptance, sp), flights, system, narrow)
-      call widen(narrow, osc, motion)
+      call widen(narrow, osc, r, restitution, phases, motion)
    end subroutine periodic_in_single
 
    !> `equispaced_chain` in single precision.
@@ -58,7 +59,8 @@ contains
       call equispaced_chain_single(narrowed(osc), real(r, sp), real(clearance, sp), cycles, &
          real(acceptance, sp), flights, system, narrow)
       do i = 1, 2
-         call widen(narrow(i), osc, motions(i))
+         call widen(narrow(i), osc, r, osc%restitution, [0.0_wp, cycles*acos(-1.0_wp)], motions(i))
+         if (narrow(i)%status == stat%ok) motions(i)%clearance = clearance
       end do
    end subroutine equispaced_in_single
 
@@ -69,19 +71,18 @@ contains
       narrow = oscillator_type_single(real(osc%xi, sp), real(osc%mu, sp), real(osc%restitution, sp))
    end function narrowed
 
-   !> Copies a finished motion; the oscillator keeps the digits it was given in.
-   pure subroutine widen(narrow, osc, motion)
+   !> Copies a finished motion; what was given keeps its digits.
+   pure subroutine widen(narrow, osc, r, restitution, phases, motion)
       type(motion_type_single), intent(in) :: narrow
       type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, restitution(:), phases(:)
       type(motion_type), intent(inout) :: motion
 
+      call start_motion(motion, osc, r, pattern_type(narrow%pattern%sides, narrow%pattern%cycles), &
+         restitution, phases)
       motion%status = narrow%status
-      motion%osc = osc
-      motion%pattern = pattern_type(narrow%pattern%sides, narrow%pattern%cycles)
-      motion%r = real(narrow%r, wp)
+      if (motion%status /= stat%ok) return
       motion%clearance = real(narrow%clearance, wp)
-      motion%restitution = real(narrow%restitution, wp)
-      motion%phases = real(narrow%phases, wp)
       motion%x = real(narrow%x, wp)
       motion%z = real(narrow%z, wp)
       motion%x_dot_before = real(narrow%x_dot_before, wp)
@@ -97,7 +98,6 @@ contains
       motion%consistent = narrow%consistent
       motion%admissible = narrow%admissible
       motion%stable = narrow%stable
-      motion%status = narrow%status
    end subroutine widen
 
 end module vi_precision

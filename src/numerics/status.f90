@@ -56,7 +56,7 @@ contains
       case (stat%lapack_failed)
          text = 'LAPACK could not finish'
       case (stat%not_finite)
-         text = 'the result is not a finite number: the parameters are too extreme for this precision'
+         text = 'the result is not a finite number: the parameters are extreme'
       case (stat%no_motion)
          text = 'there is no such motion for these parameters'
       case (stat%more_events)

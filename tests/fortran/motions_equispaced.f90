@@ -93,7 +93,10 @@ contains
          call random_pair(osc, r, cycles)
          low = 1e-3_wp*gain(osc%xi, r)
          high = 1e6_wp*gain(osc%xi, r)
-         if (number(low) /= 2 .or. number(high) /= 0) cycle
+         n = number(low)
+         if (n /= 2) cycle
+         n = number(high)
+         if (n /= 0) cycle
          do n = 1, 100
             middle = 0.5_wp*(low + high)
             if (number(middle) > 0) low = middle

@@ -112,7 +112,9 @@ contains
          call check_impacts(motion, 'more impacts')
          call assemble(motion, system)
          unit = 1/motion%clearance
-         unknowns = [motion%x*unit, motion%amplitude*cos(motion%tau)*unit, &
+         if (allocated(unknowns)) deallocate (unknowns)
+         allocate (unknowns(n + 2))
+         unknowns(:) = [motion%x*unit, motion%amplitude*cos(motion%tau)*unit, &
             motion%amplitude*sin(motion%tau)*unit]
          rest = misfit(system%matrix, unknowns, system%rhs)
          across = maxval(abs(matmul(transpose(system%matrix), rest)))

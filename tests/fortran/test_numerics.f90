@@ -154,7 +154,8 @@ contains
    !> Every code has a text of its own that fits the boundary's 200 characters.
    subroutine test_status()
       integer, parameter :: codes(*) = [stat%ok, stat%singular, stat%free_amplitude, stat%no_load, &
-         stat%zero_approach, stat%lapack_failed, stat%not_finite, stat%no_motion]
+         stat%zero_approach, stat%lapack_failed, stat%not_finite, stat%no_motion, &
+         stat%more_events, stat%budget, stat%no_convergence]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

@@ -1,0 +1,89 @@
+!> The complete case as a namelist, for the header of its result.
+module vi_echo
+   use vi_case_type, only: case_type
+   use vi_kinds, only: wp
+   use vi_pattern, only: side_letters
+   use vi_text, only: append, exact, line_type, whole
+   use vi_version, only: version
+   implicit none (type, external)
+   private
+
+   public :: echo, list
+
+contains
+
+   !> The complete case as a namelist, each line behind `#`.
+   pure subroutine echo(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(out) :: lines(:)
+
+      call append(lines, '# ! vibroimpact '//version &
+         //'; lengths in F0/K, time in 1/omega, angles in &
+         &radians; this file is an input too')
+      call append(lines, '# &system')
+      call append(lines, '#   xi = '//exact(case%osc%xi))
+      call append(lines, '#   mu = '//exact(case%osc%mu))
+      call append(lines, '#   restitution = '//list(case%osc%restitution))
+      call append(lines, '#   r = '//exact(case%r))
+      call append(lines, '# /')
+      if (case%kind == 'simulate') then
+         call echo_simulation(case, lines)
+      else
+         call echo_motion(case, lines)
+      end if
+      call append(lines, '# &output')
+      call append(lines, '#   name = '''//case%name//'''')
+      call append(lines, '#   format = '''//case%format//'''')
+      call append(lines, '# /')
+   end subroutine echo
+
+   pure subroutine echo_motion(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
+      call append(lines, '# &motion')
+      call append(lines, '#   kind = '''//case%kind//'''')
+      call append(lines, '#   cycles = '//whole(case%pattern%cycles))
+      if (case%kind == 'equispaced') then
+         call append(lines, '#   clearance = '//exact(case%clearance))
+      else
+         call append(lines, '#   sides = '''//side_letters(case%pattern%sides)//'''')
+         call append(lines, '#   phases = '//list(case%phases))
+      end if
+      if (case%own_restitution) call append(lines, '#   impact_restitution = ' &
+         //list(case%restitution))
+      call append(lines, '#   precision = '//trim(merge('''single''', '''double''', case%single)))
+      call append(lines, '#   acceptance = '//exact(case%acceptance))
+      call append(lines, '# /')
+   end subroutine echo_motion
+
+   pure subroutine echo_simulation(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      character(5), parameter :: names(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
+      integer :: i
+
+      call append(lines, '# &simulate')
+      call append(lines, '#   clearance = '//exact(case%clearance))
+      call append(lines, '#   cycles = '//exact(case%duration))
+      call append(lines, '#   discard = '//exact(case%discard))
+      call append(lines, '#   load = '//exact(case%load))
+      do i = 1, 5
+         call append(lines, '#   '//trim(names(i))//' = '//exact(case%start(i)))
+      end do
+      call append(lines, '#   max_events = '//whole(case%max_events))
+      call append(lines, '# /')
+   end subroutine echo_simulation
+
+   pure function list(values) result(text)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = exact(values(1))
+      do i = 2, size(values)
+         text = text//', '//exact(values(i))
+      end do
+   end function list
+
+end module vi_echo

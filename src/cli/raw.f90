@@ -1,0 +1,193 @@
+!> The variables of the namelist groups, as the compiler's namelist input reads them.
+module vi_raw
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: blank, blank_motion, is_blank, read_value
+
+   !> Impacts that a list of the namelist has room for.
+   integer, parameter, public :: most_impacts = 1000
+   !> Letters that a text of the namelist has room for; one longer is refused.
+   integer, parameter, public :: most_letters = most_impacts + 1
+   !> A number that nobody can type stands for one that was not given.
+   integer(int64), parameter :: not_given = int(z'7FF8C0DE0000C0DE', int64)
+
+   !> The variables of the three namelist groups, as read.
+   type, public :: raw_type
+      real(wp) :: xi, mu, restitution(2), r, clearance, acceptance
+      real(wp), dimension(most_impacts) :: phases, phases_over_pi, impact_restitution
+      character(most_letters) :: sides
+      character(most_letters) :: kind, precision, format, name
+      integer :: cycles
+      !> &simulate: load cycles kept and discarded, load amplitude, initial state, limit of events.
+      real(wp) :: duration, discard, load, t, x, x_dot, z, z_dot
+      integer :: max_events
+   end type raw_type
+
+contains
+
+   !> Nothing given yet.
+   subroutine blank(raw)
+      type(raw_type), intent(inout) :: raw
+      real(wp) :: nan
+
+      nan = transfer(not_given, nan)
+      raw%xi = nan
+      raw%mu = nan
+      raw%restitution = nan
+      raw%r = nan
+      call blank_motion(raw)
+   end subroutine blank
+
+   subroutine blank_motion(raw)
+      type(raw_type), intent(inout) :: raw
+      real(wp) :: nan
+
+      nan = transfer(not_given, nan)
+      raw%phases = nan
+      raw%phases_over_pi = nan
+      raw%impact_restitution = nan
+      raw%clearance = nan
+      raw%acceptance = 0.03_wp
+      raw%sides = ''
+      raw%kind = 'periodic'
+      raw%precision = 'double'
+      raw%cycles = 1
+      raw%name = ''
+      raw%format = 'csv'
+      raw%duration = nan
+      raw%discard = 0
+      raw%load = 1
+      raw%t = 0
+      raw%x = 0
+      raw%x_dot = 0
+      raw%z = 0
+      raw%z_dot = 0
+      raw%max_events = 10000000
+   end subroutine blank_motion
+
+   !> One assignment through the compiler's namelist input.
+   subroutine read_value(text, group, raw, status)
+      character(*), intent(in) :: text, group
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+
+      select case (group)
+      case ('system')
+         call read_system(text, raw, status)
+      case ('motion')
+         call read_motion(text, raw, status)
+      case ('simulate')
+         call read_simulate(text, raw, status)
+      case default
+         call read_output(text, raw, status)
+      end select
+   end subroutine read_value
+
+   subroutine read_system(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      real(wp) :: xi, mu, restitution(2), r
+      namelist /system/ xi, mu, restitution, r
+
+      xi = raw%xi
+      mu = raw%mu
+      restitution = raw%restitution
+      r = raw%r
+      read (text, nml=system, iostat=status)
+      raw%xi = xi
+      raw%mu = mu
+      raw%restitution = restitution
+      raw%r = r
+   end subroutine read_system
+
+   subroutine read_motion(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      real(wp) :: clearance, acceptance
+      real(wp), dimension(most_impacts) :: phases, phases_over_pi, impact_restitution
+      character(most_letters) :: sides
+      character(most_letters) :: kind, precision
+      integer :: cycles
+      namelist /motion/ kind, sides, cycles, phases, phases_over_pi, impact_restitution, &
+         clearance, &
+         precision, acceptance
+
+      kind = raw%kind
+      sides = raw%sides
+      cycles = raw%cycles
+      phases = raw%phases
+      phases_over_pi = raw%phases_over_pi
+      impact_restitution = raw%impact_restitution
+      clearance = raw%clearance
+      precision = raw%precision
+      acceptance = raw%acceptance
+      read (text, nml=motion, iostat=status)
+      raw%kind = kind
+      raw%sides = sides
+      raw%cycles = cycles
+      raw%phases = phases
+      raw%phases_over_pi = phases_over_pi
+      raw%impact_restitution = impact_restitution
+      raw%clearance = clearance
+      raw%precision = precision
+      raw%acceptance = acceptance
+   end subroutine read_motion
+
+   subroutine read_simulate(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      real(wp) :: clearance, cycles, discard, load, t, x, x_dot, z, z_dot
+      integer :: max_events
+      namelist /simulate/ clearance, cycles, discard, load, t, x, x_dot, z, z_dot, max_events
+
+      clearance = raw%clearance
+      cycles = raw%duration
+      discard = raw%discard
+      load = raw%load
+      t = raw%t
+      x = raw%x
+      x_dot = raw%x_dot
+      z = raw%z
+      z_dot = raw%z_dot
+      max_events = raw%max_events
+      read (text, nml=simulate, iostat=status)
+      raw%clearance = clearance
+      raw%duration = cycles
+      raw%discard = discard
+      raw%load = load
+      raw%t = t
+      raw%x = x
+      raw%x_dot = x_dot
+      raw%z = z
+      raw%z_dot = z_dot
+      raw%max_events = max_events
+   end subroutine read_simulate
+
+   subroutine read_output(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      character(most_letters) :: name, format
+      namelist /output/ name, format
+
+      name = raw%name
+      format = raw%format
+      read (text, nml=output, iostat=status)
+      raw%name = name
+      raw%format = format
+   end subroutine read_output
+
+   !> Whether a number was not given. (A NaN that was typed is given.)
+   elemental logical function is_blank(value)
+      real(wp), intent(in) :: value
+
+      is_blank = transfer(value, 0_int64) == not_given
+   end function is_blank
+
+end module vi_raw
