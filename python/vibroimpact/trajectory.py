@@ -394,7 +394,7 @@ def simulate_bundle(
     >>> import numpy as np, vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     >>> vi.simulate_bundle(osc, r=np.linspace(1.03, 1.05, 5), clearance=25.0, cycles=1000)
-    <Bundle of 5 simulations, 5 done, 9962 impacts>
+    <Bundle of 5 simulations, 5 done, 9981 impacts>
     """
     checks.instance(osc, "osc", Oscillator)
     given = {"r": r, "clearance": clearance, "load": load}

@@ -48,7 +48,8 @@ contains
 
       if (.not. allocated(log%lines)) allocate (log%lines(0), log%names(0), log%places(0))
       message = ''
-      if (ends_blank(path)) message = path//': must not end with a blank'
+      if (ends_blank(path)) message = path// &
+         ': cannot be read: a path must not end with a blank'
       if (len(message) == 0) call read_cases(path, cases, message)
       if (len(message) == 0) call take_names(path, folder, cases, log, message)
       if (len(message) > 0) then

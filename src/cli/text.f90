@@ -178,9 +178,15 @@ contains
       character(65536) :: part
       character(:), allocatable :: longer
       integer :: unit, status, n, length
+      logical :: folder
 
       message = ''
       content = ''
+      inquire (file=path//'/.', exist=folder)
+      if (folder) then
+         message = 'Is a directory'
+         return
+      end if
       open (newunit=unit, file=path, status='old', action='read', iostat=status, iomsg=reason)
       if (status /= 0) then
          message = last_part(reason)
