@@ -1,5 +1,7 @@
-"""Print the folder of the shared library in the PyPI package scipy-openblas32; fail if it is not installed."""
+"""Print the path of the shared library in the package scipy-openblas32; fail if it is not installed."""
+
+from pathlib import Path
 
 import scipy_openblas32
 
-print(scipy_openblas32.get_lib_dir())
+print(Path(scipy_openblas32.get_lib_dir(), scipy_openblas32.get_library(fullname=True)).as_posix())
