@@ -24,7 +24,9 @@ def main():
             vi.periodic(osc, 0.97, phases, pattern)
         rounds.append((time.perf_counter() - start) / CALLS * 1e6)
     median = statistics.median(rounds)
-    print(f"one periodic call, N = 3: median {median:.1f} us, best {min(rounds):.1f} us, target {TARGET:.0f} us")
+    print(
+        f"one periodic call, N = 3: median {median:.1f} us, best {min(rounds):.1f} us, target {TARGET:.0f} us"
+    )
 
 
 if __name__ == "__main__":

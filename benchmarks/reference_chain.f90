@@ -68,7 +68,7 @@ contains
    subroutine measure(n)
       integer, intent(in) :: n
       type(work_type) :: work
-      real(wp) :: times(repetitions, 3), a, b, c, check
+      real(wp) :: times(repetitions, 3), a, b, c, d, check
       integer :: i
 
       call prepare(n, work)
@@ -82,7 +82,8 @@ contains
          if (i > 0) times(i, :2) = [b - a, c - b]
          a = seconds()
          call chain(work, .true.)
-         if (i > 0) times(i, 3) = seconds() - a
+         d = seconds()
+         if (i > 0) times(i, 3) = d - a
       end do
       times = times*1e6_wp/points
       a = median(times(:, 1))
@@ -189,8 +190,8 @@ contains
 
       do i = 1, size(times)
          median = times(i)
-         if (2*count(times < median) <= size(times) .and. 2*count(times > median) <= size(times)) &
-            return
+         if (2*count(times < median) > size(times)) cycle
+         if (2*count(times > median) <= size(times)) return
       end do
    end function median
 

@@ -1,6 +1,7 @@
 """Checks of what callers give: one clear error that names the parameter, its value and the range.
 
-Everything here runs before any Fortran does. The ranges are those that the namelist program applies.
+Everything here runs before any Fortran does. The ranges are those that the namelist program
+applies.
 """
 
 from __future__ import annotations
@@ -49,7 +50,9 @@ def number(value: Any, name: str, label: str | None = None) -> float:
 def to_float(value: Any, label: str, wanted: str) -> float:
     """A float from any real number; bool, str, None and complex are refused."""
     if isinstance(value, (bool, str, bytes, complex)) or not hasattr(type(value), "__float__"):
-        raise ParameterTypeError(f"{label} = {value!r}: must be {wanted}, not {type(value).__name__}")
+        raise ParameterTypeError(
+            f"{label} = {value!r}: must be {wanted}, not {type(value).__name__}"
+        )
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError) as error:
@@ -132,7 +135,9 @@ def phases(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
         raise ParameterError(f"phases = {values!r}: must be {wanted}; the shape is {array.shape}")
     items = array.tolist()
     if items[0] != 0.0:
-        raise ParameterError(f"phases[0] = {items[0]!r}: must be 0, the first impact sets the origin")
+        raise ParameterError(
+            f"phases[0] = {items[0]!r}: must be 0, the first impact sets the origin"
+        )
     previous = -1.0
     for i, item in enumerate(items):
         if not previous < item < period:
@@ -163,7 +168,9 @@ def restitution_list(values: Any, n: int) -> NDArray[np.float64]:
     wanted = f"{n} numbers with 0 <= R <= 1, one an impact"
     array = real_array(values, "restitution", wanted)
     if array.ndim != 1 or array.size != n:
-        raise ParameterError(f"restitution = {values!r}: must be {wanted}; the shape is {array.shape}")
+        raise ParameterError(
+            f"restitution = {values!r}: must be {wanted}; the shape is {array.shape}"
+        )
     for i, item in enumerate(array.tolist()):
         number(item, "restitution", f"restitution[{i}]")
     return array

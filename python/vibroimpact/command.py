@@ -12,7 +12,9 @@ from importlib.resources import as_file, files
 
 from .errors import VibroimpactError
 
-EXIT_STATUS = "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
+EXIT_STATUS = (
+    "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
+)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -37,8 +39,12 @@ def parser() -> argparse.ArgumentParser:
         epilog=f"example: vibroimpact run inputs/table1.nml -o results\n\n{EXIT_STATUS}",
         formatter_class=style,
     )
-    run.add_argument("files", nargs="+", metavar="FILE.nml", help="namelist files, or earlier results")
-    run.add_argument("-o", dest="folder", default="results", metavar="DIR", help="folder for the results")
+    run.add_argument(
+        "files", nargs="+", metavar="FILE.nml", help="namelist files, or earlier results"
+    )
+    run.add_argument(
+        "-o", dest="folder", default="results", metavar="DIR", help="folder for the results"
+    )
 
     from .reproduce import NAMES
 
@@ -50,8 +56,12 @@ def parser() -> argparse.ArgumentParser:
         epilog=f"example: vibroimpact reproduce table1 -o results\n\n{EXIT_STATUS}",
         formatter_class=style,
     )
-    reproduce.add_argument("names", nargs="*", metavar="NAME", help="what to recompute (default: all)")
-    reproduce.add_argument("-o", dest="folder", default="results", metavar="DIR", help="folder for the results")
+    reproduce.add_argument(
+        "names", nargs="*", metavar="NAME", help="what to recompute (default: all)"
+    )
+    reproduce.add_argument(
+        "-o", dest="folder", default="results", metavar="DIR", help="folder for the results"
+    )
     return main_parser
 
 
@@ -69,7 +79,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"vibroimpact {options.command}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print(f"vibroimpact {options.command}: interrupted; what was finished is kept", file=sys.stderr)
+        print(
+            f"vibroimpact {options.command}: interrupted; what was finished is kept",
+            file=sys.stderr,
+        )
         return 1
 
 
@@ -102,7 +115,9 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Parse the arguments; files and names may stand on both sides of an option."""
     main_parser = parser()
     options, rest = main_parser.parse_known_args(arguments)
-    if rest and (options.command not in ("run", "reproduce") or any(x.startswith("-") for x in rest)):
+    if rest and (
+        options.command not in ("run", "reproduce") or any(x.startswith("-") for x in rest)
+    ):
         main_parser.error(f"unrecognized arguments: {' '.join(rest)}")
     if rest:
         (options.files if options.command == "run" else options.names).extend(rest)

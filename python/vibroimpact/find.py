@@ -82,9 +82,12 @@ def find(
 ) -> FoundMotions:
     """Periodic motions at a point: from all side patterns, and from simulated attractors.
 
-    For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's method
-    starts from guesses whose phases fill the period evenly and whose positions solve the linear equations
-    of 1983; motions found repel the later iterations, so none is found twice. Simulations from a spread
+    For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's
+    method
+    starts from guesses whose phases fill the period evenly and whose positions solve the linear
+    equations
+    of 1983; motions found repel the later iterations, so none is found twice. Simulations from a
+    spread
     of initial states add the attractors, those with rest and those with more impacts included.
 
     Parameters
@@ -92,7 +95,8 @@ def find(
     osc, r, clearance, load
         As in `simulate`.
     max_impacts, max_cycles : int
-        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. A motion with accumulation
+        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. A motion with
+        accumulation
         that simulation finds has no limit on its number of impacts.
     guesses : int
         Guesses for each pattern.
@@ -104,11 +108,13 @@ def find(
     Returns
     -------
     FoundMotions
-        A list of admissible motions, stable ones first; its attribute `search` says how it was found.
+        A list of admissible motions, stable ones first; its attribute `search` says how it was
+        found.
 
     Examples
     --------
-    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image
+    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror
+    image
     among others.
 
     >>> import vibroimpact as vi
@@ -127,13 +133,16 @@ def find(
     states = checks.integer(states, "states", 0, 10**6)
     settling = checks.integer(settling, "settling", 0, 10**7)
     found: list[Motion] = []
-    patterns = list(_patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1]))
+    patterns = list(
+        _patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1])
+    )
     tried = inadmissible = 0
     with ThreadPoolExecutor() as pool:
 
         def search(pattern: Pattern) -> tuple[Pattern, NDArray[np.float64], int, int]:
             return pattern, *_core.search_pattern(
-                osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, guesses,
+                osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs,
+                guesses,
                 ROOM,
             )  # fmt: skip
 
@@ -205,7 +214,9 @@ def reduced(motion: Motion) -> Motion:
                 motion.osc, motion.r, motion.clearance, motion.load, pattern.cycles, motion.events
             )
         theta = motion.phases[:m] + motion.tau
-        return newton(motion.osc, motion.r, motion.clearance, motion.load, pattern, motion.X[:m], theta)
+        return newton(
+            motion.osc, motion.r, motion.clearance, motion.load, pattern, motion.X[:m], theta
+        )
     return motion
 
 
@@ -216,14 +227,19 @@ def turned(motion: Motion) -> Motion:
     if first == 0 or motion.rest_events is not None:
         return motion
     pattern = Pattern("".join(letters[first:] + letters[:first]), motion.pattern.cycles)
-    theta = np.append(motion.phases[first:], motion.phases[:first] + TWO_PI * pattern.cycles) + motion.tau
+    theta = (
+        np.append(motion.phases[first:], motion.phases[:first] + TWO_PI * pattern.cycles)
+        + motion.tau
+    )
     x = np.roll(motion.X, -first)
     return newton(motion.osc, motion.r, motion.clearance, motion.load, pattern, x, theta)
 
 
 def mirror(motion: Motion) -> Motion:
     """The mirror image of a motion of a symmetric system: x -> -x, R <-> L, half a cycle later."""
-    pattern = Pattern(motion.pattern.sides.translate(str.maketrans("RL", "LR")), motion.pattern.cycles)
+    pattern = Pattern(
+        motion.pattern.sides.translate(str.maketrans("RL", "LR")), motion.pattern.cycles
+    )
     if motion.rest_events is not None:
         events = motion.rest_events.copy()
         for name in ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"):
@@ -267,7 +283,8 @@ def _order(motion: Motion) -> tuple[Any, ...]:
 def _patterns(max_impacts: int, max_cycles: int, *, mirrored: bool) -> Iterator[Pattern]:
     """All side patterns up to rotation (and up to mirror image), with each number of cycles.
 
-    A pattern that repeats a shorter one is searched too where its cycles do: motions of twice the period
+    A pattern that repeats a shorter one is searched too where its cycles do: motions of twice the
+    period
     look like that.
     """
     for n in range(2, max_impacts + 1):
@@ -303,5 +320,3 @@ def _spread_states(
             "z": x + 0.499 * clearance * (2 * u[2] - 1),
             "z_dot": 2 * size * max(1.0, r) * (2 * u[3] - 1),
         }
-
-

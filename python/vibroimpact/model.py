@@ -23,7 +23,8 @@ __all__ = ["Oscillator", "Pattern", "Units"]
 class Oscillator:
     """A primary mass on spring and dashpot, with a free mass between two walls.
 
-    Between impacts ``x'' + 2 xi x' + x = sin(r t)`` and ``z'' = 0``, with time in 1/omega and length
+    Between impacts ``x'' + 2 xi x' + x = sin(r t)`` and ``z'' = 0``, with time in 1/omega and
+    length
     in F0/K (equations (1)-(4) of Popplewell, Bapat and McLachlan, 1983).
 
     Parameters
@@ -113,7 +114,9 @@ class Oscillator:
         C, m = _positive(C, "C", zero=True), _positive(m, "m", zero=True)
         critical = 2 * math.sqrt(K) * math.sqrt(M)
         if not C < critical:
-            raise ParameterError(f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}")
+            raise ParameterError(
+                f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}"
+            )
         return cls(C / critical, m / M, restitution, M=M, K=K)
 
     def units(self, F0: float) -> Units:
@@ -225,7 +228,8 @@ class Pattern:
     ----------
     sides : str
         One letter an impact, R for the right wall and L for the left; 2 to 1000 letters, both walls
-        at least once (a motion with impacts on one wall only is never periodic). A star after a letter
+        at least once (a motion with impacts on one wall only is never periodic). A star after a
+        letter
         stands for impacts that accumulate on that wall and end in rest there.
     cycles : int, optional
         Load cycles k in one period of the motion, 1 to 10000.
@@ -247,7 +251,9 @@ class Pattern:
     rests: tuple[bool, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        wanted = "letters R and L (a star after one for accumulation and rest), each wall at least once"
+        wanted = (
+            "letters R and L (a star after one for accumulation and rest), each wall at least once"
+        )
         if not isinstance(self.sides, str):
             raise ParameterTypeError(f"sides = {self.sides!r}: must be a string of {wanted}")
         sides = self.sides.upper()
@@ -260,9 +266,13 @@ class Pattern:
                 "no motion is periodic"
             )
         if len(letters) > checks.MAX_IMPACTS:
-            raise ParameterError(f"sides of {len(letters)} letters: at most {checks.MAX_IMPACTS} are allowed")
+            raise ParameterError(
+                f"sides of {len(letters)} letters: at most {checks.MAX_IMPACTS} are allowed"
+            )
         object.__setattr__(self, "sides", sides)
-        object.__setattr__(self, "cycles", checks.integer(self.cycles, "cycles", 1, checks.MAX_CYCLES))
+        object.__setattr__(
+            self, "cycles", checks.integer(self.cycles, "cycles", 1, checks.MAX_CYCLES)
+        )
         signs = np.array([1 if letter[0] == "R" else -1 for letter in letters], dtype=np.int32)
         signs.flags.writeable = False
         object.__setattr__(self, "signs", signs)

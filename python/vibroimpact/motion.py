@@ -71,8 +71,10 @@ class Motion:
     load : float
         Load amplitude f; 1 unless `exact` was given another one.
     rest_events : structured ndarray or None
-        For a pattern with a star: all impacts, sticks and releases of a period from the first impact on.
-        The arrays above have one entry a letter then; that of a starred letter is the first impact of
+        For a pattern with a star: all impacts, sticks and releases of a period from the first
+        impact on.
+        The arrays above have one entry a letter then; that of a starred letter is the first impact
+        of
         the accumulation.
     """
 
@@ -139,7 +141,8 @@ class Motion:
     def leading_kind(self) -> str | None:
         """Where the leading multiplier lies: "positive", "negative" or "complex" (None: unknown).
 
-        Crossing the unit circle there is a fold or pitchfork, a flip, or a Neimark-Sacker bifurcation.
+        Crossing the unit circle there is a fold or pitchfork, a flip, or a Neimark-Sacker
+        bifurcation.
         """
         leading = complex(self.multipliers[0])
         if leading != leading:
@@ -154,7 +157,8 @@ class Motion:
         Parameters
         ----------
         t : array_like
-            Times in 1/omega, 0 at the first impact; any finite value, the motion being periodic. At an
+            Times in 1/omega, 0 at the first impact; any finite value, the motion being periodic.
+            At an
             impact the velocities are those just after it.
 
         Examples
@@ -178,7 +182,14 @@ class Motion:
             starts, resting = segments(self.rest_events, self.clearance)
             wrapped = np.mod(times.ravel(), self.period)
             values = _core.sample_trajectory(
-                self.osc.xi, self.osc.mu, self.r, self.load, self.clearance, starts, resting, wrapped
+                self.osc.xi,
+                self.osc.mu,
+                self.r,
+                self.load,
+                self.clearance,
+                starts,
+                resting,
+                wrapped,
             )
         return Sample(*values.reshape((6, *times.shape)))
 
@@ -205,7 +216,8 @@ class Motion:
     def impact_maps(self) -> NDArray[np.float64]:
         """The matrices [P_i] of (A7), (N, 4, 4).
 
-        P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to that
+        P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to
+        that
         just after impact i. All zero where the impact has no approach speed.
         """
         if self.pattern.has_rest:
@@ -277,13 +289,22 @@ class Motion:
             self.X_dot_after, self.Z_dot_before, self.Z_dot_after, strict=True,
         )  # fmt: skip
         for side, *numbers in columns:
-            lines.append(f"  {side:>4}  {numbers[0]:8.5f}" + "".join(f" {x:10.4f}" for x in numbers[1:]))
+            lines.append(
+                f"  {side:>4}  {numbers[0]:8.5f}" + "".join(f" {x:10.4f}" for x in numbers[1:])
+            )
         return "\n".join(lines)
 
     def _flights(self) -> tuple[Any, ...]:
         """The leading arguments of the core's procedures on a finished motion."""
         impacts = np.stack(
-            [self.X, self.Z, self.X_dot_before, self.X_dot_after, self.Z_dot_before, self.Z_dot_after],
+            [
+                self.X,
+                self.Z,
+                self.X_dot_before,
+                self.X_dot_after,
+                self.Z_dot_before,
+                self.Z_dot_after,
+            ],
             axis=1,
         )
         return (

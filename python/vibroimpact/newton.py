@@ -41,7 +41,8 @@ def exact(
 ) -> Motion:
     """The exact periodic motion near a guess, by Newton's method with the analytic derivative.
 
-    Without rest the unknowns are the N positions and N phases of the impacts. With accumulation and rest
+    Without rest the unknowns are the N positions and N phases of the impacts. With accumulation
+    and rest
     they are the phase and velocity at a release, a fixed point of the return map there.
 
     Parameters
@@ -49,13 +50,15 @@ def exact(
     osc, r, clearance, load
         As in `simulate`.
     guess : Motion, Trajectory or (phases, Pattern)
-        A motion at other parameters; a trajectory whose last cycles are about periodic; or impact phases,
+        A motion at other parameters; a trajectory whose last cycles are about periodic; or impact
+        phases,
         for which the linear equations of 1983 give the rest of the guess.
 
     Returns
     -------
     Motion
-        `admissible` is False if the equations are solved by a motion that would pass through a wall.
+        `admissible` is False if the equations are solved by a motion that would pass through a
+        wall.
 
     Raises
     ------
@@ -131,7 +134,8 @@ def newton(
     """Newton's method on x_i and theta_i = alpha_i + tau of a pattern without rest."""
     each = impact_restitution(osc, pattern, None) if restitution is None else restitution
     phases, impacts, scalars, multipliers, verdicts, status, _ = _core.exact(
-        osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, each, x, theta,
+        osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, each,
+        x, theta,
         MOST_ITERATIONS,
     )  # fmt: skip
     raise_status(int(status))
@@ -140,7 +144,8 @@ def newton(
     _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
     consistent, admissible, stable = verdicts.tolist()
     return Motion(
-        osc, r, clearance, pattern, each, frozen(phases), *impacts.T, amplitude, tau, residual, multipliers,
+        osc, r, clearance, pattern, each, frozen(phases), *impacts.T, amplitude, tau, residual,
+        multipliers,
         VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max, load=load,
     )  # fmt: skip
 
@@ -152,7 +157,7 @@ def rest_motion(
     release = events[events["kind"] == "release"][-1]
     side = 1 if release["side"] == "R" else -1
     guess = np.array([release["phase"], release["x_dot_after"]])
-    point, multipliers, residual, numbers, labels, n, status = _core.rest_motion(
+    _, multipliers, residual, numbers, labels, n, status = _core.rest_motion(
         osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, REST_EVENTS
     )
     raise_status(int(status))
@@ -189,7 +194,9 @@ def letters_of(events: NDArray[Any]) -> tuple[list[str], NDArray[Any]]:
     letters: list[str] = []
     first: list[int] = []
     run = 0
-    for i, (kind, side) in enumerate(zip(events["kind"].tolist(), events["side"].tolist(), strict=True)):
+    for i, (kind, side) in enumerate(
+        zip(events["kind"].tolist(), events["side"].tolist(), strict=True)
+    ):
         if kind == "stick":
             start = first[-run] if run else i
             del letters[len(letters) - run :], first[len(first) - run :]
@@ -208,7 +215,8 @@ def letters_of(events: NDArray[Any]) -> tuple[list[str], NDArray[Any]]:
 def last_period(trajectory: Trajectory, most_cycles: int = 16, tolerance: float = 0.05) -> Period:
     """The shortest period, in load cycles, with which a trajectory ends.
 
-    The last k cycles are compared with the k before; the pattern has to be the same and the phases within
+    The last k cycles are compared with the k before; the pattern has to be the same and the phases
+    within
     the tolerance.
     """
     events = trajectory.events
@@ -238,7 +246,13 @@ def last_period(trajectory: Trajectory, most_cycles: int = 16, tolerance: float 
 
 
 def settle(
-    osc: Oscillator, r: float, clearance: float, load: float, state: Any, discard: int, most_cycles: int
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    load: float,
+    state: Any,
+    discard: int,
+    most_cycles: int,
 ) -> Period | None:
     """The periodic part that a state settles on, or None."""
     run = simulate(osc, r, clearance, 2 * most_cycles + 2, state=state, load=load, discard=discard)

@@ -67,7 +67,9 @@ def run_namelists(
         raise ParameterError("paths = []: must name at least one file")
     for item in [*files, target]:
         if not item or b"\n" in item or b"\0" in item:
-            raise ParameterError(f"path = {os.fsdecode(item)!r}: must not be empty or hold a line feed")
+            raise ParameterError(
+                f"path = {os.fsdecode(item)!r}: must not be empty or hold a line feed"
+            )
     # a case takes at least 20 characters of namelist and says at most a few hundred
     size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
     room = 4096 + (len(files) + size // 20) * (600 + len(target) + max(map(len, files)))

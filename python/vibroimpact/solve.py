@@ -43,7 +43,8 @@ def periodic(
 ) -> Motion:
     """The periodic motion whose impact phases are given (equations (26), (30) of the 1983 paper).
 
-    N = 2 impacts are a square linear system (LAPACK DGESV). N > 2 are overdetermined (DGELS): the motion
+    N = 2 impacts are a square linear system (LAPACK DGESV). N > 2 are overdetermined (DGELS): the
+    motion
     is consistent only as far as its `residual` is small.
 
     Parameters
@@ -92,7 +93,8 @@ def periodic(
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
     acceptance = checks.number(acceptance, "acceptance")
     results = _core.periodic(
-        osc.xi, osc.mu, osc.restitution, r, pattern.cycles, pattern.signs, each, table[:, np.newaxis],
+        osc.xi, osc.mu, osc.restitution, r, pattern.cycles, pattern.signs, each, table[:,
+        np.newaxis],
         acceptance, single, True,
     )  # fmt: skip
     raise_status(int(results[4][0]))
@@ -141,7 +143,9 @@ def periodic_batch(
     m = table.shape[1]
     ratios = checks.real_array(r, "r", f"one number or {m}, one a column of phases")
     if ratios.ndim > 1 or ratios.size not in (1, m):
-        raise ParameterError(f"r of shape {ratios.shape}: must be one number or {m}, one a column of phases")
+        raise ParameterError(
+            f"r of shape {ratios.shape}: must be one number or {m}, one a column of phases"
+        )
     for value in ratios.ravel() if ratios.size == 1 else (ratios.min(), ratios.max()):
         checks.number(float(value), "r")
     if osc.xi == 0 and (ratios == 1).any():
@@ -151,7 +155,8 @@ def periodic_batch(
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
     acceptance = checks.number(acceptance, "acceptance")
     impacts, scalars, multipliers, verdicts, status = _core.periodic(
-        osc.xi, osc.mu, osc.restitution, ratios, pattern.cycles, pattern.signs, each, table, acceptance,
+        osc.xi, osc.mu, osc.restitution, ratios, pattern.cycles, pattern.signs, each, table,
+        acceptance,
         single, bool(flights),
     )  # fmt: skip
     for array in (impacts, scalars, multipliers, verdicts, status):
@@ -159,7 +164,8 @@ def periodic_batch(
     clearance, amplitude, tau, residual, x_min, x_max = scalars
     consistent, admissible, stable = verdicts.astype(np.int8)
     return Motions(
-        osc, frozen(ratios), clearance, pattern, each, frozen(table), *(impacts[:, i] for i in range(6)),
+        osc, frozen(ratios), clearance, pattern, each, frozen(table), *(impacts[:, i] for i in
+        range(6)),
         amplitude, tau, residual, multipliers, consistent, admissible, stable, x_min, x_max, status,
         precision,
     )  # fmt: skip
@@ -174,7 +180,8 @@ def equispaced(
 ) -> list[Motion]:
     """The motions with two equally spaced impacts: none, one or two of them.
 
-    With equal restitution the phases 0, k pi leave the amplitude free; at a given clearance the phase
+    With equal restitution the phases 0, k pi leave the amplitude free; at a given clearance the
+    phase
     tau lies on the intersection of a line with a circle.
 
     Parameters

@@ -91,12 +91,20 @@ class Trajectory:
             )
         starts, resting = self._segments()
         values = _core.sample_trajectory(
-            self.osc.xi, self.osc.mu, self.r, self.load, self.clearance, starts, resting, times.ravel()
+            self.osc.xi,
+            self.osc.mu,
+            self.r,
+            self.load,
+            self.clearance,
+            starts,
+            resting,
+            times.ravel(),
         )
         return Sample(*values.reshape((6, *times.shape)))
 
     def plot(self, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
-        """Draw the last load cycles: time history, load, acceleration and phase portrait (extra `plot`).
+        """Draw the last load cycles: time history, load, acceleration and phase portrait (extra
+        `plot`).
 
         Parameters
         ----------
@@ -121,7 +129,9 @@ class Trajectory:
         first = np.array([[state[name] for name in ("t", "phase", "x", "x_dot", "z", "z_dot")]]).T
         starts, resting = segments(self.events, self.clearance)
         side = int(state["side"]) if state["resting"] else 0
-        return np.hstack([first, starts]), np.concatenate([np.array([side], dtype=np.int32), resting])
+        return np.hstack([first, starts]), np.concatenate(
+            [np.array([side], dtype=np.int32), resting]
+        )
 
     def __repr__(self) -> str:
         counts = {kind: int((self.events["kind"] == kind).sum()) for kind in KINDS[1:]}
@@ -139,7 +149,14 @@ def segments(
     """Start (6, n) of the segment that each event begins, and the side of rest in it or 0."""
     side = np.where(events["side"] == "R", 1, -1)
     z = events["x"] + 0.5 * side * clearance
-    starts = [events["time"], events["phase"], events["x"], events["x_dot_after"], z, events["z_dot_after"]]
+    starts = [
+        events["time"],
+        events["phase"],
+        events["x"],
+        events["x_dot_after"],
+        z,
+        events["z_dot_after"],
+    ]
     return np.array(starts), np.where(events["kind"] == "stick", side, 0).astype(np.int32)
 
 
@@ -167,9 +184,12 @@ def simulate(
 ) -> Trajectory:
     """Simulate from an initial state; no impact is missed, and accumulating impacts are completed.
 
-    Between impacts everything is closed form. The next contact is found by steps that a bound on the
-    derivatives proves free of contact. Impacts that accumulate are summed to their limit (the time of the
-    limit is wrong by 1e-16 at most); the free mass then rests on the wall until the contact force ends.
+    Between impacts everything is closed form. The next contact is found by steps that a bound on
+    the
+    derivatives proves free of contact. Impacts that accumulate are summed to their limit (the time
+    of the
+    limit is wrong by 1e-16 at most); the free mass then rests on the wall until the contact force
+    ends.
 
     Parameters
     ----------
@@ -184,7 +204,8 @@ def simulate(
         ``t, x, x_dot, z, z_dot`` with the load phase r t at time t; default: all 0. Or the
         `final_state` of a trajectory, which goes on bit for bit.
     load : float
-        Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free vibration.
+        Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free
+        vibration.
     discard : float
         Load cycles simulated before those that are kept.
     max_events : int
@@ -224,7 +245,9 @@ def simulate(
         end = _later(values, discard)
         _, _, values, contact, complete = _run(system, values, contact, end, max_events, keep=False)
         if not complete:
-            raise ParameterError(f"max_events = {max_events}: was reached within the discarded cycles")
+            raise ParameterError(
+                f"max_events = {max_events}: was reached within the discarded cycles"
+            )
     first = _state(values, contact, r)
     numbers, labels, values, contact, complete = _run(
         system, values, contact, _later(values, cycles), max_events, keep=True
@@ -247,7 +270,9 @@ def _run(
     chunk = int(min(CHUNK, 64 + 8 * (end[0] - values[0] + 1)))
     while True:
         room = min(chunk, max_events - total + 1)
-        found, kinds, n, values, contact, status = _core.simulate(*system, values, contact, *end, max(room, 2))
+        found, kinds, n, values, contact, status = _core.simulate(
+            *system, values, contact, *end, max(room, 2)
+        )
         if keep:
             numbers.append(found[:, :n])
             labels.append(kinds[:, :n])
@@ -265,7 +290,13 @@ def _run(
         chunk = CHUNK
     if not keep:
         return np.empty((7, 0)), np.empty((2, 0), dtype=np.int32), values, contact, complete
-    return np.concatenate(numbers, axis=1), np.concatenate(labels, axis=1), values, contact, complete
+    return (
+        np.concatenate(numbers, axis=1),
+        np.concatenate(labels, axis=1),
+        values,
+        contact,
+        complete,
+    )
 
 
 def _later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
@@ -353,7 +384,9 @@ class Bundle:
 
     def __repr__(self) -> str:
         good = int((self.status == 0).sum())
-        return f"<Bundle of {len(self)} simulations, {good} done, {int(self.impacts.sum())} impacts>"
+        return (
+            f"<Bundle of {len(self)} simulations, {good} done, {int(self.impacts.sum())} impacts>"
+        )
 
 
 def simulate_bundle(
@@ -368,7 +401,8 @@ def simulate_bundle(
 ) -> Bundle:
     """Simulate many initial states or parameters in one call, on several threads.
 
-    The answer is the same to the last bit for any number of threads. After such a call do not fork the
+    The answer is the same to the last bit for any number of threads. After such a call do not fork
+    the
     process (multiprocessing: use the "spawn" method); a forked child would hang.
 
     Parameters
@@ -401,7 +435,9 @@ def simulate_bundle(
     columns = {name: checks.real_array(value, name, "numbers") for name, value in given.items()}
     start = np.zeros(5) if states is None else checks.real_array(states, "states", "numbers (5, M)")
     if start.ndim not in (1, 2) or start.shape[0] != 5:
-        raise ParameterError(f"states of shape {start.shape}: must be (5,) or (5, M): t, x, x_dot, z, z_dot")
+        raise ParameterError(
+            f"states of shape {start.shape}: must be (5,) or (5, M): t, x, x_dot, z, z_dot"
+        )
     try:
         (m,) = np.broadcast_shapes(*(a.shape for a in columns.values()), start.shape[1:], (1,))
     except ValueError:
@@ -425,7 +461,9 @@ def simulate_bundle(
         )
     cycles = checks.number(cycles, "cycles_simulated", "cycles")
     max_events = checks.integer(max_events, "max_events", 1, 10**9)
-    threads = checks.integer(os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024)
+    threads = checks.integer(
+        os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
+    )
     values, contacts = np.empty((7, m), order="F"), np.empty((3, m), dtype=np.int32, order="F")
     for j in range(m):
         values[:, j], contacts[:, j] = _core.start_state(

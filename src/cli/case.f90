@@ -162,8 +162,9 @@ contains
             'must differ from 1 when xi = 0 (resonance without damping)')
       else
          if (is_blank(raw%restitution(2))) raw%restitution(2) = raw%restitution(1)
-         if (.not. all(raw%restitution >= 0 .and. raw%restitution <= 1)) &
+         if (.not. all(raw%restitution >= 0 .and. raw%restitution <= 1)) then
             call complain(group, 'restitution', line, message)
+         end if
       end if
    end subroutine check_system
 
@@ -193,8 +194,9 @@ contains
       else
          case%name = default_name(path, number, total)
       end if
-      if (case%format /= 'csv' .and. case%format /= 'table' .and. case%format /= 'both') &
+      if (case%format /= 'csv' .and. case%format /= 'table' .and. case%format /= 'both') then
          call complain(group, 'format', line, message)
+      end if
    end subroutine take_output
 
    !> The name of a result from that of the file, numbered if it holds several cases.

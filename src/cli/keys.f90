@@ -15,8 +15,9 @@ contains
       character(*), intent(in) :: group, key
       character(:), allocatable :: text
 
-      text = ''
       select case (group//' '//key)
+      case default
+         text = ''
       case ('system xi')
          text = 'a number with 0 <= xi < 1'
       case ('system mu')

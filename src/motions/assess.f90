@@ -25,6 +25,7 @@ contains
       type(motion_type), intent(inout) :: motion
       !> Largest relative residual of (26), (30) that counts as consistent.
       real(wp), intent(in) :: acceptance
+      real(wp) :: largest
       integer :: status
 
       if (motion%status /= stat%ok) return
@@ -32,8 +33,9 @@ contains
       call multipliers(motion, motion%multipliers, status)
       if (status /= stat%ok) then
          motion%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
-      else if (abs(abs(motion%multipliers(1)) - 1) > neutral) then
-         motion%stable = verdict(abs(motion%multipliers(1)) < 1)          ! the largest comes first
+      else
+         largest = abs(motion%multipliers(1))
+         if (abs(largest - 1) > neutral) motion%stable = verdict(largest < 1)
       end if
    end subroutine assess_linear
 

@@ -11,7 +11,7 @@ module vi_impact_map
    implicit none (type, external)
    private
 
-   public :: impact_maps
+   public :: forced_part, impact_map_of, impact_maps
 
 contains
 
@@ -22,26 +22,43 @@ contains
       real(wp), intent(out) :: p(:, :, :)
       !> False if an impact has no approach speed: there the map has no derivative.
       logical, intent(out) :: regular
-      real(wp) :: angle, sine(size(motion%phases)), cosine(size(motion%phases))
-      integer :: n, i, next
       logical :: good
+      integer :: i
 
-      n = size(motion%phases)
-      do i = 1, n
-         angle = motion%phases(i) + motion%tau
-         sine(i) = motion%amplitude*sin(angle)
-         cosine(i) = motion%amplitude*cos(angle)
-      end do
       regular = .true.
-      do i = 1, n
-         next = modulo(i, n) + 1
-         call impact_map(motion%osc%xi, motion%osc%mu, motion%r, motion%restitution(next), &
-            motion%length(i), motion%c1(i), motion%c2(i), sine([i, next]), cosine([i, next]), &
-            motion%x(i), motion%x_dot_after(i), &
-            motion%z_dot_after(i), p(:, :, i), good)
+      do i = 1, size(motion%phases)
+         call impact_map_of(motion, i, forced_part(motion), p(:, :, i), good)
          regular = regular .and. good
       end do
    end subroutine impact_maps
+
+   !> A cos(tau) and A sin(tau).
+   pure function forced_part(motion) result(forced)
+      type(motion_type), intent(in) :: motion
+      real(wp) :: forced(2)
+
+      forced = motion%amplitude*[cos(motion%tau), sin(motion%tau)]
+   end function forced_part
+
+   !> [P_i] of a motion.
+   pure subroutine impact_map_of(motion, i, forced, p, regular)
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: i
+      !> A cos(tau), A sin(tau), as `forced_part` gives them.
+      real(wp), intent(in) :: forced(2)
+      real(wp), intent(out) :: p(4, 4)
+      !> False if impact i+1 has no approach speed: there the map has no derivative.
+      logical, intent(out) :: regular
+      real(wp) :: sine(2), cosine(2)
+      integer :: next
+
+      next = modulo(i, size(motion%phases)) + 1
+      sine = motion%sine([i, next])*forced(1) + motion%cosine([i, next])*forced(2)
+      cosine = motion%cosine([i, next])*forced(1) - motion%sine([i, next])*forced(2)
+      call impact_map(motion%osc%xi, motion%osc%mu, motion%r, motion%restitution(next), &
+         motion%length(i), motion%c1(i), motion%c2(i), sine, cosine, motion%x(i), &
+         motion%x_dot_after(i), motion%z_dot_after(i), p, regular)
+   end subroutine impact_map_of
 
    !> [P_i] of one flight from (A5)-(A7), omega = 1, Omega = r.
    pure subroutine impact_map(xi, mu, r, restitution, length, c1, c2, sine, cosine, x, x_dot, &

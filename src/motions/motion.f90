@@ -4,7 +4,7 @@ module vi_motion
    use vi_impact, only: primary_velocities
    use vi_kinds, only: wp
    use vi_oscillator, only: eta, gain, oscillator_type
-   use vi_pattern, only: durations, pattern_type
+   use vi_pattern, only: pattern_type
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -22,9 +22,9 @@ module vi_motion
       real(wp) :: r = 0, clearance = 0
       !> Coefficient of restitution R_i and phase alpha_i (alpha_1 = 0) of each impact.
       real(wp), allocatable :: restitution(:), phases(:)
-      !> Phase from each impact to the next, and the coefficients C_1i, C_2i of (9), (10) of that
-      !! flight.
-      real(wp), allocatable :: length(:), c1(:), c2(:)
+      !> What follows from the phases alone: their sines and cosines, the phase from each impact to
+      !> the next, and the coefficients C_1i, C_2i of (9), (10) of that flight.
+      real(wp), allocatable :: sine(:), cosine(:), length(:), c1(:), c2(:)
       !> Positions of both masses, and their velocities just before and after each impact.
       real(wp), allocatable, dimension(:) :: x, z, x_dot_before, x_dot_after, z_dot_before, &
          z_dot_after
@@ -41,6 +41,8 @@ module vi_motion
       !> A code of vi_status; unless `stat%ok` the fields after `phases` mean nothing.
       integer :: status = stat%ok
    end type motion_type
+
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 
@@ -80,13 +82,18 @@ contains
 
       n = size(phases)
       if (allocated(motion%length)) then
-         if (size(motion%length) /= n) deallocate (motion%length, motion%c1, motion%c2)
+         if (size(motion%length) /= n) deallocate (motion%sine, motion%cosine, motion%length, &
+            motion%c1, motion%c2)
       end if
-      if (.not. allocated(motion%length)) allocate (motion%length(n), motion%c1(n), motion%c2(n))
+      if (.not. allocated(motion%length)) allocate (motion%sine(n), motion%cosine(n), &
+         motion%length(n), motion%c1(n), motion%c2(n))
       motion%phases = phases
-      motion%length = durations(phases, motion%pattern%cycles)
+      motion%length(:n - 1) = phases(2:) - phases(:n - 1)
+      motion%length(n) = phases(1) + two_pi*motion%pattern%cycles - phases(n)           ! (25)
       frequency = eta(motion%osc%xi)
       do i = 1, n
+         motion%sine(i) = sin(phases(i))
+         motion%cosine(i) = cos(phases(i))
          t = motion%length(i)/motion%r
          shrink = exp(-motion%osc%xi*t)
          motion%c1(i) = shrink*sin(frequency*t)                                             ! (9)

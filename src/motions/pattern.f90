@@ -4,7 +4,7 @@ module vi_pattern
    implicit none (type, external)
    private
 
-   public :: new_pattern, side_letters, durations, default_restitution
+   public :: new_pattern, side_letters, default_restitution
 
    type, public :: pattern_type
       !> Side s of each impact (n): +1 for the right wall, -1 for the left; y = s d/2 there.
@@ -55,18 +55,5 @@ contains
 
       restitution = merge(right_value, left_value, side > 0)
    end function default_restitution
-
-   !> Phase from each impact to the next, alpha_(i+1) - alpha_i, closed by (25).
-   pure function durations(phases, cycles) result(length)
-      real(wp), intent(in) :: phases(:)
-      integer, intent(in) :: cycles
-      real(wp) :: length(size(phases))
-      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
-      integer :: n
-
-      n = size(phases)
-      length(:n - 1) = phases(2:) - phases(:n - 1)
-      length(n) = phases(1) + two_pi*cycles - phases(n)
-   end function durations
 
 end module vi_pattern

@@ -47,7 +47,7 @@ contains
          return
       end if
       call assemble(motion, system)
-      size_of_rhs = norm2(system%rhs)
+      size_of_rhs = sqrt(sum(system%rhs**2))
       if (.not. size_of_rhs <= huge(1.0_wp)) then
          motion%status = stat%not_finite
          return
@@ -85,25 +85,20 @@ contains
       !> Of this motion the given data count: oscillator, r, pattern, restitution, phases.
       type(motion_type), intent(in) :: motion
       type(linear_system_type), intent(inout) :: system
-      real(wp) :: sine(size(motion%phases)), cosine(size(motion%phases)), y(size(motion%phases))
-      real(wp) :: w(6), v(7)
+      real(wp) :: w(6), v(7), y(4)
       integer :: n, i, previous, next, after_next
 
       n = size(motion%phases)
       call make_room(system, n)
-      do i = 1, n
-         sine(i) = sin(motion%phases(i))
-         cosine(i) = cos(motion%phases(i))
-      end do
-      y = 0.5_wp*motion%pattern%sides                                                     ! (18)
       system%matrix = 0
       do i = 1, n
          previous = modulo(i - 2, n) + 1
          next = modulo(i, n) + 1
          after_next = modulo(i + 1, n) + 1
+         y = 0.5_wp*motion%pattern%sides([previous, i, next, after_next])                 ! (18)
          call coefficients(motion%osc, motion%r, motion%restitution([i, next]), &
-            motion%length([previous, i, next]), motion%c1(i), motion%c2(i), sine([i, next]), &
-            cosine([i, next]), [y(i) - y(previous), y(next) - y(i), y(after_next) - y(next)], w, v)
+            motion%length([previous, i, next]), motion%c1(i), motion%c2(i), &
+            motion%sine([i, next]), motion%cosine([i, next]), y(2:4) - y(1:3), w, v)
          ! the columns may coincide (N = 2), so the terms are added
          associate (m => system%matrix)
             m(i, i) = m(i, i) + w(1)                                                      ! (26)

@@ -1,6 +1,6 @@
 !> Multipliers of a periodic motion: the eigenvalues of [P] = [P_N] .. [P_1], equations (31), (32).
 module vi_stability
-   use vi_impact_map, only: impact_maps
+   use vi_impact_map, only: forced_part, impact_map_of
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
    use vi_motion, only: motion_type
@@ -18,16 +18,18 @@ contains
       real(wp), intent(out) :: p(4, 4)
       !> `stat%ok`, `stat%zero_approach` or `stat%not_finite`.
       integer, intent(out) :: status
-      real(wp) :: part(4, 4, size(motion%phases))
+      real(wp) :: part(4, 4), forced(2)
       logical :: regular
       integer :: i
 
-      call impact_maps(motion, part, regular)
       status = stat%zero_approach
+      forced = forced_part(motion)
+      call impact_map_of(motion, 1, forced, p, regular)
       if (.not. regular) return
-      p = part(:, :, 1)
-      do i = 2, size(part, 3)
-         p = matmul(part(:, :, i), p)
+      do i = 2, size(motion%phases)
+         call impact_map_of(motion, i, forced, part, regular)
+         if (.not. regular) return
+         p = matmul(part, p)
       end do
       status = merge(stat%ok, stat%not_finite, all(abs(p) <= huge(1.0_wp)))
    end subroutine stability_matrix
@@ -49,23 +51,23 @@ contains
    !> Insertion sort; equal moduli keep their order, so that conjugates stay together.
    pure subroutine sort_by_modulus(lambda)
       complex(wp), intent(inout) :: lambda(:)
-      real(wp) :: modulus(size(lambda)), m
+      real(wp) :: square(size(lambda)), item_square
       complex(wp) :: item
       integer :: i, j
 
-      modulus = abs(lambda)
+      square = lambda%re**2 + lambda%im**2
       do i = 2, size(lambda)
          item = lambda(i)
-         m = modulus(i)
-         j = i - 1
-         do while (j >= 1)
-            if (modulus(j) >= m) exit
-            lambda(j + 1) = lambda(j)
-            modulus(j + 1) = modulus(j)
+         item_square = square(i)
+         j = i
+         do while (j > 1)
+            if (square(j - 1) >= item_square) exit
+            lambda(j) = lambda(j - 1)
+            square(j) = square(j - 1)
             j = j - 1
          end do
-         lambda(j + 1) = item
-         modulus(j + 1) = m
+         lambda(j) = item
+         square(j) = item_square
       end do
    end subroutine sort_by_modulus
 

@@ -117,7 +117,7 @@ contains
       m = size(a, 1)
       n = size(a, 2)
       call gels('N', m, n, 1, a, m, b, m, work, size(work), info)
-      residual = norm2(b(n + 1:m))
+      residual = sqrt(sum(b(n + 1:m)**2))
       status = rank_status(a, n, info)
    end subroutine least_squares
 

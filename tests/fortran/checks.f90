@@ -31,12 +31,12 @@ contains
       real(wp), intent(in) :: a, b, tolerance
       character(*), intent(in) :: what
       character(100) :: numbers
-      logical :: close
+      logical :: near
 
       ! asked first, because builds that trap invalid operations stop at a comparison with NaN
-      close = .not. (ieee_is_nan(a) .or. ieee_is_nan(b) .or. ieee_is_nan(tolerance))
-      if (close) close = abs(a - b) <= tolerance
-      if (close) then
+      near = .not. (ieee_is_nan(a) .or. ieee_is_nan(b) .or. ieee_is_nan(tolerance))
+      if (near) near = abs(a - b) <= tolerance
+      if (near) then
          passed = passed + 1
          return
       end if

@@ -6,9 +6,9 @@ module motions_linear
       random_oscillator, random_phases, random_sides, scale_of
    use vi_impact, only: impact
    use vi_kinds, only: wp
-   use vi_motion, only: motion_type
+   use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: gain, oscillator_type
-   use vi_pattern, only: default_restitution, durations, new_pattern, pattern_type, side_letters
+   use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_letters
    use vi_periodic, only: assemble, linear_system_type, solve_periodic
    use vi_status, only: stat
    implicit none (type, external)
@@ -32,7 +32,8 @@ contains
    !> Letters and sides are each other's inverse; durations are positive and fill the period.
    subroutine test_pattern()
       type(pattern_type) :: pattern
-      real(wp), allocatable :: phases(:)
+      type(motion_type) :: motion
+      real(wp), allocatable :: phases(:), length(:)
       integer, allocatable :: sides(:)
       integer :: i, n, cycles
 
@@ -44,11 +45,17 @@ contains
          pattern = new_pattern(side_letters(sides), cycles)
          call check(all(pattern%sides == sides) .and. pattern%cycles == cycles, 'letters and sides')
          call random_phases(random, cycles, phases)
-         call check(all(durations(phases, cycles) > 0), 'durations are positive')
-         call check_close(sum(durations(phases, cycles)), 2*pi*cycles, 1e-14_wp*cycles, &
+         call start_motion(motion, oscillator_type(0.1_wp, 0.2_wp, 0.5_wp), 1.3_wp, pattern, &
+            spread(0.5_wp, 1, n), phases)
+         call check(all(motion%length > 0), 'durations are positive')
+         call check_close(sum(motion%length), 2*pi*cycles, 1e-14_wp*cycles, &
             'durations fill the period')
-         call check_close(maxval(abs(durations(phases + 0.7_wp, cycles) - durations(phases, &
-            cycles))), 0.0_wp, 1e-14_wp*cycles, 'the origin of phase does not matter')
+         length = motion%length
+         call start_motion(motion, motion%osc, motion%r, pattern, motion%restitution, &
+            phases + 0.7_wp)
+         call check_close(maxval(abs(motion%length - length)), 0.0_wp, 1e-14_wp*cycles, &
+            'the origin of phase does not matter')
+         deallocate (length)
          deallocate (sides, phases)
       end do
       pattern = new_pattern('rLx', 1)

@@ -9,7 +9,7 @@ module motions_maps
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: gain, oscillator_type
-   use vi_pattern, only: durations, new_pattern
+   use vi_pattern, only: new_pattern
    use vi_stability, only: multipliers, stability_matrix
    use vi_status, only: stat
    implicit none (type, external)
@@ -247,7 +247,7 @@ contains
       motion%z_dot_after(2) = 1
       call impact_maps(motion, p, regular)
       call check(.not. regular, 'one impact without approach is enough')
-      call check_close(sum(durations(motion%phases, 1)), 2*pi, 1e-14_wp, 'the motion is as it was')
+      call check_close(sum(motion%length), 2*pi, 1e-14_wp, 'the motion is as it was')
    end subroutine test_zero_approach
 
 end module motions_maps

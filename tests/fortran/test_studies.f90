@@ -221,9 +221,9 @@ contains
       type(motion_type) :: motion, narrow, rounded
       type(linear_system_type) :: system
       real(wp) :: scale, error, data_error
-      integer :: i, n, close, examined
+      integer :: i, n, agreeing, examined
 
-      close = 0
+      agreeing = 0
       examined = 0
       do i = 1, 1000
          n = draw_integer(random, 2, 5)
@@ -240,12 +240,12 @@ contains
          error = maxval(abs(narrow%x - motion%x))/scale
          data_error = maxval(abs(rounded%x - motion%x))/scale
          examined = examined + 1
-         if (error < 30*data_error + 1e-5_wp) close = close + 1
+         if (error < 30*data_error + 1e-5_wp) agreeing = agreeing + 1
          call check(all(abs(narrow%x - real(narrow%x, sp)) <= 0), 'x has no more than 32 bits')
          call check(all(abs(narrow%phases - motion%phases) <= 0), 'given phases keep their digits')
       end do
       call check(examined > 800, 'single precision solves most systems')
-      call check(close > 0.95_wp*examined, 'single precision agrees to its digits')
+      call check(agreeing > 0.95_wp*examined, 'single precision agrees to its digits')
    end subroutine test_single
 
    elemental real(wp) function narrowed_number(x)

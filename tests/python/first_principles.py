@@ -202,8 +202,20 @@ def motion_from(system, phases, unknowns, residual=0.0):
     d = system.amplitude / np.hypot(*unknowns[-2:])
     X = d * unknowns[:-2]
     _, v_before, v_after, w_before, w_after = velocities(system, phases, X, d)
-    return Motion(system, phases, d, d * unknowns[-2], d * unknowns[-1], X,
-                  X + 0.5 * d * system.signs, v_before, v_after, w_before, w_after, residual)
+    return Motion(
+        system,
+        phases,
+        d,
+        d * unknowns[-2],
+        d * unknowns[-1],
+        X,
+        X + 0.5 * d * system.signs,
+        v_before,
+        v_after,
+        w_before,
+        w_after,
+        residual,
+    )
 
 
 def solve(system, phases):
@@ -255,7 +267,7 @@ def newton(system, phases, clearance=None, steps=40):
 
     def equations(u):
         x, c, s = u[:n], u[n], u[n + 1]
-        value = mismatch(system, np.concatenate([np.zeros_like(u[:1]), u[n + 2:]]), x, c, s)
+        value = mismatch(system, np.concatenate([np.zeros_like(u[:1]), u[n + 2 :]]), x, c, s)
         circle = [] if target is None else [(c * c + s * s) / target - 1.0]
         return np.concatenate([value, np.array(circle).reshape(-1, *value.shape[1:])])
 
@@ -265,9 +277,9 @@ def newton(system, phases, clearance=None, steps=40):
         value = equations(u)
         jacobian = equations(u[:, None] + 1j * STEP * np.eye(len(u))).imag / STEP
         step = np.linalg.lstsq(jacobian, -value, rcond=None)[0]
-        step *= min(1.0, 0.3 / max(np.abs(step[n + 2:]).max(), 1e-300))
+        step *= min(1.0, 0.3 / max(np.abs(step[n + 2 :]).max(), 1e-300))
         u = u + step
-        edges = np.concatenate([[0.0], u[n + 2:], [2.0 * np.pi * system.cycles]])
+        edges = np.concatenate([[0.0], u[n + 2 :], [2.0 * np.pi * system.cycles]])
         if not np.all(np.diff(edges) > 1e-2) or not np.abs(u).max() < 1e3:
             return None
         if np.abs(step).max() < 1e-14 * np.abs(u).max():
@@ -276,7 +288,7 @@ def newton(system, phases, clearance=None, steps=40):
     scale = np.abs(jacobian).max() * np.abs(u).max()
     if error > 1e-13 * scale or np.hypot(u[n], u[n + 1]) <= 1e-6 * max(np.abs(u[:n]).max(), 1.0):
         return None
-    return motion_from(system, np.concatenate([[0.0], u[n + 2:]]), u[:n + 2], error)
+    return motion_from(system, np.concatenate([[0.0], u[n + 2 :]]), u[: n + 2], error)
 
 
 def impact_map(system, steady_motion, restitution, state, time, travel=None):
@@ -346,8 +358,16 @@ def flight(motion, t):
     system, t = motion.system, np.asarray(t, float)
     i = np.searchsorted(motion.phases / system.r, t, side="right") - 1
     time = t - (motion.phases / system.r)[i]
-    x, v = fly(system.xi, system.r, motion.c, motion.s, motion.phases[i], motion.X[i],
-               motion.X_dot_after[i], time)
+    x, v = fly(
+        system.xi,
+        system.r,
+        motion.c,
+        motion.s,
+        motion.phases[i],
+        motion.X[i],
+        motion.X_dot_after[i],
+        time,
+    )
     return x, v, motion.Z[i] + motion.Z_dot_after[i] * time, motion.Z_dot_after[i] + 0.0 * t
 
 
@@ -431,7 +451,8 @@ def clear_of_walls(motion, samples=600):
 
 def extremes(motion, samples=600):
     """Least and greatest X over a period and how much finer samples could still add to them."""
-    found = [(x.min(), x.max(), bound * t[1] ** 2 / 8)
-             for t, x, _, _, bound in flights(motion, samples)]
+    found = [
+        (x.min(), x.max(), bound * t[1] ** 2 / 8) for t, x, _, _, bound in flights(motion, samples)
+    ]
     low, high, doubt = zip(*found, strict=True)
     return min(low), max(high), max(doubt)

@@ -49,14 +49,18 @@ def test_readme_python_block():
 def test_readme_namelist_block(tmp_path):
     """The namelist of README.md runs."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    (tmp_path / "readme.nml").write_text(re.search(r"```fortran\n(.*?)```", text, re.DOTALL).group(1))
+    (tmp_path / "readme.nml").write_text(
+        re.search(r"```fortran\n(.*?)```", text, re.DOTALL).group(1)
+    )
     log = vibroimpact.run_namelists([tmp_path / "readme.nml"], tmp_path)
     assert log.status == 0
     assert (tmp_path / "pair.csv").exists()
     assert (tmp_path / "pair.txt").exists()
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "inputs").glob("*.nml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "inputs").glob("*.nml")), ids=lambda path: path.stem
+)
 def test_ready_cases(path, tmp_path):
     """Every namelist of inputs/ runs, and is listed in its README."""
     assert vibroimpact.run_namelists([path], tmp_path).status == 0

@@ -13,8 +13,17 @@ OSC = vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.75, 0.61))
 EVEN = vi.Oscillator(xi=0.01, mu=0.05, restitution=0.75)
 PAIR = vi.Pattern("RL")
 PHASES = [0.0, 3.3]
-ARRAYS = ("restitution", "phases", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before",
-          "Z_dot_after", "multipliers")
+ARRAYS = (
+    "restitution",
+    "phases",
+    "X",
+    "Z",
+    "X_dot_before",
+    "X_dot_after",
+    "Z_dot_before",
+    "Z_dot_after",
+    "multipliers",
+)
 
 
 def oscillator(**changes):
@@ -157,12 +166,27 @@ def test_resonance_without_damping(call):
     call(osc=oscillator(xi=1e-6), r=1.0)
 
 
-@pytest.mark.parametrize(("value", "shown"), [
-    ([], None), ([0.0], None), ([0.0, 1.0, 2.0], None), (0.0, None), ([[0.0, 3.3]], "3.3"),
-    ([0.0, 0.0], "0.0"), ([0.0, -1.0], "-1.0"), ([0.1, 3.3], "0.1"), ([0.0, 2 * math.pi], "6.28"),
-    ([0.0, 100.0], "100.0"), ([0.0, NAN], "nan"), ([0.0, INF], "inf"), ([NAN, 3.3], "nan"),
-    ([-0.1, 3.3], "-0.1"), ([[0.0], [1.0, 2.0]], None), ([0.0, 1e300], "1e+300"),
-])
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        ([], None),
+        ([0.0], None),
+        ([0.0, 1.0, 2.0], None),
+        (0.0, None),
+        ([[0.0, 3.3]], "3.3"),
+        ([0.0, 0.0], "0.0"),
+        ([0.0, -1.0], "-1.0"),
+        ([0.1, 3.3], "0.1"),
+        ([0.0, 2 * math.pi], "6.28"),
+        ([0.0, 100.0], "100.0"),
+        ([0.0, NAN], "nan"),
+        ([0.0, INF], "inf"),
+        ([NAN, 3.3], "nan"),
+        ([-0.1, 3.3], "-0.1"),
+        ([[0.0], [1.0, 2.0]], None),
+        ([0.0, 1e300], "1e+300"),
+    ],
+)
 @pytest.mark.parametrize("call", [periodic, linear_system])
 def test_phases_values(call, value, shown):
     """As many phases as impacts, from 0, increasing, below the period."""
@@ -185,10 +209,17 @@ def test_phases_types(call, value):
     refused(call, "phases", value)
 
 
-@pytest.mark.parametrize("value", [
-    [0.0, 3.3], [[0.0, 0.0]], [[0.0, 0.1], [3.3, 3.3]], [[0.0, 0.0], [3.3, 7.0]],
-    [[0.0, 0.0], [3.3, NAN]], [[0.0, 0.0], [3.3, 0.0]],
-])
+@pytest.mark.parametrize(
+    "value",
+    [
+        [0.0, 3.3],
+        [[0.0, 0.0]],
+        [[0.0, 0.1], [3.3, 3.3]],
+        [[0.0, 0.0], [3.3, 7.0]],
+        [[0.0, 0.0], [3.3, NAN]],
+        [[0.0, 0.0], [3.3, 0.0]],
+    ],
+)
 def test_batch_phases(value):
     """One set of phases a column; the message shows the column, or the shape."""
     with pytest.raises(ValueError, match="phases") as caught:
@@ -319,8 +350,16 @@ def test_unusual_but_right():
 def test_frozen():
     """Nothing of an oscillator, a pattern or a motion can be assigned."""
     motion = periodic()
-    for thing, name in ((OSC, "xi"), (OSC, "restitution"), (PAIR, "sides"), (PAIR, "cycles"),
-                        (motion, "X"), (motion, "stable"), (motion, "clearance"), (motion, "r")):
+    for thing, name in (
+        (OSC, "xi"),
+        (OSC, "restitution"),
+        (PAIR, "sides"),
+        (PAIR, "cycles"),
+        (motion, "X"),
+        (motion, "stable"),
+        (motion, "clearance"),
+        (motion, "r"),
+    ):
         before = getattr(thing, name)
         with pytest.raises(AttributeError):
             setattr(thing, name, 1.0)
@@ -366,8 +405,19 @@ def test_to_dict_is_json():
     """Plain values throughout, and the same after a round trip."""
     motion = periodic()
     plain = json.loads(json.dumps(motion.to_dict(), allow_nan=False))
-    for name in ("r", "clearance", "A", "tau", "residual", "x_min", "x_max", "consistent",
-                 "admissible", "stable", "precision"):
+    for name in (
+        "r",
+        "clearance",
+        "A",
+        "tau",
+        "residual",
+        "x_min",
+        "x_max",
+        "consistent",
+        "admissible",
+        "stable",
+        "precision",
+    ):
         assert plain[name] == getattr(motion, name), name
     for name in ARRAYS[:-1]:
         assert plain[name] == getattr(motion, name).tolist(), name

@@ -22,14 +22,14 @@ TURN = 2.0 * np.pi
 def law(examples):
     """Return hypothesis settings: the same examples in every run, no limit of time on one."""
     health = [HealthCheck.filter_too_much, HealthCheck.too_slow, HealthCheck.data_too_large]
-    return settings(max_examples=examples, deadline=None, derandomize=True,
-                    suppress_health_check=health)
+    return settings(
+        max_examples=examples, deadline=None, derandomize=True, suppress_health_check=health
+    )
 
 
 @dataclass(frozen=True)
 class Case:
-    """A random system with its phases; `walls` are (R1, R2), or None where each impact has its own.
-    """
+    """A random system with its phases; `walls` are (R1, R2), or None where each impact has its own."""
 
     system: fp.System
     phases: np.ndarray
@@ -39,8 +39,13 @@ class Case:
         """Return what the package's functions take: oscillator, r, phases, pattern, restitution."""
         s = self.system
         osc = vi.Oscillator(s.xi, s.mu, self.walls or (0.5, 0.5))
-        return (osc, s.r, self.phases, vi.Pattern(s.sides, s.cycles),
-                None if self.walls else list(s.restitution))
+        return (
+            osc,
+            s.r,
+            self.phases,
+            vi.Pattern(s.sides, s.cycles),
+            None if self.walls else list(s.restitution),
+        )
 
 
 unit = st.floats(0.0, 1.0)
@@ -109,9 +114,20 @@ def unknowns_of(motion):
 
 def rebuild(motion, system):
     """Return the reference's motion with the package's numbers in it."""
-    return fp.Motion(system, motion.phases, motion.clearance, motion.A * np.cos(motion.tau),
-                     motion.A * np.sin(motion.tau), motion.X, motion.Z, motion.X_dot_before,
-                     motion.X_dot_after, motion.Z_dot_before, motion.Z_dot_after, motion.residual)
+    return fp.Motion(
+        system,
+        motion.phases,
+        motion.clearance,
+        motion.A * np.cos(motion.tau),
+        motion.A * np.sin(motion.tau),
+        motion.X,
+        motion.Z,
+        motion.X_dot_before,
+        motion.X_dot_after,
+        motion.Z_dot_before,
+        motion.Z_dot_after,
+        motion.residual,
+    )
 
 
 def scaled(maps, motion):
@@ -126,8 +142,13 @@ def event_condition(motion, system):
     end = np.append(motion.phases[1:], TURN * system.cycles)
     time = (end - motion.phases) / system.r
     _, v = fp.fly(system.xi, system.r, c, s, motion.phases, motion.X, motion.X_dot_after, time)
-    speed = (np.abs(motion.Z_dot_after) + np.abs(v) + np.abs(motion.X_dot_after)
-             + system.r * motion.A + np.abs(motion.X))
+    speed = (
+        np.abs(motion.Z_dot_after)
+        + np.abs(v)
+        + np.abs(motion.X_dot_after)
+        + system.r * motion.A
+        + np.abs(motion.X)
+    )
     approach = np.maximum(np.abs(motion.Z_dot_after - v), 1e-300)
     return (speed / approach).max() * spread(Case(system, motion.phases, ()))
 
@@ -201,8 +222,13 @@ def test_solution_of_the_linear_problem(case):
     bound = error_bound(case)
     assume(bound < 1e-3)
     motion, expected = vi.periodic(*case.arguments()), fp.solve(case.system, case.phases)
-    assert pytest.approx(case.system.amplitude, rel=16 * EPS / abs(1 - case.system.r**2 + 2j
-                         * case.system.xi * case.system.r)) == motion.A
+    assert (
+        pytest.approx(
+            case.system.amplitude,
+            rel=16 * EPS / abs(1 - case.system.r**2 + 2j * case.system.xi * case.system.r),
+        )
+        == motion.A
+    )
     size = np.linalg.norm(unknowns_of(motion))
     wave = np.hypot(*unknowns_of(motion)[-2:])
     far = np.linalg.norm(unknowns_of(motion) - unknowns_of_reference(expected))
@@ -232,8 +258,9 @@ def test_momentum_restitution_and_energy_at_every_impact(case):
     assert np.all(np.abs(v1 - w1 + R * (v0 - w0)) <= size)
     loss = v0**2 + mu * w0**2 - v1**2 - mu * w1**2
     expected = mu / (1 + mu) * (1 - R**2) * (v0 - w0) ** 2
-    assert np.all(np.abs(loss - expected) <= size * (np.abs(v0) + np.abs(v1) + np.abs(w0)
-                                                     + np.abs(w1)))
+    assert np.all(
+        np.abs(loss - expected) <= size * (np.abs(v0) + np.abs(v1) + np.abs(w0) + np.abs(w1))
+    )
     assert np.array_equal(motion.restitution, R)
 
 
@@ -261,8 +288,9 @@ def check_impact_maps(case, motion):
     condition = event_condition(motion, case.system)
     assume(condition < 1e8)
     c, s = motion.A * np.cos(motion.tau), motion.A * np.sin(motion.tau)
-    expected = fp.impact_jacobians(case.system, motion.phases, motion.X, motion.X_dot_after,
-                                   motion.Z_dot_after, c, s)
+    expected = fp.impact_jacobians(
+        case.system, motion.phases, motion.X, motion.X_dot_after, motion.Z_dot_after, c, s
+    )
     maps = motion.impact_maps()
     wanted, have = scaled(expected, motion), scaled(maps, motion)
     assert have.shape == wanted.shape
@@ -293,8 +321,9 @@ def test_determinant_of_an_exact_motion(case):
     motion = vi.periodic(*case.arguments())
     assert motion.residual <= 4 * error_bound(case) + 1e-13
     maps = check_impact_maps(case, motion)
-    expected = (np.exp(-4 * np.pi * system.xi * system.cycles / system.r)
-                * np.prod(np.square(system.restitution)))
+    expected = np.exp(-4 * np.pi * system.xi * system.cycles / system.r) * np.prod(
+        np.square(system.restitution)
+    )
     found = np.prod(np.linalg.det(maps))
     if expected == 0.0:
         # The product of the determinants holds a zero: a zero pivot to rounding in each factor.
@@ -335,8 +364,9 @@ def test_exact_motion_is_a_fixed_point_of_the_impact_maps(case):
         j = (i + 1) % len(walls)
         # Near enough for the root to be this one: the approach speed varies little over it.
         guess = time * (1 + 1e-3 / condition)
-        after, found = fp.impact_map(system, wave, system.restitution[j], states[:, i:i + 1],
-                                     guess, walls[j] - walls[i])
+        after, found = fp.impact_map(
+            system, wave, system.restitution[j], states[:, i : i + 1], guess, walls[j] - walls[i]
+        )
         wanted = states[:, j] + (turn if j == 0 else 0.0)
         error = np.abs(after[:, 0] - wanted) / [size, size, size, 1.0]
         assert error.max() <= 16 * bound * len(walls)
@@ -349,8 +379,12 @@ def test_repeated_motion(case, times):
     """A motion written several times over is itself; its multipliers are powers."""
     case, _ = exact(case)
     system = case.system
-    more = replace(system, sides=system.sides * times, cycles=system.cycles * times,
-                   restitution=system.restitution * times)
+    more = replace(
+        system,
+        sides=system.sides * times,
+        cycles=system.cycles * times,
+        restitution=system.restitution * times,
+    )
     phases = np.concatenate([case.phases + TURN * system.cycles * i for i in range(times)])
     longer = replace(case, system=more, phases=phases)
     bound = error_bound(longer)
@@ -404,10 +438,11 @@ def test_any_impact_can_be_the_first(case, first):
     bound = error_bound(case)
     assume(bound < 1e-6)
     turned = np.roll(case.phases, -first) - case.phases[first]
-    turned[n - first:] += TURN * case.system.cycles
+    turned[n - first :] += TURN * case.system.cycles
     sides, own = case.system.sides, case.system.restitution
-    system = replace(case.system, sides=sides[first:] + sides[:first],
-                     restitution=own[first:] + own[:first])
+    system = replace(
+        case.system, sides=sides[first:] + sides[:first], restitution=own[first:] + own[:first]
+    )
     other = replace(case, system=system, phases=turned)
     one, two = vi.periodic(*case.arguments()), vi.periodic(*other.arguments())
     same_motion(one, two, bound, shift=first)
@@ -443,8 +478,7 @@ def test_impact_pair_in_closed_form(case):
     assume(bound < 1e-6)
     bound *= away_from_resonance(case)
     motion, system = vi.periodic(*case.arguments()), case.system
-    c, s, X = fp.impact_pair(system.r, case.phases, system.signs, system.cycles,
-                             system.restitution)
+    c, s, X = fp.impact_pair(system.r, case.phases, system.signs, system.cycles, system.restitution)
     expected = np.append(X, [c, s])
     have = unknowns_of(motion)
     assert np.linalg.norm(have - expected) <= 4 * bound * np.linalg.norm(expected)
@@ -470,8 +504,14 @@ def test_impact_pair_follows_the_steady_motion(case):
 # --- equispaced -----------------------------------------------------------------------------
 
 
-@given(st.floats(0.0, 0.3), st.floats(0.0, 1.0), st.floats(0.05, 0.95), st.floats(0.4, 2.5),
-       st.sampled_from([1, 3]), st.floats(0.05, 3.0))
+@given(
+    st.floats(0.0, 0.3),
+    st.floats(0.0, 1.0),
+    st.floats(0.05, 0.95),
+    st.floats(0.4, 2.5),
+    st.sampled_from([1, 3]),
+    st.floats(0.05, 3.0),
+)
 @law(300)
 def test_equispaced_is_a_line_cut_by_a_circle(xi, mu, restitution, r, cycles, ratio):
     """Both motions, or none, where the reference has them; symmetric and consistent."""
@@ -482,8 +522,10 @@ def test_equispaced_is_a_line_cut_by_a_circle(xi, mu, restitution, r, cycles, ra
     found = vi.equispaced(vi.Oscillator(xi, mu, restitution), r, clearance, cycles=cycles)
     if bool(found) != bool(expected):
         # Only where the line all but touches the circle may the two disagree.
-        near = fp.equispaced(system, clearance * (1 - 1e-9)), fp.equispaced(
-            system, clearance * (1 + 1e-9))
+        near = (
+            fp.equispaced(system, clearance * (1 - 1e-9)),
+            fp.equispaced(system, clearance * (1 + 1e-9)),
+        )
         assert len(near[0]) != len(near[1])
         return
     assert len(found) in (0, 1, 2)
@@ -491,8 +533,9 @@ def test_equispaced_is_a_line_cut_by_a_circle(xi, mu, restitution, r, cycles, ra
         assert motion.clearance == pytest.approx(clearance, rel=1e-12)
         assert motion.pattern.sides == "RL"
         assert motion.X[1] == pytest.approx(-motion.X[0], abs=1e-11 * (1 + abs(motion.X[0])))
-        value = fp.mismatch(system, motion.phases, motion.X / clearance,
-                            *(unknowns_of(motion)[-2:]))
+        value = fp.mismatch(
+            system, motion.phases, motion.X / clearance, *(unknowns_of(motion)[-2:])
+        )
         assert np.abs(value).max() <= 1e-12 * np.linalg.norm(unknowns_of(motion)) * (1 + r)
     if len(found) == len(expected) == 2:
         gap = abs(expected[0].tau - expected[1].tau) % TURN
@@ -502,8 +545,12 @@ def test_equispaced_is_a_line_cut_by_a_circle(xi, mu, restitution, r, cycles, ra
             assert np.abs(taus - 1.0).min() <= near
 
 
-@given(st.floats(0.05, 0.95), st.floats(0.4, 2.5), st.sampled_from([1, 3, 5]),
-       st.one_of(st.just(0.999999), st.floats(0.01, 0.999999)))
+@given(
+    st.floats(0.05, 0.95),
+    st.floats(0.4, 2.5),
+    st.sampled_from([1, 3, 5]),
+    st.one_of(st.just(0.999999), st.floats(0.01, 0.999999)),
+)
 @law(150)
 def test_equispaced_impact_pair_ends_where_it_should(restitution, r, cycles, part):
     """With mu = 0 there are two motions up to a clearance known in closed form, none beyond."""
@@ -609,8 +656,10 @@ def test_samples_are_the_flight(case, parts):
         load = np.sin(system.r * t + motion.tau + system.lag)
         assert np.all(np.abs(sample.load - load) <= 1e-12 * (1 + system.cycles))
     grid = motion.sample(t.reshape(1, -1))
-    assert all(np.shape(getattr(grid, name)) == (1, len(t))
-               for name in ("X", "X_dot", "Z", "Z_dot", "Y", "load"))
+    assert all(
+        np.shape(getattr(grid, name)) == (1, len(t))
+        for name in ("X", "X_dot", "Z", "Z_dot", "Y", "load")
+    )
 
 
 @given(likely_motions())
@@ -702,9 +751,22 @@ def test_batch_is_the_single_calls(case, factors):
     assert motions.X.shape == many.shape
     for i in np.flatnonzero(motions.status == 0):
         one = vi.periodic(osc, r[i], many[:, i], pattern, restitution)
-        for name in ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after",
-                     "multipliers", "clearance", "A", "tau", "residual", "x_min", "x_max",
-                     "attenuation"):
+        for name in (
+            "X",
+            "Z",
+            "X_dot_before",
+            "X_dot_after",
+            "Z_dot_before",
+            "Z_dot_after",
+            "multipliers",
+            "clearance",
+            "A",
+            "tau",
+            "residual",
+            "x_min",
+            "x_max",
+            "attenuation",
+        ):
             mine = getattr(motions, name)[..., i]
             assert np.array_equal(mine, getattr(one, name)), name
             assert np.array_equal(getattr(motions[int(i)], name), getattr(one, name)), name

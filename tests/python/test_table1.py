@@ -55,9 +55,13 @@ def quantities(motion):
     """Every row of the table by name, in the paper's unit of length d/37."""
     unit = D / motion.clearance
     lag = np.arctan2(2 * motion.osc.xi * motion.r, 1 - motion.r**2)
-    rows = {"alpha_2/pi": motion.phases[1] / np.pi, "tau/pi": motion.tau / np.pi,
-            "load_phase/pi": (motion.tau + lag) / np.pi,
-            "x_min": unit * motion.x_min, "x_max": unit * motion.x_max}
+    rows = {
+        "alpha_2/pi": motion.phases[1] / np.pi,
+        "tau/pi": motion.tau / np.pi,
+        "load_phase/pi": (motion.tau + lag) / np.pi,
+        "x_min": unit * motion.x_min,
+        "x_max": unit * motion.x_max,
+    }
     for name in ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_after"):
         for i in range(2):
             rows[f"{name}_{i + 1}"] = unit * getattr(motion, name)[i]

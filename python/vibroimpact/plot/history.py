@@ -30,7 +30,9 @@ class History(NamedTuple):
     half: float
 
 
-def draw(thing: Motion | Trajectory, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
+def draw(
+    thing: Motion | Trajectory, ax: Any = None, kind: str | None = None, cycles: float = 3.0
+) -> Any:
     """Draw one panel into `ax`, or all of them into a new figure.
 
     Parameters
@@ -83,7 +85,9 @@ def _title(thing: Motion | Trajectory) -> str:
         rf"$R_2$ = {osc.restitution[1]:g}, $r$ = {thing.r:.6g}, $dK/F_0$ = {thing.clearance:.6g}"
     )
     if isinstance(thing, Motion):
-        text = f"{thing.pattern.sides}, {thing.pattern.cycles} cycle(s): {thing.verdicts()}\n" + text
+        text = (
+            f"{thing.pattern.sides}, {thing.pattern.cycles} cycle(s): {thing.verdicts()}\n" + text
+        )
     return text
 
 
@@ -122,13 +126,19 @@ def _history(thing: Motion | Trajectory, cycles: float) -> History:
 
 def _draw_history(ax: Any, h: History) -> None:
     """x with the walls that it carries, z between them, and the impacts."""
-    ax.fill_between(h.cycles, h.sample.X - h.half, h.sample.X + h.half, color=style.PRIMARY, alpha=0.08, lw=0)
+    ax.fill_between(
+        h.cycles, h.sample.X - h.half, h.sample.X + h.half, color=style.PRIMARY, alpha=0.08, lw=0
+    )
     for sign in (1, -1):
         ax.plot(h.cycles, h.sample.X + sign * h.half, color=style.PRIMARY, lw=0.7, ls=(0, (4, 2)))
     ax.plot(h.cycles, h.sample.X, color=style.PRIMARY, label=r"$X$ (walls dashed)")
     ax.plot(h.cycles, h.sample.Z, color=style.FREE, label="$Z$")
     side = np.where(h.events["side"] == "R", 1, -1)
-    for kind, marker, colour in (("impact", "o", style.IMPACT), ("stick", "v", style.REST), ("release", "^", style.REST)):
+    for kind, marker, colour in (
+        ("impact", "o", style.IMPACT),
+        ("stick", "v", style.REST),
+        ("release", "^", style.REST),
+    ):
         chosen = h.events["kind"] == kind
         if chosen.any():
             ax.plot(
@@ -138,7 +148,9 @@ def _draw_history(ax: Any, h: History) -> None:
     ax.set_ylabel(r"$X$, $Z$  ($F_0/K$)")
     ax.set_xlabel("time (load cycles)")
     ax.margins(x=0)
-    ax.legend(loc="upper right", ncols=5, bbox_to_anchor=(1.0, 1.16), handlelength=1.4, columnspacing=1.0)
+    ax.legend(
+        loc="upper right", ncols=5, bbox_to_anchor=(1.0, 1.16), handlelength=1.4, columnspacing=1.0
+    )
 
 
 def _draw_load(ax: Any, h: History) -> None:
@@ -158,7 +170,14 @@ def _draw_acceleration(ax: Any, h: History) -> None:
         room = 1.2 * max(np.abs(h.acceleration).max(), 1e-300)
         base = np.interp(h.event_cycles[impacts], h.cycles, h.acceleration)
         tips = base + room * jump / largest
-        ax.vlines(h.event_cycles[impacts], base, tips, color=style.IMPACT, lw=0.9, label=r"impact: $\Delta\dot X$")
+        ax.vlines(
+            h.event_cycles[impacts],
+            base,
+            tips,
+            color=style.IMPACT,
+            lw=0.9,
+            label=r"impact: $\Delta\dot X$",
+        )
         ax.legend(loc="upper right", bbox_to_anchor=(1.0, 1.16), handlelength=1.4)
     ax.set_ylabel(r"$\ddot X$  ($\omega^2 F_0/K$)")
     ax.set_xlabel("time (load cycles)")

@@ -32,5 +32,7 @@ def pyplot() -> Any:
     try:
         import matplotlib.pyplot as plt
     except ImportError:
-        raise MissingExtraError("pictures need matplotlib: pip install 'vibroimpact[plot]'") from None
+        raise MissingExtraError(
+            "pictures need matplotlib: pip install 'vibroimpact[plot]'"
+        ) from None
     return plt

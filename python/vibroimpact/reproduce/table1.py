@@ -18,9 +18,15 @@ R, CLEARANCE, PAIR = 0.94, 37.0, Pattern("RL")
 
 #: Printed entries that cannot be right, with the reason.
 MISPRINTS = {
-    ("X'_2a", "unequispaced"): "9.91 with the digits 1 and 9 swapped or misread: (13) with the printed "
+    (
+        "X'_2a",
+        "unequispaced",
+    ): "9.91 with the digits 1 and 9 swapped or misread: (13) with the printed "
     "Z'_1a, Z'_2a gives 9.91",
-    ("|lambda_4|", "equispaced 2"): "0.025: det[P] = exp(-4 pi xi/r) R1^2 R2^2 = 0.296 is the product of "
+    (
+        "|lambda_4|",
+        "equispaced 2",
+    ): "0.025: det[P] = exp(-4 pi xi/r) R1^2 R2^2 = 0.296 is the product of "
     "the four moduli, which 0.25 misses tenfold",
 }
 
@@ -29,7 +35,8 @@ def motions() -> dict[str, Motion]:
     """The motions of the three printed columns, and the exact one that belongs beside the third."""
     first, second = equispaced(OSCILLATOR, R, CLEARANCE)
     third = periodic(OSCILLATOR, R, [0, 1.37 * math.pi], PAIR)
-    # the paper kept alpha_2 = 1.37 pi, which needs d K/F0 = 38.22; d K/F0 falls with alpha_2, to 37 here
+    # the paper kept alpha_2 = 1.37 pi, which needs d K/F0 = 38.22; d K/F0 falls with alpha_2, to
+    # 37 here
     low, high = 1.37 * math.pi, 1.40 * math.pi
     while high - low > 4 * math.ulp(high):
         middle = 0.5 * (low + high)
@@ -97,13 +104,19 @@ def reproduce(folder: Path) -> bool:
     table = [["column", "quantity", "computed", "printed", "verdict"]]
     for column in ("equispaced 1", "equispaced 2", "unequispaced"):
         beside = computed["exact"] if column == "unequispaced" else None
-        lines += ["", f"{column}", _row("", "computed", "printed", "exact" if beside else "", "verdict")]
+        lines += [
+            "",
+            f"{column}",
+            _row("", "computed", "printed", "exact" if beside else "", "verdict"),
+        ]
         for row in printed_values():
             name, printed = row["quantity"], row[column]
             value = computed[column][name]
             said = verdict(value, printed, MISPRINTS.get((name, column)))
             lines.append(_row(name, value, printed, beside[name] if beside else "", said))
-            table.append([column, name, repr(value) if isinstance(value, float) else value, printed, said])
+            table.append(
+                [column, name, repr(value) if isinstance(value, float) else value, printed, said]
+            )
     faults = sum(row[-1] == "DIFFERS" for row in table)
     misprints = sum(row[-1].startswith("misprint") for row in table)
     third = found["unequispaced"]
@@ -112,7 +125,8 @@ def reproduce(folder: Path) -> bool:
         f"{len(table) - 1} entries: {len(table) - 1 - faults - misprints} agree, {misprints} are misprints, "
         f"{faults} differ.",
         f"Third column: alpha_2 = 1.37 pi needs d K/F0 = {third.clearance:.4f}; the paper took d = 37 as the",
-        f"unit of length. 'exact' is the motion at d K/F0 = 37, where alpha_2 = {computed['exact']['alpha_2/pi']:.6f} pi.",
+        f"unit of length. 'exact' is the motion at d K/F0 = 37, where alpha_2 = "
+        f"{computed['exact']['alpha_2/pi']:.6f} pi.",
     ]
     text = "\n".join(lines) + "\n"
     buffer = io.StringIO()
