@@ -39,12 +39,13 @@ def allowed(name: str) -> str:
 
 def number(value: Any, name: str, label: str | None = None) -> float:
     """A float within the range of `name`; `label` is what the message calls it."""
+    item: float = value
     if type(value) is not float:
-        value = to_float(value, label or name, allowed(name))
+        item = to_float(value, label or name, allowed(name))
     low, high, closed = RANGES[name]
-    if not (low <= value < high or (closed and value == high)):
+    if not (low <= item < high or (closed and item == high)):
         raise ParameterError(f"{label or name} = {value!r}: must be {allowed(name)}")
-    return value
+    return item
 
 
 def to_float(value: Any, label: str, wanted: str) -> float:
@@ -66,13 +67,13 @@ def integer(value: Any, name: str, low: int, high: int) -> int:
     if isinstance(value, (bool, np.bool_)):
         raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}, not bool")
     try:
-        value = operator.index(value)
+        item = operator.index(value)
     except TypeError:
         kind = ParameterError if isinstance(value, float) else ParameterTypeError
         raise kind(f"{name} = {value!r}: must be {wanted}") from None
-    if not low <= value <= high:
+    if not low <= item <= high:
         raise ParameterError(f"{name} = {value!r}: must be {wanted}")
-    return value
+    return item
 
 
 def choice(value: Any, name: str, choices: Sequence[str]) -> str:

@@ -310,7 +310,7 @@ def _walls(restitution: Any) -> tuple[float, float]:
 
 def _positive(value: Any, name: str, *, zero: bool = False) -> float:
     wanted = f"a finite number with {name} {'>=' if zero else '>'} 0"
-    value = checks.to_float(value, name, wanted)
-    if not (0 < value < math.inf or (zero and value == 0)):
+    item = checks.to_float(value, name, wanted)
+    if not (0 < item < math.inf or (zero and item == 0)):
         raise ParameterError(f"{name} = {value!r}: must be {wanted}")
-    return value
+    return item

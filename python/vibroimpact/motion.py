@@ -10,12 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
+from .errors import ParameterError
 from .model import Oscillator, Pattern
 
 __all__ = ["Motion", "Motions", "Sample"]
 
 #: What the core's verdicts mean: 1, 0, and -1 for "not computed".
 VERDICT = {1: True, 0: False, -1: None}
+
+
+#: Leading arguments of the core's procedures on a finished motion.
+_Array = NDArray[np.float64]
+_Flights = tuple[float, float, float, int, NDArray[np.int32], _Array, _Array, _Array, float, float]
 
 
 class Sample(NamedTuple):
@@ -172,7 +178,7 @@ class Motion:
         """
         times = checks.real_array(t, "t", "real times")
         if not np.isfinite(times).all():
-            raise checks.ParameterError(f"t = {t!r}: must be finite")
+            raise ParameterError(f"t = {t!r}: must be finite")
         if self.rest_events is None:
             values = _core.sample(*self._flights(), times.ravel())
             values[5] *= self.load
@@ -221,7 +227,7 @@ class Motion:
         just after impact i. All zero where the impact has no approach speed.
         """
         if self.pattern.has_rest:
-            raise checks.ParameterError(
+            raise ParameterError(
                 f"pattern = {self.pattern.sides!r}: a motion with rest has no finite list of [P_i]"
             )
         maps, _ = _core.impact_maps(*self._flights())
@@ -294,7 +300,7 @@ class Motion:
             )
         return "\n".join(lines)
 
-    def _flights(self) -> tuple[Any, ...]:
+    def _flights(self) -> _Flights:
         """The leading arguments of the core's procedures on a finished motion."""
         impacts = np.stack(
             [

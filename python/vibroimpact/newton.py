@@ -144,8 +144,9 @@ def newton(
     _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
     consistent, admissible, stable = verdicts.tolist()
     return Motion(
-        osc, r, clearance, pattern, each, frozen(phases), *impacts.T, amplitude, tau, residual,
-        multipliers,
+        osc, r, clearance, pattern, each, frozen(phases),
+        impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
+        amplitude, tau, residual, multipliers,
         VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max, load=load,
     )  # fmt: skip
 
@@ -174,12 +175,11 @@ def rest_motion(
     multipliers.flags.writeable = False
     amplitude = load / math.hypot((1 - r) * (1 + r), 2 * osc.xi * r)
     z = first["x"] + 0.5 * pattern.signs * clearance
-    columns = [first["x"], z] + [
-        first[name] for name in ("x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-    ]
+    names = ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
+    x, before, after, z_before, z_after = (frozen(np.array(first[name])) for name in names)
     return Motion(
         osc, r, clearance, pattern, impact_restitution(osc, pattern, None), frozen(first["time"] * r),
-        *(frozen(np.ascontiguousarray(column)) for column in columns), amplitude,
+        x, frozen(z), before, after, z_before, z_after, amplitude,
         math.remainder(float(first["phase"][0]) - lag(osc, r), TWO_PI), residual, multipliers,
         residual < 1e-9, True, bool(np.all(np.abs(multipliers) < 1)), x_min if whole else math.nan,
         x_max if whole else math.nan, load=load, rest_events=table,

@@ -164,8 +164,8 @@ def periodic_batch(
     clearance, amplitude, tau, residual, x_min, x_max = scalars
     consistent, admissible, stable = verdicts.astype(np.int8)
     return Motions(
-        osc, frozen(ratios), clearance, pattern, each, frozen(table), *(impacts[:, i] for i in
-        range(6)),
+        osc, frozen(ratios), clearance, pattern, each, frozen(table),
+        impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
         amplitude, tau, residual, multipliers, consistent, admissible, stable, x_min, x_max, status,
         precision,
     )  # fmt: skip

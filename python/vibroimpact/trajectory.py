@@ -257,7 +257,7 @@ def simulate(
 
 
 def _run(
-    system: tuple[Any, ...],
+    system: tuple[float, float, tuple[float, float], float, float, float],
     values: NDArray[np.float64],
     contact: NDArray[np.int32],
     end: tuple[float, float],
@@ -348,9 +348,9 @@ def _start(
             f"state['z'] - state['x'] = {y!r}: must be between the walls, -{half:.6g} to {half:.6g}"
         )
     if all(name in given for name in extra):
-        values = [given[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
+        numbers = [given[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
         labels = [int(given[name]) for name in ("side", "resting", "released")]
-        return np.array(values), np.array(labels, dtype=np.int32)
+        return np.array(numbers), np.array(labels, dtype=np.int32)
     start = np.array([given[name] for name in needed])
     values, contact = _core.start_state(osc.xi, r, load, clearance, start)
     return values, contact
