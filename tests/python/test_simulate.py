@@ -5,6 +5,7 @@ rest are laws. A contact that closes a gap slowly is known only to rounding of t
 speed; tolerances say so.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -302,7 +303,7 @@ def test_accumulation_is_summed_not_cut_off(restitution, mu):
 def rests(run):
     """Pairs of (stick, release) of a trajectory, the rests that begin and end in it."""
     ends = run.events[run.events["kind"] != "impact"]
-    return [(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True) if a["kind"] == "stick"]
+    return [(a, b) for a, b in itertools.pairwise(ends) if a["kind"] == "stick"]
 
 
 def test_rest_obeys_newton_and_the_contact_pushes():

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import ParameterError
 
 #: What can be recomputed; each is a module here with a function `reproduce(folder) -> bool`.
-NAMES = ("table1",)
+NAMES = ("table1", "figure9")
 
 
 def reproduce(names: Iterable[str], folder: str | Path) -> int:

@@ -1,0 +1,197 @@
+"""Every periodic motion at a point: what has to be among them, none twice, and an honest account."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from test_exact import TABLE, UNEVEN, after_impact
+from test_simulate import RIG, TURN, state
+
+
+def same_orbit(one, other):
+    """Whether two motions are one orbit: some rotation of the impacts, whole load periods later."""
+    n, k = len(one.pattern), one.pattern.cycles
+    if (n, k) != (len(other.pattern), other.pattern.cycles):
+        return False
+    letters = one.pattern.letters
+    for j in range(n):
+        if letters[j:] + letters[:j] != other.pattern.letters:
+            continue
+        phases = np.append(one.phases[j:], one.phases[:j] + TURN * k) + one.load_phase
+        gap = phases - other.phases - other.load_phase
+        gap -= TURN * np.rint(gap[0] / TURN)
+        if np.abs(gap).max() < 1e-6 and np.allclose(np.roll(one.X, -j), other.X, atol=1e-6):
+            return True
+    return False
+
+
+def check_found(found, osc, r, clearance):
+    """Assert what holds for every motion of a search."""
+    for i, motion in enumerate(found):
+        assert motion.residual <= 1e-12
+        assert motion.consistent
+        assert motion.admissible
+        assert (motion.osc, motion.r, motion.clearance) == (osc, r, clearance)
+        history = motion.sample(np.linspace(0, motion.period, 3001))
+        assert np.abs(history.Y).max() <= 0.5 * clearance * (1 + 1e-9)
+        for other in found[:i]:
+            assert not same_orbit(motion, other)
+    stable = [bool(motion.stable) for motion in found]
+    assert stable == sorted(stable, reverse=True)
+
+
+def is_mirror(one, other):
+    """Whether a motion is the mirror image of another, half a load period later."""
+    letters = other.pattern.sides.translate(str.maketrans("RL", "LR"))
+    for j in range(len(one.pattern)):
+        turned = one.pattern.letters[j:] + one.pattern.letters[:j]
+        if "".join(turned) != letters or one.pattern.cycles != other.pattern.cycles:
+            continue
+        if np.allclose(-np.roll(one.X, -j), other.X, atol=1e-7):
+            return True
+    return False
+
+
+def test_point_of_table_1():
+    """Two unstable equispaced motions, the stable unequispaced one and its mirror image."""
+    found = vi.find(TABLE, 0.94, 37.0)
+    check_found(found, TABLE, 0.94, 37.0)
+    pairs = [m for m in found if m.pattern.sides == "RL" and m.pattern.cycles == 1]
+    even = [m for m in pairs if abs(m.phases[1] - math.pi) < 1e-9]
+    odd = [m for m in pairs if abs(m.phases[1] - math.pi) > 0.1]
+    assert len(even) == len(odd) == 2
+    assert sorted(np.abs(m.multipliers).max() for m in even) == pytest.approx(
+        [3.8284, 12.0742], abs=1e-4)
+    assert all(m.stable for m in odd)
+    assert not any(m.stable for m in even)
+    assert is_mirror(odd[0], odd[1])
+    assert sorted(m.phases[1] / math.pi for m in odd) == pytest.approx(
+        [2 - 1.382026, 1.382026], abs=1e-6)
+    known = vi.equispaced(TABLE, 0.94, 37.0)
+    for motion in known:
+        assert any(same_orbit(motion, other) for other in even)
+
+
+def test_symmetric_walls_give_mirror_images():
+    """With equal walls every motion has its mirror image in the list (or is its own)."""
+    found = vi.find(TABLE, 0.94, 37.0, max_impacts=4)
+    for motion in found:
+        assert any(is_mirror(motion, other) for other in found)
+
+
+@pytest.mark.parametrize(("osc", "r", "clearance"), [
+    (RIG, 0.9, 6.0), (UNEVEN, 1.1, 2.0), (TABLE, 0.97, 30.0), (vi.Oscillator(0.0, 0.1, 0.6), 0.8, 3.0),
+])  # fmt: skip
+def test_none_is_found_twice(osc, r, clearance):
+    """Every motion once, each a solution that stays between the walls."""
+    check_found(vi.find(osc, r, clearance, max_impacts=4), osc, r, clearance)
+
+
+def test_motion_with_rest_is_found():
+    """The example's attractor is among the motions of its point, and it is stable."""
+    found = vi.find(RIG, 0.9, 6.0, max_impacts=3, max_cycles=1)
+    resting = [m for m in found if m.pattern.has_rest]
+    assert len(resting) == 1
+    assert resting[0].stable
+    assert sorted(resting[0].pattern.letters) == ["L*", "R"]
+    assert np.array_equal(resting[0].multipliers[2:], [0, 0])
+    assert [m.stable for m in found].count(True) == 1
+
+
+def test_stable_motions_are_what_states_settle_on():
+    """Whatever 40 random states settle on in 800 cycles is in the list."""
+    found = [m for m in vi.find(TABLE, 0.94, 37.0) if m.stable and not m.pattern.has_rest]
+    draw, seen = np.random.default_rng(5), 0
+    for _ in range(40):
+        x, x_dot, z_dot = 12 * draw.normal(size=3)
+        first = state(draw.uniform(0, 7), x, x_dot, x + draw.uniform(-18, 18), z_dot)
+        run = vi.simulate(TABLE, 0.94, 37.0, 8.3, first, discard=800)
+        try:
+            motion = vi.exact(TABLE, 0.94, 37.0, run)
+        except vi.errors.ParameterError:
+            continue
+        seen += 1
+        assert any(same_orbit(motion, other) for other in found), motion
+    assert seen >= 10
+
+
+def test_stable_motions_stay_and_unstable_ones_do_not():
+    """100 cycles from each motion of a search, a little off: back for a stable one, away else."""
+    for motion in vi.find(TABLE, 0.94, 37.0, max_impacts=3, max_cycles=1):
+        first = after_impact(motion)
+        first["x_dot"] += 1e-6
+        run = vi.simulate(TABLE, 0.94, 37.0, 400, first)
+        last = run.events["x"][-40:]
+        off = np.abs(last[:, None] - motion.X).min(1).max()
+        assert (off < 1e-8) == motion.stable
+
+
+def test_same_search_same_answer():
+    """The order of threads does not matter."""
+    one, other = (vi.find(TABLE, 0.94, 37.0, max_impacts=3) for _ in range(2))
+    assert [repr(m) for m in one] == [repr(m) for m in other]
+    for a, b in zip(one, other, strict=True):
+        assert np.array_equal(a.X, b.X)
+        assert np.array_equal(a.multipliers, b.multipliers)
+    assert one.search == other.search
+
+
+def test_search_says_how_it_was_done():
+    """Patterns, guesses, simulated states, and that something can have been missed."""
+    found = vi.find(TABLE, 0.94, 37.0, max_impacts=3, max_cycles=2, guesses=10, states=4)
+    search = found.search
+    assert search.patterns == 4                     # RL and RRL (or its mirror image), 1 and 2 cycles
+    assert 0 < search.guesses <= 40
+    assert search.states == 4
+    assert 0 <= search.settled <= 4
+    text = str(search)
+    for word in ("patterns", "guesses", "simulated", "missed"):
+        assert word in text
+    more = vi.find(TABLE, 0.94, 37.0, max_impacts=3, max_cycles=2, guesses=200, states=4)
+    assert more.search.guesses > search.guesses
+    assert len(more) >= len(found)
+
+
+def test_no_guess_and_no_state_find_nothing():
+    """An empty search is an empty list, with its account."""
+    found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1, guesses=0, states=0)
+    assert list(found) == []
+    assert found.search.guesses == found.search.states == 0
+
+
+def test_load_and_lengths_scale():
+    """At twice the load and the clearance the same motions are there, twice as large."""
+    one = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1)
+    other = vi.find(TABLE, 0.94, 74.0, max_impacts=2, max_cycles=1, load=2.0)
+    assert len(one) == len(other) == 4
+    for a, b in zip(one, other, strict=True):
+        assert b.load == 2.0
+        assert 2 * a.X == pytest.approx(b.X, abs=1e-9)
+        assert b.multipliers == pytest.approx(a.multipliers, abs=1e-8)
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("r", -0.5), ("r", math.nan), ("clearance", 0.0), ("clearance", math.inf), ("load", -1.0),
+    ("load", math.nan), ("max_impacts", 1), ("max_impacts", 1000), ("max_cycles", 0),
+    ("max_cycles", 1000), ("guesses", -1), ("states", -1), ("settling", -1), ("max_impacts", 2.5),
+])  # fmt: skip
+def test_values(name, value):
+    """Every limit has its range."""
+    with pytest.raises(vi.errors.ParameterError, match=name) as caught:
+        vi.find(**{"osc": TABLE, "r": 0.94, "clearance": 37.0} | {name: value})
+    assert str(value) in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["osc", "r", "clearance", "max_impacts", "max_cycles", "guesses"])
+@pytest.mark.parametrize("value", ["2", None, 1j, True])
+def test_types(name, value):
+    """Wrong types are refused by name."""
+    with pytest.raises(vi.errors.ParameterTypeError, match=name):
+        vi.find(**{"osc": TABLE, "r": 0.94, "clearance": 37.0} | {name: value})
+
+
+def test_free_vibration_has_no_periodic_impacts():
+    """Without load damping and impacts end everything; no motion, no crash."""
+    found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1, load=0.0, states=4)
+    assert [m for m in found if m.admissible and np.abs(m.X).max() > 1e-9] == []

@@ -1,0 +1,220 @@
+"""Pictures: the data behind the panels, the labels, and the manners of a library."""
+
+import sys
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from test_exact import COLUMN, TABLE, rest_motion
+from test_simulate import RIG, TURN, settled
+
+matplotlib = pytest.importorskip("matplotlib")
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+KINDS = ("history", "load", "acceleration", "portrait")
+LABELS = {"history": ("X", "Z", "F_0/K"), "load": ("load", "F_0"),
+          "acceleration": (r"\ddot X", "F_0/K"), "portrait": (r"\dot Y", "F_0/K")}
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    """Each test starts and ends without open figures."""
+    plt.close("all")
+    yield
+    plt.close("all")
+
+
+def things():
+    """A motion, one with rest, a trajectory and one with rests."""
+    return [vi.exact(TABLE, 0.94, 37.0, COLUMN), rest_motion(),
+            vi.simulate(TABLE, 0.94, 37.0, 5.3, {"t": 0, "x": 0, "x_dot": 9, "z": 0, "z_dot": 3}),
+            settled(4)]
+
+
+def lines(ax):
+    """Pairs of arrays of all lines of a panel."""
+    return [np.array(line.get_data(), dtype=float) for line in ax.get_lines()]
+
+
+def curve(ax):
+    """Return the longest line of a panel that is drawn with many points."""
+    return max(lines(ax), key=lambda data: data.shape[1])
+
+
+@pytest.mark.parametrize("which", range(4))
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_panel_into_given_axes(which, kind):
+    """`ax=` is drawn into and returned; no other figure is made; labels have symbols and units."""
+    figure, ax = plt.subplots()
+    before = plt.get_fignums()
+    assert things()[which].plot(ax=ax, kind=kind) is ax
+    assert plt.get_fignums() == before
+    for word in LABELS[kind]:
+        assert word in ax.get_ylabel()
+    assert "Y" in ax.get_xlabel() if kind == "portrait" else "cycles" in ax.get_xlabel()
+    figure.canvas.draw()
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_all_panels(which, tmp_path):
+    """Without `ax` a figure with all panels, that can be written to a file."""
+    axes = things()[which].plot()
+    assert len(axes) == len(KINDS)
+    figure = axes[0].figure
+    for one in axes:
+        assert one.figure is figure
+        assert one.get_ylabel()
+    path = tmp_path / "motion.png"
+    figure.savefig(path)
+    assert path.stat().st_size > 10_000
+    title = figure.get_suptitle()
+    for word in (r"\xi", r"\mu", "R_1", "r", "dK/F_0"):
+        assert word in title
+
+
+def test_default_panel_is_the_history():
+    """`ax` alone draws the time history."""
+    _, ax = plt.subplots()
+    assert "Z" in vi.exact(TABLE, 0.94, 37.0, COLUMN).plot(ax=ax).get_ylabel()
+
+
+def test_kind_alone_makes_one_panel():
+    """`kind` alone gives one new figure with one panel."""
+    ax = vi.exact(TABLE, 0.94, 37.0, COLUMN).plot(kind="load")
+    assert len(plt.get_fignums()) == 1
+    assert ax.figure.axes == [ax]
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_history_is_the_sample(which):
+    """The curves X and Z are what `sample` gives, the walls X +- d/2, markers at the events."""
+    thing = things()[which]
+    motion = isinstance(thing, vi.Motion)
+    _, ax = plt.subplots()
+    thing.plot(ax=ax, kind="history", cycles=2)
+    start = 0.0 if motion else thing.final_state["t"] - 2 * TURN / thing.r
+    labels = {str(line.get_label()).split()[0].strip("$"): line for line in ax.get_lines()}
+    for name in ("X", "Z"):
+        cycles, values = np.array(labels[name].get_data(), float)
+        assert cycles[0] == pytest.approx(0, abs=1e-9)
+        assert cycles[-1] == pytest.approx(2, abs=1e-9)
+        assert cycles.size >= 800
+        inside = cycles[1:-1:7]
+        times = start + inside * TURN / thing.r
+        want = getattr(thing.sample(times), name)
+        assert values[1:-1:7] == pytest.approx(want, abs=1e-6 * thing.clearance)
+    walls = [d for d in lines(ax) if d.shape[1] == labels["X"].get_xdata().size]
+    offsets = {round(float(np.mean(d[1] - labels["X"].get_ydata())), 6) for d in walls}
+    assert {0.5 * thing.clearance, -0.5 * thing.clearance} <= offsets
+    events = thing.events
+    if not motion:
+        events = events[events["time"] >= start]
+    cycles, values = np.array(labels["impact"].get_data(), float)
+    hits = events[events["kind"] == "impact"]
+    assert cycles.size in (hits.size, 2 * hits.size, 2 * hits.size + 1)
+    side = np.where(hits["side"] == "R", 0.5, -0.5)
+    got, want = np.sort(values)[[0, -1]], np.sort(hits["x"] + side * thing.clearance)[[0, -1]]
+    assert got == pytest.approx(want, abs=1e-6)
+
+
+def test_rests_are_marked():
+    """Sticks and releases have their own markers, as many as there are."""
+    run = settled(4)
+    _, ax = plt.subplots()
+    run.plot(ax=ax, cycles=4)
+    for kind in ("stick", "release"):
+        line = next(line for line in ax.get_lines() if line.get_label() == kind)
+        assert len(line.get_xdata()) == (run.events["kind"] == kind).sum()
+        assert line.get_marker() not in ("", "None", None)
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_load_panel(which):
+    """The load is f sin(phase) of the thing itself."""
+    thing = things()[which]
+    _, ax = plt.subplots()
+    thing.plot(ax=ax, kind="load", cycles=2)
+    cycles, values = curve(ax)
+    offset = thing.load_phase if isinstance(thing, vi.Motion) else thing.final_state["phase"]
+    assert values == pytest.approx(thing.load * np.sin(offset + TURN * cycles), abs=1e-9)
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_acceleration_panel(which):
+    """The acceleration is load - 2 xi X' - X, over 1 + mu at rest; a spike at each impact."""
+    thing = things()[which]
+    osc, motion = thing.osc, isinstance(thing, vi.Motion)
+    _, ax = plt.subplots()
+    thing.plot(ax=ax, kind="acceleration", cycles=2)
+    cycles, values = curve(ax)
+    start = 0.0 if motion else thing.final_state["t"] - 2 * TURN / thing.r
+    pick = slice(3, -3, 11)
+    times = start + cycles[pick] * TURN / thing.r
+    h = thing.sample(times)
+    free = h.load - 2 * osc.xi * h.X_dot - h.X
+    rest = np.abs(np.abs(h.Y) - 0.5 * thing.clearance) < 1e-12
+    rest &= h.X_dot == h.Z_dot
+    want = np.where(rest, free / (1 + osc.mu), free)
+    good = np.abs(values[pick] - want) < 1e-5 * max(1.0, np.abs(want).max())
+    assert good.mean() > 0.98
+    spikes = [seg for part in ax.collections for seg in getattr(part, "get_segments", list)()]
+    assert len(spikes) >= 2
+
+
+def test_load_amplitude_is_drawn():
+    """A trajectory under another load draws that load."""
+    run = vi.simulate(RIG, 0.9, 6.0, 5, load=2.5)
+    _, ax = plt.subplots()
+    run.plot(ax=ax, kind="load")
+    assert np.abs(curve(ax)[1]).max() == pytest.approx(2.5, abs=1e-3)
+
+
+def test_portrait_stays_between_the_walls():
+    """Y on the horizontal axis, never beyond the walls that are drawn."""
+    for thing in things():
+        _, ax = plt.subplots()
+        thing.plot(ax=ax, kind="portrait")
+        y = curve(ax)[0]
+        assert np.abs(y).max() <= 0.5 * thing.clearance * (1 + 1e-9)
+        assert np.abs(y).max() > 0.49 * thing.clearance
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("kind", "pie"), ("kind", 3), ("cycles", 0), ("cycles", -1), ("cycles", float("nan")),
+    ("cycles", "2"),
+])  # fmt: skip
+def test_wrong_arguments(name, value):
+    """Wrong words and numbers are refused by name, and no figure is left behind."""
+    for thing in (vi.exact(TABLE, 0.94, 37.0, COLUMN), settled(2)):
+        with pytest.raises(vi.errors.VibroimpactError, match=name):
+            thing.plot(**{name: value})
+        assert plt.get_fignums() == []
+
+
+def test_short_and_quiet_trajectories_are_drawn():
+    """No impact, no time, or fewer cycles than asked for: a picture all the same."""
+    for run in (vi.simulate(RIG, 0.9, 1e4, 3), vi.simulate(RIG, 0.9, 6.0, 0.5),
+                vi.simulate(RIG, 0.9, 6.0, 2, load=0.0), vi.simulate(RIG, 0.9, 6.0, 0)):
+        axes = run.plot()
+        axes[0].figure.canvas.draw()
+
+
+def test_settings_are_left_alone():
+    """Drawing does not change the caller's style."""
+    before = dict(matplotlib.rcParams)
+    settled(2).plot()
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_without_matplotlib(monkeypatch):
+    """An import error of the package's own says what to install; computing does not need it."""
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    for name in list(sys.modules):
+        if name.split(".")[0] == "matplotlib":
+            monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(ImportError, match=r"vibroimpact\[plot\]") as caught:
+        motion.plot()
+    assert isinstance(caught.value, vi.errors.VibroimpactError)
+    assert type(caught.value).__name__ == "MissingExtraError"
+    assert vi.simulate(RIG, 0.9, 6.0, 1).events.size > 0
