@@ -1,5 +1,6 @@
-# The procedures of boundary.f90, which describes their arguments. At run time each is an object of
-# f2py's that can be called, not a function: hence a protocol for each.
+# The procedures of boundary.f90, which describes their arguments; .ci/check_stub.py compares the
+# two. At run time each is an object of f2py's that can be called, not a function: hence a protocol
+# for each.
 
 from typing import Protocol, TypeAlias, type_check_only
 
@@ -11,11 +12,9 @@ _Complex: TypeAlias = NDArray[np.complex128]
 _Integer: TypeAlias = NDArray[np.intc]
 _Bytes: TypeAlias = NDArray[np.bytes_]
 
-# impacts, scalars, multipliers, verdicts, status
-_Motions: TypeAlias = tuple[_Real, _Real, _Complex, _Integer, _Integer]
-
 @type_check_only
 class _Periodic(Protocol):
+    # impacts, scalars, multipliers, verdicts, status
     def __call__(
         self,
         xi: float,
@@ -31,10 +30,11 @@ class _Periodic(Protocol):
         flights: int,
         n: int = ...,
         m: int = ...,
-    ) -> _Motions: ...
+    ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
 class _Equispaced(Protocol):
+    # impacts, scalars, multipliers, verdicts, status
     def __call__(
         self,
         xi: float,
@@ -47,10 +47,11 @@ class _Equispaced(Protocol):
         single: int,
         flights: int,
         m: int = ...,
-    ) -> _Motions: ...
+    ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
 class _LinearSystem(Protocol):
+    # matrix, rhs
     def __call__(
         self,
         xi: float,
@@ -61,10 +62,11 @@ class _LinearSystem(Protocol):
         restitution: ArrayLike,
         phases: ArrayLike,
         n: int = ...,
-    ) -> tuple[_Real, _Real]: ...  # matrix, rhs
+    ) -> tuple[_Real, _Real]: ...
 
 @type_check_only
 class _ImpactMaps(Protocol):
+    # p, regular
     def __call__(
         self,
         xi: float,
@@ -78,10 +80,11 @@ class _ImpactMaps(Protocol):
         amplitude: float,
         tau: float,
         n: int = ...,
-    ) -> tuple[_Real, int]: ...  # p, regular
+    ) -> tuple[_Real, int]: ...
 
 @type_check_only
 class _Sample(Protocol):
+    # values
     def __call__(
         self,
         xi: float,
@@ -97,14 +100,19 @@ class _Sample(Protocol):
         times: ArrayLike,
         n: int = ...,
         m: int = ...,
-    ) -> _Real: ...  # values
+    ) -> _Real: ...
 
 @type_check_only
 class _StatusText(Protocol):
-    def __call__(self, code: int) -> tuple[_Bytes, int]: ...  # text, length
+    # text, length
+    def __call__(
+        self,
+        code: int,
+    ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
 class _RunNamelists(Protocol):
+    # text, length, status
     def __call__(
         self,
         paths: ArrayLike,
@@ -112,7 +120,144 @@ class _RunNamelists(Protocol):
         room: int,
         n_paths: int = ...,
         n_folder: int = ...,
-    ) -> tuple[_Bytes, int, int]: ...  # text, length, status
+    ) -> tuple[_Bytes, int, int]: ...
+
+@type_check_only
+class _Simulate(Protocol):
+    # values, labels, n_events, end_state, end_contact, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        state: ArrayLike,
+        contact: ArrayLike,
+        last_cycle: float,
+        last_phase: float,
+        room: int,
+    ) -> tuple[_Real, _Integer, int, _Real, _Integer, int]: ...
+
+@type_check_only
+class _SampleTrajectory(Protocol):
+    # values
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        r: float,
+        load: float,
+        clearance: float,
+        starts: ArrayLike,
+        resting: ArrayLike,
+        times: ArrayLike,
+        n: int = ...,
+        m: int = ...,
+    ) -> _Real: ...
+
+@type_check_only
+class _Exact(Protocol):
+    # phases, impacts, scalars, multipliers, verdicts, status, iterations
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        x: ArrayLike,
+        theta: ArrayLike,
+        most: int,
+        n: int = ...,
+    ) -> tuple[_Real, _Real, _Real, _Complex, _Integer, int, int]: ...
+
+@type_check_only
+class _ExtremePositions(Protocol):
+    # x_min, x_max, complete
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        r: float,
+        load: float,
+        clearance: float,
+        starts: ArrayLike,
+        resting: ArrayLike,
+        last: float,
+        n: int = ...,
+    ) -> tuple[float, float, int]: ...
+
+@type_check_only
+class _RestMotion(Protocol):
+    # point, multipliers, residual, values, labels, n_events, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        side: int,
+        cycles: int,
+        guess: ArrayLike,
+        room: int,
+    ) -> tuple[_Real, _Complex, float, _Real, _Integer, int, int]: ...
+
+@type_check_only
+class _SearchPattern(Protocol):
+    # found, n_found, tried
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        cycles: int,
+        sides: ArrayLike,
+        guesses: int,
+        room: int,
+        n: int = ...,
+    ) -> tuple[_Real, int, int]: ...
+
+@type_check_only
+class _StartState(Protocol):
+    # state, contact
+    def __call__(
+        self,
+        xi: float,
+        r: float,
+        load: float,
+        clearance: float,
+        start: ArrayLike,
+    ) -> tuple[_Real, _Integer]: ...
+
+@type_check_only
+class _SimulateBundle(Protocol):
+    # end_states, end_contacts, counts, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        load: ArrayLike,
+        clearance: ArrayLike,
+        cycles: float,
+        most_events: int,
+        threads: int,
+        states: ArrayLike,
+        contacts: ArrayLike,
+        m: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, _Integer]: ...
 
 __f2py_numpy_version__: str
 
@@ -123,3 +268,11 @@ impact_maps: _ImpactMaps
 sample: _Sample
 status_text: _StatusText
 run_namelists: _RunNamelists
+simulate: _Simulate
+sample_trajectory: _SampleTrajectory
+exact: _Exact
+extreme_positions: _ExtremePositions
+rest_motion: _RestMotion
+search_pattern: _SearchPattern
+start_state: _StartState
+simulate_bundle: _SimulateBundle
