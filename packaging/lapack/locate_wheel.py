@@ -1,4 +1,4 @@
-"""Print the path of the shared library in the package scipy-openblas32; fail if it is not installed."""
+"""Print the path of the shared library of the package scipy-openblas32; fail if there is none."""
 
 from pathlib import Path
 
