@@ -131,6 +131,7 @@ def next_contact(system, state, left, limit):
         after = fly(system, state, t + step)
         for side in (1, -1):
             if gap(system, after, side) <= 0:
+
                 def close(t, side=side):
                     return gap(system, fly(system, state, t), side)
 
@@ -145,13 +146,15 @@ def collide(system, state, side):
     approach = side * (state.w - state.v)
     centre = (state.v + mu * state.w) / (1 + mu)
     apart = side * restitution * approach
-    after = State(state.t, state.x, centre + mu * apart / (1 + mu), state.z,
-                  centre - apart / (1 + mu))
+    after = State(
+        state.t, state.x, centre + mu * apart / (1 + mu), state.z, centre - apart / (1 + mu)
+    )
     return Event("impact", side, after, approach)
 
 
 def release(system, state, side, limit):
     """Time until the force on a wall ends in a rest; None if not within the limit."""
+
     def force(t):
         later = roll(system, state, side, t)
         return -side * acceleration(system, later)

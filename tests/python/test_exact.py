@@ -24,14 +24,25 @@ def motions(osc, r, clearance, impacts=4, cycles=2):
 def system_of(motion):
     """Return the reference's system of a motion."""
     osc = motion.osc
-    return fp.System(osc.xi, osc.mu, motion.r, motion.pattern.sides, motion.pattern.cycles,
-                     tuple(motion.restitution))
+    return fp.System(
+        osc.xi,
+        osc.mu,
+        motion.r,
+        motion.pattern.sides,
+        motion.pattern.cycles,
+        tuple(motion.restitution),
+    )
 
 
 def after_impact(motion, i=0):
     """State just after an impact of a motion, as `simulate` takes it."""
-    return state((motion.phases[i] + motion.load_phase) / motion.r, motion.X[i],
-                 motion.X_dot_after[i], motion.Z[i], motion.Z_dot_after[i])
+    return state(
+        (motion.phases[i] + motion.load_phase) / motion.r,
+        motion.X[i],
+        motion.X_dot_after[i],
+        motion.Z[i],
+        motion.Z_dot_after[i],
+    )
 
 
 def equations(system, clearance, amplitude, u):
@@ -59,9 +70,19 @@ def newton_steps(system, clearance, amplitude, u, most=30):
 def core_exact(motion, x, theta, most):
     """Call the compiled Newton's method itself; returns its status and number of iterations."""
     out = vi._core.exact(
-        motion.osc.xi, motion.osc.mu, motion.osc.restitution, motion.r, motion.load,
-        motion.clearance, motion.pattern.cycles, motion.pattern.signs, motion.restitution, x, theta,
-        most)
+        motion.osc.xi,
+        motion.osc.mu,
+        motion.osc.restitution,
+        motion.r,
+        motion.load,
+        motion.clearance,
+        motion.pattern.cycles,
+        motion.pattern.signs,
+        motion.restitution,
+        x,
+        theta,
+        most,
+    )
     return out[0], out[1], out[-2], out[-1]
 
 
@@ -85,12 +106,14 @@ def test_converges_quadratically(point):
             small = [s for s in steps if s > 1e-7]
             ratios = [b / a**2 for a, b in zip(small, steps[1:], strict=False)]
             assert max(ratios) < 1e5
-            phases, impacts, status, count = core_exact(motion, u[: u.size // 2], u[u.size // 2:], 50)
+            phases, impacts, status, count = core_exact(
+                motion, u[: u.size // 2], u[u.size // 2 :], 50
+            )
             assert status == 0
             assert abs(count - (len(small) + 2)) <= 1
             assert phases == pytest.approx(motion.phases, abs=1e-11)
             assert impacts[:, 0] == pytest.approx(motion.X, abs=1e-11 * motion.clearance)
-            assert core_exact(motion, u[: u.size // 2], u[u.size // 2:], count - 1)[2] != 0
+            assert core_exact(motion, u[: u.size // 2], u[u.size // 2 :], count - 1)[2] != 0
             seen += 1
     assert seen >= 6
 
@@ -104,7 +127,7 @@ def test_both_halves_agree(point):
         assert motion.residual <= 1e-12
         half = math.pi * motion.pattern.cycles
         if len(motion.pattern) == 2 and abs(motion.phases[1] - half) < 1e-9:
-            continue                                 # equispaced: the amplitude is free there
+            continue  # equispaced: the amplitude is free there
         linear = vi.periodic(motion.osc, motion.r, motion.phases, motion.pattern)
         assert linear.residual <= 1e-12
         assert linear.clearance == pytest.approx(motion.clearance, rel=1e-8)
@@ -121,11 +144,13 @@ def test_reference_agrees(point):
     for motion in motions(*point):
         system = system_of(motion)
         wave = motion.A * np.cos(motion.tau), motion.A * np.sin(motion.tau)
-        off = fp.mismatch(system, motion.phases, motion.X / motion.clearance,
-                          *np.divide(wave, motion.clearance))
+        off = fp.mismatch(
+            system, motion.phases, motion.X / motion.clearance, *np.divide(wave, motion.clearance)
+        )
         assert np.abs(off).max() <= 1e-12
-        maps = fp.impact_jacobians(system, motion.phases, motion.X, motion.X_dot_after,
-                                   motion.Z_dot_after, *wave)
+        maps = fp.impact_jacobians(
+            system, motion.phases, motion.X, motion.X_dot_after, motion.Z_dot_after, *wave
+        )
         product = np.linalg.multi_dot([np.eye(4), *maps[::-1]])
         determinant = math.exp(-4 * math.pi * osc.xi * motion.pattern.cycles / r)
         determinant *= np.prod(motion.restitution**2)
@@ -146,7 +171,7 @@ def test_every_kind_of_guess_leads_to_the_same_motion():
     settled_run = vi.exact(TABLE, 0.94, 37.0, run)
     for other in (near, paper, settled_run):
         shift = int(other.pattern.letters[0] != first.pattern.letters[0])
-        phases = np.append(other.phases, other.phases[0] + TURN)[shift: shift + 2]
+        phases = np.append(other.phases, other.phases[0] + TURN)[shift : shift + 2]
         assert phases - phases[0] == pytest.approx(first.phases, abs=1e-10)
         assert np.roll(other.X, -shift) == pytest.approx(first.X, abs=1e-9)
         assert other.residual <= 1e-12
@@ -251,8 +276,9 @@ def test_a_perturbation_follows_the_stability_matrix(point):
                 first["z_dot"] += change[2]
                 first["t"] += change[3] / r
                 event = vi.simulate(osc, r, clearance, 1.5, first).events[n - 1]
-                ends.append([event["x"], event["x_dot_after"], event["z_dot_after"],
-                             event["time"] * r])
+                ends.append(
+                    [event["x"], event["x_dot_after"], event["z_dot_after"], event["time"] * r]
+                )
             got = np.subtract(*ends) / (2 * size)
             assert got == pytest.approx(matrix[:, column], abs=2e-6 * np.abs(matrix).max())
 
@@ -265,7 +291,7 @@ def test_a_small_perturbation_of_a_stable_motion_dies_out():
     run = vi.simulate(TABLE, 0.94, 37.0, 300, first)
     right = run.events[run.events["side"] == "R"]
     off = np.abs(right["x"] - motion.X[0])
-    tops = [off[i: i + 20].max() for i in range(20, 200, 20)]
+    tops = [off[i : i + 20].max() for i in range(20, 200, 20)]
     rate = math.exp(np.polyfit(np.arange(len(tops)) * 20, np.log(tops), 1)[0])
     assert rate == pytest.approx(abs(motion.multipliers[0]), rel=0.01)
     assert off[-20:].max() < 1e-10
@@ -303,8 +329,13 @@ def test_motion_with_completed_chatter():
 
 def strobe(osc, r, clearance, base, change):
     """State one load period after a changed state."""
-    first = dict(zip(STATE, [base["t"], *[base[k] + d for k, d in zip(STATE[1:], change, strict=True)]],
-                     strict=True))
+    first = dict(
+        zip(
+            STATE,
+            [base["t"], *[base[k] + d for k, d in zip(STATE[1:], change, strict=True)]],
+            strict=True,
+        )
+    )
     end = vi.simulate(osc, r, clearance, 1, first).final_state
     return np.array([end[name] for name in STATE[1:]])
 
@@ -332,15 +363,22 @@ def test_multipliers_of_a_motion_with_rest():
     release = motion.events[motion.events["kind"] == "release"][0]
     start = float(np.mod(release["time"] + 0.4, motion.period))
     h = motion.sample(start)
-    base = state((release["phase"] + 0.4 * motion.r) / motion.r, float(h.X), float(h.X_dot),
-                 float(h.Z), float(h.Z_dot))
+    base = state(
+        (release["phase"] + 0.4 * motion.r) / motion.r,
+        float(h.X),
+        float(h.X_dot),
+        float(h.Z),
+        float(h.Z_dot),
+    )
     assert strobe(RIG, 0.9, 6.0, base, np.zeros(4)) == pytest.approx(
-        [base[name] for name in STATE[1:]], abs=1e-10)
+        [base[name] for name in STATE[1:]], abs=1e-10
+    )
     values = np.linalg.eigvals(strobe_matrix(RIG, 0.9, 6.0, base, 2e-3))
     values = values[np.argsort(-np.abs(values))]
     assert np.array_equal(motion.multipliers[2:], [0, 0])
     assert np.sort_complex(values[:2]) == pytest.approx(
-        np.sort_complex(motion.multipliers[:2]), abs=1e-6)
+        np.sort_complex(motion.multipliers[:2]), abs=1e-6
+    )
     assert np.abs(values[2:]).max() < 1e-3
     assert np.prod(np.abs(values[2:])) < 1e-6
 
@@ -367,7 +405,9 @@ def test_rest_motion_from_a_motion_nearby_and_at_another_load():
     assert near.pattern == motion.pattern
     assert back.phases == pytest.approx(motion.phases, abs=1e-9)
     assert back.multipliers == pytest.approx(motion.multipliers, abs=1e-7)
-    double = vi.exact(RIG, 0.9, 12.0, vi.simulate(RIG, 0.9, 12.0, 8, load=2.0, discard=300), load=2.0)
+    double = vi.exact(
+        RIG, 0.9, 12.0, vi.simulate(RIG, 0.9, 12.0, 8, load=2.0, discard=300), load=2.0
+    )
     assert double.X == pytest.approx(2 * motion.X, abs=1e-8)
     assert double.multipliers == pytest.approx(motion.multipliers, abs=1e-7)
 
@@ -477,5 +517,5 @@ def test_motions_are_read_only(make):
     again = make()
     assert np.array_equal(again.X, motion.X)
     assert np.array_equal(again.multipliers, motion.multipliers)
-    assert np.all(signs(motion.events)[: 1] == motion.pattern.signs[:1])
+    assert np.all(signs(motion.events)[:1] == motion.pattern.signs[:1])
     assert plain(after_impact(motion))

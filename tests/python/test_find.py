@@ -62,12 +62,14 @@ def test_point_of_table_1():
     odd = [m for m in pairs if abs(m.phases[1] - math.pi) > 0.1]
     assert len(even) == len(odd) == 2
     assert sorted(np.abs(m.multipliers).max() for m in even) == pytest.approx(
-        [3.8284, 12.0742], abs=1e-4)
+        [3.8284, 12.0742], abs=1e-4
+    )
     assert all(m.stable for m in odd)
     assert not any(m.stable for m in even)
     assert is_mirror(odd[0], odd[1])
     assert sorted(m.phases[1] / math.pi for m in odd) == pytest.approx(
-        [2 - 1.382026, 1.382026], abs=1e-6)
+        [2 - 1.382026, 1.382026], abs=1e-6
+    )
     known = vi.equispaced(TABLE, 0.94, 37.0)
     for motion in known:
         assert any(same_orbit(motion, other) for other in even)
@@ -141,7 +143,7 @@ def test_search_says_how_it_was_done():
     """Patterns, guesses, simulated states, and that something can have been missed."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=3, max_cycles=2, guesses=10, states=4)
     search = found.search
-    assert search.patterns == 4                     # RL and RRL (or its mirror image), 1 and 2 cycles
+    assert search.patterns == 4  # RL and RRL (or its mirror image), 1 and 2 cycles
     assert 0 < search.guesses <= 40
     assert search.states == 4
     assert 0 <= search.settled <= 4

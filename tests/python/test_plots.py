@@ -13,8 +13,12 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 KINDS = ("history", "load", "acceleration", "portrait")
-LABELS = {"history": ("X", "Z", "F_0/K"), "load": ("load", "F_0"),
-          "acceleration": (r"\ddot X", "F_0/K"), "portrait": (r"\dot Y", "F_0/K")}
+LABELS = {
+    "history": ("X", "Z", "F_0/K"),
+    "load": ("load", "F_0"),
+    "acceleration": (r"\ddot X", "F_0/K"),
+    "portrait": (r"\dot Y", "F_0/K"),
+}
 
 
 @pytest.fixture(autouse=True)
@@ -27,9 +31,12 @@ def _closed():
 
 def things():
     """A motion, one with rest, a trajectory and one with rests."""
-    return [vi.exact(TABLE, 0.94, 37.0, COLUMN), rest_motion(),
-            vi.simulate(TABLE, 0.94, 37.0, 5.3, {"t": 0, "x": 0, "x_dot": 9, "z": 0, "z_dot": 3}),
-            settled(4)]
+    return [
+        vi.exact(TABLE, 0.94, 37.0, COLUMN),
+        rest_motion(),
+        vi.simulate(TABLE, 0.94, 37.0, 5.3, {"t": 0, "x": 0, "x_dot": 9, "z": 0, "z_dot": 3}),
+        settled(4),
+    ]
 
 
 def lines(ax):
@@ -194,8 +201,12 @@ def test_wrong_arguments(name, value):
 
 def test_short_and_quiet_trajectories_are_drawn():
     """No impact, no time, or fewer cycles than asked for: a picture all the same."""
-    for run in (vi.simulate(RIG, 0.9, 1e4, 3), vi.simulate(RIG, 0.9, 6.0, 0.5),
-                vi.simulate(RIG, 0.9, 6.0, 2, load=0.0), vi.simulate(RIG, 0.9, 6.0, 0)):
+    for run in (
+        vi.simulate(RIG, 0.9, 1e4, 3),
+        vi.simulate(RIG, 0.9, 6.0, 0.5),
+        vi.simulate(RIG, 0.9, 6.0, 2, load=0.0),
+        vi.simulate(RIG, 0.9, 6.0, 0),
+    ):
         axes = run.plot()
         axes[0].figure.canvas.draw()
 

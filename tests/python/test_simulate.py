@@ -26,8 +26,9 @@ COLUMNS = ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
 def law(examples):
     """Return hypothesis settings: the same examples in every run, no limit of time on one."""
     health = [HealthCheck.filter_too_much, HealthCheck.too_slow, HealthCheck.data_too_large]
-    return settings(max_examples=examples, deadline=None, derandomize=True,
-                    suppress_health_check=health)
+    return settings(
+        max_examples=examples, deadline=None, derandomize=True, suppress_health_check=health
+    )
 
 
 def state(t=0.0, x=0.0, x_dot=0.0, z=0.0, z_dot=0.0):
@@ -68,8 +69,11 @@ def check_laws(run):
     restitution = np.where(events["side"] == "R", *osc.restitution)
     assert np.all(approach >= -4 * EPS * speed)
     assert np.all(np.abs(departure - restitution * approach)[impact] <= 16 * EPS * speed[impact])
-    change = (events["x_dot_after"] - events["x_dot_before"]
-              + osc.mu * (events["z_dot_after"] - events["z_dot_before"]))
+    change = (
+        events["x_dot_after"]
+        - events["x_dot_before"]
+        + osc.mu * (events["z_dot_after"] - events["z_dot_before"])
+    )
     assert np.all(np.abs(change) <= 16 * EPS * (1 + osc.mu) * speed)
     assert np.all((approach == 0) & (departure == 0) | impact)
     times = np.linspace(run.initial_state["t"], run.final_state["t"], 4001)[1:-1]
@@ -89,8 +93,11 @@ def test_random_systems_obey_the_laws(seed, load):
     draw = np.random.default_rng(seed)
     wall = draw.choice([0.0, 1.0, -1.0], 2)
     restitution = np.where(wall < 0, draw.uniform(0, 1, 2), wall)
-    osc = vi.Oscillator(draw.choice([0, 0.005, draw.uniform(0, 0.9)]), draw.uniform(0, 2),
-                        tuple(map(float, restitution)))
+    osc = vi.Oscillator(
+        draw.choice([0, 0.005, draw.uniform(0, 0.9)]),
+        draw.uniform(0, 2),
+        tuple(map(float, restitution)),
+    )
     clearance = float(10 ** draw.uniform(-3, 3))
     x, x_dot, z_dot = 10 ** draw.uniform(-2, 2) * draw.normal(size=3)
     y = draw.choice([0.5, -0.5, draw.uniform(-0.5, 0.5)])
@@ -323,7 +330,8 @@ def test_rest_obeys_newton_and_the_contact_pushes():
         rate = (run.sample(inner + step).X_dot - run.sample(inner - step).X_dot) / (2 * step)
         at = run.sample(inner)
         assert (1 + mu) * rate == pytest.approx(
-            np.sin(r * inner) - 2 * xi * at.X_dot - at.X, abs=1e-7)
+            np.sin(r * inner) - 2 * xi * at.X_dot - at.X, abs=1e-7
+        )
         force = (np.sin(r * times) - 2 * xi * h.X_dot - h.X) * side / (1 + mu)
         assert np.all(force <= 1e-12)
         free = math.sin(release["phase"]) - 2 * xi * release["x_dot_after"] - release["x"]
@@ -373,7 +381,7 @@ def test_release_that_turns_into_chatter_again():
         audit(run)
         events = run.events
         for i in np.flatnonzero(events["kind"] == "release"):
-            later = events[i + 1:]
+            later = events[i + 1 :]
             stop = np.flatnonzero(later["kind"] == "stick")
             found += bool(stop.size) and set(later["side"][: stop[0] + 1]) == {events["side"][i]}
         ends = events["kind"][events["kind"] != "impact"]
@@ -401,8 +409,9 @@ def test_elastic_walls_never_rest():
     first = state(x=1.0, z=0.9, z_dot=0.3)
     run = vi.simulate(osc, 0.8, 0.5, 100, first, load=0.0)
     assert set(run.events["kind"]) == {"impact"}
-    start, end = (energy(osc, s["x"], s["x_dot"], s["z_dot"])
-                  for s in (run.initial_state, run.final_state))
+    start, end = (
+        energy(osc, s["x"], s["x_dot"], s["z_dot"]) for s in (run.initial_state, run.final_state)
+    )
     assert end == pytest.approx(start, rel=1e-13 * run.events.size)
 
 
@@ -438,8 +447,9 @@ def audit(run, tolerance=1e-10):
     restitution = np.where(events["side"] == "R", *osc.restitution)
     reduced = osc.mu / (1 + osc.mu)
     size = max(1.0, before.max(initial=0.0))
-    assert loss == pytest.approx(0.5 * reduced * (1 - restitution**2) * approach**2,
-                                 abs=64 * EPS * size)
+    assert loss == pytest.approx(
+        0.5 * reduced * (1 - restitution**2) * approach**2, abs=64 * EPS * size
+    )
     s = run.initial_state
     start = energy(osc, s["x"], s["x_dot"], s["z_dot"])
     balance = start + np.interp(events["time"], edges, work) - np.cumsum(loss) - after
@@ -469,7 +479,9 @@ def test_energy_is_accounted_for_at_every_event(osc, r, clearance, load):
 def test_free_decay_only_loses_energy(seed):
     """Without load the energy never grows, and all of it is lost to damper and impacts."""
     draw = np.random.default_rng(seed)
-    osc = vi.Oscillator(draw.uniform(0.01, 0.3), draw.uniform(0.05, 2), tuple(draw.uniform(0, 1, 2)))
+    osc = vi.Oscillator(
+        draw.uniform(0.01, 0.3), draw.uniform(0.05, 2), tuple(draw.uniform(0, 1, 2))
+    )
     first = state(0.0, *draw.normal(size=2), z_dot=draw.normal())
     first["z"] = first["x"] + draw.uniform(-0.5, 0.5)
     run = vi.simulate(osc, 1.1, 1.0, 20, first, load=0.0, max_events=20_000)
@@ -518,7 +530,7 @@ def test_event_budget(budget):
     assert cut.final_state["t"] == cut.events["time"][-1]
     assert np.array_equal(cut.events, whole.events[: cut.events.size])
     more = vi.simulate(RIG, 0.9, 6.0, 20, state=cut.final_state)
-    left = whole.events[cut.events.size:]
+    left = whole.events[cut.events.size :]
     assert np.array_equal(more.events[: left.size], left)
 
 

@@ -49,7 +49,9 @@ def reproduce(folder: Path) -> bool:
     from ..plot import draw, style
 
     found = motions()
-    table = [["panel", "sides", "r", "clearance", "events a cycle", "max|lambda|", "x_min", "x_max"]]
+    table = [
+        ["panel", "sides", "r", "clearance", "events a cycle", "max|lambda|", "x_min", "x_max"]
+    ]
     good = True
     plt = style.pyplot()
     with plt.rc_context(style.SETTINGS):
@@ -63,7 +65,9 @@ def reproduce(folder: Path) -> bool:
             draw(motion, load, "load", cycles=2)
             draw(motion, acceleration, "acceleration", cycles=2)
             load.set_xlabel("")
-            load.set_title(f"({panel}) {caption}\n$r$ = {r:g}, $dK/F_0$ = {clearance:g}", fontsize=7)
+            load.set_title(
+                f"({panel}) {caption}\n$r$ = {r:g}, $dK/F_0$ = {clearance:g}", fontsize=7
+            )
             there = same_kind(motion, sides) and motion.stable is True
             good = good and there
             largest = abs(complex(motion.multipliers[0]))
