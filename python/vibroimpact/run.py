@@ -57,7 +57,7 @@ def run_namelists(
     ... )
     >>> log = vi.run_namelists([namelist], folder)
     >>> log.status, log.lines
-    (0, [(False, 'pair: consistent, admissible, stable (max|lambda| = 0.9347)')])
+    (0, [(False, 'pair: consistent, admissible, stable (max|lambda| = 0.9347, complex)')])
     >>> (folder / "pair.csv").exists()
     True
     """

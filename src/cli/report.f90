@@ -8,6 +8,7 @@ module vi_report
    use vi_oscillator, only: lag
    use vi_pattern, only: side_letters
    use vi_simulate, only: event_type, state_time, state_type
+   use vi_stability, only: leading_kind
    use vi_status, only: stat, status_text
    use vi_text, only: append, exact, line_type, shown, whole
    implicit none (type, external)
@@ -148,7 +149,8 @@ contains
       if (ieee_is_nan(motion%multipliers(1)%re)) then
          text = text//' (no multipliers)'
       else
-         text = text//' (max|lambda| = '//shown(abs(motion%multipliers(1)), 'g0.4')//')'
+         text = text//' (max|lambda| = '//shown(abs(motion%multipliers(1)), 'g0.4')// &
+            ', '//leading_kind(motion%multipliers)//')'
       end if
    end function verdict_text
 

@@ -8,7 +8,7 @@ module vi_stability
    implicit none (type, external)
    private
 
-   public :: stability_matrix, multipliers
+   public :: stability_matrix, multipliers, leading_kind
 
 contains
 
@@ -47,6 +47,23 @@ contains
       call eigenvalues(p, lambda, status)
       call sort_by_modulus(lambda)
    end subroutine multipliers
+
+   !> Where the leading multiplier lies: 'positive', 'negative' or 'complex'.
+   !!
+   !! Crossing the unit circle there is a fold or pitchfork, a flip, a Neimark-Sacker bifurcation.
+   pure function leading_kind(lambda) result(kind)
+      !> By falling modulus.
+      complex(wp), intent(in) :: lambda(:)
+      character(:), allocatable :: kind
+
+      if (abs(lambda(1)%im) > 0) then
+         kind = 'complex'
+      else if (lambda(1)%re < 0) then
+         kind = 'negative'
+      else
+         kind = 'positive'
+      end if
+   end function leading_kind
 
    !> Insertion sort; equal moduli keep their order, so that conjugates stay together.
    pure subroutine sort_by_modulus(lambda)

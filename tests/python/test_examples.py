@@ -36,14 +36,16 @@ def test_public_functions_have_examples():
             assert ">>>" in thing.__doc__, name
 
 
-def test_readme_python_block():
+def test_readme_python_blocks():
     """The Python of README.md prints the text that follows it."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    code, printed = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, re.DOTALL).groups()
-    output = io.StringIO()
-    with contextlib.redirect_stdout(output):
-        exec(compile(code, "README.md", "exec"), {})
-    assert output.getvalue() == printed
+    blocks = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, re.DOTALL)
+    assert len(blocks) == text.count("```python")
+    for code, printed in blocks:
+        output = io.StringIO()
+        with contextlib.redirect_stdout(output):
+            exec(compile(code, "README.md", "exec"), {})
+        assert output.getvalue() == printed
 
 
 def test_readme_namelist_block(tmp_path):
