@@ -31,20 +31,21 @@ MAX_IMPACTS = 1000
 MAX_CYCLES = 10_000
 
 
-def allowed(name: str) -> str:
-    """The range of a parameter in words, for messages and documentation."""
+def allowed(name: str, label: str | None = None) -> str:
+    """The range of a parameter in words, for messages; `label` is what the caller calls it."""
     low, high, closed = RANGES[name]
-    return f"a number with {low:g} <= {name} {'<=' if closed else '<'} {high:g}"
+    shown = name if label is None else label
+    return f"a number with {low:g} <= {shown} {'<=' if closed else '<'} {high:g}"
 
 
 def number(value: Any, name: str, label: str | None = None) -> float:
     """A float within the range of `name`; `label` is what the message calls it."""
     item: float = value
     if type(value) is not float:
-        item = to_float(value, label or name, allowed(name))
+        item = to_float(value, label or name, allowed(name, label))
     low, high, closed = RANGES[name]
     if not (low <= item < high or (closed and item == high)):
-        raise ParameterError(f"{label or name} = {value!r}: must be {allowed(name)}")
+        raise ParameterError(f"{label or name} = {value!r}: must be {allowed(name, label)}")
     return item
 
 

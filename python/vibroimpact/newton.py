@@ -223,11 +223,11 @@ def last_period(trajectory: Trajectory, most_cycles: int = 16, tolerance: float 
     r = trajectory.r
     releases = np.flatnonzero(events["kind"] == "release")
     end = len(events) if not releases.size else int(releases[-1]) + 1
-    last = trajectory.final_state["t"] if not releases.size else float(events["time"][end - 1])
+    last = float(events["time"][end - 1]) if end else trajectory.final_state["t"]
+    # a thousandth of a cycle: the event one period before the last belongs to the window before
+    border = 1e-3 * TWO_PI / r
     for cycles in range(1, most_cycles + 1):
         span = TWO_PI * cycles / r
-        # half a thousandth of a cycle: an event on the border belongs to one window
-        border = 0.0 if not releases.size else 1e-3 * TWO_PI / r
         middle, begin = last - span + border, last - 2 * span + border
         if begin < trajectory.initial_state["t"]:
             break

@@ -32,7 +32,7 @@ EVENT_TYPE = np.dtype(
 CHUNK = 65_536
 MORE_EVENTS = 8
 
-#: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on bit for bit.
+#: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on without loss.
 State = dict[str, float]
 
 
@@ -50,7 +50,7 @@ class Trajectory:
         "release" where the rest ends), ``side`` ("R" or "L"), ``phase`` (of the load, in [0, 2 pi)),
         ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
     initial_state, final_state : dict
-        States at both ends; a final state continues bit for bit when given to `simulate`.
+        States at both ends; given to `simulate`, a final state goes on where it ended.
     complete : bool
         False if `max_events` was reached before the end of time.
     """
@@ -202,7 +202,7 @@ def simulate(
         Load cycles to simulate, 0 to 1e9.
     state : mapping, optional
         ``t, x, x_dot, z, z_dot`` with the load phase r t at time t; default: all 0. Or the
-        `final_state` of a trajectory, which goes on bit for bit.
+        `final_state` of a trajectory.
     load : float
         Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free
         vibration.
@@ -350,12 +350,41 @@ def _start(
             f"state['z'] - state['x'] = {y!r}: must be between the walls, -{half:.6g} to {half:.6g}"
         )
     if all(name in given for name in extra):
-        numbers = [given[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
-        labels = [int(given[name]) for name in ("side", "resting", "released")]
-        return np.array(numbers), np.array(labels, dtype=np.int32)
+        resumed = _resume(given, r, clearance)
+        if resumed is not None:
+            return resumed
     start = np.array([given[name] for name in needed])
     values, contact = _core.start_state(osc.xi, r, load, clearance, start)
     return values, contact
+
+
+def _resume(
+    given: Mapping[str, float], r: float, clearance: float
+) -> tuple[NDArray[np.float64], NDArray[np.int32]] | None:
+    """The arrays of the core from a `final_state`; None if its t or walls are not those of the rest."""
+    ranges = {
+        "cycle": (-(2.0**53), 2.0**53, True),
+        "phase": (0.0, TWO_PI, False),
+        "side": (-1, 1, True),
+        "speed": (0.0, math.inf, False),
+        "resting": (0, 1, True),
+        "released": (0, 1, True),
+    }
+    for name, (low, high, closed) in ranges.items():
+        value = given[name]
+        whole = name in ("phase", "speed") or value == math.floor(value)
+        if not (whole and (low <= value < high or (closed and value == high))):
+            raise ParameterError(
+                f"state[{name!r}] = {value!r}: must be as a final_state has it, {low:g} to {high:g}"
+            )
+    t = (TWO_PI * given["cycle"] + given["phase"]) / r
+    y = given["z"] - given["x"]
+    off_wall = given["side"] and abs(y - 0.5 * given["side"] * clearance) > 1e-9 * clearance
+    if abs(t - given["t"]) > 1e-12 * max(1.0, abs(t)) or off_wall:
+        return None
+    numbers = [given[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
+    labels = [int(given[name]) for name in ("side", "resting", "released")]
+    return np.array(numbers), np.array(labels, dtype=np.int32)
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)

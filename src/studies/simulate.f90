@@ -98,7 +98,8 @@ contains
             call fly_on(drive, state, remaining, events(n + 1), finished, status)
             if (.not. finished .and. status == stat%ok) then
                n = n + 1
-               call accumulate(drive, state, events(n + 1))
+               call accumulate(drive, state, time_left(drive, state, last_cycle, last_phase), &
+                  events(n + 1))
                if (state%resting) n = n + 1
             end if
          end if
@@ -109,6 +110,16 @@ contains
          state%phase = last_phase
       end if
    end subroutine simulate
+
+   !> Time from a state to the end.
+   pure real(wp) function time_left(drive, state, last_cycle, last_phase)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      integer(int64), intent(in) :: last_cycle
+      real(wp), intent(in) :: last_phase
+
+      time_left = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase - state%phase))/drive%r
+   end function time_left
 
    !> Flies to the next impact and through it, or to the end of time.
    pure subroutine fly_on(drive, state, remaining, event, finished, status)
@@ -182,9 +193,11 @@ contains
    !! is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
    !! that has
    !! to be below 1e-16.
-   pure subroutine accumulate(drive, state, event)
+   pure subroutine accumulate(drive, state, remaining, event)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
+      !> Time to the end; an accumulation that would go on beyond it is not completed.
+      real(wp), intent(in) :: remaining
       type(event_type), intent(inout) :: event
       real(wp), parameter :: time_error = 1.0e-16_wp
       real(wp) :: x_ddot, closing, jerk, restitution, duration, velocity
@@ -200,7 +213,7 @@ contains
             duration = 2*state%speed/(closing*(1 - restitution))
             jerk = abs(drive%load*drive%r*cos(state%phase)) + 2*osc%xi*abs(x_ddot) &
                + abs(state%x_dot)
-            if (duration > 1.0e-6_wp .or. jerk*duration**2 > time_error*closing) return
+            if (duration > min(1.0e-6_wp, remaining) .or. jerk*duration**2 > time_error*closing) return
          end if
          velocity = (state%x_dot + osc%mu*state%z_dot)/(1 + osc%mu)
          state%x = state%x + (velocity + 0.5_wp*x_ddot/(1 + osc%mu)*duration)*duration

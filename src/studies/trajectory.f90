@@ -114,9 +114,11 @@ contains
       type(state_type) :: state
       real(wp) :: y, half, pull, phase
 
+      ! the whole cycles follow from the rounded phase, so that both agree at a whole number of them
       phase = drive%r*start(1)
-      state%cycle = floor(phase/two_pi, int64)
       state%phase = modulo(phase, two_pi)
+      if (.not. state%phase < two_pi) state%phase = 0
+      state%cycle = nint((phase - state%phase)/two_pi, int64)
       state%x = start(2)
       state%x_dot = start(3)
       state%z = start(4)

@@ -110,7 +110,8 @@ def _history(thing: Motion | Trajectory, cycles: float) -> History:
     # the end itself is the start of the next period
     even = np.linspace(first, np.nextafter(last, -np.inf), int(400 * (last - first) / cycle) + 2)
     before = np.nextafter(events["time"], -np.inf)
-    times = np.unique(np.concatenate([even, events["time"], before[before >= first]]))
+    times = np.unique(np.concatenate([even, events["time"], before]))
+    times = np.clip(times, first, last)
     sample = thing.sample(times)
     free = sample.load - 2 * thing.osc.xi * sample.X_dot - sample.X
     resting = np.zeros(times.size, dtype=bool)
