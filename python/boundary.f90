@@ -161,14 +161,12 @@ end subroutine run_namelists
 
 !> Simulates from a state to an end of time, or until `room` events are found.
 !!
-!! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released);
-!! both are
-!! returned at the end. Rows of `values`: time, phase, x, x' before and after, z' before and
-!! after; of
-!! `labels`: kind, side.
+!! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released).
+!! `last_*` is where the last flight or rest began (going on from there is bit for bit), `end_*` the
+!! end. Rows of `values`: time, phase, x, x' before and after, z' before and after; of `labels`:
+!! kind, side.
 subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycle, last_phase, &
-   room, &
-      values, labels, n_events, end_state, end_contact, status)
+      room, values, labels, n_events, last_state, last_contact, end_state, end_contact, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_trajectory, only: simulate_arrays
    use vi_oscillator, only: oscillator_type
@@ -178,13 +176,15 @@ subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycl
    integer(c_int), intent(in) :: contact(3), room
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, state(7), last_cycle, &
       last_phase
-   real(c_double), intent(out) :: values(7, room), end_state(7)
-   integer(c_int), intent(out) :: labels(2, room), n_events, end_contact(3), status
+   real(c_double), intent(out) :: values(7, room), last_state(7), end_state(7)
+   integer(c_int), intent(out) :: labels(2, room), n_events, last_contact(3), end_contact(3), &
+      status
 
-   end_state = state
-   end_contact = contact
-   call simulate_arrays(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), end_state, &
-      end_contact, last_cycle, last_phase, values, labels, n_events, status)
+   last_state = state
+   last_contact = contact
+   call simulate_arrays(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), &
+      last_state, last_contact, last_cycle, last_phase, values, labels, n_events, end_state, &
+      end_contact, status)
 end subroutine simulate
 
 !> The time history of a trajectory: x, x', z, z', y and load at the given times.

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
-from .errors import ParameterError, SingularError
+from .errors import ParameterError, ParameterTypeError, SingularError
 from .model import Oscillator
 from .motion import Sample
 
@@ -33,7 +33,10 @@ CHUNK = 65_536
 MORE_EVENTS = 8
 
 #: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on without loss.
-State = dict[str, float]
+State = dict[str, Any]
+
+NEEDED = ("t", "x", "x_dot", "z", "z_dot")
+EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -50,7 +53,7 @@ class Trajectory:
         "release" where the rest ends), ``side`` ("R" or "L"), ``phase`` (of the load, in [0, 2 pi)),
         ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
     initial_state, final_state : dict
-        States at both ends; given to `simulate`, a final state goes on where it ended.
+        States at both ends; a final state continues bit for bit when given to `simulate`.
     complete : bool
         False if `max_events` was reached before the end of time.
     """
@@ -202,7 +205,7 @@ def simulate(
         Load cycles to simulate, 0 to 1e9.
     state : mapping, optional
         ``t, x, x_dot, z, z_dot`` with the load phase r t at time t; default: all 0. Or the
-        `final_state` of a trajectory.
+        `final_state` of a trajectory, which goes on bit for bit.
     load : float
         Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free
         vibration.
@@ -241,106 +244,130 @@ def simulate(
     cycles = checks.number(cycles, "cycles_simulated", "cycles")
     discard = checks.number(discard, "cycles_simulated", "discard")
     max_events = checks.integer(max_events, "max_events", 1, 10**9)
-    values, contact = _start(osc, r, clearance, load, state)
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
+    now, begun = _start(system, state)
     if discard:
-        end = _later(values, discard)
-        _, _, values, contact, complete = _run(system, values, contact, end, max_events, keep=False)
+        _, _, now, begun, complete = _run(system, now, begun, discard, max_events, keep=False)
         if not complete:
             raise ParameterError(
                 f"max_events = {max_events}: was reached within the discarded cycles"
             )
-    first = _state(values, contact, r)
-    numbers, labels, values, contact, complete = _run(
-        system, values, contact, _later(values, cycles), max_events, keep=True
-    )
+    first = _state(system, now, begun)
+    numbers, labels, now, begun, complete = _run(system, now, begun, cycles, max_events, keep=True)
     events = event_table(numbers, labels)
-    return Trajectory(osc, r, clearance, load, events, first, _state(values, contact, r), complete)
+    return Trajectory(osc, r, clearance, load, events, first, _state(system, now, begun), complete)
+
+
+#: A moment of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
+_Moment = tuple[NDArray[np.float64], NDArray[np.int32]]
+_System = tuple[float, float, tuple[float, float], float, float, float]
 
 
 def _run(
-    system: tuple[float, float, tuple[float, float], float, float, float],
-    values: NDArray[np.float64],
-    contact: NDArray[np.int32],
-    end: tuple[float, float],
-    max_events: int,
-    *,
-    keep: bool,
-) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64], NDArray[np.int32], bool]:
-    """Simulate to the end in chunks: events, the state at the end, and whether the end was reached."""
+    system: _System, now: _Moment, begun: _Moment, cycles: float, max_events: int, *, keep: bool
+) -> tuple[NDArray[np.float64], NDArray[np.int32], _Moment, _Moment, bool]:
+    """Simulate some cycles in chunks.
+
+    `now` is the moment from which the cycles count, and `begun` where its flight or rest began.
+
+    Returns
+    -------
+    numbers, labels : ndarray
+        The events, if they are to be kept.
+    now, begun
+        The same of the end.
+    complete : bool
+        Whether the end was reached.
+    """
+    end = _later(now[0], cycles)
     numbers, labels, total = [], [], 0
-    chunk = int(min(CHUNK, 64 + 8 * (end[0] - values[0] + 1)))
+    chunk = int(min(CHUNK, 64 + 8 * (cycles + 1)))
     while True:
         room = min(chunk, max_events - total + 1)
-        found, kinds, n, values, contact, status = _core.simulate(
-            *system, values, contact, *end, max(room, 2)
+        found, kinds, n, last, last_contact, final, contact, status = _core.simulate(
+            *system, *begun, *end, max(room, 2)
         )
+        begun, now = (last, last_contact), (final, contact)
         if keep:
             numbers.append(found[:, :n])
             labels.append(kinds[:, :n])
         total += n
-        if status == 0:
-            complete = True
+        if status == 0 or (status == MORE_EVENTS and total >= max_events):
             break
         if status != MORE_EVENTS:
             from .solve import status_text
 
             raise SingularError(status_text(status))
-        if total >= max_events:
-            complete = False
-            break
         chunk = CHUNK
     if not keep:
-        return np.empty((7, 0)), np.empty((2, 0), dtype=np.int32), values, contact, complete
-    return (
-        np.concatenate(numbers, axis=1),
-        np.concatenate(labels, axis=1),
-        values,
-        contact,
-        complete,
-    )
+        return np.empty((7, 0)), np.empty((2, 0), dtype=np.int32), now, begun, status == 0
+    return np.concatenate(numbers, axis=1), np.concatenate(labels, axis=1), now, begun, status == 0
 
 
 def _later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
-    """Cycle and phase a number of load cycles after a state."""
+    """Cycle and phase a number of load cycles after a moment."""
     whole = math.floor(cycles)
     phase = values[1] + TWO_PI * (cycles - whole)
     over = 1 if phase >= TWO_PI else 0
     return float(values[0] + whole + over), float(max(0.0, phase - TWO_PI * over))
 
 
-def _state(values: NDArray[np.float64], contact: NDArray[np.int32], r: float) -> State:
-    """The arrays of the core as a dictionary."""
-    cycle, phase, x, x_dot, z, z_dot, speed = values.tolist()
-    side, resting, released = contact.tolist()
-    return {
-        "t": (TWO_PI * cycle + phase) / r, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot,
+def _state(system: _System, now: _Moment, begun: _Moment) -> State:
+    """A moment as a dictionary.
+
+    `since` tells to whom and to what it belongs, and where its flight or rest began: a simulation of the
+    same system that starts from the unchanged state goes on from there, bit for bit.
+    """
+    cycle, phase, x, x_dot, z, z_dot, speed = now[0].tolist()
+    side, resting, released = now[1].tolist()
+    state = {
+        "t": (TWO_PI * cycle + phase) / system[3], "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot,
         "cycle": cycle, "phase": phase, "side": side, "speed": speed, "resting": resting,
         "released": released,
     }  # fmt: skip
+    state["since"] = (*_belongs(system, state), *begun[0].tolist(), *begun[1].tolist())
+    return state
 
 
-def _start(
-    osc: Oscillator, r: float, clearance: float, load: float, state: Mapping[str, float] | None
-) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """The arrays of the core from a state given by the caller."""
+def _belongs(system: _System, state: Mapping[str, Any]) -> tuple[float, ...]:
+    """The numbers by which a state is recognised: of its system, then its own."""
+    xi, mu, walls, *rest = system
+    return (xi, mu, *walls, *rest, *(state[name] for name in NEEDED + EXTRA))
+
+
+def _start(system: _System, state: Mapping[str, Any] | None) -> tuple[_Moment, _Moment]:
+    """The moment of a state given by the caller, and where its flight or rest began."""
+    clearance = system[5]
     if state is None:
-        return np.zeros(7), np.zeros(3, dtype=np.int32)
+        moment = (np.zeros(7), np.zeros(3, dtype=np.int32))
+        return moment, moment
+    given = _checked(state, clearance)
+    if all(name in given for name in EXTRA):
+        resumed = _resume(given, state, system)
+        if resumed is not None:
+            return resumed
+    start = np.array([given[name] for name in NEEDED])
+    moment = _core.start_state(system[0], system[3], system[4], clearance, start)
+    return moment, moment
+
+
+def _checked(state: Any, clearance: float) -> dict[str, float]:
+    """The numbers of a state given by the caller."""
     if not isinstance(state, Mapping):
-        raise checks.ParameterTypeError(
+        raise ParameterTypeError(
             f"state = {state!r}: must be a mapping with t, x, x_dot, z, z_dot, or a final_state"
         )
-    needed = ("t", "x", "x_dot", "z", "z_dot")
-    extra = ("cycle", "phase", "side", "speed", "resting", "released")
-    missing = [name for name in needed if name not in state]
-    unknown = [name for name in state if name not in needed + extra]
+    missing = [name for name in NEEDED if name not in state]
+    unknown = [name for name in state if name not in (*NEEDED, *EXTRA, "since")]
     if missing or unknown:
         raise ParameterError(
-            f"state with {', '.join(map(repr, state))}: must have {', '.join(needed)} "
+            f"state with {', '.join(map(repr, state))}: must have {', '.join(NEEDED)} "
             f"(missing: {missing}, unknown: {unknown})"
         )
     given = {}
     for name in state:
+        if name == "since":
+            continue
         given[name] = checks.to_float(state[name], f"state[{name!r}]", "a finite number")
         if not math.isfinite(given[name]):
             raise ParameterError(f"state[{name!r}] = {state[name]!r}: must be a finite number")
@@ -349,19 +376,14 @@ def _start(
         raise ParameterError(
             f"state['z'] - state['x'] = {y!r}: must be between the walls, -{half:.6g} to {half:.6g}"
         )
-    if all(name in given for name in extra):
-        resumed = _resume(given, r, clearance)
-        if resumed is not None:
-            return resumed
-    start = np.array([given[name] for name in needed])
-    values, contact = _core.start_state(osc.xi, r, load, clearance, start)
-    return values, contact
+    return given
 
 
 def _resume(
-    given: Mapping[str, float], r: float, clearance: float
-) -> tuple[NDArray[np.float64], NDArray[np.int32]] | None:
-    """The arrays of the core from a `final_state`; None if its t or walls are not those of the rest."""
+    given: Mapping[str, float], state: Mapping[str, Any], system: _System
+) -> tuple[_Moment, _Moment] | None:
+    """The moments of a `final_state`; None if its t is not that of the rest of it."""
+    r, clearance = system[3], system[5]
     ranges = {
         "cycle": (-(2.0**53), 2.0**53, True),
         "phase": (0.0, TWO_PI, False),
@@ -377,14 +399,24 @@ def _resume(
             raise ParameterError(
                 f"state[{name!r}] = {value!r}: must be as a final_state has it, {low:g} to {high:g}"
             )
+    belongs = _belongs(system, given)
+    n = len(belongs)
+    since: Any = state.get("since")
+    known = isinstance(since, (tuple, list)) and len(since) == n + 10
+    own = len(NEEDED + EXTRA)
+    untouched = known and tuple(since[n - own : n]) == belongs[-own:]
     t = (TWO_PI * given["cycle"] + given["phase"]) / r
-    y = given["z"] - given["x"]
-    off_wall = given["side"] and abs(y - 0.5 * given["side"] * clearance) > 1e-9 * clearance
-    if abs(t - given["t"]) > 1e-12 * max(1.0, abs(t)) or off_wall:
+    if not untouched and abs(t - given["t"]) > 1e-12 * max(1.0, abs(t)):
         return None
     numbers = [given[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
     labels = [int(given[name]) for name in ("side", "resting", "released")]
-    return np.array(numbers), np.array(labels, dtype=np.int32)
+    y = given["z"] - given["x"]
+    if labels[0] and abs(y - 0.5 * labels[0] * clearance) > 1e-9 * clearance:
+        labels, numbers[6] = [0, 0, 0], 0.0  # the wall is elsewhere now
+    moment = (np.array(numbers), np.array(labels, dtype=np.int32))
+    if known and tuple(since[:n]) == belongs:
+        return moment, (np.array(since[n : n + 7]), np.array(since[n + 7 :], dtype=np.int32))
+    return moment, moment
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)

@@ -59,6 +59,7 @@ contains
       integer, intent(in) :: most_events
       integer, intent(out) :: counts(2), status
       type(event_type) :: events(chunk)
+      type(state_type) :: final
       integer(int64) :: last_cycle
       real(wp) :: last_phase
       integer :: n, total
@@ -67,12 +68,13 @@ contains
       counts = 0
       total = 0
       do
-         call simulate(drive, state, last_cycle, last_phase, events, n, status)
+         call simulate(drive, state, last_cycle, last_phase, events, n, final, status)
          counts(1) = counts(1) + count(events(:n)%kind == impact_event)
          counts(2) = counts(2) + count(events(:n)%kind == stick_event)
          total = total + n
-         if (status /= stat%more_events .or. total >= most_events) return
+         if (status /= stat%more_events .or. total >= most_events) exit
       end do
+      state = final
    end subroutine simulate_counting
 
 end module vi_bundle

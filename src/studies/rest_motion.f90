@@ -32,14 +32,14 @@ contains
       integer, intent(out) :: n
       !> `stat%ok`, or `stat%no_motion` if there is no release near that time.
       integer, intent(out) :: status
-      type(state_type) :: state
+      type(state_type) :: state, final
       real(wp) :: lapse, nearest
       integer :: i, found
 
       finish = 0
       state = release_state(drive, side, start)
       call simulate(drive, state, int(cycles, int64), start(1) + 0.5_wp*two_pi, events, found, &
-         status)
+         final, status)
       if (status /= stat%ok) return
       n = 0
       nearest = 0.5_wp*two_pi

@@ -68,8 +68,9 @@ contains
    !> Goes on from a state to an end of time, or until the events are full.
    !!
    !! Ending because the events are full loses nothing: calling again goes on bit for bit.
-   pure subroutine simulate(drive, state, last_cycle, last_phase, events, n, status)
+   pure subroutine simulate(drive, state, last_cycle, last_phase, events, n, final, status)
       type(drive_type), intent(in) :: drive
+      !> Out: where the last flight or rest began; going on from there is going on bit for bit.
       type(state_type), intent(inout) :: state
       !> The end: load cycles and the phase above them.
       integer(int64), intent(in) :: last_cycle
@@ -77,6 +78,8 @@ contains
       type(event_type), intent(inout) :: events(:)
       !> Events found.
       integer, intent(out) :: n
+      !> The state at the end (if the events were full first: where that was).
+      type(state_type), intent(out) :: final
       !> `stat%ok`, `stat%more_events` (full before the end) or `stat%budget`.
       integer, intent(out) :: status
       real(wp) :: remaining
@@ -85,17 +88,17 @@ contains
       n = 0
       status = stat%ok
       do
-         remaining = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase &
-            - state%phase))/drive%r
+         final = state
+         remaining = time_left(drive, state, last_cycle, last_phase)
          if (n + 2 > size(events)) then
             status = stat%more_events
             return
          end if
          if (state%resting) then
-            call rest_on(drive, state, remaining, events(n + 1), finished, status)
+            call rest_on(drive, state, remaining, events(n + 1), final, finished, status)
             if (.not. finished .and. status == stat%ok) n = n + 1
          else
-            call fly_on(drive, state, remaining, events(n + 1), finished, status)
+            call fly_on(drive, state, remaining, events(n + 1), final, finished, status)
             if (.not. finished .and. status == stat%ok) then
                n = n + 1
                call accumulate(drive, state, time_left(drive, state, last_cycle, last_phase), &
@@ -103,12 +106,11 @@ contains
                if (state%resting) n = n + 1
             end if
          end if
-         if (finished .or. status /= stat%ok) exit
+         if (status /= stat%ok) return
+         if (finished) exit
       end do
-      if (status == stat%ok) then
-         state%cycle = last_cycle
-         state%phase = last_phase
-      end if
+      final%cycle = last_cycle
+      final%phase = last_phase
    end subroutine simulate
 
    !> Time from a state to the end.
@@ -122,11 +124,13 @@ contains
    end function time_left
 
    !> Flies to the next impact and through it, or to the end of time.
-   pure subroutine fly_on(drive, state, remaining, event, finished, status)
+   pure subroutine fly_on(drive, state, remaining, event, final, finished, status)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
       real(wp), intent(in) :: remaining
       type(event_type), intent(inout) :: event
+      !> The state at the end of time, if that comes first.
+      type(state_type), intent(inout) :: final
       logical, intent(out) :: finished
       integer, intent(inout) :: status
       type(flight_type) :: flight
@@ -144,15 +148,17 @@ contains
             status = stat%budget
             return
          end if
-         state%released = .false.
          if (finished) then
             d = derivatives(flight, remaining)
-            state%x = d(0)
-            state%x_dot = d(1)
-            state%z = flight_position(flight, remaining)
-            state%side = 0
+            final%x = d(0)
+            final%x_dot = d(1)
+            final%z = flight_position(flight, remaining)
+            final%side = 0
+            final%speed = 0
+            final%released = .false.
             return
          end if
+         state%released = .false.
          call move(state, drive%r*contact%time)
          state%x = contact%d(0)
          state%side = contact%side
@@ -213,7 +219,8 @@ contains
             duration = 2*state%speed/(closing*(1 - restitution))
             jerk = abs(drive%load*drive%r*cos(state%phase)) + 2*osc%xi*abs(x_ddot) &
                + abs(state%x_dot)
-            if (duration > min(1.0e-6_wp, remaining) .or. jerk*duration**2 > time_error*closing) return
+            if (duration > min(1.0e-6_wp, remaining)) return
+            if (jerk*duration**2 > time_error*closing) return
          end if
          velocity = (state%x_dot + osc%mu*state%z_dot)/(1 + osc%mu)
          state%x = state%x + (velocity + 0.5_wp*x_ddot/(1 + osc%mu)*duration)*duration
@@ -230,11 +237,13 @@ contains
    end subroutine accumulate
 
    !> Rests on the wall until the release, or the end of time.
-   pure subroutine rest_on(drive, state, remaining, event, finished, status)
+   pure subroutine rest_on(drive, state, remaining, event, final, finished, status)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
       real(wp), intent(in) :: remaining
       type(event_type), intent(inout) :: event
+      !> The state at the end of time, if that comes first.
+      type(state_type), intent(inout) :: final
       logical, intent(out) :: finished
       integer, intent(inout) :: status
       type(oscillation_type) :: rest
@@ -251,11 +260,12 @@ contains
       end if
       time = min(time, remaining)
       d = derivatives(rest, time)
-      state%x = d(0)
-      state%x_dot = d(1)
-      state%z = state%x + 0.5_wp*state%side*drive%clearance
-      state%z_dot = state%x_dot
+      final%x = d(0)
+      final%x_dot = d(1)
+      final%z = d(0) + 0.5_wp*state%side*drive%clearance
+      final%z_dot = d(1)
       if (finished) return
+      state = final
       call move(state, drive%r*time)
       state%resting = .false.
       state%released = .true.

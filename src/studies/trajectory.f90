@@ -12,8 +12,7 @@ module vi_trajectory
    private
 
    public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, &
-      pack_state, &
-      unpack_state, initial_state, later
+      pack_state, unpack_state, initial_state, later
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
@@ -25,28 +24,32 @@ contains
    !! `labels`
    !! (2, room): kind, side.
    pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, values, labels, &
-      n, &
-         status)
+         n, final_state, final_contact, status)
       type(drive_type), intent(in) :: drive
-      !> (7), (3) as in `pack_state`; at the end on return.
+      !> (7), (3) as in `pack_state`; on return where the last flight or rest began.
       real(wp), intent(inout) :: state(:)
       integer, intent(inout) :: contact(:)
       real(wp), intent(in) :: last_cycle, last_phase
       real(wp), intent(out) :: values(:, :)
       integer, intent(out) :: labels(:, :)
-      integer, intent(out) :: n, status
-      type(state_type) :: now
+      integer, intent(out) :: n
+      !> The state at the end.
+      real(wp), intent(out) :: final_state(:)
+      integer, intent(out) :: final_contact(:)
+      integer, intent(out) :: status
+      type(state_type) :: now, final
       type(event_type), allocatable :: events(:)
 
       allocate (events(size(labels, 2)))
       now = unpack_state(state, contact)
-      call simulate(drive, now, int(last_cycle, int64), last_phase, events, n, status)
+      call simulate(drive, now, int(last_cycle, int64), last_phase, events, n, final, status)
       call store_events(events(:n), drive%r, values, labels)
       call pack_state(now, state, contact)
+      call pack_state(final, final_state, final_contact)
    end subroutine simulate_arrays
 
    !> A whole simulation: the discarded cycles, then those that are kept.
-   pure subroutine simulate_case(drive, start, duration, discard, max_events, state, events, status)
+   pure subroutine simulate_case(drive, start, duration, discard, max_events, final, events, status)
       type(drive_type), intent(in) :: drive
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
@@ -54,22 +57,27 @@ contains
       real(wp), intent(in) :: duration, discard
       integer, intent(in) :: max_events
       !> The state at the end.
-      type(state_type), intent(out) :: state
+      type(state_type), intent(out) :: final
       type(event_type), allocatable, intent(out) :: events(:)
       !> `stat%ok`, `stat%more_events` (max_events was reached) or `stat%budget`.
       integer, intent(out) :: status
+      type(state_type) :: state
 
       state = initial_state(drive, start)
+      final = state
       allocate (events(0))
-      if (discard > 0) call gather(drive, state, discard, max_events, .false., events, status)
-      if (discard > 0 .and. status /= stat%ok) return
-      call gather(drive, state, duration, max_events, .true., events, status)
+      status = stat%ok
+      if (discard > 0) call gather(drive, state, final, discard, max_events, .false., events, &
+         status)
+      if (status /= stat%ok) return
+      call gather(drive, state, final, duration, max_events, .true., events, status)
    end subroutine simulate_case
 
    !> Simulates some cycles in chunks and appends the events, if they are kept.
-   pure subroutine gather(drive, state, cycles, max_events, keep, events, status)
+   pure subroutine gather(drive, state, final, cycles, max_events, keep, events, status)
       type(drive_type), intent(in) :: drive
-      type(state_type), intent(inout) :: state
+      !> Where the last flight or rest began, and the end from which the cycles count.
+      type(state_type), intent(inout) :: state, final
       real(wp), intent(in) :: cycles
       integer, intent(in) :: max_events
       logical, intent(in) :: keep
@@ -81,11 +89,11 @@ contains
       real(wp) :: last_phase
       integer :: n, total
 
-      call later(state, cycles, last_cycle, last_phase)
+      call later(final, cycles, last_cycle, last_phase)
       total = 0
       do
          allocate (room(max(2, min(chunk, max_events - total + 1))))
-         call simulate(drive, state, last_cycle, last_phase, room, n, status)
+         call simulate(drive, state, last_cycle, last_phase, room, n, final, status)
          if (keep) events = [events, room(:n)]
          deallocate (room)
          total = total + n

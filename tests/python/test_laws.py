@@ -519,7 +519,14 @@ def test_equispaced_is_a_line_cut_by_a_circle(xi, mu, restitution, r, cycles, ra
     system = fp.System(xi, mu, r, "RL", cycles, (restitution, restitution))
     clearance = ratio * system.amplitude * fp.impact_pair_limit(restitution, cycles)
     expected = fp.equispaced(system, clearance)
-    found = vi.equispaced(vi.Oscillator(xi, mu, restitution), r, clearance, cycles=cycles)
+    try:
+        found = vi.equispaced(vi.Oscillator(xi, mu, restitution), r, clearance, cycles=cycles)
+    except vi.errors.SingularError:
+        # at an undamped resonance of the half period the line has no direction
+        odd = 2 * round((cycles / r - 1) / 2) + 1
+        assert xi < 1e-9
+        assert abs(cycles / r - odd) < 1e-6
+        return
     if bool(found) != bool(expected):
         # Only where the line all but touches the circle may the two disagree.
         near = (
@@ -597,8 +604,11 @@ def test_verdicts(case):
     for flag in (motion.consistent, motion.admissible):
         assert flag is True or flag is False
     # on the unit circle, as without damping, rounding cannot tell: the verdict says so
-    neutral = abs(abs(motion.multipliers[0]) - 1) < 1e-12
-    assert motion.stable is None if neutral else motion.stable in (True, False)
+    distance = abs(abs(motion.multipliers[0]) - 1)
+    if distance < 2e-13:
+        assert motion.stable is None
+    elif distance > 1e-12:
+        assert motion.stable in (True, False)
     assert motion.consistent is True
     clear = fp.clear_of_walls(reference)
     assert clear is None or motion.admissible is clear

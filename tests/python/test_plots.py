@@ -164,7 +164,12 @@ def test_acceleration_panel(which):
     rest &= h.X_dot == h.Z_dot
     want = np.where(rest, free / (1 + osc.mu), free)
     good = np.abs(values[pick] - want) < 1e-5 * max(1.0, np.abs(want).max())
-    assert good.mean() > 0.98
+    # both sides of a jump are drawn, and rounding decides which side such a time falls on
+    events = np.array(thing.events["time"])
+    events = np.concatenate([events + i * thing.period for i in range(4)]) if motion else events
+    away = np.abs(times[:, None] - events).min(axis=1) > 1e-9
+    assert away.sum() > 20
+    assert good[away].all()
     spikes = [seg for part in ax.collections for seg in getattr(part, "get_segments", list)()]
     assert len(spikes) >= 2
 

@@ -655,7 +655,7 @@ def test_shift_by_load_periods():
     first = state(t=0.7, x=0.1, z=0.3)
     run = vi.simulate(RIG, 0.9, 6.0, 6, first)
     for periods in (1, 1000):
-        rounding = 1e6 * 4 * EPS * (7 + periods * 7)              # of the time, and its growth
+        rounding = 1e6 * 4 * EPS * (7 + periods * 7)  # of the time, and its growth
         shift = periods * TURN / 0.9
         later = vi.simulate(RIG, 0.9, 6.0, 6, first | {"t": 0.7 + shift})
         assert np.array_equal(later.events["kind"], run.events["kind"])

@@ -114,14 +114,13 @@ def _history(thing: Motion | Trajectory, cycles: float) -> History:
     times = np.clip(times, first, last)
     sample = thing.sample(times)
     free = sample.load - 2 * thing.osc.xi * sample.X_dot - sample.X
-    resting = np.zeros(times.size, dtype=bool)
-    for stick in events[events["kind"] == "stick"]["time"]:
-        release = events["time"][(events["kind"] == "release") & (events["time"] > stick)]
-        resting |= (times >= stick) & (times < (release[0] if release.size else math.inf))
+    half = 0.5 * thing.clearance
+    # at rest both masses have one velocity, to the last bit, and the gap is closed
+    resting = (sample.X_dot == sample.Z_dot) & (np.abs(np.abs(sample.Y) - half) <= 1e-9 * half)
     acceleration = np.where(resting, free / (1 + thing.osc.mu), free)
     return History(
         (times - first) / cycle, sample, acceleration, events, (events["time"] - first) / cycle,
-        0.5 * thing.clearance,
+        half,
     )  # fmt: skip
 
 
