@@ -1,0 +1,128 @@
+"""Impacts a second: this package, a hand-written numba event loop, and SciPy with events.
+
+The same work for all: 1000 load cycles from rest with the parameters of Figure 6, at a stable and at a chaotic point.
+The numba loop flies in closed form, looks at the gap 40 times a load cycle and finishes by Newton: fast, but it
+can miss a contact that is shorter than its step. SciPy (100 cycles only) integrates and looks for sign changes.
+
+Run with `python benchmarks/simulate_speed.py` (needs numba and SciPy).
+"""
+
+import math
+import statistics
+import time
+
+import numba
+import numpy as np
+import vibroimpact as vi
+from scipy.integrate import solve_ivp
+
+XI, MU, RESTITUTION = 0.0114, 0.028, 0.75
+OSC = vi.Oscillator(XI, MU, RESTITUTION)
+POINTS = {"stable": (1.04, 25.0), "chaotic": (1.02, 11.25)}
+CYCLES, ROUNDS = 1000, 7
+
+
+@numba.njit(fastmath=False)
+def numba_loop(xi, mu, restitution, r, clearance, cycles, times):
+    """Impact times of an event loop with closed-form flights, a scan and Newton; their number."""
+    eta = math.sqrt(1 - xi * xi)
+    amplitude = 1 / math.hypot(1 - r * r, 2 * xi * r)
+    lag = math.atan2(2 * xi * r, 1 - r * r)
+    half, end, step = 0.5 * clearance, 2 * math.pi * cycles / r, 2 * math.pi / r / 40
+    t = x = v = z = w = 0.0
+    n, side = 0, 0
+    while True:
+        angle = r * t - lag
+        b = x - amplitude * math.sin(angle)
+        a = (v - amplitude * r * math.cos(angle) + xi * b) / eta
+        h, found = 0.0, 0
+        while found == 0:
+            h += step
+            if t + h >= end:
+                return n
+            e = math.exp(-xi * h)
+            s, c = e * math.sin(eta * h), e * math.cos(eta * h)
+            y = z + w * h - (a * s + b * c + amplitude * math.sin(r * h + angle))
+            if y > half:
+                found = 1
+            elif y < -half:
+                found = -1
+        for _ in range(50):
+            e = math.exp(-xi * h)
+            s, c = e * math.sin(eta * h), e * math.cos(eta * h)
+            free = a * s + b * c
+            x = free + amplitude * math.sin(r * h + angle)
+            v = eta * (a * c - b * s) - xi * free + amplitude * r * math.cos(r * h + angle)
+            gap = half - found * (z + w * h - x)
+            change = gap / (found * (w - v))
+            h += change
+            if abs(change) < 1e-13:
+                break
+        t += h
+        momentum, approach = v + mu * w, w - v
+        v = (momentum + mu * restitution * approach) / (1 + mu)
+        w = v - restitution * approach
+        z, side = x + found * half, found
+        times[n] = t
+        n += 1
+
+
+def scipy_impacts(r, clearance, cycles):
+    """Number of impacts by solve_ivp with events, restarted at each."""
+    half = 0.5 * clearance
+
+    def motion(t, y):
+        return [y[1], math.sin(r * t) - 2 * XI * y[1] - y[0], y[3], 0.0]
+
+    def right(_, y):
+        return half - (y[2] - y[0])
+
+    def left(_, y):
+        return half + (y[2] - y[0])
+
+    for event in (right, left):
+        event.terminal, event.direction = True, -1
+    t, end, y, n = 0.0, 2 * math.pi * cycles / r, np.zeros(4), 0
+    while t < end:
+        answer = solve_ivp(motion, (t, end), y, method="DOP853", rtol=1e-10, atol=1e-10,
+                           events=(right, left))  # fmt: skip
+        t, y = answer.t[-1], answer.y[:, -1].copy()
+        if answer.status == 1:
+            n += 1
+            momentum, approach = y[1] + MU * y[3], y[3] - y[1]
+            y[1] = (momentum + MU * RESTITUTION * approach) / (1 + MU)
+            y[3] = y[1] - RESTITUTION * approach
+    return n
+
+
+def seconds(work):
+    """CPU time of one call."""
+    begin = time.process_time()
+    result = work()
+    return time.process_time() - begin, result
+
+
+def main():
+    """Print impacts a second and ratios; the first 20 impact times have to agree."""
+    room = np.empty(100_000)
+    print(f"{'point':>8} {'this package':>14} {'numba':>12} {'ratio':>7} {'SciPy':>9} {'ratio':>8}")
+    for name, (r, clearance) in POINTS.items():
+        arguments = (XI, MU, RESTITUTION, r, clearance, CYCLES, room)
+        numba_loop(*arguments)
+        here, there = [], []
+        for _ in range(ROUNDS):
+            spent, run = seconds(lambda: vi.simulate(OSC, r, clearance, CYCLES))  # noqa: B023
+            here.append(len(run.events) / spent)
+            spent, n = seconds(lambda: numba_loop(*arguments))  # noqa: B023
+            there.append(n / spent)
+        assert np.allclose(run.events["time"][:20], room[:20], rtol=1e-9), "the impacts differ"
+        spent, n = seconds(lambda: scipy_impacts(r, clearance, 50))  # noqa: B023
+        ours, theirs, slow = statistics.median(here), statistics.median(there), n / spent
+        print(
+            f"{name:>8} {ours:12,.0f}/s {theirs:10,.0f}/s {ours / theirs:7.2f} {slow:7,.0f}/s "
+            f"{ours / slow:8,.0f}"
+        )
+
+
+if __name__ == "__main__":
+    main()
