@@ -30,7 +30,7 @@ def numba_loop(xi, mu, restitution, r, clearance, cycles, times):
     lag = math.atan2(2 * xi * r, 1 - r * r)
     half, end, step = 0.5 * clearance, 2 * math.pi * cycles / r, 2 * math.pi / r / 40
     t = x = v = z = w = 0.0
-    n, side = 0, 0
+    n = 0
     while True:
         angle = r * t - lag
         b = x - amplitude * math.sin(angle)
@@ -62,7 +62,7 @@ def numba_loop(xi, mu, restitution, r, clearance, cycles, times):
         momentum, approach = v + mu * w, w - v
         v = (momentum + mu * restitution * approach) / (1 + mu)
         w = v - restitution * approach
-        z, side = x + found * half, found
+        z = x + found * half
         times[n] = t
         n += 1
 
