@@ -1,8 +1,9 @@
 """Impacts a second: this package, a hand-written numba event loop, and SciPy with events.
 
 The same work for all: 1000 load cycles from rest with the parameters of Figure 6, at a stable and at a
-chaotic point. The numba loop flies in closed form, looks at the gap 40 times a load cycle and finishes by Newton: fast, but it
-can miss a contact that is shorter than its step. SciPy (50 cycles only) integrates and looks for sign changes.
+chaotic point. The numba loop flies in closed form, looks at the gap 40 times a load cycle and finishes by
+Newton: fast, but it can miss a contact that is shorter than its step. SciPy (50 cycles only) integrates and
+looks for sign changes.
 
 Run with `python benchmarks/simulate_speed.py` (needs numba and SciPy).
 """

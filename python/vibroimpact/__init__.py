@@ -3,13 +3,14 @@
 from importlib.metadata import version as _version
 
 from . import errors
+from .bundle import Bundle, simulate_bundle
 from .find import FoundMotions, Search, find
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
 from .newton import exact
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
-from .trajectory import Bundle, Trajectory, simulate, simulate_bundle
+from .trajectory import Trajectory, simulate
 
 __version__ = _version("vibroimpact")
 

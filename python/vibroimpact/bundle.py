@@ -1,0 +1,137 @@
+"""Many simulations in one call, on several threads."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, checks
+from .errors import ParameterError
+from .model import Oscillator
+from .trajectory import TWO_PI
+
+__all__ = ["Bundle", "simulate_bundle"]
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Bundle:
+    """The ends of many simulations.
+
+    Attributes
+    ----------
+    t, x, x_dot, z, z_dot : ndarray (M,)
+        Final states.
+    impacts, rests : ndarray (M,) of int
+        Numbers of impacts and of rests on the way.
+    status : ndarray (M,) of int
+        0 done; other codes are explained by `status_text`.
+    """
+
+    t: NDArray[np.float64]
+    x: NDArray[np.float64]
+    x_dot: NDArray[np.float64]
+    z: NDArray[np.float64]
+    z_dot: NDArray[np.float64]
+    impacts: NDArray[np.int32]
+    rests: NDArray[np.int32]
+    status: NDArray[np.int32]
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __repr__(self) -> str:
+        good = int((self.status == 0).sum())
+        return (
+            f"<Bundle of {len(self)} simulations, {good} done, {int(self.impacts.sum())} impacts>"
+        )
+
+
+def simulate_bundle(
+    osc: Oscillator,
+    r: ArrayLike,
+    clearance: ArrayLike,
+    cycles: float,
+    states: ArrayLike | None = None,
+    load: ArrayLike = 1.0,
+    max_events: int = 10_000_000,
+    threads: int | None = None,
+) -> Bundle:
+    """Simulate many initial states or parameters in one call, on several threads.
+
+    The answer is the same to the last bit for any number of threads. After such a call do not fork
+    the
+    process (multiprocessing: use the "spawn" method); a forked child would hang.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    r, clearance, load : float or array_like (M,)
+        As in `simulate`.
+    cycles : float
+        Load cycles to simulate.
+    states : array_like (5,) or (5, M), optional
+        t, x, x_dot, z, z_dot at the start; default: all 0.
+    max_events : int
+        Events after which one simulation ends early, with a status of its own.
+    threads : int, optional
+        Default: one for each processor.
+
+    Returns
+    -------
+    Bundle
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> vi.simulate_bundle(osc, r=np.linspace(1.03, 1.05, 5), clearance=25.0, cycles=1000)
+    <Bundle of 5 simulations, 5 done, 9981 impacts>
+    """
+    checks.instance(osc, "osc", Oscillator)
+    given = {"r": r, "clearance": clearance, "load": load}
+    columns = {name: checks.real_array(value, name, "numbers") for name, value in given.items()}
+    start = np.zeros(5) if states is None else checks.real_array(states, "states", "numbers (5, M)")
+    if start.ndim not in (1, 2) or start.shape[0] != 5:
+        raise ParameterError(
+            f"states of shape {start.shape}: must be (5,) or (5, M): t, x, x_dot, z, z_dot"
+        )
+    try:
+        (m,) = np.broadcast_shapes(*(a.shape for a in columns.values()), start.shape[1:], (1,))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in columns.items())
+        raise ParameterError(f"{shapes}, states {start.shape}: must have one length M") from None
+    for name, array in columns.items():
+        for value in (array.min(), array.max()) if array.size else ():
+            checks.number(float(value), name)
+        columns[name] = np.ascontiguousarray(np.broadcast_to(array, m))
+    if osc.xi == 0 and (columns["r"] == 1).any():
+        checks.frequency_ratio(1.0, osc.xi)
+    if not np.isfinite(start).all():
+        raise ParameterError("states: must be finite")
+    start = np.broadcast_to(start.reshape(5, -1), (5, m))
+    half = 0.5 * columns["clearance"] * (1 + 1e-9)
+    outside = np.abs(start[3] - start[1]) > half
+    if outside.any():
+        j = int(np.argmax(outside))
+        raise ParameterError(
+            f"states[:, {j}] = {start[:, j].tolist()!r}: z - x must be within half the clearance"
+        )
+    cycles = checks.number(cycles, "cycles_simulated", "cycles")
+    max_events = checks.integer(max_events, "max_events", 1, 10**9)
+    threads = checks.integer(
+        os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
+    )
+    values, contacts = np.empty((7, m), order="F"), np.empty((3, m), dtype=np.int32, order="F")
+    for j in range(m):
+        values[:, j], contacts[:, j] = _core.start_state(
+            osc.xi, columns["r"][j], columns["load"][j], columns["clearance"][j], start[:, j]
+        )
+    ends, _, counts, status = _core.simulate_bundle(
+        osc.xi, osc.mu, osc.restitution, columns["r"], columns["load"], columns["clearance"], cycles,
+        max_events, threads, values, contacts,
+    )  # fmt: skip
+    t = (TWO_PI * ends[0] + ends[1]) / columns["r"]
+    return Bundle(t, ends[2], ends[3], ends[4], ends[5], counts[0], counts[1], status)
