@@ -37,6 +37,9 @@ class Oscillator:
     restitution : float or (float, float)
         Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1]; one
         number stands for both.
+    M, K : float, optional
+        Primary mass and stiffness in physical units, for `units`; `from_dimensional` sets them. They are
+        not part of the dimensionless system: neither compared nor shown.
 
     Raises
     ------

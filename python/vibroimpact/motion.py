@@ -39,7 +39,7 @@ class Sample(NamedTuple):
 class Motion:
     """A periodic motion with impacts. Lengths in F0/K, velocities in omega F0/K, angles in radians.
 
-    Motions come from `periodic` and `equispaced`; their arrays are read-only.
+    Motions come from `periodic`, `equispaced`, `exact` and `find`; their arrays are read-only.
 
     Attributes
     ----------
@@ -61,7 +61,8 @@ class Motion:
         Amplitude of the motion without impacts and phase of equation (4): the forced part of the
         motion is ``A sin(r t + tau)`` with t = 0 at the first impact.
     residual : float
-        Relative 2-norm of the residual of equations (26), (30).
+        Relative 2-norm of the residual of equations (26), (30). With N = 2 they are a square system,
+        and it is 0 by definition.
     multipliers : ndarray (4,) of complex
         Eigenvalues of [P], by falling modulus; NaN where an impact has no approach speed.
     consistent : bool
@@ -69,7 +70,8 @@ class Motion:
     admissible : bool or None
         Whether the masses approach at each impact and the free mass stays between the walls.
     stable : bool or None
-        Whether all multipliers lie inside the unit circle. None means "not computed".
+        Whether all multipliers lie inside the unit circle. None where there are no multipliers, or where
+        the leading one is on the circle as far as rounding can tell (no damping, for example).
     x_min, x_max : float
         Extreme positions of the primary mass over the period.
     precision : str

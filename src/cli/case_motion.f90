@@ -2,7 +2,7 @@
 module vi_case_motion
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use vi_case_type, only: case_type
-   use vi_keys, only: complain, given
+   use vi_keys, only: complain, forbid, given
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
    use vi_oscillator, only: oscillator_type
@@ -61,8 +61,8 @@ contains
 
       do i = 1, size(foreign)
          if (.not. given(group, trim(foreign(i)))) cycle
-         call complain(group, trim(foreign(i)), line, message, &
-            'and is not for kind = ''equispaced'', which knows sides and phases')
+         call forbid(group, trim(foreign(i)), line, message, &
+            'must be left out: it is not for kind = ''equispaced'', which knows it')
          return
       end do
       case%pattern = new_pattern('RL', raw%cycles)
@@ -94,11 +94,14 @@ contains
          return
       end if
       if (given(group, 'clearance')) then
-         call complain(group, 'clearance', line, message, &
-            'and is not for kind = ''periodic'', which finds the clearance')
+         call forbid(group, 'clearance', line, message, &
+            'must be left out: it is not for kind = ''periodic'', which finds the clearance')
          return
       end if
-      if (given(group, 'phases') .eqv. given(group, 'phases_over_pi')) then
+      if (given(group, 'phases') .and. given(group, 'phases_over_pi')) then
+         call forbid(group, 'phases', line, message, 'must be left out beside phases_over_pi')
+         return
+      else if (.not. (given(group, 'phases') .or. given(group, 'phases_over_pi'))) then
          call complain(group, 'phases', line, message, 'give either phases or phases_over_pi')
          return
       end if

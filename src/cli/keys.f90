@@ -6,7 +6,7 @@ module vi_keys
    implicit none (type, external)
    private
 
-   public :: complain, given, read_group
+   public :: complain, forbid, given, read_group
 
 contains
 
@@ -150,6 +150,23 @@ contains
       end do
       if (present(why)) message = message//'; '//why
    end subroutine complain
+
+   !> The message for a key that does not belong here, whatever its value.
+   pure subroutine forbid(group, key, line, message, why)
+      type(group_type), intent(in) :: group
+      character(*), intent(in) :: key, why
+      integer, intent(inout) :: line
+      character(:), allocatable, intent(inout) :: message
+      integer :: i
+
+      do i = 1, size(group%items)
+         if (group%items(i)%key /= key) cycle
+         line = group%items(i)%line
+         message = '&'//group%name//' '//group%items(i)%target//' = '//group%items(i)%value// &
+            ': '//why
+         return
+      end do
+   end subroutine forbid
 
    pure logical function given(group, key)
       type(group_type), intent(in) :: group

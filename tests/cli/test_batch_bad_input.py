@@ -83,7 +83,7 @@ FORMS = [
     ("no r", changed(5, ""), 1, "&system r: is missing", NEEDED),
     ("no sides", changed(8, ""), 7, "&motion sides: is missing", IMPACTS),
     ("no phases", changed(10, ""), 7, "&motion phases: is missing", "phases_over_pi"),
-    ("phases in both units", changed(9, "phases = 0, 4"), 9, "&motion phases = 0, 4", "either"),
+    ("phases in both units", changed(9, "phases = 0, 4"), 9, "&motion phases = 0, 4", "phases_over_pi"),
     ("one wall of two", changed(4, "restitution(2) = 0.5"), 4, "&system restitution", WALLS),
     ("second phase only", changed(10, "phases(2) = 4.3"), 10, "&motion phases", PHASES),
     ("subscript 0", changed(10, "phases(0) = 0, 4.3"), 10, "&motion phases", PHASES),

@@ -176,7 +176,7 @@ def _draw_acceleration(ax: Any, h: History) -> None:
             tips,
             color=style.IMPACT,
             lw=0.9,
-            label=r"impact: $\Delta\dot X$",
+            label=r"impact: $\Delta\dot X$ ($\omega F_0/K$, scaled)",
         )
         ax.legend(loc="upper right", bbox_to_anchor=(1.0, 1.16), handlelength=1.4)
     ax.set_ylabel(r"$\ddot X$  ($\omega^2 F_0/K$)")

@@ -65,6 +65,7 @@ def reproduce(folder: Path) -> bool:
             draw(motion, load, "load", cycles=2)
             draw(motion, acceleration, "acceleration", cycles=2)
             load.set_xlabel("")
+            acceleration.tick_params(labelbottom=True)
             load.set_title(
                 f"({panel}) {caption}\n$r$ = {r:g}, $dK/F_0$ = {clearance:g}", fontsize=7
             )
