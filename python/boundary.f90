@@ -334,3 +334,29 @@ subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_ev
    call run(oscillator_type(xi, mu, walls), r, load, clearance, cycles, most_events, threads, &
       end_states, end_contacts, counts, status)
 end subroutine simulate_bundle
+
+!> The zones of a pattern in a window: the vertices of all loops, one after the other.
+!!
+!! Rows of `vertices`: r, D, direction of travel in r and log D; of `labels`: kind of the condition,
+!! index, side, corner; of `loops`: vertices, closed; of `work`: motions, steps, borders left.
+subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lines, guesses, points, &
+   seeds, room, loop_room, vertices, unknowns, labels, n_vertices, loops, inside, n_loops, work, &
+   status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_zone, only: zone_request_type
+   use vi_zone_table, only: zone_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, cycles, sides(n), symmetric, lines, guesses, points, room, &
+      loop_room
+   real(c_double), intent(in) :: xi, mu, walls(2), r(2), clearance(2), seeds(2 + 2*n, m)
+   real(c_double), intent(out) :: vertices(4, room), unknowns(2*n, room), inside(2, loop_room)
+   integer(c_int), intent(out) :: labels(4, room), n_vertices, loops(2, loop_room), n_loops, &
+      work(3), status
+
+   call zone_arrays(zone_request_type(oscillator_type(xi, mu, walls), pattern_type(sides, cycles), &
+      symmetric /= 0, r, clearance, lines, guesses, points), seeds, vertices, unknowns, labels, &
+      n_vertices, loops, inside, n_loops, work, status)
+end subroutine zone

@@ -25,17 +25,21 @@ contains
    !! A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest time
    !! scale, so
    !! that the error of the value, at most |x''| delta^2/2, is of the order of rounding.
-   pure subroutine relative_extrema(flight, lowest, highest, complete)
+   pure subroutine relative_extrema(flight, lowest, highest, complete, lowest_at, highest_at)
       type(flight_type), intent(in) :: flight
       real(wp), intent(out) :: lowest, highest
       !> False if the step budget ran out before the end of the flight.
       logical, intent(out) :: complete
+      !> When they occur; -1 where there is none.
+      real(wp), intent(out), optional :: lowest_at, highest_at
       real(wp) :: t, d(0:5), g, direction, before, bound, step, shortest, longest, relative
       integer :: n
 
       lowest = huge(1.0_wp)
       highest = -huge(1.0_wp)
       complete = .true.
+      if (present(lowest_at)) lowest_at = -1
+      if (present(highest_at)) highest_at = -1
       shortest = max(sqrt(epsilon(1.0_wp))/max(1.0_wp, flight%r), 4*spacing(flight%duration))
       longest = max(3/max(1.0_wp, flight%r), 2*shortest)
       t = 0
@@ -54,6 +58,8 @@ contains
          if (step < shortest .or. direction*before < 0) then
             if (t > shortest .and. t < flight%duration - shortest) then
                relative = flight_position(flight, t) - d(0)
+               if (present(lowest_at) .and. relative < lowest) lowest_at = t
+               if (present(highest_at) .and. relative > highest) highest_at = t
                lowest = min(lowest, relative)
                highest = max(highest, relative)
             end if

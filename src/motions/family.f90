@@ -1,0 +1,135 @@
+!> Families of periodic motions: one pattern, or the mirror-symmetric motions of one pattern.
+module vi_family
+   use vi_kinds, only: wp
+   use vi_orbit, only: family_type, most_impacts
+   use vi_pattern, only: pattern_type
+   implicit none (type, external)
+   private
+
+   public :: new_family, image_of, kinship, whole_pattern, whole_unknowns
+
+   !> A way in which a motion can repeat itself within its period.
+   type, public :: repetition_type
+      !> Impacts after which it does, the sign of positions then, and the load phase gone by.
+      integer :: shift = 0
+      real(wp) :: sign = 1, phase = 0
+   end type repetition_type
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+contains
+
+   !> The family of a pattern, and the ways in which its members could repeat themselves.
+   !!
+   !! A motion that does is not one of the family but of one with a shorter pattern, or with the
+   !! mirror symmetry: the pattern's own motions begin where they differ from it.
+   pure subroutine new_family(pattern, symmetric, equal_walls, family, repetitions, possible)
+      type(pattern_type), intent(in) :: pattern
+      !> Only motions that are their own mirror image half a period later.
+      logical, intent(in) :: symmetric
+      !> R1 = R2: there are mirror images.
+      logical, intent(in) :: equal_walls
+      type(family_type), intent(out) :: family
+      type(repetition_type), allocatable, intent(out) :: repetitions(:)
+      !> False if this pattern has no such motions.
+      logical, intent(out) :: possible
+      type(repetition_type) :: found(most_impacts)
+      integer :: n, m, half, count
+      logical :: mirrored
+
+      n = size(pattern%sides)
+      half = n/2
+      mirrored = equal_walls .and. mod(n, 2) == 0 .and. mod(pattern%cycles, 2) == 1
+      if (mirrored) mirrored = all(cshift(pattern%sides, half) == -pattern%sides)
+      possible = n <= most_impacts .and. (mirrored .or. .not. symmetric)
+      count = 0
+      allocate (repetitions(0))
+      if (.not. possible) return
+      family%cycles = pattern%cycles
+      family%mirror = symmetric
+      if (symmetric) then
+         family%sides = pattern%sides(:half)
+      else
+         family%sides = pattern%sides
+         if (mirrored) then
+            count = 1
+            found(1) = repetition_type(half, -1.0_wp, pi*pattern%cycles)
+         end if
+      end if
+      do m = 2, n
+         if (mod(n, m) /= 0 .or. mod(pattern%cycles, m) /= 0) cycle
+         if (.not. is_prime(m)) cycle
+         if (any(cshift(pattern%sides, n/m) /= pattern%sides)) cycle
+         count = count + 1
+         found(count) = repetition_type(n/m, 1.0_wp, 2*pi*pattern%cycles/m)
+      end do
+      deallocate (repetitions)
+      allocate (repetitions(count), source=found(:count))
+   end subroutine new_family
+
+   pure logical function is_prime(m)
+      integer, intent(in) :: m
+      integer :: i
+
+      is_prime = all([(mod(m, i) /= 0, i=2, m - 1)])
+   end function is_prime
+
+   !> How far an orbit is from repeating itself: a distance in (u, theta).
+   pure real(wp) function kinship(family, repetition, unknowns) result(distance)
+      type(family_type), intent(in) :: family
+      type(repetition_type), intent(in) :: repetition
+      !> (2n)
+      real(wp), intent(in) :: unknowns(:)
+
+      distance = norm2(image_of(family, repetition, unknowns) - unknowns)
+   end function kinship
+
+   !> The unknowns of the motion that a repetition makes of another: later impacts first, mirrored.
+   pure function image_of(family, repetition, unknowns) result(image)
+      type(family_type), intent(in) :: family
+      type(repetition_type), intent(in) :: repetition
+      !> (2n)
+      real(wp), intent(in) :: unknowns(:)
+      real(wp) :: image(size(unknowns))
+      real(wp) :: sign, span
+      integer :: i, j, n, turns
+
+      n = size(family%sides)
+      sign = merge(-1.0_wp, 1.0_wp, family%mirror)
+      span = merge(pi, 2*pi, family%mirror)*family%cycles
+      do i = 1, n
+         j = i + repetition%shift
+         turns = (j - 1)/n
+         j = j - turns*n
+         image(i) = repetition%sign*sign**turns*unknowns(j)
+         image(n + i) = unknowns(n + j) + turns*span - repetition%phase
+      end do
+   end function image_of
+
+   !> The unknowns of all impacts of a family's pattern.
+   pure function whole_unknowns(family, unknowns) result(whole)
+      type(family_type), intent(in) :: family
+      real(wp), intent(in) :: unknowns(:)
+      real(wp), allocatable :: whole(:)
+      integer :: n
+
+      n = size(family%sides)
+      if (family%mirror) then
+         whole = [unknowns(:n), -unknowns(:n), unknowns(n + 1:), unknowns(n + 1:) &
+            + pi*family%cycles]
+      else
+         whole = unknowns
+      end if
+   end function whole_unknowns
+
+   !> All sides of a family's pattern.
+   pure function whole_pattern(family) result(pattern)
+      type(family_type), intent(in) :: family
+      type(pattern_type) :: pattern
+
+      pattern%cycles = family%cycles
+      pattern%sides = family%sides
+      if (family%mirror) pattern%sides = [family%sides, -family%sides]
+   end function whole_pattern
+
+end module vi_family

@@ -1,0 +1,205 @@
+!> Curves of motions: Newton's method and tangents for the motions under some conditions.
+!!
+!! A point of a curve is (u_i, theta_i, q_j): the unknowns of the motion, then one or two active
+!! parameters in units of their scale. With one active parameter the motions alone are a curve; with
+!! two, those that meet one condition (a fold, say).
+module vi_curve
+   use vi_conditions, only: condition_type, condition_value, frame_type
+   use vi_kinds, only: wp
+   use vi_orbit, only: n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, &
+      set_orbit
+   implicit none (type, external)
+   private
+
+   public :: parameters_of, point_size, correct, condition_slope, tangent_at, unknowns_of
+
+   type, public :: curve_type
+      type(frame_type) :: frame
+      !> All parameters; those that are active are given by the point.
+      real(wp) :: c(n_parameters) = 0
+      !> Which parameters are active, where their coordinate is 0, and its unit.
+      integer, allocatable :: active(:)
+      real(wp), allocatable :: origin(:), scale(:)
+   end type curve_type
+
+   integer, parameter :: most_iterations = 8
+
+contains
+
+   !> Numbers in a point.
+   pure integer function point_size(curve)
+      type(curve_type), intent(in) :: curve
+
+      point_size = 2*size(curve%frame%family%sides) + size(curve%active)
+   end function point_size
+
+   !> The parameters at a point.
+   pure function parameters_of(curve, point) result(c)
+      type(curve_type), intent(in) :: curve
+      real(wp), intent(in) :: point(:)
+      real(wp) :: c(n_parameters)
+      integer :: j, n
+
+      c = curve%c
+      n = 2*size(curve%frame%family%sides)
+      do j = 1, size(curve%active)
+         c(curve%active(j)) = curve%origin(j) + curve%scale(j)*point(n + j)
+      end do
+   end function parameters_of
+
+   !> The unknowns (u_i, theta_i) at a point.
+   pure function unknowns_of(curve, point) result(unknowns)
+      type(curve_type), intent(in) :: curve
+      real(wp), intent(in) :: point(:)
+      real(wp) :: unknowns(2*size(curve%frame%family%sides))
+
+      unknowns = point(:size(unknowns))
+   end function unknowns_of
+
+   !> Newton's method for a point under conditions and, if that is not enough, in a plane.
+   !!
+   !! Equations: those of the motion, the conditions, and normal . (point - start) = 0.
+   pure subroutine correct(curve, conditions, point, iterations, normal)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
+      !> In: a guess. Out: the last iterate.
+      real(wp), intent(inout) :: point(:)
+      !> Iterations used; 0 if they did not converge.
+      integer, intent(out) :: iterations
+      real(wp), intent(in), optional :: normal(:)
+      real(wp) :: matrix(size(point), size(point)), step(size(point)), moved
+      real(wp) :: start(size(point))
+      logical :: regular
+      integer :: i
+
+      start = point
+      iterations = 0
+      do i = 1, most_iterations
+         call equations(curve, conditions, point, step, matrix)
+         if (present(normal)) then
+            matrix(size(point), :) = normal
+            step(size(point)) = dot_product(normal, point - start)
+         end if
+         call eliminate(matrix, step, regular)
+         if (.not. regular) return
+         moved = maxval(abs(step))
+         if (.not. moved < 0.5_wp) return
+         point = point - step
+         ! the matrix is right to 1e-8 or better: what is left after this step is below rounding
+         if (moved < 1.0e-8_wp) then
+            iterations = i
+            return
+         end if
+      end do
+   end subroutine correct
+
+   !> Residuals of the motion and of the conditions, with their derivatives.
+   pure subroutine equations(curve, conditions, point, residual, matrix)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
+      real(wp), intent(in) :: point(:)
+      real(wp), intent(out) :: residual(:), matrix(:, :)
+      type(orbit_type) :: o
+      real(wp) :: c(n_parameters)
+      integer :: n, j
+
+      n = 2*size(curve%frame%family%sides)
+      c = parameters_of(curve, point)
+      call set_orbit(curve%frame%family, point(:n), c, o)
+      residual(:n) = orbit_residual(o)
+      call orbit_matrix(o, matrix(:n, :n))
+      do j = 1, size(curve%active)
+         matrix(:n, n + j) = curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, &
+            curve%active(j))
+      end do
+      do j = 1, size(conditions)
+         call condition_slope(curve, conditions(j), point, residual(n + j), matrix(n + j, :))
+      end do
+   end subroutine equations
+
+   !> Value and derivative (by central differences) of a condition.
+   pure subroutine condition_slope(curve, condition, point, value, slope)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: condition
+      real(wp), intent(in) :: point(:)
+      real(wp), intent(out) :: value, slope(:)
+      real(wp), parameter :: h = 1.0e-6_wp
+      real(wp) :: moved(size(point))
+      integer :: j
+
+      value = at(point)
+      do j = 1, size(point)
+         moved = point
+         moved(j) = point(j) + h
+         slope(j) = at(moved)
+         moved(j) = point(j) - h
+         slope(j) = (slope(j) - at(moved))/(2*h)
+      end do
+   contains
+      pure real(wp) function at(place)
+         real(wp), intent(in) :: place(:)
+
+         at = condition_value(curve%frame, unknowns_of(curve, place), parameters_of(curve, place), &
+            condition)
+      end function at
+   end subroutine condition_slope
+
+   !> The unit tangent of a curve at a point of it, in the direction of a given vector.
+   pure subroutine tangent_at(curve, conditions, point, along, tangent, regular)
+      type(curve_type), intent(in) :: curve
+      !> One condition less than there are active parameters.
+      type(condition_type), intent(in) :: conditions(:)
+      real(wp), intent(in) :: point(:), along(:)
+      real(wp), intent(out) :: tangent(:)
+      logical, intent(out) :: regular
+      real(wp) :: matrix(size(point), size(point)), unused(size(point))
+
+      call equations(curve, conditions, point, unused, matrix)
+      matrix(size(point), :) = along
+      tangent = 0
+      tangent(size(point)) = 1
+      call eliminate(matrix, tangent, regular)
+      if (regular) tangent = tangent/norm2(tangent)
+   end subroutine tangent_at
+
+   !> Solves a small square system by Gaussian elimination with scaled partial pivoting.
+   !!
+   !! At these sizes the calls of a library would take most of the time.
+   pure subroutine eliminate(a, b, regular)
+      real(wp), intent(inout) :: a(:, :), b(:)
+      logical, intent(out) :: regular
+      real(wp) :: row(size(b)), factor
+      integer :: n, i, j, k
+
+      n = size(b)
+      regular = .false.
+      do i = 1, n
+         factor = maxval(abs(a(i, :)))
+         if (.not. (factor > 0 .and. factor <= huge(factor))) return
+         a(i, :) = a(i, :)/factor
+         b(i) = b(i)/factor
+      end do
+      do k = 1, n
+         j = k - 1 + maxloc(abs(a(k:, k)), dim=1)
+         if (.not. abs(a(j, k)) > 1.0e-14_wp) return
+         if (j /= k) then
+            row = a(k, :)
+            a(k, :) = a(j, :)
+            a(j, :) = row
+            b([k, j]) = b([j, k])
+         end if
+         do i = k + 1, n
+            factor = a(i, k)/a(k, k)
+            if (abs(factor) > 0) then
+               a(i, k + 1:) = a(i, k + 1:) - factor*a(k, k + 1:)
+               b(i) = b(i) - factor*b(k)
+            end if
+         end do
+      end do
+      do k = n, 1, -1
+         b(k) = (b(k) - dot_product(a(k, k + 1:), b(k + 1:)))/a(k, k)
+      end do
+      regular = .true.
+   end subroutine eliminate
+
+end module vi_curve

@@ -1,0 +1,205 @@
+!> The boundary of a zone of stable, admissible motions, as a closed curve of named pieces.
+!!
+!! The motions of a family over the plane (r, D) are sheets. On a sheet, a zone is where all
+!! conditions are positive. Its boundary is followed along the one condition that is zero; where
+!! another one gets zero there is a corner, and the boundary goes on along that one.
+module vi_loop
+   use vi_conditions, only: condition_type, grazing
+   use vi_curve, only: curve_type, tangent_at
+   use vi_kinds, only: wp
+   use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
+   implicit none (type, external)
+   private
+
+   public :: trace_loop, wrap
+
+   !> A closed curve: points (2n + 2, m) and the condition that is zero from each to the next.
+   type, public :: loop_type
+      real(wp), allocatable :: points(:, :), tangents(:, :)
+      type(condition_type), allocatable :: conditions(:)
+      !> Whether a point is a corner: two conditions are zero.
+      logical, allocatable :: corner(:)
+      integer :: n = 0
+      !> False if the curve could not be followed to its start.
+      logical :: closed = .false.
+   end type loop_type
+
+contains
+
+   !> Follows the boundary of a zone from a point where one condition is zero.
+   pure subroutine trace_loop(curve, stride, point, condition, most, loop)
+      !> With two active parameters.
+      type(curve_type), intent(in) :: curve
+      type(stride_type), intent(in) :: stride
+      real(wp), intent(in) :: point(:)
+      type(condition_type), intent(in) :: condition
+      !> Most points.
+      integer, intent(in) :: most
+      type(loop_type), intent(out) :: loop
+      type(place_type) :: now, next, corner
+      type(condition_type) :: active
+      real(wp) :: along(size(point))
+      integer :: which
+      logical :: good, met
+
+      allocate (loop%points(size(point), most), loop%tangents(size(point), most), &
+         loop%conditions(most), loop%corner(most))
+      active = condition
+      along = 0
+      along(size(point)) = 1
+      call begin_walk(curve, [active], point, along, 1.0e-3_wp, now, good)
+      if (.not. good) then
+         along(size(point) - 1:) = [1, 0]
+         call begin_walk(curve, [active], point, along, 1.0e-3_wp, now, good)
+         if (.not. good) return
+      end if
+      call append(loop, now, active, .false.)
+      do while (loop%n < most)
+         call take_step(curve, [active], stride, now, next, good)
+         if (.not. good) return
+         call first_violation(curve, active, now, next, corner, which, met)
+         if (which < 0) return                     ! a violation that could not be located
+         if (closes(loop, now, next, active, met, corner)) then
+            loop%closed = .true.
+            return
+         end if
+         if (met) then
+            call turn(curve, active, corner, which, now, good)
+            if (.not. good) return
+            call append(loop, now, active, .true.)
+         else
+            call refresh(next, active)
+            now = next
+            call append(loop, now, active, .false.)
+         end if
+      end do
+   end subroutine trace_loop
+
+   !> Whether a step along the condition of the start passes the start.
+   pure logical function closes(loop, now, next, active, met, corner)
+      type(loop_type), intent(in) :: loop
+      type(place_type), intent(in) :: now, next, corner
+      type(condition_type), intent(in) :: active
+      logical, intent(in) :: met
+      real(wp) :: offset(size(now%point)), share, reach
+
+      closes = .false.
+      if (loop%n < 2) return
+      if (.not. same_condition(active, loop%conditions(1))) return
+      offset = loop%points(:, 1) - now%point
+      call wrap(offset)
+      reach = next%came
+      if (met) reach = corner%came
+      share = dot_product(offset, now%tangent)
+      closes = share > 0 .and. share <= reach*(1 + 1.0e-9_wp) .and. &
+         norm2(offset - share*now%tangent) < 0.3_wp*share + 1.0e-7_wp
+   end function closes
+
+   !> Phases that differ by whole cycles are the same: subtracts the common ones.
+   pure subroutine wrap(offset)
+      real(wp), intent(inout) :: offset(:)
+      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+      integer :: n
+
+      n = (size(offset) - 2)/2
+      offset(n + 1:2*n) = offset(n + 1:2*n) - two_pi*nint(offset(n + 1)/two_pi)
+   end subroutine wrap
+
+   pure logical function same_condition(a, b)
+      type(condition_type), intent(in) :: a, b
+
+      same_condition = a%kind == b%kind .and. a%index == b%index .and. a%side == b%side
+      if (a%kind == grazing) same_condition = same_condition .and. abs(a%share - b%share) < 0.2_wp
+   end function same_condition
+
+   !> The first condition that a step violates, if any, and where.
+   pure subroutine first_violation(curve, active, now, next, corner, which, met)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: active
+      type(place_type), intent(in) :: now, next
+      type(place_type), intent(inout) :: corner
+      !> Its index; -1 if it could not be located.
+      integer, intent(out) :: which
+      logical, intent(out) :: met
+      type(place_type) :: found
+      real(wp) :: share, least
+      integer :: j
+      logical :: good
+
+      which = 0
+      met = .false.
+      corner = now
+      least = huge(1.0_wp)
+      do j = 1, size(next%values)
+         if (.not. next%values(j) < 0) cycle
+         if (same_condition(active, next%conditions(j))) cycle
+         call locate(curve, [active], now, next, j, found, share, good)
+         if (.not. good) then
+            which = -1
+            return
+         end if
+         if (share >= least) cycle
+         least = share
+         corner = found
+         which = j
+         met = .true.
+      end do
+   end subroutine first_violation
+
+   !> Goes round a corner: along the new condition, so that the old one gets positive.
+   pure subroutine turn(curve, active, corner, which, now, good)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(inout) :: active
+      type(place_type), intent(in) :: corner
+      integer, intent(in) :: which
+      type(place_type), intent(inout) :: now
+      logical, intent(out) :: good
+      type(condition_type) :: old
+      real(wp) :: along(size(corner%point))
+
+      old = active
+      active = corner%conditions(which)
+      call rising(curve, old, corner%point, along)
+      call begin_walk(curve, [active], corner%point, along, max(1.0e-4_wp, 0.1_wp*corner%step), &
+         now, good)
+   end subroutine turn
+
+   !> The direction in which a condition grows.
+   pure subroutine rising(curve, condition, point, along)
+      use vi_curve, only: condition_slope
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: condition
+      real(wp), intent(in) :: point(:)
+      real(wp), intent(out) :: along(:)
+      real(wp) :: unused
+
+      call condition_slope(curve, condition, point, unused, along)
+      along = along/norm2(along)
+   end subroutine rising
+
+   !> Keeps up with the moment of a touch.
+   pure subroutine refresh(place, active)
+      type(place_type), intent(in) :: place
+      type(condition_type), intent(inout) :: active
+      integer :: j
+
+      if (active%kind /= grazing) return
+      do j = 1, size(place%conditions)
+         if (same_condition(active, place%conditions(j))) active%share = place%conditions(j)%share
+      end do
+   end subroutine refresh
+
+   pure subroutine append(loop, place, active, corner)
+      type(loop_type), intent(inout) :: loop
+      type(place_type), intent(in) :: place
+      type(condition_type), intent(in) :: active
+      logical, intent(in) :: corner
+
+      loop%n = loop%n + 1
+      loop%points(:, loop%n) = place%point
+      loop%tangents(:, loop%n) = place%tangent
+      loop%conditions(loop%n) = active
+      loop%corner(loop%n) = corner
+   end subroutine append
+
+end module vi_loop

@@ -1,0 +1,259 @@
+!> A net of curves over the sheets of motions in a window, and where they cross the edge of a zone.
+!!
+!! The lines of a lattice in the window are followed on every sheet that the seeds belong to, through
+!! folds as well. Where two lines cross the motion is a node; from every node both lines go on, so
+!! that all connected sheets are covered.
+module vi_net
+   use vi_conditions, only: condition_type, edge, grazing, is_inside, repetition, zero_approach
+   use vi_curve, only: correct, curve_type
+   use vi_kinds, only: wp
+   use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
+   implicit none (type, external)
+   private
+
+   public :: new_net, add_seed, cover
+
+   !> A point on the edge of a zone: the condition that is zero there, and a point inside nearby.
+   type, public :: border_type
+      real(wp), allocatable :: point(:)
+      type(condition_type) :: condition
+      real(wp) :: inside(2) = 0
+   end type border_type
+
+   type, public :: net_type
+      !> The sheets: both parameters are active, the window is the unit square of their coordinates.
+      type(curve_type) :: sheet
+      integer :: lines = 0
+      !> Nodes: place in the lattice, unknowns, and whether its two lines have been followed.
+      integer :: n = 0
+      integer, allocatable :: lattice(:, :), follower(:), head(:, :)
+      real(wp), allocatable :: unknowns(:, :)
+      logical, allocatable :: followed(:, :)
+      !> Places where lines cross the edge of a zone.
+      type(border_type), allocatable :: borders(:)
+      integer :: n_borders = 0
+      !> Steps made.
+      integer :: steps = 0
+   end type net_type
+
+   !> Room for nodes and borders, and steps that may be made.
+   integer, parameter :: room = 40000, border_room = 20000, most_steps = 2000000
+   !> A motion that would be this far beyond a wall (over d) is not followed any farther.
+   real(wp), parameter :: depth = 0.3_wp
+
+contains
+
+   !> An empty net.
+   pure subroutine new_net(sheet, lines, net)
+      type(curve_type), intent(in) :: sheet
+      !> Lattice lines each way, those on the edges of the window included.
+      integer, intent(in) :: lines
+      type(net_type), intent(out) :: net
+      integer :: n
+
+      n = 2*size(sheet%frame%family%sides)
+      net%sheet = sheet
+      net%lines = lines
+      allocate (net%lattice(2, room), net%follower(room), net%unknowns(n, room), &
+         net%followed(2, room), net%borders(border_room))
+      allocate (net%head(lines, lines), source=0)
+   end subroutine new_net
+
+   !> Adds a node; one that is there already is not added again.
+   pure subroutine add_seed(net, i, j, unknowns, node)
+      type(net_type), intent(inout) :: net
+      !> Place in the lattice.
+      integer, intent(in) :: i, j
+      real(wp), intent(in) :: unknowns(:)
+      !> Its index; 0 if there is no room.
+      integer, intent(out) :: node
+      real(wp) :: offset(size(unknowns))
+      integer :: n
+
+      n = size(unknowns)/2
+      node = net%head(i, j)
+      do while (node > 0)
+         offset = net%unknowns(:, node) - unknowns
+         offset(n + 1:) = offset(n + 1:) - two_pi()*nint(offset(n + 1)/two_pi())
+         if (maxval(abs(offset)) < 1.0e-6_wp) return
+         node = net%follower(node)
+      end do
+      if (net%n == room) return
+      net%n = net%n + 1
+      node = net%n
+      net%lattice(:, node) = [i, j]
+      net%unknowns(:, node) = unknowns
+      net%followed(:, node) = .false.
+      net%follower(node) = net%head(i, j)
+      net%head(i, j) = node
+   end subroutine add_seed
+
+   pure real(wp) function two_pi()
+      two_pi = 2*acos(-1.0_wp)
+   end function two_pi
+
+   !> Follows both lines through every node, until all have been.
+   pure subroutine cover(net, first)
+      type(net_type), intent(inout) :: net
+      !> The first node whose lines may not have been followed.
+      integer, intent(in) :: first
+      integer :: node, direction, way
+
+      node = first
+      do while (node <= net%n)
+         do direction = 1, 2
+            if (net%followed(direction, node)) cycle
+            net%followed(direction, node) = .true.
+            do way = -1, 1, 2
+               call follow_line(net, node, direction, way)
+            end do
+         end do
+         node = node + 1
+      end do
+   end subroutine cover
+
+   !> Follows a line from a node one way, until it leaves the window or what is physical.
+   pure subroutine follow_line(net, node, direction, way)
+      type(net_type), intent(inout) :: net
+      !> The parameter that changes along the line is `direction`.
+      integer, intent(in) :: node, direction, way
+      type(curve_type) :: line
+      type(place_type) :: before, now, next
+      type(stride_type) :: stride
+      type(condition_type) :: none(0)
+      real(wp) :: along(size(net%unknowns, 1) + 1), q
+      logical :: good, known
+
+      call line_of(net, node, direction, line)
+      stride = stride_type(longest=0.8_wp/(net%lines - 1))
+      along = 0
+      along(size(along)) = way
+      q = (net%lattice(direction, node) - 1)/real(net%lines - 1, wp)
+      call begin_walk(line, none, [net%unknowns(:, node), q], along, 0.2_wp*stride%longest, now, &
+         good)
+      if (.not. good) return
+      before = now
+      do while (net%steps < most_steps)
+         call take_step(line, none, stride, now, next, good)
+         net%steps = net%steps + 1
+         if (.not. good) return
+         if (next%came > 1.0e-4_wp .and. any(hidden_zero(before%values, now%values, next%values, &
+            now%came, next%came))) then
+            now%step = 0.3_wp*next%came
+            cycle
+         end if
+         call note_border(net, line, direction, node, now, next)
+         call note_nodes(net, line, direction, node, now, next, known)
+         if (known .or. leaves(next, line)) return
+         before = now
+         now = next
+      end do
+   end subroutine follow_line
+
+   !> The curve of one lattice line.
+   pure subroutine line_of(net, node, direction, line)
+      type(net_type), intent(in) :: net
+      integer, intent(in) :: node, direction
+      type(curve_type), intent(out) :: line
+      integer :: other
+
+      other = 3 - direction
+      associate (sheet => net%sheet)
+         line = sheet
+         line%active = sheet%active([direction])
+         line%origin = sheet%origin([direction])
+         line%scale = sheet%scale([direction])
+         line%c(sheet%active(other)) = sheet%origin(other) + sheet%scale(other)* &
+            (net%lattice(other, node) - 1)/real(net%lines - 1, wp)
+      end associate
+   end subroutine line_of
+
+   !> Whether a line has left the window, or the motion is no longer physical by far.
+   pure logical function leaves(place, line)
+      type(place_type), intent(in) :: place
+      type(curve_type), intent(in) :: line
+
+      associate (v => place%values, kind => place%conditions%kind)
+         leaves = any(v < 0 .and. (kind == zero_approach .or. kind == repetition)) .or. &
+            any(v < 0 .and. kind == edge .and. place%conditions%index == line%active(1)) .or. &
+            any(v < -depth .and. kind == grazing)
+      end associate
+   end function leaves
+
+   !> Notes the nodes between two places.
+   pure subroutine note_nodes(net, line, direction, node, now, next, known)
+      type(net_type), intent(inout) :: net
+      type(curve_type), intent(in) :: line
+      integer, intent(in) :: direction, node
+      type(place_type), intent(in) :: now, next
+      !> Whether the line has been here before.
+      logical, intent(out) :: known
+      real(wp) :: guess(size(now%point)), a, b, level
+      type(condition_type) :: at
+      integer :: i, place(2), found, iterations
+
+      known = .false.
+      a = now%point(size(now%point))
+      b = next%point(size(next%point))
+      do i = 1, net%lines
+         level = (i - 1)/real(net%lines - 1, wp)
+         if (.not. (level - a)*(level - b) < 0) cycle
+         if (abs(level - a) < 1.0e-9_wp) cycle
+         guess = now%point + (level - a)/(b - a)*(next%point - now%point)
+         at = condition_type(edge, line%active(1), 1, bound=line%origin(1) + line%scale(1)*level)
+         call correct(line, [at], guess, iterations)
+         if (iterations == 0) cycle
+         place = net%lattice(:, node)
+         place(direction) = i
+         call add_seed(net, place(1), place(2), guess(:size(guess) - 1), found)
+         if (found == 0) cycle
+         if (net%followed(direction, found)) known = .true.
+         net%followed(direction, found) = .true.
+      end do
+   end subroutine note_nodes
+
+   !> Notes where a step enters or leaves a zone.
+   pure subroutine note_border(net, line, direction, node, now, next)
+      type(net_type), intent(inout) :: net
+      type(curve_type), intent(in) :: line
+      integer, intent(in) :: direction, node
+      type(place_type), intent(in) :: now, next
+      type(place_type) :: found, best
+      type(condition_type) :: none(0)
+      real(wp) :: share, nearest, other, q(2)
+      integer :: j, which
+      logical :: good, inside
+
+      inside = is_inside(now%conditions, now%values, line%active(1))
+      if (inside .eqv. is_inside(next%conditions, next%values, line%active(1))) return
+      if (net%n_borders == border_room) return
+      which = 0
+      best = now
+      nearest = huge(1.0_wp)
+      do j = 1, size(now%values)
+         if (.not. now%values(j)*next%values(j) < 0) cycle
+         if (now%conditions(j)%kind == edge .and. now%conditions(j)%index /= line%active(1)) cycle
+         call locate(line, none, now, next, j, found, share, good)
+         if (.not. good) cycle
+         if (.not. inside) share = 1 - share
+         if (share >= nearest) cycle
+         nearest = share
+         which = j
+         best = found
+      end do
+      if (which == 0) return
+      other = (net%lattice(3 - direction, node) - 1)/real(net%lines - 1, wp)
+      net%n_borders = net%n_borders + 1
+      associate (border => net%borders(net%n_borders), n => size(net%unknowns, 1))
+         allocate (border%point(n + 2))
+         q(direction) = best%point(n + 1)
+         q(3 - direction) = other
+         border%point(:n) = best%point(:n)
+         border%point(n + 1:) = q
+         border%condition = best%conditions(which)
+         border%inside(3 - direction) = other
+         border%inside(direction) = merge(now%point(n + 1), next%point(n + 1), inside)
+      end associate
+   end subroutine note_border
+
+end module vi_net

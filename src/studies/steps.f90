@@ -1,0 +1,213 @@
+!> Steps along a curve of motions, and the places on a step where a condition is zero.
+module vi_steps
+   use vi_conditions, only: all_conditions, apart, condition_type, grazing, repetition
+   use vi_curve, only: correct, curve_type, parameters_of, point_size, tangent_at, unknowns_of
+   use vi_family, only: image_of
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: begin_walk, take_step, locate, hidden_zero
+
+   !> A place on a curve: the point, the direction of travel, and all conditions there.
+   type, public :: place_type
+      real(wp), allocatable :: point(:), tangent(:), values(:)
+      type(condition_type), allocatable :: conditions(:)
+      !> The length of the step that led here and of the next one to be tried.
+      real(wp) :: came = 0, step = 0
+   end type place_type
+
+   !> How far and how sharply turning steps may be.
+   type, public :: stride_type
+      real(wp) :: longest = 0.05_wp, shortest = 1.0e-7_wp, turn = 0.2_wp
+   end type stride_type
+
+contains
+
+   !> The place of a point of a curve, looking along a direction.
+   pure subroutine begin_walk(curve, conditions, point, along, step, place, regular)
+      type(curve_type), intent(in) :: curve
+      !> What holds along the curve.
+      type(condition_type), intent(in) :: conditions(:)
+      real(wp), intent(in) :: point(:), along(:), step
+      type(place_type), intent(out) :: place
+      logical, intent(out) :: regular
+
+      place%point = point
+      allocate (place%tangent(size(point)))
+      call tangent_at(curve, conditions, point, along, place%tangent, regular)
+      place%step = step
+      call survey(curve, place)
+   end subroutine begin_walk
+
+   !> Evaluates all conditions at a place.
+   pure subroutine survey(curve, place)
+      type(curve_type), intent(in) :: curve
+      type(place_type), intent(inout) :: place
+      integer :: n
+
+      associate (frame => curve%frame)
+         n = 3 + 2*size(frame%family%sides) + size(frame%repetitions) + size(frame%edges)
+      end associate
+      if (.not. allocated(place%values)) allocate (place%values(n), place%conditions(n))
+      call all_conditions(curve%frame, unknowns_of(curve, place%point), &
+         parameters_of(curve, place%point), place%values, place%conditions)
+   end subroutine survey
+
+   !> One step along a curve, shortened until Newton's method converges and the turn is small.
+   pure subroutine take_step(curve, conditions, stride, from, to, good)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
+      type(stride_type), intent(in) :: stride
+      type(place_type), intent(in) :: from
+      type(place_type), intent(inout) :: to
+      !> False if the curve could not be followed.
+      logical, intent(out) :: good
+      real(wp) :: step, turn
+      integer :: iterations
+
+      step = min(from%step, stride%longest)
+      turn = 0
+      good = .false.
+      if (.not. allocated(to%point)) allocate (to%point, mold=from%point)
+      if (.not. allocated(to%tangent)) allocate (to%tangent, mold=from%tangent)
+      do
+         to%point = from%point + step*from%tangent
+         call correct(curve, conditions, to%point, iterations, from%tangent)
+         if (iterations > 0) then
+            call tangent_at(curve, conditions, to%point, from%tangent, to%tangent, good)
+            if (good) then
+               turn = turn_of(from%tangent, to%tangent, size(curve%active))
+               good = turn < stride%turn .or. step <= 64*stride%shortest
+            end if
+         end if
+         if (good) exit
+         step = 0.5_wp*step
+         if (step < stride%shortest) return
+      end do
+      to%came = step
+      to%step = step
+      if (iterations <= 4 .and. turn < 0.5_wp*stride%turn) to%step = 1.6_wp*step
+      call survey(curve, to)
+      call mark_passage(curve, from, to)
+   end subroutine take_step
+
+   !> A step may pass a motion that repeats itself: the distance to it counts negative then.
+   pure subroutine mark_passage(curve, from, to)
+      type(curve_type), intent(in) :: curve
+      type(place_type), intent(in) :: from
+      type(place_type), intent(inout) :: to
+      real(wp), allocatable :: a(:), b(:)
+      integer :: j
+
+      do j = 1, size(to%values)
+         if (to%conditions(j)%kind /= repetition .or. to%values(j) < 0) cycle
+         associate (family => curve%frame%family, &
+            way => curve%frame%repetitions(to%conditions(j)%index))
+            a = unknowns_of(curve, from%point)
+            a = image_of(family, way, a) - a
+            b = unknowns_of(curve, to%point)
+            b = image_of(family, way, b) - b
+         end associate
+         if (dot_product(a, b) < 0) to%values(j) = -to%values(j) - 2*apart
+      end do
+   end subroutine mark_passage
+
+   !> The greater of the turns in the whole space and in the plane of two parameters.
+   pure real(wp) function turn_of(a, b, active) result(turn)
+      real(wp), intent(in) :: a(:), b(:)
+      integer, intent(in) :: active
+      real(wp) :: lengths
+      integer :: n
+
+      turn = acos(max(-1.0_wp, min(1.0_wp, dot_product(a, b))))
+      if (active < 2) return
+      n = size(a)
+      lengths = norm2(a(n - 1:))*norm2(b(n - 1:))
+      if (lengths > 1.0e-6_wp) turn = max(turn, asin(min(1.0_wp, abs(a(n - 1)*b(n) - a(n)*b(n - 1)) &
+         /lengths)))
+   end function turn_of
+
+   !> Whether a condition may have been negative (or positive) for a moment within the last step.
+   !!
+   !! The parabola through three values in a row has its extremum inside the last two steps, on the
+   !! other side of zero.
+   pure elemental logical function hidden_zero(before, now, next, first, second) result(hidden)
+      real(wp), intent(in) :: before, now, next
+      !> Lengths of the steps between them.
+      real(wp), intent(in) :: first, second
+      real(wp) :: slope, curvature, at, extreme
+
+      hidden = .false.
+      if (before*now <= 0 .or. now*next <= 0) return
+      if (.not. (first > 0 .and. second > 0)) return
+      curvature = ((next - now)/second - (now - before)/first)/(first + second)
+      slope = (next - now)/second - curvature*second
+      if (.not. abs(curvature) > 0) return
+      at = -0.5_wp*slope/curvature
+      if (at < -first .or. at > second) return
+      extreme = now + at*(slope + curvature*at)
+      hidden = extreme*now < 0
+   end function hidden_zero
+
+   !> The point of a step where a further condition is zero: Newton's method, else bisection.
+   pure subroutine locate(curve, conditions, from, to, which, place, share, good)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
+      type(place_type), intent(in) :: from, to
+      !> Index of the condition that changes its sign.
+      integer, intent(in) :: which
+      type(place_type), intent(inout) :: place
+      !> Share of the step.
+      real(wp), intent(out) :: share
+      logical, intent(out) :: good
+      type(condition_type) :: extra(1)
+      type(place_type) :: low, high
+      real(wp) :: near
+      integer :: i, iterations
+
+      ! a touch is known best where it is one
+      extra(1) = to%conditions(which)
+      if (extra(1)%kind == grazing .and. from%values(which) < to%values(which)) &
+         extra(1) = from%conditions(which)
+      low = from
+      high = to
+      good = .false.
+      do i = 1, 60
+         near = low%values(which)/(low%values(which) - high%values(which))
+         if (mod(i, 3) == 0 .or. .not. abs(near) <= 1) near = 0.5_wp
+         place%point = low%point + near*(high%point - low%point)
+         call correct(curve, [conditions, extra], place%point, iterations)
+         share = dot_product(from%tangent, place%point - from%point)/from_length(from, to)
+         good = iterations > 0 .and. share > -1.0e-6_wp .and. share < 1 + 1.0e-6_wp .and. &
+            norm2(place%point - from%point) < 2*to%came
+         if (good) exit
+         if (norm2(high%point - low%point) < 1.0e-12_wp) exit
+         ! a nearer pair of points
+         place%point = low%point + near*(high%point - low%point)
+         call correct(curve, conditions, place%point, iterations, from%tangent)
+         if (iterations == 0) exit
+         call survey(curve, place)
+         if (place%values(which)*low%values(which) > 0) then
+            low%point = place%point
+            low%values = place%values
+         else
+            high%point = place%point
+            high%values = place%values
+         end if
+      end do
+      if (.not. good) return
+      place%tangent = from%tangent
+      place%came = share*to%came
+      place%step = to%step
+      call survey(curve, place)
+      place%conditions(which) = extra(1)
+   end subroutine locate
+
+   pure real(wp) function from_length(from, to) result(length)
+      type(place_type), intent(in) :: from, to
+
+      length = dot_product(from%tangent, to%point - from%point)
+   end function from_length
+
+end module vi_steps

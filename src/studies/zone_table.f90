@@ -1,0 +1,74 @@
+!> Zones as plain arrays: the vertices of all loops, one after the other.
+module vi_zone_table
+   use vi_family, only: whole_unknowns
+   use vi_kinds, only: wp
+   use vi_status, only: stat
+   use vi_zone, only: find_zone, zone_request_type, zone_type
+   implicit none (type, external)
+   private
+
+   public :: zone_arrays
+
+contains
+
+   !> `find_zone` between arrays.
+   pure subroutine zone_arrays(request, seeds, vertices, unknowns, labels, n, loops, inside, &
+      n_loops, work, status)
+      type(zone_request_type), intent(in) :: request
+      real(wp), intent(in) :: seeds(:, :)
+      !> (4, room): r, D, and the direction of travel in r and log D.
+      real(wp), intent(out) :: vertices(:, :)
+      !> (2N, room): x_i/D and theta_i.
+      real(wp), intent(out) :: unknowns(:, :)
+      !> (4, room): kind of the condition from here on, its index, its side, 1 at a corner.
+      integer, intent(out) :: labels(:, :)
+      !> Vertices.
+      integer, intent(out) :: n
+      !> (2, room of loops): vertices of each loop, 1 if it is closed.
+      integer, intent(out) :: loops(:, :)
+      !> (2, room of loops): r, D of a point inside beside the loop.
+      real(wp), intent(out) :: inside(:, :)
+      integer, intent(out) :: n_loops
+      !> Motions found, steps of the net, borders left untraced.
+      integer, intent(out) :: work(3)
+      !> `stat%more_events` if there was no room for all.
+      integer, intent(out) :: status
+      type(zone_type) :: zone
+      integer :: i, j, m
+
+      vertices = 0
+      unknowns = 0
+      labels = 0
+      loops = 0
+      inside = 0
+      n = 0
+      n_loops = 0
+      work = 0
+      call find_zone(request, seeds, zone, status)
+      if (status /= stat%ok) return
+      work = [zone%nodes, zone%steps, zone%untraced]
+      do i = 1, zone%n
+         associate (loop => zone%loops(i), sheet => zone%sheet)
+            if (n + loop%n > size(vertices, 2) .or. n_loops == size(loops, 2)) then
+               status = stat%more_events
+               return
+            end if
+            n_loops = n_loops + 1
+            loops(:, n_loops) = [loop%n, merge(1, 0, loop%closed)]
+            inside(:, n_loops) = sheet%origin + sheet%scale*zone%inside(:, i)
+            inside(2, n_loops) = exp(inside(2, n_loops))
+            m = size(loop%points, 1) - 2
+            do j = 1, loop%n
+               n = n + 1
+               vertices(:2, n) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
+               vertices(2, n) = exp(vertices(2, n))
+               vertices(3:, n) = sheet%scale*loop%tangents(m + 1:, j)
+               unknowns(:, n) = whole_unknowns(sheet%frame%family, loop%points(:m, j))
+               labels(:, n) = [loop%conditions(j)%kind, loop%conditions(j)%index, &
+                  loop%conditions(j)%side, merge(1, 0, loop%corner(j))]
+            end do
+         end associate
+      end do
+   end subroutine zone_arrays
+
+end module vi_zone_table
