@@ -337,8 +337,9 @@ end subroutine simulate_bundle
 
 !> The zones of a pattern in a window: the vertices of all loops, one after the other.
 !!
-!! Rows of `vertices`: r, D, direction of travel in r and log D; of `labels`: kind of the condition,
-!! index, side, corner; of `loops`: vertices, closed; of `work`: motions, steps, borders left.
+!! Rows of `vertices`: r, D, derivatives of r and log D by length, length to the next; of `labels`:
+!! kind of the condition, index, side, corner; of `loops`: vertices, closed; of `work`: motions,
+!! steps, borders left.
 subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lines, guesses, points, &
    seeds, room, loop_room, vertices, unknowns, labels, n_vertices, loops, inside, n_loops, work, &
    status)
@@ -352,7 +353,7 @@ subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lin
    integer(c_int), intent(in) :: n, m, cycles, sides(n), symmetric, lines, guesses, points, room, &
       loop_room
    real(c_double), intent(in) :: xi, mu, walls(2), r(2), clearance(2), seeds(2 + 2*n, m)
-   real(c_double), intent(out) :: vertices(4, room), unknowns(2*n, room), inside(2, loop_room)
+   real(c_double), intent(out) :: vertices(5, room), unknowns(2*n, room), inside(2, loop_room)
    integer(c_int), intent(out) :: labels(4, room), n_vertices, loops(2, loop_room), n_loops, &
       work(3), status
 
@@ -360,3 +361,31 @@ subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lin
       symmetric /= 0, r, clearance, lines, guesses, points), seeds, vertices, unknowns, labels, &
       n_vertices, loops, inside, n_loops, work, status)
 end subroutine zone
+
+!> A branch of exact motions along a parameter, both ways from one of them.
+!!
+!! `c` and the rows of `parameters` are r, D, xi, mu, R1, R2; of `special`: kind of the condition
+!! that is zero (0: none), index, side.
+subroutine branch(n, c, parameter, tied, bounds, cycles, sides, symmetric, x, theta, longest, room, &
+   parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, reasons, &
+   status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_branch_table, only: branch_arrays, branch_request_type
+   use vi_pattern, only: pattern_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, parameter, tied, cycles, sides(n), symmetric, room
+   real(c_double), intent(in) :: c(6), bounds(2), x(n), theta(n), longest
+   real(c_double), intent(out) :: parameters(6, room), phases(n, room), impacts(n, 6, room), &
+      scalars(6, room)
+   complex(c_double_complex), intent(out) :: multipliers(4, room)
+   integer(c_int), intent(out) :: verdicts(3, room), codes(room), special(3, room), n_points, &
+      reasons(2), status
+   real(c_double) :: log_c(6)
+
+   log_c = c
+   log_c(2) = log(c(2))
+   call branch_arrays(branch_request_type(pattern_type(sides, cycles), symmetric /= 0, log_c, &
+      parameter, tied /= 0, bounds, longest), [x/c(2), theta], parameters, phases, impacts, scalars, &
+      multipliers, verdicts, codes, special, n_points, reasons, status)
+end subroutine branch

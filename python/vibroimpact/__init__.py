@@ -10,22 +10,30 @@ from .motion import Motion, Motions, Sample
 from .newton import exact
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
+from .studies.branch import Branch, SpecialPoint, branch
+from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
 __version__ = _version("vibroimpact")
 
 __all__ = [
+    "Branch",
     "Bundle",
     "FoundMotions",
     "Motion",
     "Motions",
     "Oscillator",
     "Pattern",
+    "Piece",
     "RunLog",
     "Sample",
     "Search",
+    "SpecialPoint",
     "Trajectory",
     "Units",
+    "Zone",
+    "ZoneSearch",
+    "branch",
     "equispaced",
     "errors",
     "exact",
@@ -37,4 +45,5 @@ __all__ = [
     "simulate",
     "simulate_bundle",
     "status_text",
+    "zone",
 ]

@@ -259,6 +259,51 @@ class _SimulateBundle(Protocol):
         m: int = ...,
     ) -> tuple[_Real, _Integer, _Integer, _Integer]: ...
 
+@type_check_only
+class _Branch(Protocol):
+    # parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, reasons,
+    # status
+    def __call__(
+        self,
+        c: ArrayLike,
+        parameter: int,
+        tied: int,
+        bounds: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        symmetric: int,
+        x: ArrayLike,
+        theta: ArrayLike,
+        longest: float,
+        room: int,
+        n: int = ...,
+    ) -> tuple[
+        _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int
+    ]: ...
+
+@type_check_only
+class _Zone(Protocol):
+    # vertices, unknowns, labels, n_vertices, loops, inside, n_loops, work, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        symmetric: int,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        lines: int,
+        guesses: int,
+        points: int,
+        seeds: ArrayLike,
+        room: int,
+        loop_room: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> tuple[_Real, _Real, _Integer, int, _Integer, _Real, int, _Integer, int]: ...
+
 __f2py_numpy_version__: str
 
 periodic: _Periodic
@@ -276,3 +321,5 @@ rest_motion: _RestMotion
 search_pattern: _SearchPattern
 start_state: _StartState
 simulate_bundle: _SimulateBundle
+branch: _Branch
+zone: _Zone

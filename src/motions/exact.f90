@@ -18,7 +18,7 @@ module vi_exact
    implicit none (type, external)
    private
 
-   public :: solve_exact, newton_equations
+   public :: member, newton_equations, solve_exact
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
@@ -194,6 +194,17 @@ contains
       factor = 1 - slope
       factor = 1/merge(factor, sign(1.0e-3_wp, factor), abs(factor) > 1.0e-3_wp)
    end function deflation
+
+   !> The motion, without verdicts, of unknowns that solve the equations.
+   pure subroutine member(setting, x, theta, motion)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: x(:), theta(:)
+      type(motion_type), intent(inout) :: motion
+
+      call start_motion(motion, setting%osc, setting%r, setting%pattern, setting%restitution, &
+         theta - theta(1))
+      call finish(setting, x, theta, motion)
+   end subroutine member
 
    !> Writes a converged solution into a motion.
    pure subroutine finish(setting, x, theta, motion)

@@ -162,8 +162,9 @@ contains
             - (e(1)**2*e(4) - 4*e(2)*e(4) + e(3)**2)
       end associate
       ! all three can be positive where several multipliers have crossed the unit circle; this one
-      ! of Jury's conditions fails there, and not on the edge of the stable ones
-      if (abs(e(3) - e(1)*e(4)) >= 1 - e(4)**2) values(neimark_sacker) = &
+      ! of Jury's conditions fails there by far, and on the edge of the stable ones it is met, or
+      ! just so where three multipliers are on the circle
+      if (abs(e(3) - e(1)*e(4)) > 1.001_wp*(1 - e(4)**2)) values(neimark_sacker) = &
          -abs(values(neimark_sacker))
    end function stability_values
 

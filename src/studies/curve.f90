@@ -6,7 +6,7 @@
 module vi_curve
    use vi_conditions, only: condition_type, condition_value, frame_type
    use vi_kinds, only: wp
-   use vi_orbit, only: n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, &
+   use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, &
       set_orbit
    implicit none (type, external)
    private
@@ -17,6 +17,8 @@ module vi_curve
       type(frame_type) :: frame
       !> All parameters; those that are active are given by the point.
       real(wp) :: c(n_parameters) = 0
+      !> Whether R2 is always R1.
+      logical :: tied = .false.
       !> Which parameters are active, where their coordinate is 0, and its unit.
       integer, allocatable :: active(:)
       real(wp), allocatable :: origin(:), scale(:)
@@ -45,6 +47,7 @@ contains
       do j = 1, size(curve%active)
          c(curve%active(j)) = curve%origin(j) + curve%scale(j)*point(n + j)
       end do
+      if (curve%tied) c(by_left) = c(by_right)
    end function parameters_of
 
    !> The unknowns (u_i, theta_i) at a point.
@@ -111,6 +114,8 @@ contains
       do j = 1, size(curve%active)
          matrix(:n, n + j) = curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, &
             curve%active(j))
+         if (curve%tied .and. curve%active(j) == by_right) matrix(:n, n + j) = matrix(:n, n + j) &
+            + curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, by_left)
       end do
       do j = 1, size(conditions)
          call condition_slope(curve, conditions(j), point, residual(n + j), matrix(n + j, :))

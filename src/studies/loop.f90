@@ -64,8 +64,11 @@ contains
             return
          end if
          if (met) then
+            ! a corner is there twice: as the end of one piece and as the start of the next
+            call tangent_at(curve, [active], corner%point, now%tangent, corner%tangent, good)
+            if (good) call append(loop, corner, active, .true.)
             call turn(curve, active, corner, which, now, good)
-            if (.not. good) return
+            if (.not. good .or. loop%n == most) return
             call append(loop, now, active, .true.)
          else
             call refresh(next, active)

@@ -12,7 +12,7 @@ module vi_points
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: assess_flights, assess_linear
    use vi_chain, only: equispaced_chain, periodic_chain
-   use vi_exact, only: setting_type, solve_exact
+   use vi_exact, only: member, setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: oscillator_type
@@ -23,7 +23,7 @@ module vi_points
    implicit none (type, external)
    private
 
-   public :: periodic_points, equispaced_points, exact_point, recall
+   public :: periodic_points, equispaced_points, exact_point, member_point, recall
 
    !> Relative residual up to which an exact motion counts as consistent.
    real(wp), parameter :: exact_acceptance = 1.0e-9_wp
@@ -114,6 +114,23 @@ contains
       phases = motion%phases
       call store(motion, .true., impacts, scalars, multipliers, verdicts, status)
    end subroutine exact_point
+
+   !> The motion of unknowns that solve the equations.
+   pure subroutine member_point(setting, x, theta, phases, impacts, scalars, multipliers, &
+      verdicts, status)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: x(:), theta(:)
+      real(wp), intent(out) :: phases(:), impacts(:, :), scalars(:)
+      complex(wp), intent(out) :: multipliers(:)
+      integer, intent(out) :: verdicts(:), status
+      type(motion_type) :: motion
+
+      call member(setting, x, theta, motion)
+      call assess_linear(motion, exact_acceptance)
+      call assess_flights(motion)
+      phases = motion%phases
+      call store(motion, .true., impacts, scalars, multipliers, verdicts, status)
+   end subroutine member_point
 
    !> Writes one motion into its place.
    pure subroutine store(motion, flights, impacts, scalars, multipliers, verdicts, status)

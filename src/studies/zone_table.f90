@@ -2,6 +2,7 @@
 module vi_zone_table
    use vi_family, only: whole_unknowns
    use vi_kinds, only: wp
+   use vi_loop, only: loop_type, wrap
    use vi_status, only: stat
    use vi_zone, only: find_zone, zone_request_type, zone_type
    implicit none (type, external)
@@ -16,7 +17,8 @@ contains
       n_loops, work, status)
       type(zone_request_type), intent(in) :: request
       real(wp), intent(in) :: seeds(:, :)
-      !> (4, room): r, D, and the direction of travel in r and log D.
+      !> (5, room): r, D, the derivatives of r and log D by the length of the curve, and its length
+      !> to the next vertex of the loop.
       real(wp), intent(out) :: vertices(:, :)
       !> (2N, room): x_i/D and theta_i.
       real(wp), intent(out) :: unknowns(:, :)
@@ -62,7 +64,8 @@ contains
                n = n + 1
                vertices(:2, n) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
                vertices(2, n) = exp(vertices(2, n))
-               vertices(3:, n) = sheet%scale*loop%tangents(m + 1:, j)
+               vertices(3:4, n) = sheet%scale*loop%tangents(m + 1:, j)
+               vertices(5, n) = arc(loop, j)
                unknowns(:, n) = whole_unknowns(sheet%frame%family, loop%points(:m, j))
                labels(:, n) = [loop%conditions(j)%kind, loop%conditions(j)%index, &
                   loop%conditions(j)%side, merge(1, 0, loop%corner(j))]
@@ -70,5 +73,21 @@ contains
          end associate
       end do
    end subroutine zone_arrays
+
+   !> Length of a loop from a vertex to the next, to fourth order.
+   pure real(wp) function arc(loop, j) result(length)
+      type(loop_type), intent(in) :: loop
+      integer, intent(in) :: j
+      real(wp) :: chord(size(loop%points, 1)), cosine
+      integer :: next
+
+      next = merge(1, j + 1, j == loop%n)
+      chord = loop%points(:, next) - loop%points(:, j)
+      call wrap(chord)
+      length = norm2(chord)
+      if (.not. length > 0) return
+      cosine = dot_product(chord, loop%tangents(:, j))/length
+      length = length*(2 + 1/max(0.5_wp, cosine))/3
+   end function arc
 
 end module vi_zone_table

@@ -1,0 +1,66 @@
+"""Branches: solid where stable, dashed where unstable, dotted where inadmissible."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import ParameterError
+from . import style
+
+if TYPE_CHECKING:
+    from ..studies.branch import Branch
+
+SYMBOLS = {
+    "r": r"$r = \Omega/\omega$", "clearance": "$dK/F_0$", "xi": r"$\xi$", "mu": r"$\mu$", "R1": "$R_1$",
+    "R2": "$R_2$", "restitution": "$R$", "attenuation": r"$\max|X|/A$", "x_max": "$X_{max}K/F_0$",
+    "x_min": "$X_{min}K/F_0$", "tau": r"$\tau$", "largest": r"$\max|\lambda|$", "A": "$AK/F_0$",
+}  # fmt: skip
+MARKERS = {
+    "fold": ("o", "k"), "pitchfork": ("P", style.PRIMARY), "flip": ("s", style.FREE),
+    "neimark_sacker": ("^", style.REST), "grazing": ("D", style.IMPACT), "zero_approach": ("v", "k"),
+}  # fmt: skip
+STYLES = {"stable": "-", "unstable": "--", "inadmissible": ":"}
+
+
+def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
+    """Draw one column of a branch against its parameter."""
+    if y == "largest":
+        column = np.abs(branch.multipliers).max(axis=0)
+    elif y in SYMBOLS and hasattr(branch, y):
+        column = getattr(branch, y)
+    else:
+        names = [name for name in SYMBOLS if hasattr(branch, name)]
+        raise ParameterError(f"y = {y!r}: must be 'largest' or one of {', '.join(names)}")
+    if ax is None:
+        with style.pyplot().rc_context(style.SETTINGS):
+            _, ax = style.pyplot().subplots(figsize=(style.ONE_COLUMN, 2.6), layout="constrained")
+    good, stable = branch.admissible == 1, branch.stable == 1
+    kinds = {"stable": good & stable, "unstable": good & ~stable, "inadmissible": ~good}
+    for name, mask in kinds.items():
+        # a stretch between two points is of a kind if one of them is: curves do not break at changes
+        pairs = mask[:-1] & (mask[1:] | np.roll(mask, -1)[:-1])
+        edges = pairs | (mask[1:] & ~good[:-1] & good[1:])
+        shown = np.zeros(len(mask), dtype=bool)
+        shown[:-1] |= edges | mask[:-1]
+        shown[1:] |= edges | mask[:-1]
+        if mask.any():
+            ax.plot(
+                branch.values, np.where(shown | mask, column, np.nan), STYLES[name],
+                color=style.PRIMARY if name != "inadmissible" else "0.6", label=name,
+            )  # fmt: skip
+    seen: set[str] = set()
+    for point in branch.special_points:
+        if point.type not in MARKERS:
+            continue
+        marker, color = MARKERS[point.type]
+        ax.plot(
+            branch.values[point.index], column[point.index], marker, color=color, markersize=4,
+            label="" if point.type in seen else point.type.replace("_", "–"),
+        )  # fmt: skip
+        seen.add(point.type)
+    ax.set_xlabel(SYMBOLS[branch.parameter])
+    ax.set_ylabel(SYMBOLS[y])
+    ax.legend()
+    return ax

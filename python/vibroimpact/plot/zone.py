@@ -1,0 +1,98 @@
+"""Zones in the plane of frequency ratio and clearance, their boundaries told apart by line style."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import style
+
+if TYPE_CHECKING:
+    from ..studies.zone import Zone
+
+#: Line style and colour of each type of boundary: no two differ by colour alone.
+LINES = {
+    "fold": ("-", "#000000"), "pitchfork": ((0, (6, 1.5)), style.PRIMARY),
+    "flip": ((0, (3, 1.2)), style.FREE), "neimark_sacker": ((0, (5, 1, 1, 1)), style.REST),
+    "grazing": ((0, (1, 1)), style.IMPACT), "zero_approach": ((0, (1, 2)), "0.4"),
+    "rest_vanishes": ((0, (4, 1, 1, 1, 1, 1)), "#56B4E9"), "window": ("-", "0.8"),
+}  # fmt: skip
+
+
+def draw_zone(
+    zone: Zone, ax: Any = None, inverse: bool = False, label: str | None = None, color: str | None = None,
+    legend: bool = True,
+) -> Any:  # fmt: skip
+    """Draw one zone: a light fill, the pieces of its boundary, and its name inside."""
+    from ..studies.zone import default_label
+
+    plt = style.pyplot()
+    if ax is None:
+        with plt.rc_context(style.SETTINGS):
+            _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 2.8), layout="constrained")
+        ax.set_yscale("log")
+    draw_fill(zone, ax, inverse, color or style.PRIMARY)
+    shown = set(ax.get_legend_handles_labels()[1])
+    for piece in zone.boundary:
+        if piece.type == "window":
+            continue
+        line, shade = LINES[piece.type]
+        name = piece.type.replace("neimark_sacker", "Neimark–Sacker").replace("_", " ")
+        ax.plot(
+            piece.r, 1 / piece.clearance if inverse else piece.clearance, linestyle=line, color=shade,
+            linewidth=1.0, label="" if name in shown else name,
+        )  # fmt: skip
+        shown.add(name)
+    place_label(zone, ax, inverse, default_label(zone.pattern, zone.symmetric) if label is None else label)
+    ax.set_xlabel(r"$r = \Omega/\omega$")
+    ax.set_ylabel("$F_0/(dK)$" if inverse else "$dK/F_0$")
+    if legend and shown:
+        ax.legend(fontsize=6, handlelength=3)
+    return ax
+
+
+def draw_fill(zone: Zone, ax: Any, inverse: bool, color: str) -> None:
+    """Fill the zone; holes stay empty, since they go round the other way."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    if not zone.loops:
+        return
+    paths = []
+    for ring in zone.loops:
+        points = np.c_[ring[:, 0], 1 / ring[:, 1] if inverse else ring[:, 1]]
+        paths.append(Path(np.r_[points, points[:1]], closed=True))
+    patch = PathPatch(Path.make_compound_path(*paths), facecolor=color, alpha=0.15, linewidth=0)
+    ax.add_patch(patch)
+    ax.autoscale_view()
+
+
+def place_label(zone: Zone, ax: Any, inverse: bool, label: str) -> None:
+    """Write a name where the largest loop is widest."""
+    if not zone.loops or not label:
+        return
+    points = interior_points(zone)
+    if not len(points):
+        return
+    r, clearance = points
+    ax.annotate(
+        label, (r, 1 / clearance if inverse else clearance), ha="center", va="center", fontsize=7
+    )
+
+
+def interior_points(zone: Zone) -> Any:
+    """A point of the zone far from its boundary, on a lattice of the window."""
+    r = np.linspace(*zone.r, 42)[1:-1]
+    clearance = np.geomspace(*zone.clearance, 62)[1:-1]
+    inside = zone.contains(r[:, None], clearance[None, :])
+    if not inside.any():
+        return ()
+    depth = inside.astype(int)
+    wide = inside
+    while wide.any():
+        padded = np.pad(wide, 1)
+        wide = wide & padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
+        depth += wide
+    i, j = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    return r[i], clearance[j]

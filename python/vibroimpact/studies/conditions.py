@@ -1,0 +1,56 @@
+"""Names of the conditions that end a branch's or a zone's stable, admissible motions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..model import Oscillator, Pattern
+from ..motion import Motion
+
+#: Codes of the core.
+FOLD, FLIP, NEIMARK_SACKER, ZERO_APPROACH, GRAZING, REPETITION, EDGE = range(1, 8)
+
+#: Places of the parameters in the core.
+PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
+
+
+def can_be_symmetric(osc: Oscillator, pattern: Pattern) -> bool:
+    """Whether a pattern has motions that are their own mirror image half a period later."""
+    n = len(pattern)
+    right, left = osc.restitution
+    return (
+        not pattern.has_rest
+        and right == left
+        and n % 2 == 0
+        and pattern.cycles % 2 == 1
+        and bool(np.all(np.roll(pattern.signs, n // 2) == -pattern.signs))
+    )
+
+
+def is_symmetric(motion: Motion) -> bool:
+    """Whether a motion is its own mirror image half a period later, to 1e-6."""
+    if not can_be_symmetric(motion.osc, motion.pattern):
+        return False
+    half = len(motion.pattern) // 2
+    later = motion.phases[half:] - motion.phases[:half] - math.pi * motion.pattern.cycles
+    mirrored = (motion.X[half:] + motion.X[:half]) / motion.clearance
+    return float(max(abs(later).max(), abs(mirrored).max())) < 1e-6
+
+
+def type_name(kind: int, index: int, symmetric: bool, mirrored: bool) -> str:
+    """The field's name for a condition of the core that is zero.
+
+    `symmetric` tells that the family is one of symmetric motions, `mirrored` that the first way in which a
+    member can repeat itself is as its own mirror image.
+    """
+    if kind == FLIP and symmetric:
+        return "pitchfork"
+    if kind == REPETITION:
+        return "pitchfork" if mirrored and index == 1 else "flip"
+    names = {
+        FOLD: "fold", FLIP: "flip", NEIMARK_SACKER: "neimark_sacker", ZERO_APPROACH: "zero_approach",
+        GRAZING: "grazing", EDGE: "bound",
+    }  # fmt: skip
+    return names[kind]

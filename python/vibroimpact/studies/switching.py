@@ -1,0 +1,115 @@
+"""Guesses for the motions that begin at a bifurcation, made exact by Newton's method."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import VibroimpactError
+from ..model import Pattern
+from ..motion import Motion
+from ..newton import newton
+
+#: How far from the point, relatively, a new motion is looked for, and with which size of the change.
+OFFSETS = (1e-4, 1e-3, 5e-3, 2e-2)
+SIZES = (0.003, 0.01, 0.03, 0.1)
+TWO_PI = 2 * math.pi
+
+
+def critical_change(motion: Motion, multiplier: float) -> NDArray[np.float64]:
+    """Change of (x_i, alpha_i) along the eigenvector of a multiplier, (2, N), its largest entry 1."""
+    maps = motion.impact_maps()
+    product = motion.stability_matrix()
+    values, vectors = np.linalg.eig(product)
+    state = np.real(vectors[:, int(np.argmin(abs(values - multiplier)))])
+    changes = []
+    for matrix in maps:
+        changes.append(state[[0, 3]])
+        state = matrix @ state
+    change = np.array(changes).T
+    change[0] /= motion.clearance
+    result: NDArray[np.float64] = change / abs(change).max()
+    return result
+
+
+def search(
+    motion: Motion, pattern: Pattern, x: NDArray[np.float64], theta: NDArray[np.float64],
+    change: NDArray[np.float64],
+) -> list[Motion]:  # fmt: skip
+    """The first motion of a pattern, away from the one that (x, theta) is, beside the point."""
+    for offset in OFFSETS:
+        for sign in (1, -1):
+            clearance = motion.clearance * (1 + sign * offset)
+            for size in SIZES:
+                with contextlib.suppress(VibroimpactError):
+                    found = newton(
+                        motion.osc, motion.r, clearance, 1.0, pattern,
+                        x + size * change[0] * clearance, theta + size * change[1],
+                    )  # fmt: skip
+                    moved = found.phases + found.tau - theta
+                    moved = np.mod(moved + math.pi, TWO_PI) - math.pi
+                    along = np.r_[(found.X - x) / clearance, moved] @ change.ravel()
+                    if abs(along) > 0.3 * size * np.sum(change**2):
+                        return [found]
+    return []
+
+
+def perturbed(motion: Motion, multiplier: float) -> list[Motion]:
+    """The pair of motions that a symmetric one becomes at a pitchfork."""
+    change = critical_change(motion, multiplier)
+    theta = motion.phases + motion.tau
+    found = search(motion, motion.pattern, motion.X, theta, change)
+    return found + [mirrored(item) for item in found]
+
+
+def mirrored(motion: Motion) -> Motion:
+    """The mirror image of a motion of a pattern whose second half mirrors the first."""
+    half = len(motion.pattern) // 2
+    theta = motion.phases + motion.tau
+    later = np.r_[theta[half:], theta[:half] + TWO_PI * motion.pattern.cycles]
+    x = -np.r_[motion.X[half:], motion.X[:half]]
+    return newton(
+        motion.osc, motion.r, motion.clearance, 1.0, motion.pattern, x,
+        later - math.pi * motion.pattern.cycles,
+    )  # fmt: skip
+
+
+def doubled(motion: Motion) -> list[Motion]:
+    """The motion of twice the period that begins at a flip."""
+    change = critical_change(motion, -1.0)
+    cycles = motion.pattern.cycles
+    pattern = Pattern(motion.pattern.sides * 2, 2 * cycles)
+    theta = motion.phases + motion.tau
+    twice = np.r_[theta, theta + TWO_PI * cycles]
+    return search(motion, pattern, np.r_[motion.X, motion.X], twice, np.hstack([change, -change]))
+
+
+def extra_impact(motion: Motion, flight: int, side: str) -> list[Motion]:
+    """The motion with one impact more that begins where the flight after an impact touches a wall."""
+    pattern = motion.pattern
+    ends = np.r_[motion.phases, TWO_PI * pattern.cycles]
+    times = np.linspace(ends[flight], ends[flight + 1], 4001)[1:-1] / motion.r
+    sign = 1 if side == "R" else -1
+    y = sign * motion.sample(times).Y
+    inner = np.flatnonzero((y[1:-1] >= y[:-2]) & (y[1:-1] >= y[2:])) + 1
+    if not inner.size:
+        return []
+    touch = times[inner[int(np.argmax(y[inner]))]]
+    sides = pattern.sides[: flight + 1] + side + pattern.sides[flight + 1 :]
+    phases = np.insert(motion.phases, flight + 1, touch * motion.r)
+    x = np.insert(motion.X, flight + 1, float(motion.sample(touch).X))
+    for offset in OFFSETS:
+        for sign in (1, -1):
+            clearance = motion.clearance * (1 + sign * offset)
+            with contextlib.suppress(VibroimpactError):
+                found = newton(
+                    motion.osc, motion.r, clearance, 1.0, Pattern(sides, pattern.cycles),
+                    x * clearance / motion.clearance, phases + motion.tau,
+                )  # fmt: skip
+                near = np.abs(found.phases - phases).max() < 0.2
+                if near and found.admissible:
+                    return [found]
+    return []

@@ -1,0 +1,430 @@
+"""Zones of stable, admissible motions in the plane (r, d K/F0), with exact boundaries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core, checks
+from ..errors import ParameterError
+from ..model import Oscillator, Pattern
+from ..motion import Motion
+from .conditions import EDGE, can_be_symmetric, type_name
+from .geometry import dense_ring, signed_area, winding
+
+__all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
+
+_Array = NDArray[np.float64]
+#: Room for vertices and loops in one call of the core.
+ROOM, LOOPS = 200_000, 400
+#: An error of the core: the room is full.
+MORE = 8
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Piece:
+    """A piece of a boundary along which one condition is zero.
+
+    Attributes
+    ----------
+    type : str
+        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, rest_vanishes, or window (the edge of
+        the window).
+    r, clearance : ndarray (M,)
+        Vertices in order; the first and the last are corners, where the next piece begins, unless the
+        whole boundary is one piece.
+    x, theta : ndarray (N, M)
+        x_i/D and theta_i = alpha_i + tau of the motion at each vertex.
+    loop : int
+        The loop of `Zone.loops` that the piece belongs to.
+    detail : str
+        Of grazing: which flight touches which wall; of window: which edge.
+    """
+
+    type: str
+    r: _Array
+    clearance: _Array
+    x: _Array
+    theta: _Array
+    loop: int
+    detail: str = ""
+
+    def __len__(self) -> int:
+        return len(self.r)
+
+    def __repr__(self) -> str:
+        detail = f" ({self.detail})" if self.detail else ""
+        return (
+            f"<{self.type}{detail}: {len(self)} points, r {self.r.min():.6g} to {self.r.max():.6g}, "
+            f"d K/F0 {self.clearance.min():.6g} to {self.clearance.max():.6g}>"
+        )
+
+
+@dataclass(frozen=True)
+class ZoneSearch:
+    """How a zone was searched.
+
+    Attributes
+    ----------
+    motions : int
+        Motions at nodes of the lattice.
+    steps : int
+        Steps along the lattice lines on all sheets.
+    untraced : int
+        Places on a boundary from which it could not be followed.
+    lines : int
+        Lattice lines each way: what lies between them, touching none, can have been missed.
+    """
+
+    motions: int
+    steps: int
+    untraced: int
+    lines: int
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Zone:
+    """Where a pattern's motions are stable and admissible, in a window of the plane (r, d K/F0).
+
+    Attributes
+    ----------
+    osc, pattern
+    r, clearance : (float, float)
+        The window.
+    symmetric : bool or None
+        Only motions that are their own mirror images (True), only others (False), or both (None).
+    boundary : list of Piece
+    loops : list of ndarray (M, 2)
+        Closed rings of (r, clearance), counter-clockwise around a zone and clockwise around a hole, so
+        fine that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
+    complete : bool
+        Whether all boundaries found could be closed.
+    search : ZoneSearch
+    """
+
+    osc: Oscillator
+    pattern: Pattern
+    r: tuple[float, float]
+    clearance: tuple[float, float]
+    symmetric: bool | None
+    boundary: list[Piece]
+    loops: list[_Array]
+    complete: bool
+    search: ZoneSearch
+
+    def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
+        """Whether there is a stable, admissible motion of the pattern at points.
+
+        Parameters
+        ----------
+        r, clearance : array_like
+            Broadcast against each other.
+
+        Returns
+        -------
+        ndarray of bool
+            False outside the window.
+        """
+        return self.count(r, clearance) > 0
+
+    def count(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.int64]:
+        """How many stable, admissible motions of the pattern there are; mirror images count once."""
+        r, clearance = np.broadcast_arrays(
+            checks.real_array(r, "r", "real numbers"),
+            checks.real_array(clearance, "clearance", "real numbers"),
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            points = np.stack([r.ravel(), np.log(clearance.ravel())], axis=1)
+        total = np.zeros(len(points), dtype=np.int64)
+        for ring in self.loops:
+            total += winding(np.c_[ring[:, 0], np.log(ring[:, 1])], points)
+        return total.reshape(r.shape)
+
+    @property
+    def area(self) -> float:
+        """Area in the plane (r, log D), of all sheets."""
+        return sum(signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])]) for ring in self.loops)
+
+    def __bool__(self) -> bool:
+        return bool(self.loops)
+
+    def plot(self, ax: Any = None, inverse: bool = False, label: str | None = None) -> Any:
+        """Draw the zone with its boundary pieces told apart by line style and colour.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+        inverse : bool
+            F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
+        label : str, optional
+            Written into the zone; by default the pattern.
+
+        Returns
+        -------
+        Axes
+        """
+        from ..plot.zone import draw_zone
+
+        return draw_zone(self, ax, inverse, label)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain Python values, ready for JSON: rings with typed pieces."""
+        return {
+            "type": "Zone",
+            "osc": {"xi": self.osc.xi, "mu": self.osc.mu, "restitution": list(self.osc.restitution)},
+            "pattern": {"sides": self.pattern.sides, "cycles": self.pattern.cycles},
+            "window": {"r": list(self.r), "clearance": list(self.clearance)},
+            "symmetric": self.symmetric,
+            "complete": self.complete,
+            "search": vars(self.search),
+            "rings": [ring.tolist() for ring in self.loops],
+            "pieces": [
+                {
+                    "type": piece.type, "detail": piece.detail, "ring": piece.loop,
+                    "r": piece.r.tolist(), "clearance": piece.clearance.tolist(),
+                    "x": piece.x.tolist(), "theta": piece.theta.tolist(),
+                }
+                for piece in self.boundary
+            ],
+        }  # fmt: skip
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Zone:
+        """The inverse of `to_dict`."""
+        osc = Oscillator(
+            xi=data["osc"]["xi"], mu=data["osc"]["mu"], restitution=tuple(data["osc"]["restitution"])
+        )
+        pieces = [
+            Piece(
+                item["type"], *(np.array(item[name]) for name in ("r", "clearance", "x", "theta")),
+                item["ring"], item["detail"],
+            )
+            for item in data["pieces"]
+        ]  # fmt: skip
+        window = data["window"]
+        return cls(
+            osc, Pattern(**data["pattern"]), tuple(window["r"]), tuple(window["clearance"]),
+            data["symmetric"], pieces, [np.array(ring) for ring in data["rings"]], data["complete"],
+            ZoneSearch(**data["search"]),
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        kinds = list(dict.fromkeys(piece.type for piece in self.boundary if piece.type != "window"))
+        kind = {True: ", symmetric", False: ", unsymmetric", None: ""}[self.symmetric]
+        loops = f"{len(self.loops)} loop{'s' if len(self.loops) != 1 else ''}"
+        return (
+            f"<Zone {self.pattern.sides}/{self.pattern.cycles}{kind}: {loops}, "
+            f"bounded by {', '.join(kinds) or 'nothing'}{'' if self.complete else ', NOT complete'}>"
+        )
+
+
+def zone(
+    osc: Oscillator,
+    pattern: Pattern,
+    r: tuple[float, float],
+    clearance: tuple[float, float],
+    symmetric: bool | None = None,
+    lines: int = 17,
+    guesses: int = 24,
+    seeds: Sequence[Motion] = (),
+    max_points: int = 20_000,
+) -> Zone:
+    """The zones of stable, admissible motions of a pattern, as closed curves of named pieces.
+
+    Motions are searched at some nodes of a lattice over the window, and the lattice lines are followed on
+    every sheet of motions that they lie on. Where a line enters or leaves a zone, the boundary is traced by
+    pseudo-arclength continuation of the motion together with the one condition that is zero there (fold,
+    flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an edge of the window); where another condition
+    gets zero there is a corner and the boundary goes on along that one.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    pattern : Pattern
+        At most 24 impacts.
+    r, clearance : (float, float)
+        The window: lowest and highest frequency ratio and d K/F0.
+    symmetric : bool, optional
+        Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
+        impacts), only others (False), or both (None).
+    lines : int
+        Lattice lines each way, 5 to 129. Parts of a zone that touch no line can be missed.
+    guesses : int
+        Guesses for motions at each of 16 nodes.
+    seeds : sequence of Motion
+        Motions of the pattern that are known to be there, for sheets that the search could miss.
+    max_points : int
+        Most vertices of a loop.
+
+    Returns
+    -------
+    Zone
+        Without loops where no stable, admissible motion was found.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the pattern can have no such motions.
+
+    Examples
+    --------
+    The equispaced motion of Figure 6:
+
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> equispaced = vi.zone(osc, vi.Pattern("RL"), (0.8, 1.2), (2, 200), symmetric=True)
+    >>> equispaced
+    <Zone RL/1, symmetric: 1 loop, bounded by pitchfork, neimark_sacker, fold>
+    >>> equispaced.contains(1.04, [25.0, 3.0]).tolist()
+    [True, False]
+    """
+    checks.instance(osc, "osc", Oscillator)
+    checks.plain_pattern(pattern)
+    if len(pattern) > 24:
+        raise ParameterError(f"pattern of {len(pattern)} impacts: at most 24 are allowed")
+    window = (span(r, "r"), span(clearance, "clearance"))
+    if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
+        raise ParameterError(f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)")
+    lines = checks.integer(lines, "lines", 5, 129)
+    guesses = checks.integer(guesses, "guesses", 0, 10**5)
+    max_points = checks.integer(max_points, "max_points", 100, ROOM)
+    kinds = [symmetric]
+    if symmetric is None:
+        kinds = [True, False] if can_be_symmetric(osc, pattern) else [False]
+    elif symmetric and not can_be_symmetric(osc, pattern):
+        raise ParameterError(
+            f"symmetric = True: a motion with sides {pattern.sides!r} in {pattern.cycles} cycles and "
+            f"restitution {osc.restitution!r} cannot be its own mirror image"
+        )
+    table = seed_table(pattern, seeds)
+    parts = [
+        one_family(osc, pattern, window, bool(kind), lines, guesses, table, max_points)
+        for kind in kinds
+    ]
+    pieces: list[Piece] = []
+    rings: list[_Array] = []
+    for part_pieces, part_rings, _, _ in parts:
+        pieces.extend(
+            Piece(p.type, p.r, p.clearance, p.x, p.theta, p.loop + len(rings), p.detail)
+            for p in part_pieces
+        )
+        rings.extend(part_rings)
+    work = np.sum([part[3] for part in parts], axis=0).tolist()
+    return Zone(
+        osc, pattern, *window, symmetric, pieces, rings, all(part[2] for part in parts),
+        ZoneSearch(work[0], work[1], work[2], lines),
+    )  # fmt: skip
+
+
+def span(values: Any, name: str) -> tuple[float, float]:
+    """A checked pair (lowest, highest)."""
+    wanted = f"(lowest, highest) with lowest < highest, each {checks.allowed(name)}"
+    try:
+        low, high = values
+    except (TypeError, ValueError):
+        raise ParameterError(f"{name} = {values!r}: must be {wanted}") from None
+    low, high = checks.number(low, name, f"{name}[0]"), checks.number(high, name, f"{name}[1]")
+    if not low < high:
+        raise ParameterError(f"{name} = {values!r}: must be {wanted}")
+    return low, high
+
+
+def seed_table(pattern: Pattern, seeds: Sequence[Motion]) -> _Array:
+    """Seeds as columns r, D, x_i/D, theta_i."""
+    columns = []
+    for i, motion in enumerate(seeds):
+        checks.instance(motion, f"seeds[{i}]", Motion)
+        if motion.pattern != pattern:
+            raise ParameterError(
+                f"seeds[{i}].pattern = {motion.pattern!r}: must be {pattern!r}, with the same first impact"
+            )
+        columns.append(
+            np.r_[motion.r, motion.clearance, motion.X / motion.clearance, motion.phases + motion.tau]
+        )
+    return np.asfortranarray(np.array(columns).reshape(len(columns), 2 + 2 * len(pattern)).T)
+
+
+def one_family(
+    osc: Oscillator, pattern: Pattern, window: tuple[tuple[float, float], tuple[float, float]],
+    symmetric: bool, lines: int, guesses: int, seeds: _Array, max_points: int,
+) -> tuple[list[Piece], list[_Array], bool, NDArray[np.int32]]:  # fmt: skip
+    """Pieces, rings, completeness and work of the symmetric or the other motions."""
+    vertices, unknowns, labels, n, loops, inside, n_loops, work, status = _core.zone(
+        osc.xi, osc.mu, osc.restitution, pattern.cycles, pattern.signs, symmetric, *window, lines,
+        guesses, max_points, seeds, ROOM, LOOPS,
+    )  # fmt: skip
+    mirrored = not symmetric and can_be_symmetric(osc, pattern)
+    pieces: list[Piece] = []
+    rings: list[_Array] = []
+    complete = int(status) != MORE and int(work[2]) == 0
+    first = 0
+    for i in range(int(n_loops)):
+        count, closed = loops[:, i].tolist()
+        here = slice(first, first + count)
+        first += count
+        complete = complete and closed == 1
+        ring = dense_ring(vertices[:, here], window, closed == 1)
+        outside = np.log(inside[1, i])
+        if closed:
+            area = signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])])
+            around = winding(np.c_[ring[:, 0], np.log(ring[:, 1])], np.array([[inside[0, i], outside]]))
+            # counter-clockwise around the zone; a hole does not go round the point inside
+            if (area > 0) != bool(around[0]):
+                ring = ring[::-1]
+            rings.append(ring)
+        number = len(rings) - 1 if closed else -1
+        pieces.extend(
+            split_pieces(
+                vertices[:, here], unknowns[:, here], labels[:, here], number, symmetric, mirrored,
+                len(pattern), closed == 1,
+            )  # fmt: skip
+        )
+    return pieces, rings, complete, work
+
+
+def split_pieces(
+    vertices: _Array, unknowns: _Array, labels: NDArray[np.int32], loop: int, symmetric: bool,
+    mirrored: bool, n: int, closed: bool,
+) -> list[Piece]:  # fmt: skip
+    """The runs of vertices with one condition; the first and the last run join at the start."""
+    count = labels.shape[1]
+    changes = [
+        j for j in range(1, count) if labels[3, j] and labels[3, j - 1]
+    ]  # a corner is there twice
+    runs = [list(range(a, b)) for a, b in zip([0, *changes], [*changes, count], strict=True)]
+    if closed:
+        if len(runs) == 1:
+            runs[0].append(0)
+        else:
+            runs[0] = runs.pop() + runs[0]
+    pieces = []
+    for run in runs:
+        kind, index, side, _ = labels[:, run[-1] if len(run) < 2 else run[1]].tolist()
+        name = type_name(kind, index, symmetric, mirrored)
+        detail = ""
+        if kind == EDGE:
+            name = "window"
+            detail = f"{'lowest' if side > 0 else 'highest'} {('r', 'd K/F0')[index - 1]}"
+        elif name == "grazing":
+            detail = f"flight {index} touches {'R' if side > 0 else 'L'}"
+        elif name == "zero_approach":
+            detail = f"impact {index}"
+        pieces.append(
+            Piece(name, vertices[0, run], vertices[1, run], unknowns[:n, run], unknowns[n:, run], loop, detail)
+        )
+    return pieces
+
+
+def default_label(pattern: Pattern, symmetric: bool | None) -> str:
+    """Short name of a zone: 2e, 2u, 3, 4/2, RL*."""
+    if pattern.has_rest:
+        return pattern.sides if pattern.cycles == 1 else f"{pattern.sides}/{pattern.cycles}"
+    kind = {True: "e" if len(pattern) == 2 else "s", False: "u", None: ""}[symmetric]
+    if symmetric is False and len(pattern) != 2:
+        kind = ""
+    cycles = "" if pattern.cycles == 1 else f"/{pattern.cycles}"
+    return f"{len(pattern)}{cycles}{kind}"

@@ -1,0 +1,151 @@
+!> Branches: a family of motions along one parameter, with its special points.
+!!
+!! Pseudo-arclength continuation: the branch goes round folds. A special point is where one of the
+!! conditions of stability or admissibility changes its sign; it is located by Newton's method with
+!! that condition as a further equation. Shorter motions that repeat themselves, or symmetric ones,
+!! end a branch: there another branch goes on.
+module vi_branch
+   use vi_conditions, only: condition_type, edge, repetition
+   use vi_curve, only: curve_type
+   use vi_kinds, only: wp
+   use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
+   implicit none (type, external)
+   private
+
+   public :: follow_branch
+
+   !> Why a branch ends.
+   integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
+      end_full = 5
+
+   type, public :: branch_type
+      !> Points (2n + 1, m) in order along the branch; the start is number `start`.
+      real(wp), allocatable :: points(:, :)
+      !> The condition that is zero at a special point; kind 0 at the others.
+      type(condition_type), allocatable :: special(:)
+      integer :: n = 0
+      !> Why this way came to its end.
+      integer :: reason = end_full
+   end type branch_type
+
+contains
+
+   !> Follows a family one way from a point, until it leaves the bounds of the parameter.
+   pure subroutine follow_branch(curve, stride, point, way, most, branch)
+      !> With one active parameter and edges at its bounds.
+      type(curve_type), intent(in) :: curve
+      type(stride_type), intent(in) :: stride
+      real(wp), intent(in) :: point(:)
+      !> +1 or -1: the way the parameter changes first.
+      integer, intent(in) :: way
+      integer, intent(in) :: most
+      type(branch_type), intent(out) :: branch
+      type(condition_type) :: none(0)
+      type(place_type) :: before, now, next
+      real(wp) :: along(size(point))
+      logical :: good, done
+
+      allocate (branch%points(size(point), most), branch%special(most))
+      branch%reason = end_stuck
+      along = 0
+      along(size(point)) = way
+      call begin_walk(curve, none, point, along, 0.1_wp*stride%longest, now, good)
+      if (.not. good) return
+      call append(branch, now, condition_type())
+      before = now
+      do while (branch%n + size(now%values) < most)
+         call take_step(curve, none, stride, now, next, good)
+         if (.not. good) return
+         if (next%came > 1.0e-4_wp .and. any(hidden_zero(before%values, now%values, next%values, &
+            now%came, next%came))) then
+            now%step = 0.3_wp*next%came
+            cycle
+         end if
+         call note_special(curve, now, next, branch, done)
+         if (done) return
+         if (closes(branch, now, next)) then
+            branch%reason = end_closed
+            call append_point(branch, point, condition_type())
+            return
+         end if
+         call append(branch, next, condition_type())
+         before = now
+         now = next
+      end do
+      branch%reason = end_full
+   end subroutine follow_branch
+
+   !> Appends the special points within a step, in order.
+   pure subroutine note_special(curve, now, next, branch, done)
+      type(curve_type), intent(in) :: curve
+      type(place_type), intent(in) :: now, next
+      type(branch_type), intent(inout) :: branch
+      !> Whether one of them ends the branch.
+      logical, intent(out) :: done
+      type(condition_type) :: none(0)
+      type(place_type) :: found(size(now%values))
+      real(wp) :: share(size(now%values)), least
+      logical :: open(size(now%values)), good
+      integer :: j
+
+      done = .false.
+      open = now%values*next%values < 0
+      do j = 1, size(open)
+         if (.not. open(j)) cycle
+         call locate(curve, none, now, next, j, found(j), share(j), good)
+         open(j) = good
+      end do
+      do while (any(open))
+         least = minval(share, open)
+         j = findloc(open .and. share <= least, .true., dim=1)
+         open(j) = .false.
+         call append(branch, found(j), found(j)%conditions(j))
+         select case (found(j)%conditions(j)%kind)
+         case (edge)
+            branch%reason = end_bound
+            done = .true.
+         case (repetition)
+            branch%reason = end_repetition
+            done = .true.
+         end select
+         if (done) return
+      end do
+   end subroutine note_special
+
+   !> Whether a step comes back to the start of the branch.
+   pure logical function closes(branch, now, next)
+      type(branch_type), intent(in) :: branch
+      type(place_type), intent(in) :: now, next
+      real(wp) :: offset(size(now%point)), share
+      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+      integer :: n
+
+      closes = .false.
+      if (branch%n < 4) return
+      n = (size(offset) - 1)/2
+      offset = branch%points(:, 1) - now%point
+      offset(n + 1:2*n) = offset(n + 1:2*n) - two_pi*nint(offset(n + 1)/two_pi)
+      share = dot_product(offset, now%tangent)
+      closes = share > 0 .and. share <= next%came .and. &
+         norm2(offset - share*now%tangent) < 0.2_wp*share + 1.0e-9_wp
+   end function closes
+
+   pure subroutine append(branch, place, special)
+      type(branch_type), intent(inout) :: branch
+      type(place_type), intent(in) :: place
+      type(condition_type), intent(in) :: special
+
+      call append_point(branch, place%point, special)
+   end subroutine append
+
+   pure subroutine append_point(branch, point, special)
+      type(branch_type), intent(inout) :: branch
+      real(wp), intent(in) :: point(:)
+      type(condition_type), intent(in) :: special
+
+      branch%n = branch%n + 1
+      branch%points(:, branch%n) = point
+      branch%special(branch%n) = special
+   end subroutine append_point
+
+end module vi_branch

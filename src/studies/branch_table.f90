@@ -1,0 +1,164 @@
+!> Branches as plain arrays: the motion at every point, and the special points among them.
+module vi_branch_table
+   use vi_branch, only: branch_type, follow_branch
+   use vi_conditions, only: condition_type, edge, neimark_sacker
+   use vi_curve, only: curve_type, parameters_of, unknowns_of
+   use vi_exact, only: setting_type
+   use vi_family, only: new_family, whole_unknowns
+   use vi_kinds, only: wp
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: default_restitution, pattern_type
+   use vi_points, only: member_point
+   use vi_status, only: stat
+   use vi_steps, only: stride_type
+   implicit none (type, external)
+   private
+
+   public :: branch_arrays
+
+   !> What to follow: the motion (x_i/D and theta_i) at parameters c, and along which parameter.
+   type, public :: branch_request_type
+      type(pattern_type) :: pattern
+      logical :: symmetric = .false.
+      !> r, log(D), xi, mu, R1, R2
+      real(wp) :: c(n_parameters) = 0
+      integer :: parameter = by_clearance
+      !> R2 follows R1.
+      logical :: tied = .false.
+      real(wp) :: bounds(2) = 0
+      !> Longest step: of the parameter over its range, and of the unknowns.
+      real(wp) :: longest = 0.05_wp
+   end type branch_request_type
+
+contains
+
+   !> Follows a branch both ways; the points are in order along it.
+   pure subroutine branch_arrays(request, unknowns, parameters, phases, impacts, scalars, &
+      multipliers, verdicts, codes, special, n, reasons, status)
+      type(branch_request_type), intent(in) :: request
+      !> (2N)
+      real(wp), intent(in) :: unknowns(:)
+      !> (6, room): r, D, xi, mu, R1, R2.
+      real(wp), intent(out) :: parameters(:, :)
+      !> As in vi_points.
+      real(wp), intent(out) :: phases(:, :), impacts(:, :, :), scalars(:, :)
+      complex(wp), intent(out) :: multipliers(:, :)
+      integer, intent(out) :: verdicts(:, :), codes(:)
+      !> (3, room): kind of the condition that is zero (0: none), its index, its side.
+      integer, intent(out) :: special(:, :)
+      integer, intent(out) :: n
+      !> Why the branch ends, at its first and at its last point.
+      integer, intent(out) :: reasons(2)
+      integer, intent(out) :: status
+      type(curve_type) :: curve
+      type(branch_type) :: half(2)
+      type(condition_type), allocatable :: conditions(:)
+      real(wp), allocatable :: start(:), points(:, :)
+      integer :: i, most
+
+      parameters = 0
+      phases = 0
+      impacts = 0
+      scalars = 0
+      multipliers = 0
+      verdicts = 0
+      codes = 0
+      special = 0
+      n = 0
+      reasons = 0
+      most = size(codes)/2
+      call make_curve(request, unknowns, curve, start, status)
+      if (status /= stat%ok) return
+      do i = 1, 2
+         call follow_branch(curve, stride_type(longest=request%longest, turn=0.3_wp), start, &
+            2*i - 3, most, half(i))
+         reasons(i) = half(i)%reason
+      end do
+      n = half(1)%n + half(2)%n - 1
+      allocate (points(size(start), n))
+      points(:, :half(1)%n) = half(1)%points(:, half(1)%n:1:-1)
+      points(:, half(1)%n:) = half(2)%points(:, :half(2)%n)
+      conditions = [half(1)%special(half(1)%n:2:-1), half(2)%special(:half(2)%n)]
+      do i = 1, n
+         call write_point(request, curve, points(:, i), parameters(:, i), phases(:, i), &
+            impacts(:, :, i), scalars(:, i), multipliers(:, i), verdicts(:, i), codes(i))
+         if (is_neutral_saddle(conditions(i), multipliers(:, i))) cycle
+         special(:, i) = [conditions(i)%kind, conditions(i)%index, conditions(i)%side]
+      end do
+   end subroutine branch_arrays
+
+   !> Two real multipliers with product 1 meet the Neimark-Sacker condition, but nothing happens.
+   pure logical function is_neutral_saddle(condition, lambda) result(saddle)
+      type(condition_type), intent(in) :: condition
+      complex(wp), intent(in) :: lambda(:)
+
+      saddle = condition%kind == neimark_sacker .and. .not. any(abs(lambda%im) > 0 .and. &
+         abs(abs(lambda) - 1) < 1.0e-6_wp)
+   end function is_neutral_saddle
+
+   !> One point of a branch as a motion in arrays.
+   pure subroutine write_point(request, curve, point, parameters, phases, impacts, scalars, &
+      multipliers, verdicts, code)
+      type(branch_request_type), intent(in) :: request
+      type(curve_type), intent(in) :: curve
+      real(wp), intent(in) :: point(:)
+      real(wp), intent(out) :: parameters(:), phases(:), impacts(:, :), scalars(:)
+      complex(wp), intent(out) :: multipliers(:)
+      integer, intent(out) :: verdicts(:), code
+      type(setting_type) :: setting
+      real(wp) :: whole(2*size(request%pattern%sides)), c(n_parameters)
+      integer :: m
+
+      c = parameters_of(curve, point)
+      c(by_clearance) = exp(c(by_clearance))
+      parameters = c
+      setting = setting_type(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
+         c(by_r), 1.0_wp, c(by_clearance), request%pattern, &
+         default_restitution(request%pattern%sides, c(by_right), c(by_left)))
+      whole = whole_unknowns(curve%frame%family, unknowns_of(curve, point))
+      m = size(whole)/2
+      call member_point(setting, whole(:m)*c(by_clearance), whole(m + 1:), phases, impacts, &
+         scalars, multipliers, verdicts, code)
+   end subroutine write_point
+
+   !> The curve and the start on it.
+   pure subroutine make_curve(request, unknowns, curve, start, status)
+      type(branch_request_type), intent(in) :: request
+      real(wp), intent(in) :: unknowns(:)
+      type(curve_type), intent(out) :: curve
+      real(wp), allocatable, intent(out) :: start(:)
+      integer, intent(out) :: status
+      real(wp) :: low, high
+      logical :: possible, equal
+      integer :: n, total
+
+      associate (c => request%c, p => request%parameter)
+         equal = abs(c(by_right) - c(by_left)) <= 0
+         call new_family(request%pattern, request%symmetric, equal .and. (request%tied .or. &
+            p /= by_right .and. p /= by_left), curve%frame%family, curve%frame%repetitions, &
+            possible)
+         status = merge(stat%ok, stat%no_motion, possible)
+         if (.not. possible) return
+         low = request%bounds(1)
+         high = request%bounds(2)
+         if (p == by_clearance) then
+            low = log(low)
+            high = log(high)
+         end if
+         curve%c = c
+         curve%active = [p]
+         curve%tied = request%tied
+         curve%origin = [low]
+         curve%scale = [high - low]
+         allocate (curve%frame%edges(2))
+         curve%frame%edges(1) = condition_type(edge, p, 1, bound=low)
+         curve%frame%edges(2) = condition_type(edge, p, -1, bound=high)
+         total = size(unknowns)/2
+         n = size(curve%frame%family%sides)
+         allocate (start(2*n + 1))
+         start = [unknowns(:n), unknowns(total + 1:total + n), (c(p) - low)/(high - low)]
+      end associate
+   end subroutine make_curve
+
+end module vi_branch_table
