@@ -5,8 +5,8 @@
 !! that condition as a further equation. Shorter motions that repeat themselves, or symmetric ones,
 !! end a branch: there another branch goes on.
 module vi_branch
-   use vi_conditions, only: condition_type, edge, repetition
    use vi_curve, only: curve_type
+   use vi_frame, only: condition_type, edge, repetition, wrap_phases
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
    implicit none (type, external)
@@ -63,7 +63,7 @@ contains
          end if
          call note_special(curve, now, next, branch, done)
          if (done) return
-         if (closes(branch, now, next)) then
+         if (closes(curve, branch, now, next)) then
             branch%reason = end_closed
             call append_point(branch, point, condition_type())
             return
@@ -113,18 +113,16 @@ contains
    end subroutine note_special
 
    !> Whether a step comes back to the start of the branch.
-   pure logical function closes(branch, now, next)
+   pure logical function closes(curve, branch, now, next)
+      type(curve_type), intent(in) :: curve
       type(branch_type), intent(in) :: branch
       type(place_type), intent(in) :: now, next
       real(wp) :: offset(size(now%point)), share
-      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
-      integer :: n
 
       closes = .false.
       if (branch%n < 4) return
-      n = (size(offset) - 1)/2
       offset = branch%points(:, 1) - now%point
-      offset(n + 1:2*n) = offset(n + 1:2*n) - two_pi*nint(offset(n + 1)/two_pi)
+      call wrap_phases(curve%frame, offset)
       share = dot_product(offset, now%tangent)
       closes = share > 0 .and. share <= next%came .and. &
          norm2(offset - share*now%tangent) < 0.2_wp*share + 1.0e-9_wp

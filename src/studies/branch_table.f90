@@ -1,10 +1,10 @@
 !> Branches as plain arrays: the motion at every point, and the special points among them.
 module vi_branch_table
    use vi_branch, only: branch_type, follow_branch
-   use vi_conditions, only: condition_type, edge, neimark_sacker
    use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_exact, only: setting_type
    use vi_family, only: new_family, whole_unknowns
+   use vi_frame, only: condition_type, edge, neimark_sacker
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
    use vi_oscillator, only: oscillator_type

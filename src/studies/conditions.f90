@@ -2,65 +2,22 @@
 !!
 !! Each is smooth along a family, and zero where a bifurcation of its own kind ends the zone.
 module vi_conditions
+   use vi_characteristic, only: characteristic, resolvent
    use vi_extrema, only: relative_extrema
-   use vi_family, only: kinship, repetition_type
+   use vi_family, only: kinship
    use vi_flight, only: flight_position, flight_type, new_flight
+   use vi_frame, only: apart, condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
+      neimark_sacker, zero_approach, repetition
    use vi_kinds, only: wp
-   use vi_orbit, only: family_type, n_parameters, orbit_type, period_map, set_orbit
+   use vi_orbit, only: orbit_type, period_map, set_orbit
    use vi_oscillation, only: derivatives
+   use vi_rest_conditions, only: rest_condition, rest_conditions
    implicit none (type, external)
    private
 
-   public :: all_conditions, condition_value, condition_at, characteristic, is_contraction, is_inside
-
-   !> Kinds of conditions; `flip` of a symmetric family is the pitchfork.
-   integer, parameter, public :: fold = 1, flip = 2, neimark_sacker = 3, zero_approach = 4, &
-      grazing = 5, repetition = 6, edge = 7
-
-   !> Distance in (u, theta) at which a motion counts as one that repeats itself.
-   real(wp), parameter, public :: apart = 1.0e-4_wp
-
-   !> One condition. `index` is the impact, the flight, the repetition or the parameter.
-   type, public :: condition_type
-      integer :: kind = 0, index = 0
-      !> Grazing: the wall and the share of the flight's duration; edge: +1 below, -1 above.
-      integer :: side = 0
-      real(wp) :: share = 0
-      !> Edge: the bound on the parameter.
-      real(wp) :: bound = 0
-   end type condition_type
-
-   !> What is fixed along a curve or sheet of motions.
-   type, public :: frame_type
-      type(family_type) :: family
-      type(repetition_type), allocatable :: repetitions(:)
-      !> Bounds on parameters.
-      type(condition_type), allocatable :: edges(:)
-   end type frame_type
+   public :: all_conditions, condition_value
 
 contains
-
-   !> The list of conditions of a frame, without the details that `all_conditions` finds.
-   pure function condition_at(frame, j) result(condition)
-      type(frame_type), intent(in) :: frame
-      integer, intent(in) :: j
-      type(condition_type) :: condition
-      integer :: n, m
-
-      n = size(frame%family%sides)
-      m = size(frame%repetitions)
-      if (j <= 3) then
-         condition = condition_type(j, 0)
-      else if (j <= 3 + n) then
-         condition = condition_type(zero_approach, j - 3)
-      else if (j <= 3 + 2*n) then
-         condition = condition_type(grazing, j - 3 - n)
-      else if (j <= 3 + 2*n + m) then
-         condition = condition_type(repetition, j - 3 - 2*n)
-      else
-         condition = frame%edges(j - 3 - 2*n - m)
-      end if
-   end function condition_at
 
    !> The values of all conditions: 3 of stability, n approaches, n gaps, repetitions, edges.
    pure subroutine all_conditions(frame, unknowns, c, values, found)
@@ -70,9 +27,12 @@ contains
       !> The conditions with their details.
       type(condition_type), intent(out) :: found(:)
       type(orbit_type) :: o
-      integer :: j, n
+      integer :: j
 
-      n = size(frame%family%sides)
+      if (frame%resting) then
+         call rest_conditions(frame, unknowns, c, values, found)
+         return
+      end if
       call set_orbit(frame%family, unknowns, c, o)
       values(:3) = stability_values(frame, unknowns, o)
       do j = 1, size(values)
@@ -80,7 +40,7 @@ contains
          select case (found(j)%kind)
          case (fold, flip, neimark_sacker)
          case (grazing)
-            call least_gap(o, found(j), values(j))
+            call gap_of_flight(o, found(j), values(j))
          case default
             values(j) = simple_value(frame, unknowns, o, c, found(j))
          end select
@@ -98,6 +58,9 @@ contains
 
       if (condition%kind == edge) then
          value = condition%side*(c(condition%index) - condition%bound)
+         return
+      else if (frame%resting) then
+         value = rest_condition(frame, unknowns, c, condition)
          return
       end if
       call set_orbit(frame%family, unknowns, c, o)
@@ -156,11 +119,7 @@ contains
          values(fold) = values(fold)/max(0.1_wp*apart, &
             kinship(frame%family, frame%repetitions(i), unknowns))**2
       end do
-      ! the resolvent cubic of the characteristic polynomial at 1 + e4
-      associate (d => 1 + e(4))
-         values(neimark_sacker) = ((d - e(2))*d + e(1)*e(3) - 4*e(4))*d &
-            - (e(1)**2*e(4) - 4*e(2)*e(4) + e(3)**2)
-      end associate
+      values(neimark_sacker) = resolvent(e)
       ! all three can be positive where several multipliers have crossed the unit circle; this one
       ! of Jury's conditions fails there by far, and on the edge of the stable ones it is met, or
       ! just so where three multipliers are on the circle
@@ -168,58 +127,8 @@ contains
          -abs(values(neimark_sacker))
    end function stability_values
 
-   !> The elementary symmetric functions of the eigenvalues of a matrix.
-   pure function characteristic(p) result(e)
-      real(wp), intent(in) :: p(4, 4)
-      real(wp) :: e(4)
-      real(wp) :: m12, m13, m14, m23, m24, m34, n12, n13, n14, n23, n24, n34
-
-      ! 2 x 2 minors of rows 1, 2 and of rows 3, 4
-      m12 = p(1, 1)*p(2, 2) - p(1, 2)*p(2, 1)
-      m13 = p(1, 1)*p(2, 3) - p(1, 3)*p(2, 1)
-      m14 = p(1, 1)*p(2, 4) - p(1, 4)*p(2, 1)
-      m23 = p(1, 2)*p(2, 3) - p(1, 3)*p(2, 2)
-      m24 = p(1, 2)*p(2, 4) - p(1, 4)*p(2, 2)
-      m34 = p(1, 3)*p(2, 4) - p(1, 4)*p(2, 3)
-      n12 = p(3, 1)*p(4, 2) - p(3, 2)*p(4, 1)
-      n13 = p(3, 1)*p(4, 3) - p(3, 3)*p(4, 1)
-      n14 = p(3, 1)*p(4, 4) - p(3, 4)*p(4, 1)
-      n23 = p(3, 2)*p(4, 3) - p(3, 3)*p(4, 2)
-      n24 = p(3, 2)*p(4, 4) - p(3, 4)*p(4, 2)
-      n34 = p(3, 3)*p(4, 4) - p(3, 4)*p(4, 3)
-      e(1) = p(1, 1) + p(2, 2) + p(3, 3) + p(4, 4)
-      e(2) = m12 + n34 + p(1, 1)*(p(3, 3) + p(4, 4)) + p(2, 2)*(p(3, 3) + p(4, 4)) &
-         - p(1, 3)*p(3, 1) - p(1, 4)*p(4, 1) - p(2, 3)*p(3, 2) - p(2, 4)*p(4, 2)
-      e(3) = p(3, 3)*m12 - p(3, 2)*m13 + p(3, 1)*m23 + p(4, 4)*m12 - p(4, 2)*m14 + p(4, 1)*m24 &
-         + p(1, 1)*n34 - p(1, 3)*n14 + p(1, 4)*n13 + p(2, 2)*n34 - p(2, 3)*n24 + p(2, 4)*n23
-      e(4) = m12*n34 - m13*n24 + m14*n23 + m23*n14 - m24*n13 + m34*n12
-   end function characteristic
-
-   !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
-   pure logical function is_contraction(e)
-      !> As `characteristic` gives them.
-      real(wp), intent(in) :: e(4)
-      real(wp) :: resolvent
-
-      associate (d => 1 + e(4))
-         resolvent = ((d - e(2))*d + e(1)*e(3) - 4*e(4))*d &
-            - (e(1)**2*e(4) - 4*e(2)*e(4) + e(3)**2)
-      end associate
-      is_contraction = abs(e(4)) < 1 .and. 1 + e(2) + e(4) > abs(e(1) + e(3)) .and. &
-         abs(e(3) - e(1)*e(4)) < 1 - e(4)**2 .and. resolvent > 0
-   end function is_contraction
-
-   !> Whether all conditions are met, those on the edges of one parameter included.
-   pure logical function is_inside(conditions, values, parameter) result(inside)
-      type(condition_type), intent(in) :: conditions(:)
-      real(wp), intent(in) :: values(:)
-      integer, intent(in) :: parameter
-
-      inside = all(values > 0 .or. (conditions%kind == edge .and. conditions%index /= parameter))
-   end function is_inside
-
    !> The least gap at a stationary point inside a flight; one half where there is none nearer.
-   pure subroutine least_gap(o, touch, gap)
+   pure subroutine gap_of_flight(o, touch, gap)
       type(orbit_type), intent(in) :: o
       !> In: the flight. Out: also the wall and when.
       type(condition_type), intent(inout) :: touch
@@ -241,7 +150,7 @@ contains
          touch%side = -1
          touch%share = lowest_at/o%time(touch%index)
       end if
-   end subroutine least_gap
+   end subroutine gap_of_flight
 
    !> The gap at the stationary point near a given share of the flight.
    pure subroutine polish_touch(o, touch, gap)

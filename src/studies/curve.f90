@@ -4,10 +4,12 @@
 !! parameters in units of their scale. With one active parameter the motions alone are a curve; with
 !! two, those that meet one condition (a fold, say).
 module vi_curve
-   use vi_conditions, only: condition_type, condition_value, frame_type
+   use vi_conditions, only: condition_value
+   use vi_frame, only: condition_type, frame_type, neimark_sacker, unknown_count
    use vi_kinds, only: wp
    use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, &
       set_orbit
+   use vi_rest_family, only: rest_residual
    implicit none (type, external)
    private
 
@@ -25,6 +27,8 @@ module vi_curve
    end type curve_type
 
    integer, parameter :: most_iterations = 8
+   !> A residual that no Newton step survives: the period has other letters.
+   real(wp), parameter :: at_fault = huge(1.0_wp)
 
 contains
 
@@ -32,7 +36,7 @@ contains
    pure integer function point_size(curve)
       type(curve_type), intent(in) :: curve
 
-      point_size = 2*size(curve%frame%family%sides) + size(curve%active)
+      point_size = unknown_count(curve%frame) + size(curve%active)
    end function point_size
 
    !> The parameters at a point.
@@ -43,7 +47,7 @@ contains
       integer :: j, n
 
       c = curve%c
-      n = 2*size(curve%frame%family%sides)
+      n = unknown_count(curve%frame)
       do j = 1, size(curve%active)
          c(curve%active(j)) = curve%origin(j) + curve%scale(j)*point(n + j)
       end do
@@ -54,7 +58,7 @@ contains
    pure function unknowns_of(curve, point) result(unknowns)
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: point(:)
-      real(wp) :: unknowns(2*size(curve%frame%family%sides))
+      real(wp) :: unknowns(unknown_count(curve%frame))
 
       unknowns = point(:size(unknowns))
    end function unknowns_of
@@ -106,7 +110,14 @@ contains
       real(wp) :: c(n_parameters)
       integer :: n, j
 
-      n = 2*size(curve%frame%family%sides)
+      n = unknown_count(curve%frame)
+      do j = 1, size(conditions)
+         call condition_slope(curve, conditions(j), point, residual(n + j), matrix(n + j, :))
+      end do
+      if (curve%frame%resting) then
+         call rest_equations(curve, point, residual(:2), matrix(:2, :))
+         return
+      end if
       c = parameters_of(curve, point)
       call set_orbit(curve%frame%family, point(:n), c, o)
       residual(:n) = orbit_residual(o)
@@ -117,10 +128,33 @@ contains
          if (curve%tied .and. curve%active(j) == by_right) matrix(:n, n + j) = matrix(:n, n + j) &
             + curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, by_left)
       end do
-      do j = 1, size(conditions)
-         call condition_slope(curve, conditions(j), point, residual(n + j), matrix(n + j, :))
-      end do
    end subroutine equations
+
+   !> The same for motions with rest, whose map is simulated: the derivatives are differences.
+   pure subroutine rest_equations(curve, point, residual, matrix)
+      type(curve_type), intent(in) :: curve
+      real(wp), intent(in) :: point(:)
+      real(wp), intent(out) :: residual(:), matrix(:, :)
+      real(wp), parameter :: h = 1.0e-6_wp
+      real(wp) :: moved(size(point)), there(2)
+      logical :: right
+      integer :: j, way
+
+      residual = at_fault
+      matrix = 0
+      call rest_residual(curve%frame%rest, point(:2), parameters_of(curve, point), residual, right)
+      if (.not. right) residual = at_fault
+      do j = 1, size(point)
+         do way = -1, 1, 2
+            moved = point
+            moved(j) = point(j) + way*h
+            call rest_residual(curve%frame%rest, moved(:2), parameters_of(curve, moved), there, &
+               right)
+            if (.not. right) residual = at_fault
+            matrix(:, j) = matrix(:, j) + way*there/(2*h)
+         end do
+      end do
+   end subroutine rest_equations
 
    !> Value and derivative (by central differences) of a condition.
    pure subroutine condition_slope(curve, condition, point, value, slope)
@@ -128,10 +162,12 @@ contains
       type(condition_type), intent(in) :: condition
       real(wp), intent(in) :: point(:)
       real(wp), intent(out) :: value, slope(:)
-      real(wp), parameter :: h = 1.0e-6_wp
-      real(wp) :: moved(size(point))
+      real(wp) :: moved(size(point)), h
       integer :: j
 
+      ! the derivative of a simulated map is a difference itself, and so less smooth
+      h = 1.0e-6_wp
+      if (curve%frame%resting .and. condition%kind <= neimark_sacker) h = 1.0e-4_wp
       value = at(point)
       do j = 1, size(point)
          moved = point

@@ -4,14 +4,14 @@
 !! conditions are positive. Its boundary is followed along the one condition that is zero; where
 !! another one gets zero there is a corner, and the boundary goes on along that one.
 module vi_loop
-   use vi_conditions, only: condition_type, grazing
    use vi_curve, only: curve_type, tangent_at
+   use vi_frame, only: condition_type, grazing, wrap_phases
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
    implicit none (type, external)
    private
 
-   public :: trace_loop, wrap
+   public :: trace_loop
 
    !> A closed curve: points (2n + 2, m) and the condition that is zero from each to the next.
    type, public :: loop_type
@@ -59,7 +59,7 @@ contains
          if (.not. good) return
          call first_violation(curve, active, now, next, corner, which, met)
          if (which < 0) return                     ! a violation that could not be located
-         if (closes(loop, now, next, active, met, corner)) then
+         if (closes(curve, loop, now, next, active, met, corner)) then
             loop%closed = .true.
             return
          end if
@@ -79,7 +79,8 @@ contains
    end subroutine trace_loop
 
    !> Whether a step along the condition of the start passes the start.
-   pure logical function closes(loop, now, next, active, met, corner)
+   pure logical function closes(curve, loop, now, next, active, met, corner)
+      type(curve_type), intent(in) :: curve
       type(loop_type), intent(in) :: loop
       type(place_type), intent(in) :: now, next, corner
       type(condition_type), intent(in) :: active
@@ -90,23 +91,13 @@ contains
       if (loop%n < 2) return
       if (.not. same_condition(active, loop%conditions(1))) return
       offset = loop%points(:, 1) - now%point
-      call wrap(offset)
+      call wrap_phases(curve%frame, offset)
       reach = next%came
       if (met) reach = corner%came
       share = dot_product(offset, now%tangent)
       closes = share > 0 .and. share <= reach*(1 + 1.0e-9_wp) .and. &
          norm2(offset - share*now%tangent) < 0.3_wp*share + 1.0e-7_wp
    end function closes
-
-   !> Phases that differ by whole cycles are the same: subtracts the common ones.
-   pure subroutine wrap(offset)
-      real(wp), intent(inout) :: offset(:)
-      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
-      integer :: n
-
-      n = (size(offset) - 2)/2
-      offset(n + 1:2*n) = offset(n + 1:2*n) - two_pi*nint(offset(n + 1)/two_pi)
-   end subroutine wrap
 
    pure logical function same_condition(a, b)
       type(condition_type), intent(in) :: a, b

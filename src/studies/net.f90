@@ -4,8 +4,9 @@
 !! folds as well. Where two lines cross the motion is a node; from every node both lines go on, so
 !! that all connected sheets are covered.
 module vi_net
-   use vi_conditions, only: condition_type, edge, grazing, is_inside, repetition, zero_approach
    use vi_curve, only: correct, curve_type
+   use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, unknown_count, &
+      wrap_phases, zero_approach
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
    implicit none (type, external)
@@ -51,7 +52,7 @@ contains
       type(net_type), intent(out) :: net
       integer :: n
 
-      n = 2*size(sheet%frame%family%sides)
+      n = unknown_count(sheet%frame)
       net%sheet = sheet
       net%lines = lines
       allocate (net%lattice(2, room), net%follower(room), net%unknowns(n, room), &
@@ -68,13 +69,11 @@ contains
       !> Its index; 0 if there is no room.
       integer, intent(out) :: node
       real(wp) :: offset(size(unknowns))
-      integer :: n
 
-      n = size(unknowns)/2
       node = net%head(i, j)
       do while (node > 0)
          offset = net%unknowns(:, node) - unknowns
-         offset(n + 1:) = offset(n + 1:) - two_pi()*nint(offset(n + 1)/two_pi())
+         call wrap_phases(net%sheet%frame, offset)
          if (maxval(abs(offset)) < 1.0e-6_wp) return
          node = net%follower(node)
       end do
@@ -87,10 +86,6 @@ contains
       net%follower(node) = net%head(i, j)
       net%head(i, j) = node
    end subroutine add_seed
-
-   pure real(wp) function two_pi()
-      two_pi = 2*acos(-1.0_wp)
-   end function two_pi
 
    !> Follows both lines through every node, until all have been.
    pure subroutine cover(net, first)

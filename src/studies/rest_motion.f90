@@ -14,7 +14,7 @@ module vi_rest_motion
    implicit none (type, external)
    private
 
-   public :: return_map, solve_rest_motion
+   public :: release_state, return_map, solve_rest_motion
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 

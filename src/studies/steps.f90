@@ -1,8 +1,9 @@
 !> Steps along a curve of motions, and the places on a step where a condition is zero.
 module vi_steps
-   use vi_conditions, only: all_conditions, apart, condition_type, grazing, repetition
+   use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type, parameters_of, point_size, tangent_at, unknowns_of
    use vi_family, only: image_of
+   use vi_frame, only: apart, condition_count, condition_type, grazing, repetition
    use vi_kinds, only: wp
    implicit none (type, external)
    private
@@ -46,9 +47,7 @@ contains
       type(place_type), intent(inout) :: place
       integer :: n
 
-      associate (frame => curve%frame)
-         n = 3 + 2*size(frame%family%sides) + size(frame%repetitions) + size(frame%edges)
-      end associate
+      n = condition_count(curve%frame)
       if (.not. allocated(place%values)) allocate (place%values(n), place%conditions(n))
       call all_conditions(curve%frame, unknowns_of(curve, place%point), &
          parameters_of(curve, place%point), place%values, place%conditions)
@@ -74,6 +73,11 @@ contains
       do
          to%point = from%point + step*from%tangent
          call correct(curve, conditions, to%point, iterations, from%tangent)
+         if (iterations > 0 .and. curve%frame%resting) then
+            call survey(curve, to)
+            ! all of them at once: the period has other letters there
+            if (count(to%values <= -1) > size(curve%frame%rest%letters)) iterations = 0
+         end if
          if (iterations > 0) then
             call tangent_at(curve, conditions, to%point, from%tangent, to%tangent, good)
             if (good) then

@@ -3,17 +3,17 @@
 !! Seeds from Newton's method are spread over the window, a net covers the sheets they lie on, and
 !! from every place where it enters or leaves a zone the boundary is traced, unless it is known.
 module vi_zone
-   use vi_conditions, only: apart, condition_type, edge
-   use vi_curve, only: correct, curve_type
-   use vi_exact, only: setting_type
+   use vi_curve, only: correct, curve_type, parameters_of
    use vi_family, only: image_of, kinship, new_family
+   use vi_frame, only: apart, condition_type, edge, frame_type, wrap_phases
    use vi_kinds, only: wp
-   use vi_loop, only: loop_type, trace_loop, wrap
+   use vi_loop, only: loop_type, trace_loop
    use vi_net, only: add_seed, border_type, cover, net_type, new_net
    use vi_orbit, only: by_clearance, by_r
    use vi_oscillator, only: left, oscillator_type, right
-   use vi_pattern, only: default_restitution, pattern_type
-   use vi_search, only: search_pattern
+   use vi_pattern, only: pattern_type
+   use vi_rest_family, only: new_rest_family
+   use vi_seeds, only: motions_at, part_of
    use vi_status, only: stat
    use vi_steps, only: stride_type
    implicit none (type, external)
@@ -24,6 +24,7 @@ module vi_zone
    !> What to look for and how hard.
    type, public :: zone_request_type
       type(oscillator_type) :: osc
+      !> Sides; +2 and -2 for accumulation and rest.
       type(pattern_type) :: pattern
       logical :: symmetric = .false.
       real(wp) :: r(2) = 0, clearance(2) = 0
@@ -57,21 +58,34 @@ contains
       !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
       type(net_type) :: net
-      integer :: i
+      real(wp) :: q(2)
+      integer, allocatable :: open(:)
+      logical :: closed
+      integer :: i, n_open
 
       call make_sheet(request, zone%sheet, status)
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
       if (status /= stat%ok) return
       call new_net(zone%sheet, request%lines, net)
       do i = 1, size(seeds, 2)
-         call plant(net, request, seeds(1, i), seeds(2, i), seeds(3:, i))
+         q = ([seeds(1, i), log(seeds(2, i))] - zone%sheet%origin)/zone%sheet%scale
+         call plant(net, q, part_of(zone%sheet%frame, seeds(3:, i)), 1 + nint(q*(net%lines - 1)))
       end do
       call cover(net, 1)
       call search_window(request, net)
       zone%nodes = net%n
       zone%steps = net%steps
+      ! what cannot be closed from one place often can be from another
+      allocate (open(net%n_borders))
+      n_open = 0
       do i = 1, net%n_borders
-         call trace_border(net%borders(i), request%points, zone)
+         call trace_border(net%borders(i), request%points, .false., zone, closed)
+         if (closed) cycle
+         n_open = n_open + 1
+         open(n_open) = i
+      end do
+      do i = 1, n_open
+         call trace_border(net%borders(open(i)), request%points, .true., zone, closed)
       end do
    end subroutine find_zone
 
@@ -85,8 +99,15 @@ contains
       integer :: i
 
       associate (osc => request%osc, walls => request%osc%restitution)
-         call new_family(request%pattern, request%symmetric, abs(walls(1) - walls(2)) <= 0, &
-            sheet%frame%family, sheet%frame%repetitions, possible)
+         sheet%frame%resting = any(abs(request%pattern%sides) == 2)
+         if (sheet%frame%resting) then
+            sheet%frame%rest = new_rest_family(request%pattern%sides, request%pattern%cycles)
+            allocate (sheet%frame%repetitions(0))
+            possible = .not. request%symmetric
+         else
+            call new_family(request%pattern, request%symmetric, abs(walls(1) - walls(2)) <= 0, &
+               sheet%frame%family, sheet%frame%repetitions, possible)
+         end if
          status = merge(stat%ok, stat%no_motion, possible)
          low = [request%r(1), log(request%clearance(1))]
          high = [request%r(2), log(request%clearance(2))]
@@ -106,84 +127,66 @@ contains
    pure subroutine search_window(request, net)
       type(zone_request_type), intent(in) :: request
       type(net_type), intent(inout) :: net
-      type(setting_type) :: setting
-      real(wp) :: found(2*size(request%pattern%sides), 64), q(2), c(2)
-      integer :: i, j, k, n_found, tried, every, first
+      real(wp), allocatable :: found(:, :)
+      real(wp) :: q(2)
+      integer :: i, j, k, every, first
 
-      setting = setting_type(request%osc, 1.0_wp, 1.0_wp, 1.0_wp, request%pattern, &
-         default_restitution(request%pattern%sides, request%osc%restitution(right), &
-         request%osc%restitution(left)))
-      every = max(1, (request%lines - 1)/4)
+      ! a simulation finds a motion with rest only inside its zone, which may be narrow
+      every = max(1, (request%lines - 1)/merge(16, 4, net%sheet%frame%resting))
       do j = 1 + every/2, request%lines, every
          do i = 1 + every/2, request%lines, every
             q = [i - 1, j - 1]/real(request%lines - 1, wp)
-            c = net%sheet%origin + net%sheet%scale*q
-            setting%r = c(1)
-            setting%clearance = exp(c(2))
-            call search_pattern(setting, request%guesses, found, n_found, tried)
-            found(:size(request%pattern%sides), :n_found) = &
-               found(:size(request%pattern%sides), :n_found)/setting%clearance
+            call motions_at(net%sheet%frame, request%pattern, parameters_of(net%sheet, &
+               [(0.0_wp, k=1, size(net%unknowns, 1)), q]), request%guesses, found)
             first = net%n + 1
-            do k = 1, n_found
-               call plant_node(net, request, i, j, found(:, k))
+            do k = 1, size(found, 2)
+               call plant(net, q, found(:, k), [i, j])
             end do
             call cover(net, first)
          end do
       end do
    end subroutine search_window
 
-   !> Brings a motion to the nearest node of the lattice, if that is possible, and adds it.
-   pure subroutine plant(net, request, r, clearance, whole)
+   !> Brings a motion to a node of the lattice and adds it, if it belongs to the family.
+   pure subroutine plant(net, from, unknowns, place)
       type(net_type), intent(inout) :: net
-      type(zone_request_type), intent(in) :: request
-      real(wp), intent(in) :: r, clearance
-      real(wp), intent(in) :: whole(:)
-      real(wp) :: q(2)
-      integer :: place(2)
-
-      q = ([r, log(clearance)] - net%sheet%origin)/net%sheet%scale
-      place = 1 + nint(q*(net%lines - 1))
-      if (any(place < 1) .or. any(place > net%lines)) return
-      call plant_node(net, request, place(1), place(2), whole, q)
-   end subroutine plant
-
-   !> Adds a motion of the whole pattern to a node, if it belongs to the family.
-   pure subroutine plant_node(net, request, i, j, whole, from)
-      type(net_type), intent(inout) :: net
-      type(zone_request_type), intent(in) :: request
-      integer, intent(in) :: i, j
-      real(wp), intent(in) :: whole(:)
-      !> Where it comes from, if not from the node itself.
-      real(wp), intent(in), optional :: from(2)
-      real(wp) :: point(size(net%unknowns, 1) + 2), q(2), start(2)
+      !> Where in the window it comes from.
+      real(wp), intent(in) :: from(2)
+      real(wp), intent(in) :: unknowns(:)
+      integer, intent(in) :: place(2)
+      real(wp) :: point(size(unknowns) + 2), q(2)
       type(condition_type) :: fixed(2)
-      integer :: n, total, iterations, node, part
+      integer :: n, iterations, node, part, parts
 
-      n = size(net%unknowns, 1)
-      total = size(request%pattern%sides)
-      point(:n) = [whole(:n/2), whole(total + 1:total + n/2)]
-      q = [i - 1, j - 1]/real(net%lines - 1, wp)
-      start = q
-      if (present(from)) start = from
-      do part = 1, merge(4, 1, present(from))
-         point(n + 1:) = start + (q - start)*part/merge(4, 1, present(from))
+      if (any(place < 1) .or. any(place > net%lines)) return
+      n = size(unknowns)
+      q = (place - 1)/real(net%lines - 1, wp)
+      point(:n) = unknowns
+      parts = merge(1, 4, all(abs(q - from) <= 0))
+      do part = 1, parts
+         point(n + 1:) = from + (q - from)*part/parts
          fixed = [(condition_type(edge, node, 1, bound=net%sheet%origin(node) &
             + net%sheet%scale(node)*point(n + node)), node=1, 2)]
          call correct(net%sheet, fixed, point, iterations)
          if (iterations == 0) return
       end do
-      do part = 1, size(net%sheet%frame%repetitions)
-         if (kinship(net%sheet%frame%family, net%sheet%frame%repetitions(part), point(:n)) &
-            < 10*apart) return
-      end do
-      call add_seed(net, i, j, point(:n), node)
-   end subroutine plant_node
+      associate (frame => net%sheet%frame)
+         do part = 1, size(frame%repetitions)
+            if (kinship(frame%family, frame%repetitions(part), point(:n)) < 10*apart) return
+         end do
+      end associate
+      call add_seed(net, place(1), place(2), point(:n), node)
+   end subroutine plant
 
    !> Traces the boundary from a place on it, unless it is on a loop already.
-   pure subroutine trace_border(border, most, zone)
+   pure subroutine trace_border(border, most, keep_open, zone, closed)
       type(border_type), intent(in) :: border
       integer, intent(in) :: most
+      !> Whether a curve that cannot be closed is kept.
+      logical, intent(in) :: keep_open
       type(zone_type), intent(inout) :: zone
+      !> Whether the place lies on a closed loop.
+      logical, intent(out) :: closed
       type(loop_type) :: loop
       type(border_type) :: image
       integer :: i, j, k, n
@@ -196,13 +199,17 @@ contains
             if (j > 0) image%point(:n) = image_of(zone%sheet%frame%family, &
                zone%sheet%frame%repetitions(j), image%point(:n))
             do i = 1, zone%n
-               if (lies_on(image, zone%loops(i))) return
+               closed = lies_on(zone%sheet%frame, image, zone%loops(i))
+               if (closed) return
             end do
          end do
       end do
+      closed = .false.
       if (zone%n == most_loops) return
       call trace_loop(zone%sheet, stride_type(longest=0.03_wp, turn=0.15_wp), border%point, &
          border%condition, most, loop)
+      closed = loop%closed
+      if (.not. (closed .or. keep_open)) return
       if (loop%n < 3) then
          zone%untraced = zone%untraced + 1
          return
@@ -213,7 +220,8 @@ contains
    end subroutine trace_border
 
    !> Whether a place on the boundary lies on a loop, along the same condition.
-   pure logical function lies_on(border, loop)
+   pure logical function lies_on(frame, border, loop)
+      type(frame_type), intent(in) :: frame
       type(border_type), intent(in) :: border
       type(loop_type), intent(in) :: loop
       real(wp), dimension(size(border%point)) :: chord, offset
@@ -225,9 +233,9 @@ contains
          if (border%condition%kind /= loop%conditions(i)%kind) cycle
          next = merge(1, i + 1, i == loop%n)
          offset = border%point - loop%points(:, i)
-         call wrap(offset)
+         call wrap_phases(frame, offset)
          chord = loop%points(:, next) - loop%points(:, i)
-         call wrap(chord)
+         call wrap_phases(frame, chord)
          length = norm2(chord)
          if (.not. length > 0) cycle
          share = dot_product(offset, chord)/length**2

@@ -1,8 +1,9 @@
 !> Zones as plain arrays: the vertices of all loops, one after the other.
 module vi_zone_table
    use vi_family, only: whole_unknowns
+   use vi_frame, only: frame_type, wrap_phases
    use vi_kinds, only: wp
-   use vi_loop, only: loop_type, wrap
+   use vi_loop, only: loop_type
    use vi_status, only: stat
    use vi_zone, only: find_zone, zone_request_type, zone_type
    implicit none (type, external)
@@ -20,7 +21,7 @@ contains
       !> (5, room): r, D, the derivatives of r and log D by the length of the curve, and its length
       !> to the next vertex of the loop.
       real(wp), intent(out) :: vertices(:, :)
-      !> (2N, room): x_i/D and theta_i.
+      !> (2N, room): x_i/D and theta_i; with rest phase and velocity over D at the last release.
       real(wp), intent(out) :: unknowns(:, :)
       !> (4, room): kind of the condition from here on, its index, its side, 1 at a corner.
       integer, intent(out) :: labels(:, :)
@@ -65,8 +66,12 @@ contains
                vertices(:2, n) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
                vertices(2, n) = exp(vertices(2, n))
                vertices(3:4, n) = sheet%scale*loop%tangents(m + 1:, j)
-               vertices(5, n) = arc(loop, j)
-               unknowns(:, n) = whole_unknowns(sheet%frame%family, loop%points(:m, j))
+               vertices(5, n) = arc(sheet%frame, loop, j)
+               if (sheet%frame%resting) then
+                  unknowns(:m, n) = loop%points(:m, j)
+               else
+                  unknowns(:, n) = whole_unknowns(sheet%frame%family, loop%points(:m, j))
+               end if
                labels(:, n) = [loop%conditions(j)%kind, loop%conditions(j)%index, &
                   loop%conditions(j)%side, merge(1, 0, loop%corner(j))]
             end do
@@ -75,7 +80,8 @@ contains
    end subroutine zone_arrays
 
    !> Length of a loop from a vertex to the next, to fourth order.
-   pure real(wp) function arc(loop, j) result(length)
+   pure real(wp) function arc(frame, loop, j) result(length)
+      type(frame_type), intent(in) :: frame
       type(loop_type), intent(in) :: loop
       integer, intent(in) :: j
       real(wp) :: chord(size(loop%points, 1)), cosine
@@ -83,7 +89,7 @@ contains
 
       next = merge(1, j + 1, j == loop%n)
       chord = loop%points(:, next) - loop%points(:, j)
-      call wrap(chord)
+      call wrap_phases(frame, chord)
       length = norm2(chord)
       if (.not. length > 0) return
       cosine = dot_product(chord, loop%tangents(:, j))/length

@@ -1,0 +1,114 @@
+!> What is fixed along a curve or sheet of motions, and the conditions that can end a zone there.
+module vi_frame
+   use vi_family, only: repetition_type
+   use vi_kinds, only: wp
+   use vi_orbit, only: family_type
+   use vi_rest_family, only: rest_family_type
+   implicit none (type, external)
+   private
+
+   public :: condition_at, condition_count, is_inside, unknown_count, wrap_phases
+
+   !> Kinds of conditions; `flip` of a symmetric family is the pitchfork.
+   integer, parameter, public :: fold = 1, flip = 2, neimark_sacker = 3, zero_approach = 4, &
+      grazing = 5, repetition = 6, edge = 7, rest_vanishes = 8
+
+   !> Distance in (u, theta) at which a motion counts as one that repeats itself.
+   real(wp), parameter, public :: apart = 1.0e-4_wp
+
+   !> One condition. `index` is the impact, the flight, the repetition or the parameter.
+   type, public :: condition_type
+      integer :: kind = 0, index = 0
+      !> Grazing: the wall and the share of the flight's duration; edge: +1 below, -1 above.
+      integer :: side = 0
+      real(wp) :: share = 0
+      !> Edge: the bound on the parameter.
+      real(wp) :: bound = 0
+   end type condition_type
+
+   !> What is fixed along a curve or sheet of motions.
+   type, public :: frame_type
+      type(family_type) :: family
+      type(repetition_type), allocatable :: repetitions(:)
+      !> Bounds on parameters.
+      type(condition_type), allocatable :: edges(:)
+      !> Motions with rest: another family, with unknowns of its own.
+      logical :: resting = .false.
+      type(rest_family_type) :: rest
+   end type frame_type
+
+contains
+
+   !> Number of unknowns of a motion: (u_i, theta_i), or (phase, v/D) at a release.
+   pure integer function unknown_count(frame)
+      type(frame_type), intent(in) :: frame
+
+      unknown_count = 2
+      if (.not. frame%resting) unknown_count = 2*size(frame%family%sides)
+   end function unknown_count
+
+   !> Load phases that differ by whole cycles are the same: takes the common ones off a difference.
+   pure subroutine wrap_phases(frame, offset)
+      type(frame_type), intent(in) :: frame
+      !> A difference of unknowns, or of points, which begin with them.
+      real(wp), intent(inout) :: offset(:)
+      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+      integer :: n
+
+      if (frame%resting) then
+         offset(1) = offset(1) - two_pi*nint(offset(1)/two_pi)
+      else
+         n = size(frame%family%sides)
+         offset(n + 1:2*n) = offset(n + 1:2*n) - two_pi*nint(offset(n + 1)/two_pi)
+      end if
+   end subroutine wrap_phases
+
+   !> Number of conditions.
+   pure integer function condition_count(frame)
+      type(frame_type), intent(in) :: frame
+
+      if (frame%resting) then
+         condition_count = 3 + 3*size(frame%rest%letters) + size(frame%edges)
+      else
+         condition_count = 3 + 2*size(frame%family%sides) + size(frame%repetitions) &
+            + size(frame%edges)
+      end if
+   end function condition_count
+
+   !> The list of conditions of a frame, without the details that `all_conditions` finds.
+   pure function condition_at(frame, j) result(condition)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: j
+      type(condition_type) :: condition
+      integer :: n, m
+
+      if (frame%resting) then
+         n = size(frame%rest%letters)
+         m = n
+      else
+         n = size(frame%family%sides)
+         m = size(frame%repetitions)
+      end if
+      if (j <= 3) then
+         condition = condition_type(j, 0)
+      else if (j <= 3 + n) then
+         condition = condition_type(zero_approach, j - 3)
+      else if (j <= 3 + 2*n) then
+         condition = condition_type(grazing, j - 3 - n)
+      else if (j <= 3 + 2*n + m) then
+         condition = condition_type(merge(rest_vanishes, repetition, frame%resting), j - 3 - 2*n)
+      else
+         condition = frame%edges(j - 3 - 2*n - m)
+      end if
+   end function condition_at
+
+   !> Whether all conditions are met, those on the edges of one parameter included.
+   pure logical function is_inside(conditions, values, parameter) result(inside)
+      type(condition_type), intent(in) :: conditions(:)
+      real(wp), intent(in) :: values(:)
+      integer, intent(in) :: parameter
+
+      inside = all(values > 0 .or. (conditions%kind == edge .and. conditions%index /= parameter))
+   end function is_inside
+
+end module vi_frame

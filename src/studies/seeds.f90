@@ -1,0 +1,105 @@
+!> Motions of a family at a point, from guesses or from simulation.
+module vi_seeds
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_exact, only: setting_type
+   use vi_frame, only: frame_type, unknown_count
+   use vi_kinds, only: wp
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: default_restitution, pattern_type
+   use vi_rest_family, only: last_release
+   use vi_search, only: search_pattern
+   use vi_simulate, only: drive_type, event_type, new_drive, simulate, state_type
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: motions_at, part_of
+
+   !> Motions of a pattern kept at a point; load cycles simulated before a release is looked for.
+   integer, parameter :: room = 64, settling = 60
+
+contains
+
+   !> Unknowns, or guesses of them, of the motions of a family at a point.
+   pure subroutine motions_at(frame, pattern, c, guesses, found)
+      type(frame_type), intent(in) :: frame
+      type(pattern_type), intent(in) :: pattern
+      !> r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+      !> Guesses for Newton's method; a family with rest is looked for from few initial states.
+      integer, intent(in) :: guesses
+      real(wp), allocatable, intent(out) :: found(:, :)
+      type(setting_type) :: setting
+      real(wp) :: whole(2*size(pattern%sides), room)
+      integer :: k, n, tried
+
+      if (frame%resting) then
+         call releases_at(frame, c, min(guesses, 6), found)
+         return
+      end if
+      setting = setting_type(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
+         1.0_wp, exp(c(by_clearance)), pattern, &
+         default_restitution(pattern%sides, c(by_right), c(by_left)))
+      call search_pattern(setting, guesses, whole, n, tried)
+      allocate (found(unknown_count(frame), n))
+      do k = 1, n
+         whole(:size(pattern%sides), k) = whole(:size(pattern%sides), k)/setting%clearance
+         found(:, k) = part_of(frame, whole(:, k))
+      end do
+   end subroutine motions_at
+
+   !> The unknowns of a family among those of the whole pattern.
+   pure function part_of(frame, whole) result(unknowns)
+      type(frame_type), intent(in) :: frame
+      real(wp), intent(in) :: whole(:)
+      real(wp) :: unknowns(unknown_count(frame))
+      integer :: n, total
+
+      n = size(unknowns)/2
+      total = size(whole)/2
+      if (frame%resting) then
+         unknowns = whole(:2)
+      else
+         unknowns = [whole(:n), whole(total + 1:total + n)]
+      end if
+   end function part_of
+
+   !> The last releases of some simulations.
+   pure subroutine releases_at(frame, c, starts, found)
+      type(frame_type), intent(in) :: frame
+      real(wp), intent(in) :: c(:)
+      integer, intent(in) :: starts
+      real(wp), allocatable, intent(out) :: found(:, :)
+      integer, parameter :: chunk = 4000
+      type(drive_type) :: drive
+      type(state_type) :: state, final
+      type(event_type), allocatable :: events(:)
+      real(wp) :: release(2), list(2, starts)
+      integer :: k, n, kept, status, calls
+      logical :: there
+
+      drive = new_drive(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
+         1.0_wp, exp(c(by_clearance)))
+      allocate (events(chunk))
+      kept = 0
+      do k = 1, starts
+         state = state_type()
+         state%phase = 6.283_wp*(k - 1)/starts
+         state%x_dot = 0.3_wp*drive%clearance*mod(k, 3)
+         status = stat%more_events
+         calls = 0
+         do while (status == stat%more_events .and. calls < 10)
+            call simulate(drive, state, int(settling, int64), 0.0_wp, events, n, final, status)
+            calls = calls + 1
+         end do
+         if (status /= stat%ok) cycle
+         call last_release(frame%rest, events(:n), drive%clearance, release, there)
+         if (.not. there) cycle
+         kept = kept + 1
+         list(:, kept) = release
+      end do
+      found = list(:, :kept)
+   end subroutine releases_at
+
+end module vi_seeds
