@@ -135,7 +135,7 @@ contains
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: point(:)
       real(wp), intent(out) :: residual(:), matrix(:, :)
-      real(wp), parameter :: h = 1.0e-6_wp
+      real(wp), parameter :: h = 1.0e-7_wp
       real(wp) :: moved(size(point)), there(2)
       logical :: right
       integer :: j, way
@@ -167,7 +167,7 @@ contains
 
       ! the derivative of a simulated map is a difference itself, and so less smooth
       h = 1.0e-6_wp
-      if (curve%frame%resting .and. condition%kind <= neimark_sacker) h = 1.0e-4_wp
+      if (curve%frame%resting) h = merge(1.0e-4_wp, 1.0e-7_wp, condition%kind <= neimark_sacker)
       value = at(point)
       do j = 1, size(point)
          moved = point

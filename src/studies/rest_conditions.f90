@@ -28,7 +28,7 @@ contains
       if (period%right) then
          values(4:3 + n) = period%approach - least_gap
          values(4 + n:3 + 2*n) = period%gap - least_gap
-         values(4 + 2*n:3 + 3*n) = period%rest - least_rest
+         values(4 + 2*n:3 + 3*n) = rest_left(period%rest)
       end if
       do j = 4 + 3*n, size(values)
          values(j) = found(j)%side*(c(found(j)%index) - found(j)%bound)
@@ -58,10 +58,19 @@ contains
          case (grazing)
             value = period%gap(i) - least_gap
          case default
-            value = period%rest(i) - least_rest
+            value = rest_left(period%rest(i))
          end select
       end associate
    end function rest_condition
+
+   !> A measure of the rest that is left: about linear in the parameters.
+   !!
+   !! Near the end of the family the duration goes about like the power 0.6 of the distance to it.
+   elemental real(wp) function rest_left(duration)
+      real(wp), intent(in) :: duration
+
+      rest_left = duration**1.7_wp - least_rest**1.7_wp
+   end function rest_left
 
    !> det(I - J), det(I + J) and 1 - det J of the map of the plane of releases.
    pure function rest_stability(frame, unknowns, c) result(values)

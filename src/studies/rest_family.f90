@@ -22,7 +22,7 @@ module vi_rest_family
    public :: new_rest_family, rest_period, rest_residual, rest_derivative, last_release
 
    !> How far from zero the one-sided conditions count as zero: rest in time, gap and speed over D.
-   real(wp), parameter, public :: least_rest = 1.0e-4_wp, least_gap = 1.0e-4_wp
+   real(wp), parameter, public :: least_rest = 2.0e-3_wp, least_gap = 1.0e-4_wp
 
    integer, parameter :: event_room = 1500
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
