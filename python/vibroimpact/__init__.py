@@ -10,6 +10,7 @@ from .motion import Motion, Motions, Sample
 from .newton import exact
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
+from .studies.atlas import Atlas, Attractor, atlas
 from .studies.branch import Branch, SpecialPoint, branch
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
@@ -17,6 +18,8 @@ from .trajectory import Trajectory, simulate
 __version__ = _version("vibroimpact")
 
 __all__ = [
+    "Atlas",
+    "Attractor",
     "Branch",
     "Bundle",
     "FoundMotions",
@@ -33,6 +36,7 @@ __all__ = [
     "Units",
     "Zone",
     "ZoneSearch",
+    "atlas",
     "branch",
     "equispaced",
     "errors",

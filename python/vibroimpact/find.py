@@ -134,7 +134,7 @@ def find(
     settling = checks.integer(settling, "settling", 0, 10**7)
     found: list[Motion] = []
     patterns = list(
-        _patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1])
+        side_patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1])
     )
     tried = inadmissible = 0
     with ThreadPoolExecutor() as pool:
@@ -280,7 +280,7 @@ def _order(motion: Motion) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def _patterns(max_impacts: int, max_cycles: int, *, mirrored: bool) -> Iterator[Pattern]:
+def side_patterns(max_impacts: int, max_cycles: int, *, mirrored: bool) -> Iterator[Pattern]:
     """All side patterns up to rotation (and up to mirror image), with each number of cycles.
 
     A pattern that repeats a shorter one is searched too where its cycles do: motions of twice the

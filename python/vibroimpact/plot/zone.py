@@ -9,6 +9,7 @@ import numpy as np
 from . import style
 
 if TYPE_CHECKING:
+    from ..studies.atlas import Atlas
     from ..studies.zone import Zone
 
 #: Line style and colour of each type of boundary: no two differ by colour alone.
@@ -49,6 +50,23 @@ def draw_zone(
     ax.set_ylabel("$F_0/(dK)$" if inverse else "$dK/F_0$")
     if legend and shown:
         ax.legend(fontsize=6, handlelength=3)
+    return ax
+
+
+def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
+    """Draw all zones of an atlas, each filled in a colour and named."""
+    plt = style.pyplot()
+    if ax is None:
+        with plt.rc_context(style.SETTINGS):
+            _, ax = plt.subplots(figsize=(style.TWO_COLUMNS, 4.5), layout="constrained")
+        ax.set_yscale("log")
+    colors = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, "#E69F00", "#56B4E9", "#F0E442")
+    for i, zone in enumerate(sorted(atlas.zones, key=lambda item: -item.area)):
+        draw_zone(zone, ax, inverse, None, colors[i % len(colors)], legend=False)
+    ax.set_xlim(*atlas.r)
+    low, high = atlas.clearance
+    ax.set_ylim(*((1 / high, 1 / low) if inverse else (low, high)))
+    ax.legend(fontsize=6, handlelength=3, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return ax
 
 

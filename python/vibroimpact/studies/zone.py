@@ -19,6 +19,7 @@ from .geometry import dense_ring, signed_area, winding
 __all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
 
 _Array = NDArray[np.float64]
+Window = tuple[tuple[float, float], tuple[float, float]]
 #: Room for vertices and loops in one call of the core.
 ROOM, LOOPS = 200_000, 400
 #: An error of the core: the room is full.
@@ -38,7 +39,8 @@ class Piece:
         Vertices in order; the first and the last are corners, where the next piece begins, unless the
         whole boundary is one piece.
     x, theta : ndarray (N, M)
-        x_i/D and theta_i = alpha_i + tau of the motion at each vertex.
+        x_i/D and theta_i = alpha_i + tau of the motion at each vertex; of a motion with rest (1, M) the
+        velocity over D and the load phase at the last release.
     loop : int
         The loop of `Zone.loops` that the piece belongs to.
     detail : str
@@ -283,7 +285,7 @@ def zone(
     [True, False]
     """
     checks.instance(osc, "osc", Oscillator)
-    checks.plain_pattern(pattern)
+    checks.instance(pattern, "pattern", Pattern)
     if len(pattern) > 24:
         raise ParameterError(f"pattern of {len(pattern)} impacts: at most 24 are allowed")
     window = (span(r, "r"), span(clearance, "clearance"))
@@ -301,8 +303,26 @@ def zone(
             f"restitution {osc.restitution!r} cannot be its own mirror image"
         )
     table = seed_table(pattern, seeds)
+    return assemble(osc, pattern, window, symmetric, kinds, lines, guesses, table, max_points)
+
+
+def rest_seed(motion: Motion) -> _Array:
+    """A motion with rest as a seed: its release at the end of the last starred letter."""
+    side = [letter for letter in motion.pattern.letters if letter.endswith("*")][-1][0]
+    events = motion.events
+    release = events[(events["kind"] == "release") & (events["side"] == side)][-1]
+    column = np.zeros(2 + 2 * len(motion.pattern))
+    column[:4] = motion.r, motion.clearance, release["phase"], release["x_dot_after"] / motion.clearance
+    return column
+
+
+def assemble(
+    osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool | None, kinds: Sequence[bool | None],
+    lines: int, guesses: int, seeds: _Array, max_points: int,
+) -> Zone:  # fmt: skip
+    """One zone from the symmetric and the other motions of a pattern; all arguments are checked."""
     parts = [
-        one_family(osc, pattern, window, bool(kind), lines, guesses, table, max_points)
+        one_family(osc, pattern, window, bool(kind), lines, guesses, seeds, max_points)
         for kind in kinds
     ]
     pieces: list[Piece] = []
@@ -342,19 +362,26 @@ def seed_table(pattern: Pattern, seeds: Sequence[Motion]) -> _Array:
             raise ParameterError(
                 f"seeds[{i}].pattern = {motion.pattern!r}: must be {pattern!r}, with the same first impact"
             )
+        if pattern.has_rest:
+            columns.append(rest_seed(motion))
+            continue
         columns.append(
             np.r_[motion.r, motion.clearance, motion.X / motion.clearance, motion.phases + motion.tau]
         )
     return np.asfortranarray(np.array(columns).reshape(len(columns), 2 + 2 * len(pattern)).T)
 
 
+def letter_codes(pattern: Pattern) -> NDArray[np.int32]:
+    """The core's letters: +1, -1 for an impact, +2, -2 for accumulation and rest."""
+    return pattern.signs * np.where(pattern.rests, 2, 1).astype(np.int32)
+
+
 def one_family(
-    osc: Oscillator, pattern: Pattern, window: tuple[tuple[float, float], tuple[float, float]],
-    symmetric: bool, lines: int, guesses: int, seeds: _Array, max_points: int,
+    osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool, lines: int, guesses: int, seeds: _Array, max_points: int,
 ) -> tuple[list[Piece], list[_Array], bool, NDArray[np.int32]]:  # fmt: skip
     """Pieces, rings, completeness and work of the symmetric or the other motions."""
     vertices, unknowns, labels, n, loops, inside, n_loops, work, status = _core.zone(
-        osc.xi, osc.mu, osc.restitution, pattern.cycles, pattern.signs, symmetric, *window, lines,
+        osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric, *window, lines,
         guesses, max_points, seeds, ROOM, LOOPS,
     )  # fmt: skip
     mirrored = not symmetric and can_be_symmetric(osc, pattern)
@@ -379,8 +406,8 @@ def one_family(
         number = len(rings) - 1 if closed else -1
         pieces.extend(
             split_pieces(
-                vertices[:, here], unknowns[:, here], labels[:, here], number, symmetric, mirrored,
-                len(pattern), closed == 1,
+                vertices[:, here], unknowns[1::-1, here] if pattern.has_rest else unknowns[:, here], labels[:, here], number, symmetric, mirrored,
+                1 if pattern.has_rest else len(pattern), closed == 1,
             )  # fmt: skip
         )
     return pieces, rings, complete, work
@@ -414,7 +441,7 @@ def split_pieces(
         elif name == "zero_approach":
             detail = f"impact {index}"
         pieces.append(
-            Piece(name, vertices[0, run], vertices[1, run], unknowns[:n, run], unknowns[n:, run], loop, detail)
+            Piece(name, vertices[0, run], vertices[1, run], unknowns[:n, run], unknowns[n : 2 * n, run], loop, detail)
         )
     return pieces
 

@@ -1,0 +1,306 @@
+"""An atlas: all zones of stable motions in a window, found without being told the patterns."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import checks
+from ..bundle import simulate_bundle
+from ..errors import ParameterError, VibroimpactError
+from ..files import write_text
+from ..find import side_patterns
+from ..model import Oscillator, Pattern
+from ..motion import Motion
+from ..newton import exact, settle
+from .conditions import can_be_symmetric
+from .zone import Window, Zone, assemble, rest_seed, span
+
+__all__ = ["Atlas", "Attractor", "atlas"]
+
+_Array = NDArray[np.float64]
+
+
+class Attractor(NamedTuple):
+    """A periodic motion that a simulation settled on."""
+
+    r: float
+    clearance: float
+    pattern: Pattern
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Atlas:
+    """All zones found in a window.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    r, clearance : (float, float)
+        The window.
+    zones : list of Zone
+        One for each pattern that has one; motions that are their own mirror image in a zone of their own.
+        With R1 = R2 a pattern stands for its mirror image too, whose zone is the same.
+    attractors : list of Attractor
+        What the survey by simulation settled on, within the limits of impacts and cycles.
+    unexplained : list of Attractor
+        Those that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
+    """
+
+    osc: Oscillator
+    r: tuple[float, float]
+    clearance: tuple[float, float]
+    zones: list[Zone]
+    attractors: list[Attractor]
+    unexplained: list[Attractor]
+
+    def at(self, r: float, clearance: float) -> list[Zone]:
+        """The zones that contain a point: the stable motions there."""
+        return [zone for zone in self.zones if bool(zone.contains(r, clearance))]
+
+    def explains(self, attractor: Attractor) -> bool:
+        """Whether an attractor lies in a zone of its pattern."""
+        wanted = names_of(attractor.pattern, self.osc)
+        return any(
+            zone.pattern.sides in wanted and zone.pattern.cycles == attractor.pattern.cycles
+            for zone in self.at(attractor.r, attractor.clearance)
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Write the atlas as JSON: rings with typed pieces, in the manner of GeoJSON."""
+        data = {
+            "type": "Atlas",
+            "osc": {"xi": self.osc.xi, "mu": self.osc.mu, "restitution": list(self.osc.restitution)},
+            "window": {"r": list(self.r), "clearance": list(self.clearance)},
+            "zones": [zone.to_dict() for zone in self.zones],
+            "attractors": [plain(item) for item in self.attractors],
+            "unexplained": [plain(item) for item in self.unexplained],
+        }
+        write_text(Path(path), json.dumps(data))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Atlas:
+        """Read what `save` wrote."""
+        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        if not isinstance(data, dict) or data.get("type") != "Atlas":
+            raise ParameterError(f"path = {str(path)!r}: must be a file that Atlas.save wrote")
+        osc = Oscillator(
+            xi=data["osc"]["xi"], mu=data["osc"]["mu"], restitution=tuple(data["osc"]["restitution"])
+        )
+        lists = (
+            [Attractor(item[0], item[1], Pattern(*item[2])) for item in data[name]]
+            for name in ("attractors", "unexplained")
+        )
+        zones = [Zone.from_dict(item) for item in data["zones"]]
+        window = data["window"]
+        return cls(osc, tuple(window["r"]), tuple(window["clearance"]), zones, *lists)
+
+    def plot(self, ax: Any = None, inverse: bool = False) -> Any:
+        """Draw all zones, each with its name; returns the Axes."""
+        from ..plot.zone import draw_atlas
+
+        return draw_atlas(self, ax, inverse)
+
+    def __repr__(self) -> str:
+        gaps = f", {len(self.unexplained)} attractors unexplained" if self.unexplained else ""
+        return (
+            f"<Atlas of {len(self.zones)} zones, {len(self.attractors)} attractors surveyed{gaps}>"
+        )
+
+
+def plain(attractor: Attractor) -> list[Any]:
+    """An attractor for JSON."""
+    return [attractor.r, attractor.clearance, [attractor.pattern.sides, attractor.pattern.cycles]]
+
+
+def turns(pattern: Pattern) -> list[str]:
+    """The sides from each letter on."""
+    letters = pattern.letters
+    return ["".join(letters[j:] + letters[:j]) for j in range(len(letters))]
+
+
+def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
+    """All sides that stand for a pattern: from each letter on and, with R1 = R2, mirrored."""
+    names = set(turns(pattern))
+    if osc.restitution[0] == osc.restitution[1]:
+        names |= {name.translate(str.maketrans("RL", "LR")) for name in names}
+    return names
+
+
+def standard(pattern: Pattern, osc: Oscillator) -> Pattern:
+    """The same pattern from the letter on that all agree on."""
+    return Pattern(max(names_of(pattern, osc)), pattern.cycles)
+
+
+def seed_of(motion: Motion, wanted: Pattern) -> _Array:
+    """A motion as a seed of the standard pattern: turned, or mirrored and turned."""
+    if motion.pattern.has_rest:
+        column = rest_seed(motion)
+        return column
+    letters = "".join(motion.pattern.letters)
+    n = len(letters)
+    x, theta = motion.X / motion.clearance, motion.phases + motion.tau
+    mirrored = letters.translate(str.maketrans("RL", "LR"))
+    for sides, sign, shift in ((letters, 1, 0.0), (mirrored, -1, np.pi)):
+        for j in range(n):
+            if sides[j:] + sides[:j] == wanted.sides:
+                later = np.r_[theta[j:], theta[:j] + 2 * np.pi * wanted.cycles] + shift
+                return np.r_[motion.r, motion.clearance, sign * np.roll(x, -j), later]
+    raise ParameterError(f"pattern = {motion.pattern!r}: is not {wanted!r}")
+
+
+def atlas(
+    osc: Oscillator,
+    r: tuple[float, float],
+    clearance: tuple[float, float],
+    max_impacts: int = 5,
+    max_cycles: int = 1,
+    survey: int = 400,
+    settling: int = 400,
+    lines: int = 17,
+    guesses: int = 24,
+    threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> Atlas:
+    """All zones of stable motions in a window, for all patterns up to a number of impacts and cycles.
+
+    Patterns come from enumeration (all sequences of sides up to rotation, and up to the mirror image when
+    R1 = R2) and from a survey by simulation over the window, which also finds those with rest. Each pattern's
+    `zone` is traced; the surveyed attractors are seeds of it. Attractors that lie in no zone of their pattern
+    afterwards are sought once more on a finer lattice, and listed as `unexplained` if that does not help.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    r, clearance : (float, float)
+        The window.
+    max_impacts, max_cycles : int
+        Limits of the patterns, 2 to 8 letters and 1 to 4 cycles; an accumulation counts as one letter.
+    survey : int
+        Points of the window at which simulations are let settle.
+    settling : int
+        Load cycles simulated at each before its attractor is looked at.
+    lines, guesses : int
+        As in `zone`.
+    threads : int, optional
+        Default: one for each processor. The answer does not depend on it.
+    progress : callable, optional
+        Called with the share done and what is being done.
+
+    Returns
+    -------
+    Atlas
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> small = vi.atlas(osc, (1.0, 1.1), (20, 60), max_impacts=3, survey=20)
+    >>> sorted({zone.pattern.sides for zone in small.zones})
+    ['RL', 'RRL']
+    """
+    checks.instance(osc, "osc", Oscillator)
+    window = (span(r, "r"), span(clearance, "clearance"))
+    if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
+        raise ParameterError(f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)")
+    max_impacts = checks.integer(max_impacts, "max_impacts", 2, 8)
+    max_cycles = checks.integer(max_cycles, "max_cycles", 1, 4)
+    survey = checks.integer(survey, "survey", 0, 10**6)
+    settling = checks.integer(settling, "settling", 1, 10**6)
+    lines = checks.integer(lines, "lines", 5, 129)
+    guesses = checks.integer(guesses, "guesses", 0, 10**5)
+    workers = checks.integer(threads or os.cpu_count() or 1, "threads", 1, 1024)
+    tell = progress or (lambda share, what: None)
+    tell(0.0, "survey by simulation")
+    motions = list(surveyed(osc, window, survey, settling, max_impacts, max_cycles, workers))
+    attractors = [Attractor(m.r, m.clearance, standard(m.pattern, osc)) for m in motions]
+    mirrored = osc.restitution[0] == osc.restitution[1]
+    patterns = list(side_patterns(max_impacts, max_cycles, mirrored=mirrored))
+    patterns = [standard(pattern, osc) for pattern in patterns]
+    patterns += [item.pattern for item in attractors if item.pattern.has_rest]
+    families = [
+        (pattern, symmetric)
+        for pattern in dict.fromkeys(patterns)
+        for symmetric in ((True, False) if can_be_symmetric(osc, pattern) else (False,))
+    ]
+
+    def trace(family: tuple[Pattern, bool], finer: int = 1) -> Zone:
+        pattern, symmetric = family
+        seeds = [
+            seed_of(m, pattern) for m, a in zip(motions, attractors, strict=True) if a.pattern == pattern
+        ][: 200 * finer]
+        table = np.array(seeds).reshape(len(seeds), 2 + 2 * len(pattern)).T
+        lattice = min(129, finer * (lines - 1) + 1)
+        return assemble(
+            osc, pattern, window, symmetric, [symmetric], lattice, guesses, np.asfortranarray(table), 20_000
+        )
+
+    zones: dict[tuple[Pattern, bool], Zone] = {}
+    with ThreadPoolExecutor(workers) as pool:
+        for i, (family, zone) in enumerate(zip(families, pool.map(trace, families), strict=True)):
+            zones[family] = zone
+            tell((i + 1) / (len(families) + 1), f"zone of {family[0].sides}/{family[0].cycles}")
+
+    def result() -> Atlas:
+        found = [zone for zone in zones.values() if zone]
+        draft = Atlas(osc, *window, found, attractors, [])
+        return Atlas(
+            osc, *window, found, attractors, [item for item in attractors if not draft.explains(item)]
+        )
+
+    first = result()
+    again = [f for f in families if f[0] in {item.pattern for item in first.unexplained}]
+    if again:
+        with ThreadPoolExecutor(workers) as pool:
+            for family, zone in zip(again, pool.map(lambda f: trace(f, 2), again), strict=True):
+                zones[family] = zone
+    tell(1.0, "done")
+    return result()
+
+
+def surveyed(
+    osc: Oscillator, window: Window, points: int, settling: int, max_impacts: int, max_cycles: int,
+    threads: int,
+) -> Iterator[Motion]:  # fmt: skip
+    """Exact motions that simulations over the window settle on, within the limits."""
+    if not points:
+        return
+    (r_low, r_high), (low, high) = window
+    golden = 1.0
+    for _ in range(40):
+        golden = (1 + golden) ** (1 / 6)
+    u = np.mod(0.5 + np.arange(1, points + 1)[None, :] / golden ** np.arange(1, 6)[:, None], 1.0)
+    r = r_low + (r_high - r_low) * u[0]
+    clearance = low * (high / low) ** u[1]
+    amplitude = np.minimum(1 / np.hypot((1 - r) * (1 + r), 2 * osc.xi * r), 3 * clearance)
+    x = amplitude * (2 * u[2] - 1)
+    states = np.array([0 * r, x, amplitude * (2 * u[3] - 1), x + 0.499 * clearance * (2 * u[4] - 1), 0 * r])
+    ends = simulate_bundle(osc, r, clearance, settling, states, threads=threads)
+    for j in np.flatnonzero(ends.status == 0).tolist():
+        state = {"t": ends.t[j], "x": ends.x[j], "x_dot": ends.x_dot[j], "z": ends.z[j], "z_dot": ends.z_dot[j]}
+        try:
+            period = settle(osc, float(r[j]), float(clearance[j]), 1.0, state, 0, max_cycles)
+            if period is None or len(period.pattern) > max_impacts or period.mismatch > 1e-3:
+                continue
+            motion = exact_motion(osc, float(r[j]), float(clearance[j]), state, max_cycles)
+        except VibroimpactError:
+            continue
+        if motion.stable and motion.admissible and motion.pattern.cycles <= max_cycles:
+            yield motion
+
+
+def exact_motion(
+    osc: Oscillator, r: float, clearance: float, state: dict[str, Any], max_cycles: int
+) -> Motion:
+    """The exact motion that a state is about on."""
+    from ..trajectory import simulate
+
+    return exact(osc, r, clearance, simulate(osc, r, clearance, 2 * max_cycles + 2, state=state))
