@@ -10,7 +10,7 @@ module vi_batch
    use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
-   use vi_text, only: append, is_result, line_type, lower, printable, whole
+   use vi_text, only: append, counted, is_result, line_type, lower, printable, whole
    use vi_trajectory, only: simulate_case
    implicit none (type, external)
    private
@@ -203,8 +203,8 @@ contains
          return
       end if
       call append(log%results, folder//'/'//case%name//'.csv')
-      call say(log, done, case%name//': '//whole(count(events%kind == impact_event))// &
-         ' impacts, '//whole(count(events%kind == stick_event))//' rests')
+      call say(log, done, case%name//': '//counted(count(events%kind == impact_event), &
+         'impact')//', '//counted(count(events%kind == stick_event), 'rest'))
       if (status /= stat%ok) call say(log, failed, case%name//': cut short, max_events was reached')
    end subroutine run_simulation
 

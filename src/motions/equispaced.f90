@@ -49,8 +49,10 @@ contains
          x_row = [w(1) - w(2), v(1) - v(2)]
          line = x_row(2)*w(3:4) - x_row(1)*v(3:4)
          amplitude = gain(osc%xi, r)
-         ! at a resonance without damping the line is rounding noise
-         noise = epsilon(1.0_wp)*(sum(abs(w)) + sum(abs(v)))
+         ! the coefficients are sums of terms of about 1 and r; at a resonance without damping the
+         ! terms cancel, and the line is what is left of their rounding
+         noise = epsilon(1.0_wp)*((1 + sum(abs(w)))*norm2([x_row(2), v(3:4)]) &
+            + (r + sum(abs(v)))*norm2([x_row(1), w(3:4)]))
          if (.not. norm2(line)*worst_rounding > noise) then
             motions%status = merge(stat%lost_digits, stat%singular, norm2(line) > 100*noise)
             return

@@ -42,7 +42,7 @@ module vi_motion
       integer :: status = stat%ok
    end type motion_type
 
-   !> Largest relative error by rounding that a motion may have: six digits are left, three of them in
+   !> Largest relative error by rounding that a motion may have: six digits are left, three in
    !! single precision.
    real(wp), parameter, public :: worst_rounding = max(1.0e-6_wp, 1.0e4_wp*epsilon(1.0_wp))
 

@@ -3,10 +3,13 @@
 import json
 import math
 import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
 import vibroimpact as vi
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 NAN, INF = math.nan, math.inf
 OSC = vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.75, 0.61))
@@ -453,3 +456,25 @@ def test_index_of_a_batch():
     assert len(list(motions)) == 2
     with pytest.raises(IndexError):
         motions[2]
+
+
+@given(st.floats(0.01, 0.99), st.floats(-150, 150), st.floats(-150, 150))
+@settings(max_examples=300, deadline=None, derandomize=True)
+def test_damping_ratio_is_the_nearest_number(xi, log_M, log_K):
+    """C/(2 sqrt(K M)) to the last bit, in exact arithmetic, however large or small M and K are."""
+    M, K = 10.0**log_M, 10.0**log_K
+    C = xi * 2 * math.sqrt(M) * math.sqrt(K)
+    osc = vi.Oscillator.from_dimensional(M, K, C, 0.1 * M, 0.5)
+    below, above = (
+        (Fraction(osc.xi) + Fraction(math.nextafter(osc.xi, end))) / 2 for end in (0, 1)
+    )
+    square = Fraction(C) ** 2 / (4 * Fraction(K) * Fraction(M))
+    assert below**2 <= square <= above**2
+
+
+def test_round_damping_ratios_come_out_round():
+    """M = 4, K = 25 and C = 1 are 5 % of critical damping."""
+    assert vi.Oscillator.from_dimensional(4.0, 25.0, 1.0, 0.1, 0.5).xi == 0.05
+    assert vi.Oscillator.from_dimensional(2.0, 800.0, 4.0, 0.1, 0.5).xi == 0.05
+    with pytest.raises(vi.errors.ParameterError, match="critical damping 2 sqrt"):
+        vi.Oscillator.from_dimensional(4.0, 25.0, 20.0, 0.1, 0.5)
