@@ -3,6 +3,7 @@
 import json
 import math
 import pickle
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -56,29 +57,31 @@ def equispaced(**changes):
 
 
 def refused(call, name, value, allowed=(), kind=(ValueError, TypeError), shown=None):
-    """Assert that a call with one wrong argument is refused with a helpful message."""
+    """Assert that a call with one wrong argument is refused: the name, the value, and what it must be."""
     with pytest.raises(kind) as caught:
         call(**{name: value})
     assert isinstance(caught.value, vi.errors.VibroimpactError)
     text = str(caught.value)
-    assert name in text, text
+    head, must, wanted = text.partition(" must ")
+    assert re.match(rf"{name}\b", head), text
+    assert must, text
     shown = str(value) if shown is None else shown
-    assert any(one in text for one in (shown, repr(value))), text
-    assert any(word in text for word in ("must", "allowed", "expected")), text
+    # what is asked for must not stand in for the value, nor the value for what is asked for
+    assert any(one in head for one in (shown, repr(value))), text
     for word in allowed:
-        assert word in text, text
+        assert word in wanted, text
 
 
 @pytest.mark.parametrize("value", [NAN, INF, -INF, -0.1, 1.0, 1.5, 1e300])
 def test_xi_values(value):
     """Damping from 0 to below 1."""
-    refused(oscillator, "xi", value, ("0", "1"), ValueError)
+    refused(oscillator, "xi", value, ("0 <= xi < 1",), ValueError)
 
 
 @pytest.mark.parametrize("value", [NAN, INF, -INF, -1e-9, -1.0])
 def test_mu_values(value):
     """A mass ratio cannot be negative."""
-    refused(oscillator, "mu", value, ("0",), ValueError)
+    refused(oscillator, "mu", value, ("0 <= mu <= 1e+06",), ValueError)
 
 
 @pytest.mark.parametrize("value", [NAN, INF, -0.1, 1.0001, 7.0])
@@ -101,8 +104,7 @@ def test_restitution_values(value, place):
 def test_restitution_shapes(value):
     """One number, or one a wall; one an impact in the solvers."""
     refused(oscillator, "restitution", value)
-    if value != (0.5, 0.5):
-        refused(periodic, "restitution", value)
+    refused(periodic, "restitution", value)
 
 
 @pytest.mark.parametrize("value", ["0.1", b"0.1", None, 0.1j, [0.1], (), {}, np.array([0.1, 0.2])])
@@ -136,7 +138,7 @@ def test_sides_types(value):
 @pytest.mark.parametrize("value", [0, -1, 1.5, True, False, NAN, INF, "1", None, 1j, [1], 10**30])
 def test_cycles(value):
     """A whole number of load cycles from 1; a bool is not a number of cycles."""
-    refused(lambda cycles: vi.Pattern("RL", cycles), "cycles", value, ("1",))
+    refused(lambda cycles: vi.Pattern("RL", cycles), "cycles", value, ("1 <= cycles <= 10000",))
     refused(equispaced, "cycles", value)
 
 
@@ -147,7 +149,7 @@ CALLS = [periodic, linear_system, batch, equispaced]
 @pytest.mark.parametrize("value", [0.0, -0.0, -0.9, NAN, INF, -INF])
 def test_r_values(call, value):
     """A frequency ratio is positive and finite."""
-    refused(call, "r", value, ("r",), ValueError)
+    refused(call, "r", value, ("1e-06 <= r <= 1e+06",), ValueError)
 
 
 @pytest.mark.parametrize("call", CALLS)
@@ -199,7 +201,7 @@ def test_phases_values(call, value, shown):
 @pytest.mark.parametrize("value", [[0.0, 3.0, 2.0], [0.0, 2.0, 2.0], [0.0, 2.0, 7.0]])
 def test_phases_of_three(value):
     """Unsorted, repeated, beyond the period."""
-    with pytest.raises(ValueError, match="phases") as caught:
+    with pytest.raises(ValueError, match=r"^phases\b.* must ") as caught:
         vi.periodic(OSC, 0.9, value, vi.Pattern("RRL"))
     assert isinstance(caught.value, vi.errors.VibroimpactError)
     assert str(value[2]) in str(caught.value)
@@ -225,7 +227,7 @@ def test_phases_types(call, value):
 )
 def test_batch_phases(value):
     """One set of phases a column; the message shows the column, or the shape."""
-    with pytest.raises(ValueError, match="phases") as caught:
+    with pytest.raises(ValueError, match=r"^phases\b.* must ") as caught:
         batch(phases=value)
     assert isinstance(caught.value, vi.errors.VibroimpactError)
 
@@ -239,14 +241,14 @@ def test_batch_r_shapes_that_fit(value):
 @pytest.mark.parametrize("value", [[], [0.9] * 3, [[0.9, 0.9]], [0.9, NAN], [0.9, 0.0]])
 def test_batch_r_shapes_that_do_not(value):
     """The number of r is that of the columns."""
-    with pytest.raises(ValueError, match="r") as caught:
+    with pytest.raises(ValueError, match=r"^r\b.* must ") as caught:
         batch(r=value)
     assert isinstance(caught.value, vi.errors.VibroimpactError)
 
 
 def test_an_empty_batch():
     """No points are an error that names the phases, never one from inside the core."""
-    with pytest.raises(ValueError, match="phases") as caught:
+    with pytest.raises(ValueError, match=r"^phases\b.* must ") as caught:
         batch(phases=np.zeros((2, 0)))
     assert isinstance(caught.value, vi.errors.VibroimpactError)
 
@@ -254,7 +256,7 @@ def test_an_empty_batch():
 @pytest.mark.parametrize("value", [0.0, -1.0, NAN, INF, -INF])
 def test_clearance_values(value):
     """A clearance is positive and finite."""
-    refused(equispaced, "clearance", value, ("clearance",), ValueError)
+    refused(equispaced, "clearance", value, ("1e-12 <= clearance <= 1e+12",), ValueError)
 
 
 @pytest.mark.parametrize("value", ["20", None, 20j, [20.0, 21.0]])
@@ -274,7 +276,8 @@ def test_acceptance(call, value):
 @pytest.mark.parametrize("value", ["half", "", "Double", None, 64, float])
 def test_precision(call, value):
     """Two words."""
-    refused(call, "precision", value, ("double", "single"))
+    kind = ValueError if isinstance(value, str) else TypeError
+    refused(call, "precision", value, ("double", "single"), kind)
 
 
 @pytest.mark.parametrize("call", CALLS)
@@ -293,7 +296,7 @@ def test_pattern(call, value):
 
 def test_equispaced_needs_equal_restitution():
     """The symmetric pair exists with R1 = R2 only."""
-    with pytest.raises(ValueError, match="restitution") as caught:
+    with pytest.raises(ValueError, match=r"^restitution\b.* must ") as caught:
         equispaced(osc=OSC)
     assert isinstance(caught.value, vi.errors.VibroimpactError)
     assert "0.75" in str(caught.value)
