@@ -25,7 +25,7 @@ ROOM = 128
 #: Two motions are one if positions (over the clearance) and phases differ by less.
 SAME = 1e-7
 #: Events that a period of a motion with rest may have while it is searched for.
-FEW_EVENTS = 500
+FEW_EVENTS = 200
 #: A release from rest: load cycles of the motion, side, and (phase, v).
 Release = tuple[int, int, NDArray[np.float64]]
 
@@ -87,7 +87,7 @@ def find(
     guesses: int = 96,
     states: int = 24,
     settling: int = 600,
-    releases: int = 64,
+    releases: int = 32,
 ) -> FoundMotions:
     """Periodic motions at a point: from all side patterns, from releases, and from simulated attractors.
 
@@ -160,9 +160,11 @@ def find(
         for pattern, columns, n, started in pool.map(search, patterns):
             tried += started
             for column in columns[:, :n].T:
-                motion = newton(
-                    osc, r, clearance, load, pattern, column[: len(pattern)], column[len(pattern) :]
-                )
+                x, theta = column[: len(pattern)], column[len(pattern) :]
+                try:
+                    motion = newton(osc, r, clearance, load, pattern, x, theta)
+                except SingularError:  # on the edge of convergence (mu = 0): no motion to vouch for
+                    continue
                 if not (motion.admissible and motion.consistent):
                     inadmissible += 1
                     continue

@@ -235,6 +235,6 @@ def test_unstable_motion_with_rest_is_found():
         assert rate == pytest.approx(abs(motion.multipliers[0]), rel=1e-3)
     # without the releases there is neither
     assert "releases from rest" in str(found.search)
-    assert found.search.releases == 2 * 64
+    assert found.search.releases == 2 * 32
     without = vi.find(osc, r, clearance, max_impacts=3, max_cycles=1, states=0, releases=0)
     assert not any(motion.pattern.has_rest for motion in without)
