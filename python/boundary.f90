@@ -126,15 +126,18 @@ end subroutine status_text
 
 !> Runs namelist files; `paths` are separated by line feeds, and so are the lines of `text`.
 !!
-!! `text` has room for `room` bytes; `length` tells how many were wanted.
-subroutine run_namelists(n_paths, paths, n_folder, folder, room, text, length, status)
+!! The first character of a line tells what it is: '-' news, '!' a fault, '>' a table that was
+!! written.
+!! `only` names the kind of cases to run (blank: all). `text` has room for `room` bytes; `length`
+!! tells how many were wanted.
+subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, text, length, status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int
    use vi_batch, only: log_type, run_file
-   use vi_text, only: join, line_type, split
+   use vi_text, only: append, join, line_type, split
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n_paths, n_folder, room
-   character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder)
+   character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder), only(8)
    character(kind=c_char), intent(out) :: text(room)
    integer(c_int), intent(out) :: length, status
    type(log_type) :: log
@@ -142,13 +145,18 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, room, text, length, s
    character(n_paths) :: all_paths
    character(n_folder) :: one_folder
    character(:), allocatable :: said
+   character(8) :: kind
    integer :: i
 
    all_paths = transfer(paths, all_paths)
    one_folder = transfer(folder, one_folder)
+   kind = transfer(only, kind)
    allocate (files, source=split(all_paths, achar(10)))
    do i = 1, size(files)
-      call run_file(files(i)%text, one_folder, log)
+      call run_file(files(i)%text, one_folder, log, trim(kind))
+   end do
+   do i = 1, size(log%results)
+      call append(log%lines, '>'//log%results(i)%text)
    end do
    said = join(log%lines, achar(10))
    length = len(said)
@@ -158,6 +166,44 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, room, text, length, s
    end do
    status = log%status
 end subroutine run_namelists
+
+!> The cases of a namelist file, each in the form that the header of its result has.
+!!
+!! `text` has room for `room` bytes; `length` tells how many were wanted. If the file is wrong,
+!! `status` is 2 and the text says why.
+subroutine read_namelist(n_path, path, room, text, length, status)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int
+   use vi_batch, only: done, wrong
+   use vi_case, only: read_cases
+   use vi_case_type, only: case_type
+   use vi_echo, only: echo
+   use vi_text, only: join, line_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n_path, room
+   character(kind=c_char), intent(in) :: path(n_path)
+   character(kind=c_char), intent(out) :: text(room)
+   integer(c_int), intent(out) :: length, status
+   type(case_type), allocatable :: cases(:)
+   type(line_type), allocatable :: lines(:)
+   character(n_path) :: one_path
+   character(:), allocatable :: said
+   integer :: i
+
+   one_path = transfer(path, one_path)
+   call read_cases(one_path, cases, said)
+   status = merge(wrong, done, len(said) > 0)
+   do i = 1, size(cases)
+      if (status == wrong) exit
+      call echo(cases(i), lines)
+      said = said//join(lines, achar(10))//achar(10)
+   end do
+   length = len(said)
+   text = ' '
+   do i = 1, min(length, room)
+      text(i) = said(i:i)
+   end do
+end subroutine read_namelist
 
 !> Simulates from a state to an end of time, or until `room` events are found.
 !!

@@ -117,9 +117,17 @@ class _RunNamelists(Protocol):
         self,
         paths: ArrayLike,
         folder: ArrayLike,
+        only: ArrayLike,
         room: int,
         n_paths: int = ...,
         n_folder: int = ...,
+    ) -> tuple[_Bytes, int, int]: ...
+
+@type_check_only
+class _ReadNamelist(Protocol):
+    # text, length, status
+    def __call__(
+        self, path: ArrayLike, room: int, n_path: int = ...
     ) -> tuple[_Bytes, int, int]: ...
 
 @type_check_only
@@ -313,6 +321,7 @@ impact_maps: _ImpactMaps
 sample: _Sample
 status_text: _StatusText
 run_namelists: _RunNamelists
+read_namelist: _ReadNamelist
 simulate: _Simulate
 sample_trajectory: _SampleTrajectory
 exact: _Exact

@@ -1,4 +1,4 @@
-"""The command `vibroimpact`."""
+"""The command `vibroimpact`; its subcommands are in the folder `commands`."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import as_file, files
 
+from .commands import NAMES, PICTURES
 from .errors import VibroimpactError
 
 EXIT_STATUS = (
@@ -17,8 +19,8 @@ EXIT_STATUS = (
 )
 
 
-def parser() -> argparse.ArgumentParser:
-    """The argument parser of all subcommands."""
+def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+    """The argument parser, and that of each subcommand."""
     style = argparse.RawDescriptionHelpFormatter
     main_parser = argparse.ArgumentParser(
         prog="vibroimpact",
@@ -30,60 +32,35 @@ def parser() -> argparse.ArgumentParser:
         "--version", action="version", version=f"vibroimpact {version('vibroimpact')}"
     )
     commands = main_parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-
-    run = commands.add_parser(
-        "run",
-        help="run namelist files",
-        description="Run namelist files: each case is written to DIR/NAME.csv, with the same digits as\n"
-        "the stand-alone program vibroimpact-batch gives.",
-        epilog=f"example: vibroimpact run inputs/table1.nml -o results\n\n{EXIT_STATUS}",
-        formatter_class=style,
-    )
-    run.add_argument(
-        "files", nargs="+", metavar="FILE.nml", help="namelist files, or earlier results"
-    )
-    run.add_argument(
-        "-o", dest="folder", default="results", metavar="DIR", help="folder for the results"
-    )
-
-    from .reproduce import NAMES
-
-    reproduce = commands.add_parser(
-        "reproduce",
-        help="recompute the tables and figures of the 1983 paper",
-        description="Recompute the tables and figures of Popplewell, Bapat and McLachlan (1983) and\n"
-        "compare them with the printed values. Available: " + ", ".join(NAMES) + ".",
-        epilog=f"example: vibroimpact reproduce table1 -o results\n\n{EXIT_STATUS}",
-        formatter_class=style,
-    )
-    reproduce.add_argument(
-        "names", nargs="*", metavar="NAME", help="what to recompute (default: all)"
-    )
-    reproduce.add_argument(
-        "-o", dest="folder", default="results", metavar="DIR", help="folder for the results"
-    )
-    return main_parser
+    each = {}
+    for name in NAMES:
+        module = import_module(f".commands.{name}", __package__)
+        each[name] = commands.add_parser(
+            name, help=module.HELP, description=module.DESCRIPTION, formatter_class=style,
+            epilog=f"example: {module.EXAMPLE}\n\n{EXIT_STATUS}",
+        )  # fmt: skip
+        module.arguments(each[name])
+    return main_parser, each
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of the command; returns the exit status."""
-    options = _parse(arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    main_parser, each = parsers()
+    if not words or words[0] not in each:
+        main_parser.parse_args(words)  # help, version or a fault: does not return
+    name = words[0]
+    # files and names may stand on both sides of an option
+    options = each[name].parse_intermixed_args(_separated(words[1:]))
     try:
-        if options.command == "run":
-            return _run(options)
-        return _reproduce(options)
-    except VibroimpactError as error:
-        print(f"vibroimpact {options.command}: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"vibroimpact {options.command}: {error}", file=sys.stderr)
+        status: int = import_module(f".commands.{name}", __package__).run(options)
+    except (VibroimpactError, OSError) as error:
+        print(f"vibroimpact {name}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print(
-            f"vibroimpact {options.command}: interrupted; what was finished is kept",
-            file=sys.stderr,
-        )
+        print(f"vibroimpact {name}: interrupted; what was finished is kept", file=sys.stderr)
         return 1
+    return status
 
 
 def batch() -> int:
@@ -94,37 +71,10 @@ def batch() -> int:
         return subprocess.call([str(program), *sys.argv[1:]])
 
 
-def _run(options: argparse.Namespace) -> int:
-    from .run import run_namelists
-
-    log = run_namelists(options.files, options.folder)
-    for fault, line in log.lines:
-        stream = sys.stderr if fault else sys.stdout
-        # a path need not be text: its bytes are printed as they are
-        buffer = getattr(stream, "buffer", None)
-        if buffer is None:
-            print(line, file=stream)
-        else:
-            stream.flush()
-            buffer.write(os.fsencode(line + "\n"))
-            buffer.flush()
-    return log.status
-
-
-def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Parse the arguments; files and names may stand on both sides of an option."""
-    main_parser = parser()
-    options, rest = main_parser.parse_known_args(arguments)
-    if rest and (
-        options.command not in ("run", "reproduce") or any(x.startswith("-") for x in rest)
-    ):
-        main_parser.error(f"unrecognized arguments: {' '.join(rest)}")
-    if rest:
-        (options.files if options.command == "run" else options.names).extend(rest)
-    return options
-
-
-def _reproduce(options: argparse.Namespace) -> int:
-    from .reproduce import reproduce
-
-    return reproduce(options.names, options.folder)
+def _separated(words: list[str]) -> list[str]:
+    """The words with the value of --plot made plain, which otherwise would swallow a file."""
+    plain = [*words]
+    for i, word in enumerate(words):
+        if word == "--plot" and words[i + 1 : i + 2] not in [[kind] for kind in PICTURES]:
+            plain[i] = f"--plot={PICTURES[0]}"
+    return plain

@@ -16,7 +16,7 @@ from . import _core, checks
 from .errors import SingularError
 from .model import Oscillator, Pattern
 from .motion import Motion
-from .newton import TWO_PI, lag, newton, rest_motion, settle
+from .newton import TWO_PI, lag, newton, release_motion, rest_motion, settle
 
 __all__ = ["FoundMotions", "Search", "find"]
 
@@ -24,6 +24,10 @@ __all__ = ["FoundMotions", "Search", "find"]
 ROOM = 128
 #: Two motions are one if positions (over the clearance) and phases differ by less.
 SAME = 1e-7
+#: Events that a period of a motion with rest may have while it is searched for.
+FEW_EVENTS = 200
+#: A release from rest: load cycles of the motion, side, and (phase, v).
+Release = tuple[int, int, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,8 @@ class Search:
         Initial states that were simulated.
     settled : int
         States that settled on a periodic motion within the limits.
+    releases : int
+        Releases from rest from which Newton's method was started, for motions with rest.
     """
 
     patterns: int
@@ -49,13 +55,15 @@ class Search:
     inadmissible: int
     states: int
     settled: int
+    releases: int
 
     def __str__(self) -> str:
         return (
             f"{self.patterns} patterns with {self.guesses} guesses (phases spread evenly, the rest from the "
-            f"linear problem; {self.inadmissible} inadmissible solutions left out), and {self.states} "
-            f"simulated states, of which {self.settled} settled on a periodic motion. A motion with a very "
-            "small neighbourhood of convergence, or with rest but unstable, can have been missed."
+            f"linear problem; {self.inadmissible} inadmissible solutions left out), {self.releases} releases "
+            f"from rest, and {self.states} simulated states, of which {self.settled} settled on a periodic "
+            "motion. A motion with a very small neighbourhood of convergence can have been missed, one with "
+            "rest most easily."
         )
 
 
@@ -79,16 +87,15 @@ def find(
     guesses: int = 96,
     states: int = 24,
     settling: int = 600,
+    releases: int = 32,
 ) -> FoundMotions:
-    """Periodic motions at a point: from all side patterns, and from simulated attractors.
+    """Periodic motions at a point: from all side patterns, from releases, and from simulated attractors.
 
     For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's
-    method
-    starts from guesses whose phases fill the period evenly and whose positions solve the linear
-    equations
-    of 1983; motions found repel the later iterations, so none is found twice. Simulations from a
-    spread
-    of initial states add the attractors, those with rest and those with more impacts included.
+    method starts from guesses whose phases fill the period evenly and whose positions solve the
+    linear equations of 1983; motions found repel the later iterations, so none is found twice.
+    Newton's method on the return map of releases adds motions with rest, stable or not. Simulations
+    from a spread of initial states add the attractors.
 
     Parameters
     ----------
@@ -104,6 +111,9 @@ def find(
         Initial states simulated.
     settling : int
         Load cycles simulated before an attractor is looked for.
+    releases : int
+        Releases from rest, for each wall and number of cycles, from which Newton's method is started
+        on the return map: it finds motions with rest that are unstable too.
 
     Returns
     -------
@@ -132,6 +142,7 @@ def find(
     guesses = checks.integer(guesses, "guesses", 0, 10**6)
     states = checks.integer(states, "states", 0, 10**6)
     settling = checks.integer(settling, "settling", 0, 10**7)
+    releases = checks.integer(releases, "releases", 0, 10**6)
     found: list[Motion] = []
     patterns = list(
         side_patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1])
@@ -149,9 +160,11 @@ def find(
         for pattern, columns, n, started in pool.map(search, patterns):
             tried += started
             for column in columns[:, :n].T:
-                motion = newton(
-                    osc, r, clearance, load, pattern, column[: len(pattern)], column[len(pattern) :]
-                )
+                x, theta = column[: len(pattern)], column[len(pattern) :]
+                try:
+                    motion = newton(osc, r, clearance, load, pattern, x, theta)
+                except SingularError:  # on the edge of convergence (mu = 0): no motion to vouch for
+                    continue
                 if not (motion.admissible and motion.consistent):
                     inadmissible += 1
                     continue
@@ -160,6 +173,10 @@ def find(
         def run(state: dict[str, float]) -> Any:
             return settle(osc, r, clearance, load, state, settling, max_cycles)
 
+        starts = list(_spread_releases(osc, r, clearance, load, max_cycles, releases))
+        for motion in _rest_motions(osc, r, clearance, load, starts, pool):
+            if len(motion.pattern) <= max_impacts:
+                _add(found, motion)
         periods = list(pool.map(run, _spread_states(osc, r, clearance, load, states)))
     settled = 0
     for period in periods:
@@ -179,7 +196,9 @@ def find(
         if motion.admissible:
             _add(found, motion)
     found.sort(key=_order)
-    return FoundMotions(found, Search(len(patterns), tried, inadmissible, states, settled))
+    return FoundMotions(
+        found, Search(len(patterns), tried, inadmissible, states, settled, len(starts))
+    )
 
 
 def _add(found: list[Motion], motion: Motion) -> None:
@@ -301,6 +320,54 @@ def side_patterns(max_impacts: int, max_cycles: int, *, mirrored: bool) -> Itera
                 yield Pattern(max(turned), cycles)
 
 
+def _rest_motions(
+    osc: Oscillator, r: float, clearance: float, load: float, starts: list[Release],
+    pool: ThreadPoolExecutor,
+) -> Iterator[Motion]:  # fmt: skip
+    """The distinct motions with rest to which Newton's method on the return map leads."""
+
+    def solve(start: Release) -> Release | None:
+        cycles, side, guess = start
+        point, *_, status = _core.rest_motion(
+            osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, FEW_EVENTS
+        )
+        return (cycles, side, point) if status == 0 else None
+
+    seen: list[Release] = []
+    for cycles, side, point in filter(None, pool.map(solve, starts)):
+        if any(
+            (cycles, side) == (k, s)
+            and abs(math.remainder(point[0] - at[0], TWO_PI)) < SAME
+            and abs(point[1] - at[1]) < SAME * clearance
+            for k, s, at in seen
+        ):
+            continue
+        seen.append((cycles, side, point))
+        yield release_motion(osc, r, clearance, load, cycles, side, point)
+
+
+def _spread_releases(
+    osc: Oscillator, r: float, clearance: float, load: float, max_cycles: int, count: int
+) -> Iterator[Release]:
+    """Releases spread evenly (an additive recurrence) over the phase and the possible velocities.
+
+    At a release x'' = 0, and the contact force ends if the jerk f r cos(phase) - v has the sign of the wall.
+    """
+    golden = 1.324717957244746
+    scale = _size(osc, r, clearance, load) * max(1.0, r)
+    for cycles, side, i in itertools.product(range(1, max_cycles + 1), (1, -1), range(count)):
+        phase = TWO_PI * ((0.5 + i / golden) % 1.0)
+        part = (0.5 + i / golden**2) % 1.0
+        v = load * r * math.cos(phase) - 2 * side * scale * part
+        yield cycles, side, np.array([phase, v])
+
+
+def _size(osc: Oscillator, r: float, clearance: float, load: float) -> float:
+    """About the greatest position that a motion with impacts has."""
+    amplitude = load / math.hypot((1 - r) * (1 + r), 2 * osc.xi * r)
+    return 1.5 * max(min(amplitude, 3 * clearance), 0.1 * clearance)
+
+
 def _spread_states(
     osc: Oscillator, r: float, clearance: float, load: float, count: int
 ) -> Iterator[dict[str, float]]:
@@ -308,8 +375,7 @@ def _spread_states(
     golden = 1.0
     for _ in range(40):
         golden = (1 + golden) ** (1 / 6)
-    amplitude = load / math.hypot((1 - r) * (1 + r), 2 * osc.xi * r)
-    size = 1.5 * max(min(amplitude, 3 * clearance), 0.1 * clearance)
+    size = _size(osc, r, clearance, load)
     for i in range(count):
         u = [(0.5 + (i + 1) / golden ** (j + 1)) % 1.0 for j in range(5)]
         x = size * (2 * u[0] - 1)

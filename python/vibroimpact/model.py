@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field
+from decimal import Decimal, localcontext
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -115,12 +116,16 @@ class Oscillator:
         """
         M, K = _positive(M, "M"), _positive(K, "K")
         C, m = _positive(C, "C", zero=True), _positive(m, "m", zero=True)
-        critical = 2 * math.sqrt(K) * math.sqrt(M)
-        if not C < critical:
+        # in 50 digits, and so the nearest float: a xi of 0.05 comes out as 0.05
+        with localcontext() as context:
+            context.prec = 50
+            critical = 2 * (Decimal(K) * Decimal(M)).sqrt()
+            xi = float(Decimal(C) / critical)
+        if not xi < 1:
             raise ParameterError(
                 f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}"
             )
-        return cls(C / critical, m / M, restitution, M=M, K=K)
+        return cls(xi, m / M, restitution, M=M, K=K)
 
     def units(self, F0: float) -> Units:
         """Physical units of length, time, velocity, … for a load amplitude F0.

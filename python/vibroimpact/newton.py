@@ -158,6 +158,14 @@ def rest_motion(
     release = events[events["kind"] == "release"][-1]
     side = 1 if release["side"] == "R" else -1
     guess = np.array([release["phase"], release["x_dot_after"]])
+    return release_motion(osc, r, clearance, load, cycles, side, guess)
+
+
+def release_motion(
+    osc: Oscillator, r: float, clearance: float, load: float, cycles: int, side: int,
+    guess: NDArray[np.float64],
+) -> Motion:  # fmt: skip
+    """Newton's method on the return map from a guess of (phase, v) at a release on a wall."""
     _, multipliers, residual, numbers, labels, n, status = _core.rest_motion(
         osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, REST_EVENTS
     )

@@ -5,14 +5,68 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from . import _core
+from . import _core, checks
 from .errors import ParameterError
+from .model import Oscillator, Pattern
+from .motion import Motion
+from .solve import equispaced, periodic
+from .trajectory import Trajectory, simulate
 
 __all__ = ["RunLog", "run_namelists"]
+
+
+#: Kinds of cases.
+KINDS = ("periodic", "equispaced", "simulate")
+
+
+class Case(NamedTuple):
+    """A case of a namelist file.
+
+    Attributes
+    ----------
+    name : str
+        Of the result.
+    kind : {"periodic", "equispaced", "simulate"}
+    osc : Oscillator
+    r : float
+    keys : dict
+        All other keys of its group, with the values of those that were missing.
+    """
+
+    name: str
+    kind: str
+    osc: Oscillator
+    r: float
+    keys: dict[str, Any]
+
+    def motions(self) -> list[Motion]:
+        """The motions that a &motion case asks for, none if there is no such motion."""
+        keys = self.keys
+        if self.kind == "equispaced":
+            return equispaced(
+                self.osc, self.r, keys["clearance"], keys["cycles"], keys["precision"]
+            )
+        pattern = Pattern(keys["sides"], keys["cycles"])
+        return [
+            periodic(
+                self.osc, self.r, keys["phases"], pattern, keys.get("impact_restitution"),
+                keys["precision"], keys["acceptance"],
+            )
+        ]  # fmt: skip
+
+    def trajectory(self) -> Trajectory:
+        """The simulation that a &simulate case asks for."""
+        keys = self.keys
+        state = {name: keys[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
+        return simulate(
+            self.osc, self.r, keys["clearance"], keys["cycles"], state, keys["load"], keys["discard"],
+            keys["max_events"],
+        )  # fmt: skip
 
 
 class RunLog(NamedTuple):
@@ -24,23 +78,30 @@ class RunLog(NamedTuple):
         Whether the line is a fault, and the line.
     status : int
         0 done; 1 ran, but a motion failed or does not exist; 2 an input is wrong.
+    results : list of Path
+        The tables (CSV) that were written.
     """
 
     lines: list[tuple[bool, str]]
     status: int
+    results: list[Path]
 
 
 def run_namelists(
-    paths: Iterable[str | os.PathLike[str]], folder: str | os.PathLike[str] = "results"
+    paths: Iterable[str | os.PathLike[str]],
+    folder: str | os.PathLike[str] = "results",
+    only: str | None = None,
 ) -> RunLog:
     """Run namelist files and write one result a case into a folder.
 
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion, &output (see inputs/README.md), or earlier results.
+        Files with the groups &system, &motion or &simulate, &output (see inputs/README.md), or earlier results.
     folder : path
         Made if it is not there.
+    only : {"periodic", "equispaced", "simulate"}, optional
+        The one kind of cases to run; a file without any is then an input that is wrong.
 
     Returns
     -------
@@ -61,22 +122,70 @@ def run_namelists(
     >>> (folder / "pair.csv").exists()
     True
     """
-    files = [os.fsencode(path) for path in paths]
-    target = os.fsencode(folder)
+    files = [_path(path) for path in paths]
+    target = _path(folder)
     if not files:
         raise ParameterError("paths = []: must name at least one file")
-    for item in [*files, target]:
-        if not item or b"\n" in item or b"\0" in item:
-            raise ParameterError(
-                f"path = {os.fsdecode(item)!r}: must not be empty or hold a line feed"
-            )
+    kind = "" if only is None else checks.choice(only, "only", KINDS)
     # a case takes at least 20 characters of namelist and says at most a few hundred
     size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
-    room = 4096 + (len(files) + size // 20) * (600 + len(target) + max(map(len, files)))
-    joined = b"\n".join(files)
+    room = 4096 + (len(files) + size // 20) * (800 + 2 * len(target) + max(map(len, files)))
     text, length, status = _core.run_namelists(
-        np.frombuffer(joined, "S1"), np.frombuffer(target, "S1"), room
+        _characters(b"\n".join(files)),
+        _characters(target),
+        _characters(kind.ljust(8).encode()),
+        room,
     )
+    said = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]
+    lines = [(line.startswith("!"), line[1:]) for line in said if line[0] in "-!"]
+    return RunLog(lines, int(status), [Path(line[1:]) for line in said if line[0] == ">"])
+
+
+def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
+    """The cases of a namelist file, read by the compiled reader, which also fills in what is missing."""
+    name = _path(path)
+    room = 65_536 + 40 * (Path(path).stat().st_size if os.path.isfile(path) else 0)
+    text, length, status = _core.read_namelist(_characters(name), room)
+    if length > room:
+        text, length, status = _core.read_namelist(_characters(name), length)
     said = os.fsdecode(text[:length].tobytes())
-    lines = [(line.startswith("!"), line[1:]) for line in said.split("\n") if line]
-    return RunLog(lines, int(status))
+    if status:
+        raise ParameterError(said)
+    cases: list[dict[str, Any]] = []
+    # the reader gives each case as the header of its result has it: one `# key = value` a line
+    for line in said.split("\n"):
+        group, (key, equals, value) = line[2:3] == "&", line[2:].strip().partition(" = ")
+        if group and key == "&system":
+            cases.append({})
+        elif group and key in ("&motion", "&simulate"):
+            cases[-1].setdefault("kind", key[1:])
+        elif equals and not key.startswith("!"):
+            cases[-1][key] = _value(value)
+    return [_case(keys) for keys in cases]
+
+
+def _case(keys: dict[str, Any]) -> Case:
+    name, kind, xi, mu, walls, r = (
+        keys.pop(key) for key in ("name", "kind", "xi", "mu", "restitution", "r")
+    )
+    return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys)
+
+
+def _value(text: str) -> Any:
+    """A text, a number, or a list of numbers."""
+    if text.startswith("'"):
+        return text[1:-1]
+    numbers = [float(item) if "." in item else int(item) for item in text.split(", ")]
+    return numbers if len(numbers) > 1 else numbers[0]
+
+
+def _path(path: str | os.PathLike[str]) -> bytes:
+    """A path as the compiled reader takes it."""
+    name = os.fsencode(path)
+    if not name or b"\n" in name or b"\0" in name:
+        raise ParameterError(f"path = {os.fsdecode(name)!r}: must not be empty or hold a line feed")
+    return name
+
+
+def _characters(text: bytes) -> NDArray[np.bytes_]:
+    return np.frombuffer(text, "S1")

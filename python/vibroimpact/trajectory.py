@@ -136,12 +136,13 @@ class Trajectory:
         )
 
     def __repr__(self) -> str:
-        counts = {kind: int((self.events["kind"] == kind).sum()) for kind in KINDS[1:]}
-        rests = f", {counts['stick']} rests" if counts["stick"] else ""
+        n, m = (int((self.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
+        impacts = f"{n} impact{'s' * (n != 1)}"
+        rests = f", {m} rest{'s' * (m != 1)}" if m else ""
         cut = "" if self.complete else "; cut short by max_events"
         return (
             f"<Trajectory at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, t = {self.initial_state['t']:.6g} "
-            f"to {self.final_state['t']:.6g}: {counts['impact']} impacts{rests}{cut}>"
+            f"to {self.final_state['t']:.6g}: {impacts}{rests}{cut}>"
         )
 
 

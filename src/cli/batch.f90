@@ -10,7 +10,7 @@ module vi_batch
    use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
-   use vi_text, only: append, is_result, line_type, lower, printable, whole
+   use vi_text, only: append, counted, is_result, line_type, lower, printable, whole
    use vi_trajectory, only: simulate_case
    implicit none (type, external)
    private
@@ -26,6 +26,8 @@ module vi_batch
       type(line_type), allocatable :: lines(:)
       !> File names of results, in lower case, with the place that took each.
       type(line_type), allocatable :: names(:), places(:)
+      !> The tables (CSV) that were written.
+      type(line_type), allocatable :: results(:)
       !> The worst so far: `done`, `failed` or `wrong`.
       integer :: status = done
    end type log_type
@@ -35,22 +37,26 @@ module vi_batch
 contains
 
    !> Runs all cases of one file; nothing runs unless the whole file is right.
-   subroutine run_file(path, folder, log)
+   subroutine run_file(path, folder, log, only)
       character(*), intent(in) :: path
       !> Where results go; made if it is not there.
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
+      !> The one kind of cases that is run; without it, or if it is empty, all are.
+      character(*), intent(in), optional :: only
       type(case_type), allocatable :: cases(:)
       type(motion_type), allocatable :: motions(:)
       character(:), allocatable :: message
       logical :: written
       integer :: i
 
-      if (.not. allocated(log%lines)) allocate (log%lines(0), log%names(0), log%places(0))
+      if (.not. allocated(log%lines)) allocate (log%lines(0), log%names(0), log%places(0), &
+         log%results(0))
       message = ''
       if (ends_blank(path)) message = path// &
          ': cannot be read: a path must not end with a blank'
       if (len(message) == 0) call read_cases(path, cases, message)
+      if (len(message) == 0 .and. present(only)) call keep(path, only, cases, message)
       if (len(message) == 0) call take_names(path, folder, cases, log, message)
       if (len(message) > 0) then
          call say(log, wrong, message)
@@ -67,6 +73,27 @@ contains
          if (.not. written) return                     ! the next one would not be written either
       end do
    end subroutine run_file
+
+   !> Keeps the cases of one kind, of which there has to be one.
+   subroutine keep(path, only, cases, message)
+      character(*), intent(in) :: path, only
+      type(case_type), allocatable, intent(inout) :: cases(:)
+      character(:), allocatable, intent(inout) :: message
+      type(case_type), allocatable :: kept(:)
+      integer :: i, n
+
+      if (len(only) == 0) return
+      n = count([(cases(i)%kind == only, i=1, size(cases))])
+      if (n == 0) message = path//': must hold a group &'//only//'; there is none'
+      allocate (kept(n))
+      n = 0
+      do i = 1, size(cases)
+         if (cases(i)%kind /= only) cycle
+         n = n + 1
+         kept(n) = cases(i)
+      end do
+      call move_alloc(kept, cases)
+   end subroutine keep
 
    !> Adds a line to the log and remembers the worst status.
    subroutine say(log, status, text)
@@ -175,8 +202,9 @@ contains
          call say(log, wrong, folder//'/'//case%name//'.csv: '//message//writable)
          return
       end if
-      call say(log, done, case%name//': '//whole(count(events%kind == impact_event))// &
-         ' impacts, '//whole(count(events%kind == stick_event))//' rests')
+      call append(log%results, folder//'/'//case%name//'.csv')
+      call say(log, done, case%name//': '//counted(count(events%kind == impact_event), &
+         'impact')//', '//counted(count(events%kind == stick_event), 'rest'))
       if (status /= stat%ok) call say(log, failed, case%name//': cut short, max_events was reached')
    end subroutine run_simulation
 
@@ -208,6 +236,7 @@ contains
          call say(log, wrong, message//writable)
          return
       end if
+      if (case%format /= 'table') call append(log%results, path//'.csv')
       if (all(motions%status /= stat%ok)) call say(log, failed, case%name//': '// &
          status_text(motions(1)%status))
       do i = 1, size(motions)

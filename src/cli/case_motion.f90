@@ -8,7 +8,7 @@ module vi_case_motion
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, new_pattern
    use vi_raw, only: is_blank, most_impacts, raw_type
-   use vi_text, only: lower, shown, whole
+   use vi_text, only: counted, lower, shown, whole
    implicit none (type, external)
    private
 
@@ -117,8 +117,8 @@ contains
          case%restitution = raw%impact_restitution(:n)
          if (length_of(raw%impact_restitution) /= n .or. &
             .not. all(case%restitution >= 0 .and. case%restitution <= 1)) then
-            call complain(group, 'impact_restitution', line, message, whole(n) &
-               //' impacts are in sides')
+            call complain(group, 'impact_restitution', line, message, counted(n, 'impact') &
+               //' are in sides')
          end if
       else
          case%restitution = default_restitution(case%pattern%sides, case%osc%restitution(1), &
@@ -138,9 +138,8 @@ contains
 
       n = size(case%pattern%sides)
       if (length_of(values) /= n) then
-         call complain(group, key, line, message, whole(length_of(values))//' numbers for ' &
-            //whole(n)// &
-            ' impacts in sides')
+         call complain(group, key, line, message, counted(length_of(values), 'number')//' for ' &
+            //counted(n, 'impact')//' in sides')
          return
       end if
       case%phases = values(:n)*unit

@@ -31,9 +31,10 @@ contains
       integer :: i, j
 
       call echo(case, lines)
+      if (none(motions)) call append(lines, '# ! '//status_text(motions(1)%status))
       do i = 1, size(motions)
-         if (motions(i)%status /= stat%ok) call append(lines, '# ! motion '//whole(i)//': '// &
-            status_text(motions(i)%status))
+         if (none(motions) .or. motions(i)%status == stat%ok) cycle
+         call append(lines, '# ! motion '//whole(i)//': '//status_text(motions(i)%status))
       end do
       call append(lines, 'motion,impact,side,restitution,phase,X,Z,X_dot_before,X_dot_after,'// &
          'Z_dot_before,Z_dot_after,r,clearance,A,tau,residual,consistent,admissible,stable,'// &
@@ -77,6 +78,13 @@ contains
          end associate
       end do
    end subroutine event_lines
+
+   !> Whether no motion of a case could be computed; the reason is that of the first then.
+   pure logical function none(motions)
+      type(motion_type), intent(in) :: motions(:)
+
+      none = all(motions%status /= stat%ok)
+   end function none
 
    pure function impact_columns(motion, j) result(text)
       type(motion_type), intent(in) :: motion
@@ -185,6 +193,7 @@ contains
             call table_of(motions(i), lines)
          else
             call append(lines, status_text(motions(i)%status))
+            if (none(motions)) exit
          end if
       end do
    end subroutine table_lines

@@ -4,7 +4,7 @@ module vi_text
    implicit none (type, external)
    private
 
-   public :: append, detab, exact, is_result, join, last_part, lower, printable, &
+   public :: append, counted, detab, exact, is_result, join, last_part, lower, printable, &
       read_lines, shown, split, whole
 
    !> A line of text.
@@ -135,6 +135,16 @@ contains
          if (i < size(lines)) text(length:length) = separator
       end do
    end function join
+
+   !> A number of things: "1 impact", "2 impacts".
+   pure function counted(number, thing) result(text)
+      integer, intent(in) :: number
+      character(*), intent(in) :: thing
+      character(:), allocatable :: text
+
+      text = whole(number)//' '//thing
+      if (number /= 1) text = text//'s'
+   end function counted
 
    !> All lines of a text file or pipe; `message` is empty if that went well.
    subroutine read_lines(path, lines, message)

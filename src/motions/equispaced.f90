@@ -5,7 +5,7 @@
 !! they say that (A cos(tau), A sin(tau)) lies on a line and on a circle: 0, 1 or 2 motions.
 module vi_equispaced
    use vi_kinds, only: wp
-   use vi_motion, only: complete_motion, motion_type, start_motion
+   use vi_motion, only: complete_motion, motion_type, start_motion, worst_rounding
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: new_pattern, pattern_type
    use vi_periodic, only: assemble, linear_system_type
@@ -33,7 +33,7 @@ contains
       type(linear_system_type), intent(inout) :: system
       type(motion_type), intent(inout) :: motions(2)
       type(pattern_type) :: pattern
-      real(wp) :: phases(2), line(2), amplitude, distance, half_chord, foot(2), along(2)
+      real(wp) :: phases(2), line(2), noise, amplitude, distance, half_chord, foot(2), along(2)
       real(wp) :: x_row(2), x, point(2)
       integer :: i, row
 
@@ -49,9 +49,12 @@ contains
          x_row = [w(1) - w(2), v(1) - v(2)]
          line = x_row(2)*w(3:4) - x_row(1)*v(3:4)
          amplitude = gain(osc%xi, r)
-         ! at a resonance without damping the line is rounding noise
-         if (.not. norm2(line) > 100*epsilon(1.0_wp)*(sum(abs(w)) + sum(abs(v)))) then
-            motions%status = stat%singular
+         ! the coefficients are sums of terms of about 1 and r; at a resonance without damping the
+         ! terms cancel, and the line is what is left of their rounding
+         noise = epsilon(1.0_wp)*((1 + sum(abs(w)))*norm2([x_row(2), v(3:4)]) &
+            + (r + sum(abs(v)))*norm2([x_row(1), w(3:4)]))
+         if (.not. norm2(line)*worst_rounding > noise) then
+            motions%status = merge(stat%lost_digits, stat%singular, norm2(line) > 100*noise)
             return
          end if
          distance = (x_row(2)*rhs(1) - x_row(1)*rhs(3))/norm2(line)

@@ -42,6 +42,10 @@ module vi_motion
       integer :: status = stat%ok
    end type motion_type
 
+   !> Largest relative error by rounding that a motion may have: six digits are left, three in
+   !! single precision.
+   real(wp), parameter, public :: worst_rounding = max(1.0e-6_wp, 1.0e4_wp*epsilon(1.0_wp))
+
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
@@ -115,6 +119,11 @@ contains
       ! A below the rounding of the solution is no amplitude at all
       if (.not. amplitude > n*epsilon(1.0_wp)*max(maxval(abs(x)), unit_clearance)) then
          motion%status = stat%no_load
+         return
+      end if
+      ! x is what is left where a free vibration all but cancels a forced one of this amplitude
+      if (amplitude*epsilon(1.0_wp) > worst_rounding*max(maxval(abs(x)), unit_clearance)) then
+         motion%status = stat%lost_digits
          return
       end if
       motion%amplitude = gain(motion%osc%xi, motion%r)

@@ -26,6 +26,8 @@ module vi_status
       integer :: no_motion = 7
       !> The list of events is full; calling again goes on.
       integer :: more_events = 8
+      !> Rounding leaves too few digits.
+      integer :: lost_digits = 11
       !> Newton's method did not converge.
       integer :: no_convergence = 10
       !> A search for the next event took more steps than it may.
@@ -63,6 +65,9 @@ contains
          text = 'the list of events is full before the end of time'
       case (stat%budget)
          text = 'the step budget ran out in a flight of millions of oscillations'
+      case (stat%lost_digits)
+         text = 'rounding leaves too few digits: near a resonance without damping free and &
+            &forced vibration cancel; move r away from it or add damping'
       case (stat%no_convergence)
          text = 'the iteration did not converge; a closer guess may help'
       case default

@@ -1,10 +1,19 @@
 """Bad input: one line with file, line, group, key, value, what is allowed; status 2; no result."""
 
-import os
 import shutil
 
 import pytest
-from programs import COMPLETE, PAIR, SYSTEM, Runner, changed, contents, find_twin, write
+from programs import (
+    COMPLETE,
+    PAIR,
+    SYSTEM,
+    Runner,
+    bound_by_permissions,
+    changed,
+    contents,
+    find_twin,
+    write,
+)
 
 LONG = "RL" * 501
 WALLS = "one number for both walls or two"
@@ -215,11 +224,12 @@ def test_reason_of_a_long_path(batch):
     assert batch(name).faults == [f"{name}: cannot be read: No such file or directory"]
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may read all")
 def test_file_without_permission(batch):
     """A file without read permission says so."""
     write(batch.cwd / "case.nml", PAIR).chmod(0)
-    assert "ermission denied" in batch("case.nml").faults[0]
+    done = batch("case.nml", preexec_fn=bound_by_permissions)
+    assert (done.status, len(done.faults)) == (2, 1)
+    assert "ermission denied" in done.faults[0]
 
 
 def test_other_files_still_run(batch, command):

@@ -9,7 +9,17 @@ import sys
 import time
 
 import pytest
-from programs import COMPLETE, PAIR, Runner, chain, contents, find_twin, many_cases, write
+from programs import (
+    COMPLETE,
+    PAIR,
+    Runner,
+    bound_by_permissions,
+    chain,
+    contents,
+    find_twin,
+    many_cases,
+    write,
+)
 
 LINUX = os.path.isdir("/proc/self")
 
@@ -187,15 +197,15 @@ def test_reason_of_a_long_folder(batch):
     assert "Not a directory; must be" in batch.case(PAIR, "-o", folder).faults[0]
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write all")
 def test_read_only_folder(batch):
     """A folder without write permission: status 2, and the old result stays."""
     batch.case(PAIR)
     before = contents(batch.cwd / "results")
     (batch.cwd / "results").chmod(0o555)
-    done = batch.case(PAIR.replace("1.37", "1.38"))
+    done = batch.case(PAIR.replace("1.37", "1.38"), preexec_fn=bound_by_permissions)
     (batch.cwd / "results").chmod(0o755)
     assert (done.status, contents(batch.cwd / "results")) == (2, before)
+    assert "ermission denied" in done.faults[0]
 
 
 def test_result_that_cannot_be_replaced(batch, command):

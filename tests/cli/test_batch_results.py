@@ -299,6 +299,8 @@ def test_no_equispaced_motion(batch, command):
     assert (done.status, done.out, done.faults) == (
         1, b"", ["case: there is no such motion for these parameters"])  # fmt: skip
     assert rows(batch.cwd / "results/case.csv") == []
+    text = (batch.cwd / "results/case.csv").read_text()
+    assert text.count("there is no such motion") == 1
     assert command("case.nml", "-o", "again") == done
     assert contents(batch.cwd / "again") == contents(batch.cwd / "results")
     assert batch("results/case.csv", "-o", "third").status == 1

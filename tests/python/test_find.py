@@ -197,3 +197,44 @@ def test_free_vibration_has_no_periodic_impacts():
     """Without load damping and impacts end everything; no motion, no crash."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1, load=0.0, states=4)
     assert [m for m in found if m.admissible and np.abs(m.X).max() > 1e-9] == []
+
+
+def test_unstable_motion_with_rest_is_found():
+    """Two motions with rest, born in one fold, the unstable one too; each repeats itself when simulated."""
+    osc = vi.Oscillator(xi=0.0213, mu=0.2506, restitution=(0.173, 0.632))
+    r, clearance = 0.8656, 12.9043
+    found = vi.find(osc, r, clearance, max_impacts=3, max_cycles=1, states=0)
+    rests = [motion for motion in found if motion.pattern.has_rest]
+    assert [(motion.pattern.sides, motion.stable) for motion in rests] == [
+        ("LR*", True),
+        ("LR*", False),
+    ]
+    assert rests[1].leading_kind == "positive"
+    for motion in rests:
+        assert motion.residual < 1e-10
+        # the leading multiplier, from how fast a small change of one release shrinks or grows
+        release = motion.events[motion.events["kind"] == "release"][0]
+        sign = 1 if release["side"] == "R" else -1
+
+        def released(push, release=release, sign=sign):
+            """State of a release at the motion's phase whose velocity is changed a little."""
+            v = release["x_dot_after"] + push
+            x = np.sin(release["phase"]) - 2 * osc.xi * v
+            return {
+                "t": release["phase"] / r, "x": x, "x_dot": v, "z": x + sign * clearance / 2, "z_dot": v,
+            }  # fmt: skip
+
+        cycles, push = 20, 1e-6
+        after = []
+        for p in (push, -push):
+            run = vi.simulate(osc, r, clearance, cycles, state=released(p))
+            last = run.events[run.events["kind"] == "release"]
+            after.append(last[["phase", "x_dot_after"]][-3:].tolist())
+        grown = np.diff(np.array(after), axis=0)[0]
+        rate = np.linalg.norm(grown[-1]) / np.linalg.norm(grown[-2])
+        assert rate == pytest.approx(abs(motion.multipliers[0]), rel=1e-3)
+    # without the releases there is neither
+    assert "releases from rest" in str(found.search)
+    assert found.search.releases == 2 * 32
+    without = vi.find(osc, r, clearance, max_impacts=3, max_cycles=1, states=0, releases=0)
+    assert not any(motion.pattern.has_rest for motion in without)

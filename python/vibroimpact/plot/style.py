@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import io
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import VibroimpactError
+from ..files import write_bytes
 
 #: Okabe and Ito's colours.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
@@ -36,3 +41,16 @@ def pyplot() -> Any:
             "pictures need matplotlib: pip install 'vibroimpact[plot]'"
         ) from None
     return plt
+
+
+def save(axes: Any, path: Path) -> Path:
+    """Write the figure of some axes, in the format of the path's suffix, and close it."""
+    figure = np.ravel(axes)[0].figure
+    kind, content = path.suffix[1:], io.BytesIO()
+    # without dates and random names: the same bytes every time
+    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    with pyplot().rc_context({"svg.hashsalt": "vibroimpact"}):
+        figure.savefig(content, format=kind, dpi=200, metadata=dates.get(kind))
+    pyplot().close(figure)
+    write_bytes(path, content.getvalue())
+    return path

@@ -1,0 +1,24 @@
+"""`vibroimpact reproduce`: the tables and figures of the 1983 paper."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..reproduce import NAMES, reproduce
+from . import add_folder
+
+HELP = "recompute the tables and figures of the 1983 paper"
+DESCRIPTION = f"""Recompute the tables and figures of Popplewell, Bapat and McLachlan (1983) and
+compare them with the printed values. Available: {", ".join(NAMES)}."""
+EXAMPLE = "vibroimpact reproduce table1 -o results"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Names and folder."""
+    parser.add_argument("names", nargs="*", metavar="NAME", help="what to recompute (default: all)")
+    add_folder(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Recompute what is named."""
+    return reproduce(options.names, options.folder)

@@ -1,0 +1,235 @@
+"""The commands simulate, find and plot: the real program, against the API and against `run`."""
+
+import math
+import re
+
+import pytest
+import vibroimpact as vi
+from programs import (
+    PAIR,
+    ROOT,
+    SYSTEM,
+    Runner,
+    contents,
+    find_command,
+    floats,
+    motions,
+    rows,
+    write,
+)
+from vibroimpact.run import read_namelist
+
+SIMULATION = SYSTEM + "&simulate clearance = 37, cycles = 20, x = 3.5, z_dot = -2 /\n"
+MAGIC = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
+INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
+
+
+@pytest.fixture
+def tool(tmp_path):
+    """Runner of `vibroimpact` in a folder of its own."""
+    return Runner([find_command()], tmp_path)
+
+
+@pytest.fixture
+def no_matplotlib(tmp_path_factory):
+    """An environment in which matplotlib cannot be imported."""
+    folder = tmp_path_factory.mktemp("path")
+    write(folder / "matplotlib.py", "raise ImportError('not here')\n")
+    return {"PYTHONPATH": str(folder), "PATH": ""}
+
+
+@pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
+def test_cases_are_those_that_run(path, tmp_path):
+    """What Python makes of a file's cases has the digits of the results that the reader's own run writes."""
+    results = {item.stem: item for item in vi.run_namelists([path], tmp_path).results}
+    cases = read_namelist(path)
+    assert [case.name for case in cases] == list(results)
+    for case in cases:
+        if case.kind == "simulate":
+            table, events = rows(results[case.name]), case.trajectory().events
+            assert len(table) == len(events)
+            for key in ("time", "x", "z_dot_after"):
+                assert [float(row[key]) for row in table] == events[key].tolist()
+            continue
+        table, found = motions(results[case.name]), case.motions()
+        assert len(table) == len(found)
+        for row, motion in zip(table, found, strict=True):
+            assert floats(row, "X") == motion.X.tolist()
+            assert floats(row, "phase") == motion.phases.tolist()
+            assert floats(row, "restitution") == motion.restitution.tolist()
+            assert row["stable"][0] == str(motion.stable).lower()
+
+
+def test_cases_of_a_result_are_the_same(tmp_path):
+    """A result read as an input gives the case that made it."""
+    write(tmp_path / "case.nml", SIMULATION)
+    (result,) = vi.run_namelists([tmp_path / "case.nml"], tmp_path).results
+    assert read_namelist(result) == read_namelist(tmp_path / "case.nml")
+
+
+def test_long_lists_are_read_whole(tmp_path):
+    """Repeats make a case far longer than its file."""
+    n = 1000
+    text = (
+        f"{SYSTEM}&motion sides = '{'RL' * (n // 2)}', cycles = 500, impact_restitution = {n}*0.5\n"
+        f"phases = {', '.join(map(str, range(n)))} /\n"
+    )
+    (case,) = read_namelist(write(tmp_path / "long.nml", text * 40))[:1]
+    assert case.keys["impact_restitution"] == [0.5] * n
+    assert case.keys["phases"] == list(range(n))
+
+
+def test_simulate_writes_what_run_writes(tool):
+    """The same bytes as `run`; of a file with both kinds, the simulations alone."""
+    write(tool.cwd / "mixed.nml", PAIR + SIMULATION)
+    assert tool("run", "mixed.nml", "-o", "run").status == 0
+    done = tool("simulate", "mixed.nml", "-o", "simulate")
+    assert (done.status, done.err) == (0, b"")
+    every = contents(tool.cwd / "run")
+    assert sorted(every) == ["mixed_1.csv", "mixed_2.csv"]
+    assert contents(tool.cwd / "simulate") == {"mixed_2.csv": every["mixed_2.csv"]}
+
+
+@pytest.mark.parametrize(("words", "kind"), [
+    (["--plot", "case.nml"], "png"), (["case.nml", "--plot"], "png"), (["case.nml", "--plot", "pdf"], "pdf"),
+    (["--plot", "svg", "case.nml"], "svg"), (["--plot=svg", "case.nml"], "svg")])  # fmt: skip
+def test_simulate_draws(words, kind, tool):
+    """--plot, wherever it stands, puts a picture of that format beside the table."""
+    write(tool.cwd / "case.nml", SIMULATION)
+    done = tool("simulate", *words)
+    assert (done.status, done.err) == (0, b"")
+    found = contents(tool.cwd / "results")
+    assert sorted(found) == ["case.csv", f"case.{kind}"]
+    assert found[f"case.{kind}"].startswith(MAGIC[kind])
+
+
+def test_simulation_of_no_time_is_drawn(tool):
+    """A trajectory of one instant is no reason to break down."""
+    write(tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 0"))
+    assert tool("simulate", "case.nml", "--plot").status == 0
+
+
+def test_simulate_says_what_is_missing(tool):
+    """A file without &simulate is named, and the others run."""
+    write(tool.cwd / "pair.nml", PAIR)
+    write(tool.cwd / "case.nml", SIMULATION)
+    done = tool("simulate", "pair.nml", "case.nml")
+    assert done.status == 2
+    assert done.faults == ["pair.nml: must hold a group &simulate; there is none"]
+    assert list(contents(tool.cwd / "results")) == ["case.csv"]
+
+
+def test_simulation_cut_short_is_drawn_too(tool):
+    """Status 1, with the table and the picture of what there is."""
+    write(tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, cycles"))
+    assert tool("simulate", "case.nml", "--plot").status == 1
+    assert sorted(contents(tool.cwd / "results")) == ["case.csv", "case.png"]
+
+
+@pytest.mark.parametrize("words", [["simulate", "case.nml", "--plot"], ["plot", "case.nml"]])
+def test_missing_matplotlib(words, tool, no_matplotlib):
+    """The extra is named before anything runs; tables need no matplotlib."""
+    write(tool.cwd / "case.nml", SIMULATION)
+    done = tool(*words, env=no_matplotlib)
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    assert "pip install 'vibroimpact[plot]'" in done.faults[0]
+    assert list(contents(tool.cwd)) == ["case.nml"]
+    assert tool("simulate", "case.nml", env=no_matplotlib).status == 0
+
+
+def test_pipe(tool):
+    """A pipe, which can be read only once, is simulated and drawn."""
+    done = tool("simulate", "/dev/stdin", "--plot", input=SIMULATION.encode())
+    assert (done.status, done.err) == (0, b"")
+    assert sorted(contents(tool.cwd / "results")) == ["stdin.csv", "stdin.png"]
+
+
+def test_find_prints_what_find_finds(tool):
+    """One line a motion; the point of a file and the point of the options are the same."""
+    write(tool.cwd / "pair.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 37 /\n")
+    limits = ["--max-impacts", "2", "--max-cycles", "1"]
+    done = tool("find", "pair.nml", *limits)
+    point = {"xi": "0.005", "mu": "0.042", "r": "0.94", "clearance": "37"}
+    options = [word for name, value in point.items() for word in (f"--{name}", value)]
+    options += ["--restitution", "0.75", "0.75"]
+    assert tool("find", *options, *limits) == done
+    assert (done.status, done.err) == (0, b"")
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    found = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
+    text = done.out.decode()
+    moduli = [float(item) for item in re.findall(r"max\|lambda\| = ([\d.]+),", text)]
+    assert len(found) == 4
+    assert moduli == pytest.approx([abs(motion.multipliers[0]) for motion in found], rel=1e-3)
+    assert "".join(text.split()).endswith("".join(str(found.search).split()))
+
+
+def test_find_at_the_clearance_of_given_phases(tool):
+    """A case with phases is searched at the clearance that its motion has, and finds that motion."""
+    write(tool.cwd / "pair.nml", PAIR)
+    text = tool("find", "pair.nml", "--max-impacts", "2", "--max-cycles", "1").out.decode()
+    motion = vi.periodic(
+        vi.Oscillator(0.005, 0.042, 0.75), 0.94, [0, 1.37 * math.pi], vi.Pattern("RL")
+    )
+    assert f"clearance = {motion.clearance:.10g}\n" in text
+    assert f"{motion.x_max:.6g}" in text
+
+
+def test_find_where_there_is_nothing(tool):
+    """No motion: status 1; a case that has no clearance: its reason, and status 1."""
+    wide = [
+        "--xi",
+        "0.3",
+        "--mu",
+        "0.04",
+        "--restitution",
+        "0.5",
+        "--r",
+        "0.9",
+        "--clearance",
+        "1e6",
+    ]
+    done = tool("find", *wide, "--max-impacts", "2", "--max-cycles", "1")
+    assert (done.status, done.err) == (1, b"")
+    assert "no periodic motion was found" in done.out.decode()
+    write(tool.cwd / "free.nml", PAIR.replace("1.37", "1"))
+    done = tool("find", "free.nml")
+    assert (done.status, done.out) == (1, b"")
+    assert "leave the load amplitude free" in done.faults[0]
+
+
+def test_plot_draws_every_case(tool):
+    """One picture a motion or simulation."""
+    done = tool("plot", *map(str, INPUTS[:4]), "--format", "svg", "-o", "out")
+    assert (done.status, done.err) == (0, b"")
+    names = {"figure6a_equispaced_1", "figure6a_equispaced_2", "figure7_three", "figure7_five"}
+    found = contents(tool.cwd / "out")
+    assert {f"{name}.svg" for name in names} <= set(found)
+    assert all(picture.startswith(MAGIC["svg"]) for picture in found.values())
+
+
+def test_plot_of_what_is_not_there(tool):
+    """A motion that does not exist: status 1, and the others are drawn; one name twice: status 2."""
+    nothing = SYSTEM + "&motion kind = 'equispaced', clearance = 200 /\n"
+    write(tool.cwd / "case.nml", nothing + PAIR)
+    done = tool("plot", "case.nml")
+    assert done.status == 1
+    assert done.faults == ["case_1: there is no such motion for these parameters"]
+    assert list(contents(tool.cwd / "results")) == ["case_2.png"]
+    write(tool.cwd / "other.nml", PAIR + "&output name = 'case_2' /\n")
+    done = tool("plot", "case.nml", "other.nml")
+    assert done.status == 2
+    assert "other.nml: &output name = 'case_2': " in done.faults[-1]
+
+
+def test_pictures_are_drawn_from_the_motion(tmp_path):
+    """One case gives the same bytes every time, another one another picture."""
+    pictures = []
+    for clearance in (37, 36):
+        run = Runner([find_command()], tmp_path)
+        text = SYSTEM + f"&motion kind = 'equispaced', clearance = {clearance} /\n"
+        write(tmp_path / "case.nml", text)
+        assert run("plot", "case.nml", "--format", "svg").status == 0
+        pictures.append((tmp_path / "results/case_1.svg").read_bytes())
+        assert run("plot", "case.nml", "--format", "svg").status == 0
+        assert (tmp_path / "results/case_1.svg").read_bytes() == pictures[-1]
+    assert pictures[0] != pictures[1]
