@@ -214,14 +214,33 @@ contains
    end subroutine rest_residual
 
    !> Trace and determinant of the derivative of the map, by central differences.
+   !!
+   !! Near an end of the family shorter differences are taken, which stay on its side.
    pure subroutine rest_derivative(family, unknowns, c, trace, determinant, right)
       type(rest_family_type), intent(in) :: family
       real(wp), intent(in) :: unknowns(:), c(:)
       real(wp), intent(out) :: trace, determinant
       logical, intent(out) :: right
-      real(wp), parameter :: h = 1.0e-5_wp
+      real(wp) :: j(2, 2), h
+      integer :: i
+
+      do i = 5, 7
+         h = 0.1_wp**i
+         call differences(family, unknowns, c, h, j, right)
+         if (right) exit
+      end do
+      trace = j(1, 1) + j(2, 2)
+      determinant = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
+   end subroutine rest_derivative
+
+   !> The derivative of the map by differences over a step h each way.
+   pure subroutine differences(family, unknowns, c, h, j, right)
+      type(rest_family_type), intent(in) :: family
+      real(wp), intent(in) :: unknowns(:), c(:), h
+      real(wp), intent(out) :: j(2, 2)
+      logical, intent(out) :: right
       type(rest_period_type) :: period
-      real(wp) :: moved(2), j(2, 2)
+      real(wp) :: moved(2)
       integer :: i, way
 
       j = 0
@@ -235,9 +254,7 @@ contains
             j(:, i) = j(:, i) + way*period%finish/(2*h)
          end do
       end do
-      trace = j(1, 1) + j(2, 2)
-      determinant = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
-   end subroutine rest_derivative
+   end subroutine differences
 
    !> The last release of the family among events, as unknowns; none gives found = .false.
    pure subroutine last_release(family, events, clearance, unknowns, found)
