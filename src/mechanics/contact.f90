@@ -46,20 +46,23 @@ module vi_contact
 contains
 
    !> The first contact of a flight with a wall within a time limit.
-   pure function first_contact(flight, half, departure, limit) result(contact)
+   pure function first_contact(flight, half, departure, limit, from) result(contact)
       type(flight_type), intent(in) :: flight
       !> Half the clearance: the walls are at y = -half and y = +half.
       real(wp), intent(in) :: half
       type(departure_type), intent(in) :: departure
       real(wp), intent(in) :: limit
+      !> No contact is before this time; by default the start.
+      real(wp), intent(in), optional :: from
       type(contact_type) :: contact
       real(wp) :: t, step, other, reach, bound, near, far(2), k(0:terms - 1), d(0:5)
       integer :: n, first, side
 
       t = 0
+      if (present(from)) t = from
       near = 0
       reach = 3/max(1.0_wp, flight%r)
-      bound = derivative_bound(flight, 4, 0.0_wp)
+      bound = derivative_bound(flight, 4, t)
       far = out_of_reach(flight, half)
       if (departure%side /= 0) then
          near = taylor_time/max(1.0_wp, flight%r)

@@ -4,6 +4,7 @@ module vi_simulate
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_flight, only: flight_position, flight_type, new_flight
    use vi_kinds, only: wp
+   use vi_march, only: march, march_type, moment_type, new_march, touch_type
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: gain, lag, left, oscillator_type, right
    use vi_rest, only: new_rest, release_time
@@ -24,6 +25,9 @@ module vi_simulate
       real(wp) :: r = 1, load = 1, clearance = 1
       !> Amplitude of the motion without impacts, and its lag behind the load, equation (4).
       real(wp) :: amplitude = 0, lag = 0
+      !> The part of that motion in phase with the load, and the one a quarter of a cycle behind.
+      real(wp) :: in_phase = 0, behind = 0
+      type(march_type) :: march
    end type drive_type
 
    !> Where the system is. The load phase r t is kept as whole cycles and the rest, so that its
@@ -54,7 +58,15 @@ contains
       real(wp), intent(in) :: r, load, clearance
       type(drive_type) :: drive
 
-      drive = drive_type(osc, r, load, clearance, load*gain(osc%xi, r), lag(osc%xi, r))
+      drive%osc = osc
+      drive%r = r
+      drive%load = load
+      drive%clearance = clearance
+      drive%amplitude = load*gain(osc%xi, r)
+      drive%lag = lag(osc%xi, r)
+      drive%in_phase = drive%amplitude*cos(drive%lag)
+      drive%behind = drive%amplitude*sin(drive%lag)
+      drive%march = new_march(osc%xi, r)
    end function new_drive
 
    !> Time of a state in 1/omega.
@@ -137,35 +149,75 @@ contains
       type(contact_type) :: contact
       real(wp) :: d(0:5), half
 
-      associate (osc => drive%osc)
-         half = 0.5_wp*drive%clearance
-         flight = new_flight(osc%xi, drive%r, drive%amplitude, &
-            state%phase - drive%lag, state%x, state%x_dot, state%z, state%z_dot, remaining)
-         contact = first_contact(flight, half, &
-            departure_type(state%side, state%speed, state%released), remaining)
-         finished = contact%side == 0
-         if (.not. contact%complete) then
-            status = stat%budget
-            return
-         end if
-         if (finished) then
-            d = derivatives(flight, remaining)
-            final%x = d(0)
-            final%x_dot = d(1)
-            final%z = flight_position(flight, remaining)
-            final%side = 0
-            final%speed = 0
-            final%released = .false.
-            return
-         end if
-         state%released = .false.
-         call move(state, drive%r*contact%time)
-         state%x = contact%d(0)
-         state%side = contact%side
-         state%z = state%x + contact%side*half
-         call collide(osc, contact%side, contact%speed, contact%d(1), state, event)
-      end associate
+      half = 0.5_wp*drive%clearance
+      call find_contact(drive, state, half, remaining, contact)
+      finished = contact%side == 0
+      if (.not. contact%complete) then
+         status = stat%budget
+         return
+      end if
+      if (finished) then
+         flight = flight_from(drive, state, remaining)
+         d = derivatives(flight, remaining)
+         final%x = d(0)
+         final%x_dot = d(1)
+         final%z = flight_position(flight, remaining)
+         final%side = 0
+         final%speed = 0
+         final%released = .false.
+         return
+      end if
+      state%released = .false.
+      call move(state, drive%r*contact%time)
+      state%x = contact%d(0)
+      state%side = contact%side
+      state%z = state%x + contact%side*half
+      call collide(drive%osc, contact%side, contact%speed, contact%d(1), state, event)
    end subroutine fly_on
+
+   !> The flight that begins at a state.
+   pure function flight_from(drive, state, duration) result(flight)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: duration
+      type(flight_type) :: flight
+
+      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, state%phase - drive%lag, &
+         state%x, state%x_dot, state%z, state%z_dot, duration)
+   end function flight_from
+
+   !> The first contact of the flight from a state: by marching as far as that goes.
+   pure subroutine find_contact(drive, state, half, remaining, contact)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: half, remaining
+      type(contact_type), intent(out) :: contact
+      type(moment_type) :: start
+      type(touch_type) :: touch
+      real(wp) :: s, c
+
+      if (state%side /= 0 .and. state%speed > 0) then
+         s = sin(state%phase)
+         c = cos(state%phase)
+         start%sine = drive%in_phase*s - drive%behind*c
+         start%cosine = drive%in_phase*c + drive%behind*s
+         start%free = state%x - start%sine
+         start%free_dot = state%x_dot - drive%r*start%cosine
+         start%z = state%z
+         start%z_dot = state%z_dot
+         call march(drive%march, start, half, state%side, state%speed, remaining, touch)
+         if (touch%time > remaining) return
+         if (touch%side /= 0) then
+            contact%side = touch%side
+            contact%time = touch%time
+            contact%d(0:1) = [touch%x, touch%x_dot]
+            contact%speed = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
+            return
+         end if
+      end if
+      contact = first_contact(flight_from(drive, state, remaining), half, &
+         departure_type(state%side, state%speed, state%released), remaining, touch%time)
+   end subroutine find_contact
 
    !> Velocities through an impact, from the momentum and the reversed approach speed: (11), (12).
    !!
