@@ -1,45 +1,19 @@
-!> First contact of an ordinary flight, found at the price of a few products.
+!> First contact of an ordinary flight, at the price of a few products.
 !!
-!! A flight is marched over in cells. At the middle of a cell both parts of x follow from those at the
-!! start by a table of transition matrices, made once for all flights of a run, and all derivatives by
-!! the equation of motion. The cubic Taylor polynomial of y = z - x, as Bernstein coefficients, and a
-!! bound on the fourth derivative then prove that a cell has no contact, or that y is monotone in it:
-!! then there is one contact at most, and Newton's method cannot miss it. Where neither can be proved
-!! (grazing, many contacts on end) the march stops and says from when on `first_contact` of vi_contact,
-!! which is always right, has to look.
+!! The flight is marched over in cells. In a cell y = z - x and y' are cubics to within a proven error,
+!! and Bernstein coefficients bound a cubic from both sides. They prove that a cell has no contact, or
+!! that y is monotone in it: then one contact is in it or none, which the end of the cell tells, and
+!! Newton's method finds it. Where neither can be proved (grazing, many contacts on end) even in the
+!! smallest cell, the march stops and says from when on `first_contact` of vi_contact has to look.
 module vi_march
    use vi_kinds, only: wp
-   use vi_oscillator, only: eta
+   use vi_transition, only: first_cell, largest, later, moment_type, nodes, terms, transition_type
    implicit none (type, external)
    private
 
-   public :: new_march, march
+   public :: march
 
-   !> Nodes of the table, and the greatest half width of a cell in nodes.
-   integer, parameter :: nodes = 64, widest = 4
-   !> Terms of each parity for a step of half a node distance: 0.0625^10/10! = 2.5e-19 is left out.
-   integer, parameter :: terms = 5
-
-   !> What the flights of a run have in common.
-   type, public :: march_type
-      real(wp) :: xi = 0, r = 1
-      !> Distance of the nodes, 1/8 of the shortest time scale.
-      real(wp) :: h = 0
-      !> (:, j): u and v of t = j h, with u = 1, u' = 0 and v = 0, v' = 1 at 0 being the free motions;
-      !> cos(r t), sin(r t).
-      real(wp) :: table(4, 0:nodes) = 0
-      !> Taylor coefficients of the same functions: even and odd ones of u, of v, those of cos, sin.
-      real(wp) :: taylor(0:terms - 1, 6) = 0
-   end type march_type
-
-   !> A moment of a flight.
-   type, public :: moment_type
-      !> Free part of x and its derivative.
-      real(wp) :: free, free_dot
-      !> Forced part: A times the sine and the cosine of its argument.
-      real(wp) :: sine, cosine
-      real(wp) :: z, z_dot
-   end type moment_type
+   real(wp), parameter :: sixth = 1.0_wp/6, by_24 = 1.0_wp/24, by_120 = 1.0_wp/120
 
    type, public :: touch_type
       !> +1 or -1; 0 if there is no contact before `time`, and nothing is known about later.
@@ -50,101 +24,11 @@ module vi_march
 
 contains
 
-   !> The table and polynomials for a damping and a frequency ratio.
-   pure function new_march(xi, r) result(m)
-      real(wp), intent(in) :: xi, r
-      type(march_type) :: m
-      real(wp) :: u(0:2*terms - 1), v(0:2*terms - 1), c(0:2*terms - 1)
-      integer :: n
-
-      m%xi = xi
-      m%r = r
-      m%h = 0.125_wp/max(1.0_wp, r)
-      do n = 0, nodes
-         m%table(:, n) = transition(m, n*m%h)
-      end do
-      u(0:1) = [1, 0]
-      v(0:1) = [0, 1]
-      c(0:1) = [1.0_wp, r]
-      do n = 2, 2*terms - 1
-         u(n) = -(2*xi*(n - 1)*u(n - 1) + u(n - 2))/(n*(n - 1))
-         v(n) = -(2*xi*(n - 1)*v(n - 1) + v(n - 2))/(n*(n - 1))
-         c(n) = -r**2*c(n - 2)/(n*(n - 1))
-      end do
-      m%taylor(:, 1) = u(0::2)
-      m%taylor(:, 2) = u(1::2)
-      m%taylor(:, 3) = v(0::2)
-      m%taylor(:, 4) = v(1::2)
-      m%taylor(:, 5) = c(0::2)
-      m%taylor(:, 6) = c(1::2)
-   end function new_march
-
-   !> u, v, cos(r t) and sin(r t) after any time.
-   pure function transition(m, t) result(row)
-      type(march_type), intent(in) :: m
-      real(wp), intent(in) :: t
-      real(wp) :: row(4)
-      real(wp) :: frequency, shrink
-
-      frequency = eta(m%xi)
-      shrink = exp(-m%xi*t)
-      row(2) = shrink*sin(frequency*t)/frequency
-      row(1) = shrink*cos(frequency*t) + m%xi*row(2)
-      row(3) = cos(m%r*t)
-      row(4) = sin(m%r*t)
-   end function transition
-
-   !> The moment that a row of transitions leads to, a time t later.
-   pure function moved(m, from, row, t) result(to)
-      type(march_type), intent(in) :: m
-      type(moment_type), intent(in) :: from
-      real(wp), intent(in) :: row(4), t
-      type(moment_type) :: to
-
-      to%free = row(1)*from%free + row(2)*from%free_dot
-      to%free_dot = row(1)*from%free_dot - row(2)*(from%free + 2*m%xi*from%free_dot)
-      to%sine = row(3)*from%sine + row(4)*from%cosine
-      to%cosine = row(3)*from%cosine - row(4)*from%sine
-      to%z = from%z + from%z_dot*t
-      to%z_dot = from%z_dot
-   end function moved
-
-   !> x and its first five derivatives.
-   pure function derivatives(m, at) result(d)
-      type(march_type), intent(in) :: m
-      type(moment_type), intent(in) :: at
-      real(wp) :: d(0:5)
-      real(wp) :: f2, f3, f4, f5, r2
-
-      r2 = m%r**2
-      f2 = -2*m%xi*at%free_dot - at%free
-      f3 = -2*m%xi*f2 - at%free_dot
-      f4 = -2*m%xi*f3 - f2
-      f5 = -2*m%xi*f4 - f3
-      d(0) = at%free + at%sine
-      d(1) = at%free_dot + m%r*at%cosine
-      d(2) = f2 - r2*at%sine
-      d(3) = f3 - r2*(m%r*at%cosine)
-      d(4) = f4 + r2*(r2*at%sine)
-      d(5) = f5 + r2*(r2*(m%r*at%cosine))
-   end function derivatives
-
-   !> A bound on the fourth derivative of x from a moment on.
-   pure real(wp) function bound_after(m, at) result(bound)
-      type(march_type), intent(in) :: m
-      type(moment_type), intent(in) :: at
-      real(wp) :: turned
-
-      turned = (at%free_dot + m%xi*at%free)**2/((1 - m%xi)*(1 + m%xi))
-      bound = sqrt(at%free**2 + turned) + sqrt(at%sine**2 + at%cosine**2)*m%r**4
-      bound = bound*(1 + 16*epsilon(1.0_wp))
-   end function bound_after
-
    !> Marches from the wall just left, with a departure speed > 0, to the first contact.
    !!
-   !! Returns without a side at the limit, or where a contact can neither be excluded nor isolated.
+   !! Returns without a side beyond the limit, or where a contact can neither be excluded nor isolated.
    pure subroutine march(m, start, half, side, speed, limit, touch)
-      type(march_type), intent(in) :: m
+      type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: start
       !> Half the clearance.
       real(wp), intent(in) :: half
@@ -153,209 +37,253 @@ contains
       real(wp), intent(in) :: speed, limit
       type(touch_type), intent(out) :: touch
       type(moment_type) :: here
-      real(wp) :: bound, d(0:5), base, toward
-      integer :: a, k, left
-      logical :: clear, monotone
+      real(wp) :: base, bounds(4:5), toward
+      integer :: a, k, size, left
 
       here = start
       base = 0
       a = 0
       left = side
-      bound = bound_after(m, here)
-      k = first_width(m, derivatives(m, here), side, speed, bound)
-      do while (k > 0)
-         if (a + 2*k > nodes) then
+      bounds = bounds_after(m, here)
+      size = first_size(m, here, side, speed, bounds(5))
+      do while (size >= 0)
+         k = 2**size
+         if (a >= nodes) then
             base = base + a*m%h
-            here = moved(m, start, transition(m, base), base)
-            bound = bound_after(m, here)
+            here = moved(m, start, later(m, base), base)
+            bounds = bounds_after(m, here)
             a = 0
          end if
          if (base + a*m%h > limit) exit
-         d = relative(m, here, a + k)
-         call inspect(d, k*m%h, bound, half, left, clear, monotone)
-         if (.not. (clear .or. monotone)) then
-            k = k/2
-            cycle
-         end if
-         if (.not. clear) then
-            toward = sign(1.0_wp, d(1))
-            if (toward*end_position(m, here, a + 2*k) >= half) then
-               call pinpoint(m, here, half, toward, a, k, d, touch)
+         if (.not. clear(m, here, half, left, a, size, bounds(4))) then
+            toward = direction(m, here, a, size, bounds(5))
+            if (.not. abs(toward) > 0) then
+               size = size - 1
+               cycle
+            end if
+            if (toward*position(m, here, a + 2*k) >= half) then
+               ! the polynomials of `nearby` reach half as far as the largest cell
+               if (size == largest) then
+                  k = k/2
+                  if (toward*position(m, here, a + 2*k) < half) a = a + 2*k
+               end if
+               call pinpoint(m, here, half, toward, a + k, k*m%h, touch)
                touch%time = base + touch%time
                return
             end if
          end if
          a = a + 2*k
-         k = min(2*k, widest)
+         if (size < largest .and. iand(a, 4*k - 1) == 0) size = size + 1
          left = 0
       end do
       touch%time = base + a*m%h
    end subroutine march
 
-   !> Half width of the first cell, in nodes: the wall just left is not hit again within it; or 0.
+   !> Size of the first cell: the wall just left is not hit again within it; or -1.
    !!
-   !! The gap to that wall is t k(t) with k >= v + k1 t + k2 t^2 - B t^3/24, here in Bernstein form.
-   pure integer function first_width(m, d, side, speed, bound) result(k)
-      type(march_type), intent(in) :: m
-      real(wp), intent(in) :: d(0:5)
+   !! The gap to that wall is t k(t), and the fourth derivative of k at most 1/5 of the fifth of x.
+   pure integer function first_size(m, at, side, speed, bound) result(size)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: at
       integer, intent(in) :: side
+      !> Departure speed, and a bound on the fifth derivative of x.
       real(wp), intent(in) :: speed, bound
-      real(wp) :: t, middle, last
+      real(wp) :: k(4)
 
-      k = widest
-      do while (k > 0)
-         t = 2*k*m%h
-         middle = speed + side*d(2)*t/4
-         last = speed + side*t*(d(2)/2 + d(3)*t/6)
-         if (min(speed, middle, last) > bound*t**3/24) return
-         k = k/2
+      do size = largest, 0, -1
+         k = combined(m%departure(:, :, size), at)
+         if (side < 0) k = -k
+         if (speed + min(k(1), k(2), k(3), k(4)) > 0.2_wp*bound*m%error(size)) return
       end do
-   end function first_width
-
-   !> y = z - x and its derivatives at a node.
-   pure function relative(m, here, j) result(y)
-      type(march_type), intent(in) :: m
-      type(moment_type), intent(in) :: here
-      integer, intent(in) :: j
-      real(wp) :: y(0:5)
-      type(moment_type) :: at
-
-      at = moved(m, here, m%table(:, j), j*m%h)
-      y = -derivatives(m, at)
-      y(0) = at%z + y(0)
-      y(1) = at%z_dot + y(1)
-   end function relative
+   end function first_size
 
    !> y at a node.
-   pure real(wp) function end_position(m, here, j) result(y)
-      type(march_type), intent(in) :: m
+   pure real(wp) function position(m, here, j) result(y)
+      type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: here
       integer, intent(in) :: j
       type(moment_type) :: at
 
       at = moved(m, here, m%table(:, j), j*m%h)
       y = at%z - (at%free + at%sine)
-   end function end_position
+   end function position
 
-   !> Whether a cell has no contact, and whether y is monotone in it.
-   pure subroutine inspect(y, w, bound, half, left, clear, monotone)
-      !> y and its derivatives in the middle.
-      real(wp), intent(in) :: y(0:5)
-      !> Half width of the cell.
-      real(wp), intent(in) :: w
-      !> Bound on the fourth derivative.
-      real(wp), intent(in) :: bound, half
-      !> A wall that is known to be out of question, or 0.
-      integer, intent(in) :: left
-      logical, intent(out) :: clear, monotone
-      real(wp) :: p1, p2, p3, b(4), q1, q2, c(3), reserve, slope
-
-      p1 = y(1)*w
-      p2 = y(2)*w**2/2
-      p3 = y(3)*w**3/6
-      b(1) = y(0) + p2 - (p1 + p3)
-      b(2) = y(0) - p2/3 - (p1/3 - p3)
-      b(3) = y(0) - p2/3 + (p1/3 - p3)
-      b(4) = y(0) + p2 + (p1 + p3)
-      reserve = half - bound*w**4/24
-      clear = (left > 0 .or. max(b(1), b(2), b(3), b(4)) < reserve) &
-         .and. (left < 0 .or. min(b(1), b(2), b(3), b(4)) > -reserve)
-      monotone = .false.
-      if (clear) return
-      q1 = y(2)*w
-      q2 = y(3)*w**2/2
-      c = [y(1) - q1 + q2, y(1) - q2, y(1) + q1 + q2]
-      c = sign(1.0_wp, y(1))*c
-      slope = bound*w**3/6
-      ! a slope that falls to less than an eighth is left to smaller cells, so that Newton is safe
-      monotone = min(c(1), c(2), c(3)) - slope > (max(c(1), c(2), c(3)) + slope)/8
-   end subroutine inspect
-
-   !> The one contact in a cell in which y is monotone.
-   pure subroutine pinpoint(m, here, half, toward, a, k, middle, touch)
-      type(march_type), intent(in) :: m
+   !> Whether a cell has no contact.
+   pure logical function clear(m, here, half, left, a, size, bound)
+      type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: here
       real(wp), intent(in) :: half
-      !> The wall.
+      !> A wall that is known to be out of question, or 0; first node of the cell, and its size.
+      integer, intent(in) :: left, a, size
+      !> On the fourth derivative of x.
+      real(wp), intent(in) :: bound
+      real(wp) :: x(4), z, step, reserve
+
+      x = combined(m%position(:, :, first_cell(size) + ishft(a, -size - 1)), here)
+      z = here%z + here%z_dot*(a*m%h)
+      step = here%z_dot*(2**(size + 1)*m%h*(1.0_wp/3))
+      x(1) = z - x(1)
+      x(2) = (z + step) - x(2)
+      x(3) = (z + 2*step) - x(3)
+      x(4) = (z + 3*step) - x(4)
+      reserve = half - bound*m%error(size)
+      clear = (left > 0 .or. max(x(1), x(2), x(3), x(4)) < reserve) &
+         .and. (left < 0 .or. min(x(1), x(2), x(3), x(4)) > -reserve)
+   end function clear
+
+   !> The sign of y' if it is the same in all of a cell, otherwise 0.
+   !!
+   !! A slope that falls to less than an eighth is left to smaller cells, so that Newton is safe.
+   pure real(wp) function direction(m, here, a, size, bound)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: here
+      integer, intent(in) :: a, size
+      !> On the fifth derivative of x.
+      real(wp), intent(in) :: bound
+      real(wp) :: v(4), error
+
+      v = here%z_dot - combined(m%velocity(:, :, first_cell(size) + ishft(a, -size - 1)), here)
+      direction = sign(1.0_wp, v(1))
+      v = direction*v
+      error = bound*m%error(size)
+      if (.not. min(v(1), v(2), v(3), v(4)) - error > &
+         0.125_wp*(max(v(1), v(2), v(3), v(4)) + error)) direction = 0
+   end function direction
+
+   !> The one contact in a cell in which y is monotone.
+   pure subroutine pinpoint(m, here, half, toward, centre, w, touch)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: here
+      real(wp), intent(in) :: half
+      !> The wall; middle node and half width of the cell.
       real(wp), intent(in) :: toward
-      !> First node of the cell and its half width in nodes.
-      integer, intent(in) :: a, k
-      !> y and its derivatives in the middle.
-      real(wp), intent(in) :: middle(0:5)
+      integer, intent(in) :: centre
+      real(wp), intent(in) :: w
       type(touch_type), intent(inout) :: touch
-      real(wp) :: t, shift, last, w, y(0:5), d(0:5), value, slope
+      type(moment_type) :: middle, at
+      real(wp) :: t, s, s2, last, x_dot, y(0:5)
       integer :: i
 
-      w = k*m%h
-      call revert(middle, toward*half, shift, last)
-      shift = min(max(shift, -w), w)
-      value = middle(0) - toward*half + shift*(middle(1) + shift*(middle(2)/2 + shift*(middle(3)/6 &
-         + shift*(middle(4)/24 + shift*middle(5)/120))))
-      slope = middle(1) + shift*(middle(2) + shift*(middle(3)/2 + shift*(middle(4)/6 &
-         + shift*middle(5)/24)))
-      shift = shift - value/slope
+      middle = moved(m, here, m%table(:, centre), centre*m%h)
+      at = middle
+      t = 0
       do i = 1, 20
-         t = (a + k)*m%h + min(max(shift, -w), w)
-         call evaluate(m, here, t, d, y)
-         call revert(y, toward*half, shift, last)
-         if (abs(last) <= 8e-13_wp*m%h .and. abs(shift) <= 0.008_wp*m%h) then
-            touch%side = nint(toward)
-            touch%time = max(0.0_wp, t + shift)
-            touch%x = d(0) + shift*(d(1) + shift*(d(2)/2 + shift*(d(3)/6 + shift*d(4)/24)))
-            touch%x_dot = d(1) + shift*(d(2) + shift*(d(3)/2 + shift*(d(4)/6 + shift*d(5)/24)))
+         y = forward(m, at)
+         call revert(y, toward*half, s, last)
+         if (abs(last) <= 8e-13_wp*m%h .and. abs(s) <= 0.05_wp*m%h) then
+            touch%side = merge(1, -1, toward > 0)
+            touch%time = max(0.0_wp, centre*m%h + (t + s))
+            x_dot = at%free_dot + m%r*at%cosine
+            s2 = s*s
+            touch%x_dot = (x_dot - s*y(2)) - s2*((0.5_wp*y(3) + s*sixth*y(4)) + s2*(by_24*y(5)))
+            touch%x = ((at%free + at%sine) + s*x_dot) - s2*((0.5_wp*y(2) + s*sixth*y(3)) &
+               + s2*(by_24*y(4) + s*by_120*y(5)))
             return
          end if
-         shift = t + shift - (a + k)*m%h
+         t = min(max(t + s, -w), w)
+         at = moved(m, middle, nearby(m, t), t)
       end do
-      touch%time = a*m%h
+      touch%time = centre*m%h - w
    end subroutine pinpoint
 
-   !> x, y and their derivatives at any time covered by the table.
-   pure subroutine evaluate(m, here, t, d, y)
-      type(march_type), intent(in) :: m
-      type(moment_type), intent(in) :: here
-      real(wp), intent(in) :: t
-      real(wp), intent(out) :: d(0:5), y(0:5)
-      type(moment_type) :: at
-      real(wp) :: e, e2, e4, row(4)
-      integer :: j
-
-      j = int(t/m%h + 0.5_wp)
-      e = t - j*m%h
-      e2 = e*e
-      e4 = e2*e2
-      row(1) = sum_even(m%taylor(:, 1)) + e*sum_even(m%taylor(:, 2))
-      row(2) = sum_even(m%taylor(:, 3)) + e*sum_even(m%taylor(:, 4))
-      row(3) = sum_even(m%taylor(:, 5))
-      row(4) = e*sum_even(m%taylor(:, 6))
-      at = moved(m, moved(m, here, m%table(:, j), j*m%h), row, e)
-      at%z = here%z + here%z_dot*t
-      d = derivatives(m, at)
-      y = -d
-      y(0) = at%z + y(0)
-      y(1) = at%z_dot + y(1)
-   contains
-      !> A polynomial in e^2.
-      pure real(wp) function sum_even(c)
-         real(wp), intent(in) :: c(0:terms - 1)
-
-         sum_even = (c(0) + c(1)*e2) + e4*((c(2) + c(3)*e2) + e4*c(4))
-      end function sum_even
-   end subroutine evaluate
-
-   !> Where y reaches a value, to fourth order in the distance; `last` is the term of that order.
+   !> Where y reaches a value, to fifth order in the distance; `last` is the term of that order.
    pure subroutine revert(y, value, shift, last)
       real(wp), intent(in) :: y(0:5), value
       real(wp), intent(out) :: shift, last
-      real(wp) :: inverse, e, a, b, c
+      real(wp) :: inverse, e, e2, a, b, c, d
 
       inverse = 1/y(1)
       e = (value - y(0))*inverse
-      a = y(2)*inverse/2
-      b = y(3)*inverse/6
-      c = y(4)*inverse/24
-      last = (5*a*(b - a*a) - c)*(e*e)*(e*e)
-      shift = e - e*e*(a - (2*a*a - b)*e) + last
+      a = 0.5_wp*y(2)*inverse
+      b = sixth*y(3)*inverse
+      c = by_24*y(4)*inverse
+      d = by_120*y(5)*inverse
+      e2 = e*e
+      last = (e*e2)*e2*(((14*a*a - 21*b)*(a*a) + 3*b*b) + (6*a*c - d))
+      shift = (e + e2*(((2*a*a - b)*e - a) + e2*(5*a*(b - a*a) - c))) + last
    end subroutine revert
+
+   !> The moment a transition f, a time t, later.
+   pure function moved(m, from, f, t) result(to)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: from
+      real(wp), intent(in) :: f(4), t
+      type(moment_type) :: to
+
+      to%free = f(1)*from%free + f(2)*from%free_dot
+      to%free_dot = f(1)*from%free_dot - f(2)*(from%free + 2*m%xi*from%free_dot)
+      to%sine = f(3)*from%sine + f(4)*from%cosine
+      to%cosine = f(3)*from%cosine - f(4)*from%sine
+      to%z = from%z + from%z_dot*t
+      to%z_dot = from%z_dot
+   end function moved
+
+   !> The four functions at a time within half a time scale.
+   pure function nearby(m, t) result(f)
+      type(transition_type), intent(in) :: m
+      real(wp), intent(in) :: t
+      real(wp) :: f(4)
+      real(wp) :: t2, t4, t8
+
+      t2 = t*t
+      t4 = t2*t2
+      t8 = t4*t4
+      f(1) = even(m%taylor(:, 1)) + t*even(m%taylor(:, 2))
+      f(2) = even(m%taylor(:, 3)) + t*even(m%taylor(:, 4))
+      f(3) = even(m%taylor(:, 5))
+      f(4) = t*even(m%taylor(:, 6))
+   contains
+      !> A polynomial in t^2.
+      pure real(wp) function even(c)
+         real(wp), intent(in) :: c(0:terms - 1)
+
+         even = ((c(0) + c(1)*t2) + t4*(c(2) + c(3)*t2)) &
+            + t8*((c(4) + c(5)*t2) + t4*(c(6) + c(7)*t2))
+      end function even
+   end function nearby
+
+   !> Bernstein coefficients of the cubic that a matrix of the tables makes of a moment.
+   pure function combined(matrix, at) result(b)
+      real(wp), intent(in) :: matrix(4, 4)
+      type(moment_type), intent(in) :: at
+      real(wp) :: b(4)
+
+      b = (matrix(:, 1)*at%free + matrix(:, 2)*at%free_dot) &
+         + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
+   end function combined
+
+   !> y = z - x and its first five derivatives.
+   pure function forward(m, at) result(y)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: at
+      real(wp) :: y(0:5)
+      real(wp) :: f2, f3, f4, f5, p2, p3
+
+      f2 = -(2*m%xi*at%free_dot + at%free)
+      f3 = -(2*m%xi*f2 + at%free_dot)
+      f4 = -(2*m%xi*f3 + f2)
+      f5 = -(2*m%xi*f4 + f3)
+      p2 = m%r**2*at%sine
+      p3 = m%r**2*(m%r*at%cosine)
+      y(0) = at%z - (at%free + at%sine)
+      y(1) = at%z_dot - (at%free_dot + m%r*at%cosine)
+      y(2) = p2 - f2
+      y(3) = p3 - f3
+      y(4) = -(f4 + m%r**2*p2)
+      y(5) = -(f5 + m%r**2*p3)
+   end function forward
+
+   !> Bounds on the derivatives of x of orders 4 and 5 from a moment on.
+   !!
+   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
+   !! part by r.
+   pure function bounds_after(m, at) result(bounds)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: at
+      real(wp) :: bounds(4:5)
+
+      bounds = sqrt(at%free**2 + (at%free_dot + m%xi*at%free)**2/((1 - m%xi)*(1 + m%xi)))
+      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
+   end function bounds_after
 
 end module vi_march

@@ -4,11 +4,12 @@ module vi_simulate
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_flight, only: flight_position, flight_type, new_flight
    use vi_kinds, only: wp
-   use vi_march, only: march, march_type, moment_type, new_march, touch_type
+   use vi_march, only: march, touch_type
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: gain, lag, left, oscillator_type, right
    use vi_rest, only: new_rest, release_time
    use vi_status, only: stat
+   use vi_transition, only: moment_type, new_transition, transition_type
    implicit none (type, external)
    private
 
@@ -25,9 +26,7 @@ module vi_simulate
       real(wp) :: r = 1, load = 1, clearance = 1
       !> Amplitude of the motion without impacts, and its lag behind the load, equation (4).
       real(wp) :: amplitude = 0, lag = 0
-      !> The part of that motion in phase with the load, and the one a quarter of a cycle behind.
-      real(wp) :: in_phase = 0, behind = 0
-      type(march_type) :: march
+      type(transition_type) :: transition
    end type drive_type
 
    !> Where the system is. The load phase r t is kept as whole cycles and the rest, so that its
@@ -64,9 +63,8 @@ contains
       drive%clearance = clearance
       drive%amplitude = load*gain(osc%xi, r)
       drive%lag = lag(osc%xi, r)
-      drive%in_phase = drive%amplitude*cos(drive%lag)
-      drive%behind = drive%amplitude*sin(drive%lag)
-      drive%march = new_march(osc%xi, r)
+      call new_transition(osc%xi, r, drive%amplitude*cos(drive%lag), &
+         drive%amplitude*sin(drive%lag), drive%transition)
    end function new_drive
 
    !> Time of a state in 1/omega.
@@ -199,13 +197,13 @@ contains
       if (state%side /= 0 .and. state%speed > 0) then
          s = sin(state%phase)
          c = cos(state%phase)
-         start%sine = drive%in_phase*s - drive%behind*c
-         start%cosine = drive%in_phase*c + drive%behind*s
+         start%sine = drive%transition%in_phase*s - drive%transition%behind*c
+         start%cosine = drive%transition%in_phase*c + drive%transition%behind*s
          start%free = state%x - start%sine
          start%free_dot = state%x_dot - drive%r*start%cosine
          start%z = state%z
          start%z_dot = state%z_dot
-         call march(drive%march, start, half, state%side, state%speed, remaining, touch)
+         call march(drive%transition, start, half, state%side, state%speed, remaining, touch)
          if (touch%time > remaining) return
          if (touch%side /= 0) then
             contact%side = touch%side
