@@ -7,12 +7,15 @@
 !! smallest cell, the march stops and says from when on `first_contact` of vi_contact has to look.
 module vi_march
    use vi_kinds, only: wp
-   use vi_transition, only: first_cell, largest, later, moment_type, nodes, terms, transition_type
+   use vi_transition, only: first_cell, idle_time, largest, later, moment_type, nodes, &
+      terms, transition_type
    implicit none (type, external)
    private
 
    public :: march
 
+   !> Cells after which a flight is left to `first_contact`.
+   integer, parameter :: cell_budget = 10000000
    real(wp), parameter :: sixth = 1.0_wp/6, by_24 = 1.0_wp/24, by_120 = 1.0_wp/120
 
    type, public :: touch_type
@@ -37,26 +40,33 @@ contains
       real(wp), intent(in) :: speed, limit
       type(touch_type), intent(out) :: touch
       type(moment_type) :: here
-      real(wp) :: base, bounds(4:5), toward
-      integer :: a, k, size, left
+      real(wp) :: base, idle, bounds(0:2), toward
+      integer :: a, k, n, size, left
 
       here = start
       base = 0
       a = 0
       left = side
       bounds = bounds_after(m, here)
-      size = first_size(m, here, side, speed, bounds(5))
-      do while (size >= 0)
-         k = 2**size
+      size = first_size(m, here, side, speed, bounds(2))
+      do n = 1, cell_budget
+         if (size < 0) exit
          if (a >= nodes) then
             base = base + a*m%h
+            a = 0
             here = moved(m, start, later(m, base), base)
             bounds = bounds_after(m, here)
-            a = 0
+            idle = idle_time(here, half, bounds(0))
+            if (idle > 0) then
+               base = base + idle
+               if (base > limit) exit
+               here = moved(m, start, later(m, base), base)
+            end if
          end if
          if (base + a*m%h > limit) exit
-         if (.not. clear(m, here, half, left, a, size, bounds(4))) then
-            toward = direction(m, here, a, size, bounds(5))
+         k = 2**size
+         if (.not. clear(m, here, half, left, a, size, bounds(1))) then
+            toward = direction(m, here, a, size, bounds(2))
             if (.not. abs(toward) > 0) then
                size = size - 1
                cycle
@@ -273,14 +283,14 @@ contains
       y(5) = -(f5 + m%r**2*p3)
    end function forward
 
-   !> Bounds on the derivatives of x of orders 4 and 5 from a moment on.
+   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a moment on.
    !!
    !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
    !! part by r.
    pure function bounds_after(m, at) result(bounds)
       type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: at
-      real(wp) :: bounds(4:5)
+      real(wp) :: bounds(0:2)
 
       bounds = sqrt(at%free**2 + (at%free_dot + m%xi*at%free)**2/((1 - m%xi)*(1 + m%xi)))
       bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))

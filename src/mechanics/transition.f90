@@ -10,7 +10,7 @@ module vi_transition
    implicit none (type, external)
    private
 
-   public :: new_transition, later
+   public :: new_transition, later, idle_time
 
    !> Sizes of cells: their half widths are 1, 2, 4 and 8 nodes.
    integer, parameter, public :: largest = 3
@@ -29,8 +29,8 @@ module vi_transition
       !> The forced part in phase with the load, and the one a quarter of a cycle behind: A cos, A sin
       !> of its lag.
       real(wp) :: in_phase = 0, behind = 0
-      !> Bounds on the derivatives of the forced part of orders 4 and 5.
-      real(wp) :: forced(4:5) = 0
+      !> Amplitudes of the derivatives of the forced part of orders 0, 4 and 5.
+      real(wp) :: forced(0:2) = 0
       !> Distance of the nodes, 1/8 of the shortest time scale.
       real(wp) :: h = 0
       !> The functions at t = j h.
@@ -67,7 +67,7 @@ contains
       m%r = r
       m%in_phase = in_phase
       m%behind = behind
-      m%forced = hypot(in_phase, behind)*[r**4, r**5]
+      m%forced = hypot(in_phase, behind)*[1.0_wp, r**4, r**5]
       m%h = 0.125_wp/max(1.0_wp, r)
       do n = 0, nodes
          m%table(:, n) = later(m, n*m%h)
@@ -165,5 +165,19 @@ contains
       c(:, 3) = f(3)*b(:, 3) - f(4)*b(:, 4)
       c(:, 4) = f(4)*b(:, 3) + f(3)*b(:, 4)
    end function shifted
+
+   !> How long both walls are out of reach, with a bound on |x|.
+   pure real(wp) function idle_time(at, half, bound) result(time)
+      type(moment_type), intent(in) :: at
+      real(wp), intent(in) :: half, bound
+      real(wp) :: reserve, speed
+
+      time = 0
+      if (.not. half - bound > abs(at%z)) return
+      reserve = half - bound - sign(1.0_wp, at%z_dot)*at%z
+      speed = abs(at%z_dot)
+      time = huge(1.0_wp)
+      if (reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) time = reserve/speed
+   end function idle_time
 
 end module vi_transition
