@@ -285,7 +285,7 @@ def _run(
     end = _later(now[0], cycles)
     span = max(1.0, SPAN * min(1.0, system[3]))
     tables, total = [], 0
-    chunk = int(min(CHUNK, 64 + 8 * (cycles + 1)))
+    chunk = int(min(CHUNK, 64 + 4 * (cycles + 1)))
     while True:
         stop = end if end[0] - now[0][0] <= span else (now[0][0] + span, 0.0)
         table = np.empty(min(chunk, max_events - total), dtype=EVENT_TYPE)
@@ -295,8 +295,7 @@ def _run(
         begun, now = (last, last_contact), (final, contact)
         total += n
         if keep and n:
-            table.resize(n, refcheck=False)
-            tables.append(table)
+            tables.append(table[:n] if 4 * n > table.size else table[:n].copy())
         if status not in (0, MORE_EVENTS):
             from .solve import status_text
 

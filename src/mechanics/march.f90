@@ -30,19 +30,26 @@ contains
    !> Marches from the wall just left, with a departure speed > 0, to the first contact.
    !!
    !! Returns without a side beyond the limit, or where a contact can neither be excluded nor isolated.
-   pure subroutine march(m, start, half, side, speed, limit, touch)
+   pure subroutine march(m, s, c, x, x_dot, z, z_dot, half, side, speed, limit, touch)
       type(transition_type), intent(in) :: m
-      type(moment_type), intent(in) :: start
+      !> Sine and cosine of the load phase, positions and velocities.
+      real(wp), intent(in) :: s, c, x, x_dot, z, z_dot
       !> Half the clearance.
       real(wp), intent(in) :: half
       !> The wall just left, and how fast.
       integer, intent(in) :: side
       real(wp), intent(in) :: speed, limit
       type(touch_type), intent(out) :: touch
-      type(moment_type) :: here
+      type(moment_type) :: start, here
       real(wp) :: base, idle, bounds(0:2), toward
       integer :: a, k, n, size, left
 
+      start%sine = m%in_phase*s - m%behind*c
+      start%cosine = m%in_phase*c + m%behind*s
+      start%free = x - start%sine
+      start%free_dot = x_dot - m%r*start%cosine
+      start%z = z
+      start%z_dot = z_dot
       here = start
       base = 0
       a = 0
@@ -171,26 +178,33 @@ contains
       real(wp), intent(in) :: w
       type(touch_type), intent(inout) :: touch
       type(moment_type) :: middle, at
-      real(wp) :: t, s, s2, last, x_dot, y(0:5)
+      real(wp) :: origin, t, s, s2, last, x_dot, y(0:5)
       integer :: i
 
-      middle = moved(m, here, m%table(:, centre), centre*m%h)
+      origin = centre*m%h
+      middle = moved(m, here, m%table(:, centre), origin)
       at = middle
       t = 0
       do i = 1, 20
          y = forward(m, at)
          call revert(y, toward*half, s, last)
-         if (abs(last) <= 8e-13_wp*m%h .and. abs(s) <= 0.05_wp*m%h) then
-            touch%side = merge(1, -1, toward > 0)
-            touch%time = max(0.0_wp, centre*m%h + (t + s))
-            x_dot = at%free_dot + m%r*at%cosine
-            s2 = s*s
-            touch%x_dot = (x_dot - s*y(2)) - s2*((0.5_wp*y(3) + s*sixth*y(4)) + s2*(by_24*y(5)))
-            touch%x = ((at%free + at%sine) + s*x_dot) - s2*((0.5_wp*y(2) + s*sixth*y(3)) &
-               + s2*(by_24*y(4) + s*by_120*y(5)))
-            return
+         if (abs(last) <= 8e-13_wp*m%h .and. abs(s) <= 0.016_wp*m%h) then
+            if (origin + t > m%h .or. .not. origin > 0) then
+               touch%side = merge(1, -1, toward > 0)
+               touch%time = max(0.0_wp, origin + (t + s))
+               x_dot = at%free_dot + m%r*at%cosine
+               s2 = s*s
+               touch%x_dot = (x_dot - s*y(2)) - s2*((0.5_wp*y(3) + s*sixth*y(4)) + s2*(by_24*y(5)))
+               touch%x = ((at%free + at%sine) + s*x_dot) - s2*((0.5_wp*y(2) + s*sixth*y(3)) &
+                  + s2*(by_24*y(4) + s*by_120*y(5)))
+               return
+            end if
+            ! of a short flight all digits of the time are wanted: counted from its start
+            middle = here
+            t = origin + t
+            origin = 0
          end if
-         t = min(max(t + s, -w), w)
+         t = min(max(t + s, -origin, -w), w)
          at = moved(m, middle, nearby(m, t), t)
       end do
       touch%time = centre*m%h - w
@@ -221,7 +235,7 @@ contains
       type(moment_type) :: to
 
       to%free = f(1)*from%free + f(2)*from%free_dot
-      to%free_dot = f(1)*from%free_dot - f(2)*(from%free + 2*m%xi*from%free_dot)
+      to%free_dot = f(1)*from%free_dot - f(2)*(from%free + m%two_xi*from%free_dot)
       to%sine = f(3)*from%sine + f(4)*from%cosine
       to%cosine = f(3)*from%cosine - f(4)*from%sine
       to%z = from%z + from%z_dot*t
@@ -269,18 +283,18 @@ contains
       real(wp) :: y(0:5)
       real(wp) :: f2, f3, f4, f5, p2, p3
 
-      f2 = -(2*m%xi*at%free_dot + at%free)
-      f3 = -(2*m%xi*f2 + at%free_dot)
-      f4 = -(2*m%xi*f3 + f2)
-      f5 = -(2*m%xi*f4 + f3)
-      p2 = m%r**2*at%sine
-      p3 = m%r**2*(m%r*at%cosine)
+      f2 = -(m%two_xi*at%free_dot + at%free)
+      f3 = -(m%two_xi*f2 + at%free_dot)
+      f4 = -(m%two_xi*f3 + f2)
+      f5 = -(m%two_xi*f4 + f3)
+      p2 = m%r2*at%sine
+      p3 = m%r2*(m%r*at%cosine)
       y(0) = at%z - (at%free + at%sine)
       y(1) = at%z_dot - (at%free_dot + m%r*at%cosine)
       y(2) = p2 - f2
       y(3) = p3 - f3
-      y(4) = -(f4 + m%r**2*p2)
-      y(5) = -(f5 + m%r**2*p3)
+      y(4) = -(f4 + m%r2*p2)
+      y(5) = -(f5 + m%r2*p3)
    end function forward
 
    !> Bounds on the derivatives of x of orders 0, 4 and 5 from a moment on.
@@ -292,7 +306,7 @@ contains
       type(moment_type), intent(in) :: at
       real(wp) :: bounds(0:2)
 
-      bounds = sqrt(at%free**2 + (at%free_dot + m%xi*at%free)**2/((1 - m%xi)*(1 + m%xi)))
+      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
       bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
    end function bounds_after
 

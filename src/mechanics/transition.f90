@@ -26,6 +26,8 @@ module vi_transition
    !! sin(r t).
    type, public :: transition_type
       real(wp) :: xi = 0, r = 1
+      !> 2 xi, r^2 and 1/(1 - xi^2).
+      real(wp) :: two_xi = 0, r2 = 1, inverse = 1
       !> The forced part in phase with the load, and the one a quarter of a cycle behind: A cos, A sin
       !> of its lag.
       real(wp) :: in_phase = 0, behind = 0
@@ -65,6 +67,9 @@ contains
 
       m%xi = xi
       m%r = r
+      m%two_xi = 2*xi
+      m%r2 = r**2
+      m%inverse = 1/((1 - xi)*(1 + xi))
       m%in_phase = in_phase
       m%behind = behind
       m%forced = hypot(in_phase, behind)*[1.0_wp, r**4, r**5]

@@ -11,7 +11,6 @@ module vi_simulate
    use vi_oscillator, only: left, oscillator_type, right
    use vi_rest, only: new_rest, release_time
    use vi_status, only: stat
-   use vi_transition, only: moment_type
    implicit none (type, external)
    private
 
@@ -106,42 +105,44 @@ contains
       type(event_type), intent(inout) :: event
       logical, intent(out) :: found
       integer, intent(inout) :: status
-      type(moment_type) :: start
-      type(contact_type) :: contact
       type(touch_type) :: touch
-      real(wp) :: half
+      real(wp) :: half, approach
 
       found = .false.
       half = 0.5_wp*drive%clearance
       if (state%side /= 0 .and. state%speed > 0) then
-         associate (m => drive%transition)
-            start%sine = m%in_phase*s - m%behind*c
-            start%cosine = m%in_phase*c + m%behind*s
-            start%free = state%x - start%sine
-            start%free_dot = state%x_dot - m%r*start%cosine
-            start%z = state%z
-            start%z_dot = state%z_dot
-            call march(m, start, half, state%side, state%speed, remaining, touch)
-         end associate
+         call march(drive%transition, s, c, state%x, state%x_dot, state%z, state%z_dot, half, &
+            state%side, state%speed, remaining, touch)
+         if (touch%time > remaining) return
+         approach = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
       end if
-      if (touch%time > remaining) return
-      if (touch%side == 0) then
-         contact = first_contact(flight_from(drive, state, remaining), half, &
-            departure_from(state, half), remaining, touch%time)
-         if (.not. contact%complete) status = stat%budget
-         if (contact%side == 0) return
-         touch = touch_type(contact%side, contact%time, contact%d(0), contact%d(1))
-      else
-         contact%speed = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
-      end if
+      if (touch%side == 0) call search(drive, state, half, remaining, touch, approach, status)
+      if (touch%side == 0) return
       found = .true.
       state%released = .false.
       call move(state, drive%r*touch%time)
       state%x = touch%x
       state%side = touch%side
       state%z = touch%x + touch%side*half
-      call collide(drive%osc, touch%side, contact%speed, touch%x_dot, state, event)
+      call collide(drive%osc, touch%side, approach, touch%x_dot, state, event)
    end subroutine fly_on
+
+   !> The plain search for the next contact, from where the march has ended.
+   pure subroutine search(drive, state, half, remaining, touch, approach, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: half, remaining
+      type(touch_type), intent(inout) :: touch
+      real(wp), intent(out) :: approach
+      integer, intent(inout) :: status
+      type(contact_type) :: contact
+
+      contact = first_contact(flight_from(drive, state, remaining), half, &
+         departure_from(state, half), remaining, touch%time)
+      if (.not. contact%complete) status = stat%budget
+      touch = touch_type(contact%side, contact%time, contact%d(0), contact%d(1))
+      approach = contact%speed
+   end subroutine search
 
    !> How the flight from a state begins; one given from outside may be on a wall and collide at once.
    pure function departure_from(state, half) result(departure)

@@ -30,14 +30,14 @@ contains
       integer, intent(inout) :: contact(:)
       real(wp), intent(in) :: last_cycle, last_phase
       !> (4, right and left, kind): what stands in the records for them; copied, never computed with.
-      real(wp), intent(in) :: names(:, :, :)
-      real(wp), intent(inout) :: table(:, :)
+      real(wp), intent(in) :: names(4, 2, 3)
+      real(wp), intent(inout), contiguous :: table(:, :)
       integer, intent(out) :: n
       !> The state at the end.
       real(wp), intent(out) :: final_state(:)
       integer, intent(out) :: final_contact(:)
       integer, intent(out) :: status
-      integer, parameter :: block = 512
+      integer, parameter :: block = 128
       type(state_type) :: now, final
       type(event_type) :: events(block)
       integer :: i, found
