@@ -205,14 +205,14 @@ subroutine read_namelist(n_path, path, room, text, length, status)
    end do
 end subroutine read_namelist
 
-!> Simulates from a state to an end of time, or until `room` events are found.
+!> Simulates from a state to an end of time, or until there are more than `room` events.
 !!
 !! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released).
 !! `last_*` is where the last flight or rest began (going on from there is bit for bit), `end_*` the
-!! end. Rows of `values`: time, phase, x, x' before and after, z' before and after; of `labels`:
-!! kind, side.
+!! end. A column of `table` is a record of an event: time, four words of `names` (right and left,
+!! kind), phase, x, x' before and after, z' before and after.
 subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycle, last_phase, &
-      room, values, labels, n_events, last_state, last_contact, end_state, end_contact, status)
+   names, room, table, n_events, last_state, last_contact, end_state, end_contact, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_trajectory, only: simulate_arrays
    use vi_oscillator, only: oscillator_type
@@ -221,15 +221,15 @@ subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycl
    !f2py threadsafe
    integer(c_int), intent(in) :: contact(3), room
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, state(7), last_cycle, &
-      last_phase
-   real(c_double), intent(out) :: values(7, room), last_state(7), end_state(7)
-   integer(c_int), intent(out) :: labels(2, room), n_events, last_contact(3), end_contact(3), &
-      status
+      last_phase, names(4, 2, 3)
+   real(c_double), intent(inout) :: table(11, room)
+   real(c_double), intent(out) :: last_state(7), end_state(7)
+   integer(c_int), intent(out) :: n_events, last_contact(3), end_contact(3), status
 
    last_state = state
    last_contact = contact
    call simulate_arrays(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), &
-      last_state, last_contact, last_cycle, last_phase, values, labels, n_events, end_state, &
+      last_state, last_contact, last_cycle, last_phase, names, table, n_events, end_state, &
       end_contact, status)
 end subroutine simulate
 

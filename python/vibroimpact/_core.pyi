@@ -132,7 +132,7 @@ class _ReadNamelist(Protocol):
 
 @type_check_only
 class _Simulate(Protocol):
-    # values, labels, n_events, last_state, last_contact, end_state, end_contact, status
+    # n_events, last_state, last_contact, end_state, end_contact, status
     def __call__(
         self,
         xi: float,
@@ -145,8 +145,10 @@ class _Simulate(Protocol):
         contact: ArrayLike,
         last_cycle: float,
         last_phase: float,
-        room: int,
-    ) -> tuple[_Real, _Integer, int, _Real, _Integer, _Real, _Integer, int]: ...
+        names: ArrayLike,
+        table: _Real,
+        room: int = ...,
+    ) -> tuple[int, _Real, _Integer, _Real, _Integer, int]: ...
 
 @type_check_only
 class _SampleTrajectory(Protocol):

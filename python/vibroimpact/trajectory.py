@@ -27,8 +27,12 @@ EVENT_TYPE = np.dtype(
         ("x_dot_before", "f8"), ("x_dot_after", "f8"), ("z_dot_before", "f8"), ("z_dot_after", "f8"),
     ]
 )  # fmt: skip
-#: Events that one call of the core finds at most; between calls Ctrl-C is heard.
-CHUNK = 65_536
+#: What stands for side and kind in a record, as four numbers that are copied and no more.
+NAMES = np.zeros((3, 2), dtype=EVENT_TYPE)
+NAMES["kind"], NAMES["side"] = KINDS[1:, None], ("R", "L")
+WORDS = np.asfortranarray(NAMES.view(np.float64).reshape(3, 2, 11)[..., 1:5].T)
+#: Events and load cycles that one call of the core finds at most: between calls Ctrl-C is heard.
+CHUNK, SPAN = 65_536, 1_000_000
 MORE_EVENTS = 8
 
 #: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on without loss.
@@ -247,14 +251,14 @@ def simulate(
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
     now, begun = _start(system, state)
     if discard:
-        _, _, now, begun, complete = _run(system, now, begun, discard, max_events, keep=False)
+        _, now, begun, complete = _run(system, now, begun, discard, max_events, keep=False)
         if not complete:
             raise ParameterError(
                 f"max_events = {max_events}: was reached within the discarded cycles"
             )
     first = _state(system, now, begun)
-    numbers, labels, now, begun, complete = _run(system, now, begun, cycles, max_events, keep=True)
-    events = event_table(numbers, labels)
+    events, now, begun, complete = _run(system, now, begun, cycles, max_events, keep=True)
+    events.flags.writeable = False
     return Trajectory(osc, r, clearance, load, events, first, _state(system, now, begun), complete)
 
 
@@ -265,14 +269,14 @@ _System = tuple[float, float, tuple[float, float], float, float, float]
 
 def _run(
     system: _System, now: _Moment, begun: _Moment, cycles: float, max_events: int, *, keep: bool
-) -> tuple[NDArray[np.float64], NDArray[np.int32], _Moment, _Moment, bool]:
+) -> tuple[NDArray[Any], _Moment, _Moment, bool]:
     """Simulate some cycles in chunks.
 
     `now` is the moment from which the cycles count, and `begun` where its flight or rest began.
 
     Returns
     -------
-    numbers, labels : ndarray
+    events : ndarray
         The events, if they are to be kept.
     now, begun
         The same of the end.
@@ -280,28 +284,29 @@ def _run(
         Whether the end was reached.
     """
     end = _later(now[0], cycles)
-    numbers, labels, total = [], [], 0
-    chunk = int(min(CHUNK, 64 + 8 * (cycles + 1)))
+    span = max(1.0, SPAN * min(1.0, system[3]))
+    tables, total = [], 0
+    chunk = int(min(CHUNK, 64 + 4 * (cycles + 1)))
     while True:
-        room = min(chunk, max_events - total + 1)
-        found, kinds, n, last, last_contact, final, contact, status = _core.simulate(
-            *system, *begun, *end, max(room, 2)
+        stop = end if end[0] - now[0][0] <= span else (now[0][0] + span, 0.0)
+        table = np.empty(min(chunk, max_events - total), dtype=EVENT_TYPE)
+        n, last, last_contact, final, contact, status = _core.simulate(
+            *system, *begun, *stop, WORDS, table.view(np.float64).reshape(-1, 11).T
         )
         begun, now = (last, last_contact), (final, contact)
-        if keep:
-            numbers.append(found[:, :n])
-            labels.append(kinds[:, :n])
         total += n
-        if status == 0 or (status == MORE_EVENTS and total >= max_events):
-            break
-        if status != MORE_EVENTS:
+        if keep and n:
+            tables.append(table[:n] if 4 * n > table.size else table[:n].copy())
+        if status not in (0, MORE_EVENTS):
             from .solve import status_text
 
             raise SingularError(status_text(status))
-        chunk = CHUNK
-    if not keep:
-        return np.empty((7, 0)), np.empty((2, 0), dtype=np.int32), now, begun, status == 0
-    return np.concatenate(numbers, axis=1), np.concatenate(labels, axis=1), now, begun, status == 0
+        if status == 0 and stop is end or status == MORE_EVENTS and total == max_events:
+            break
+        if status == MORE_EVENTS:
+            chunk = CHUNK
+    events = tables[0] if len(tables) == 1 else np.concatenate([np.empty(0, EVENT_TYPE), *tables])
+    return events, now, begun, status == 0
 
 
 def _later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:

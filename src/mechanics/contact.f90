@@ -1,10 +1,12 @@
 !> First contact: the first instant at which the free mass reaches a wall, and none before is
 !! missed.
 !!
+!! This is the plain way, which takes any flight; vi_march is the fast one for ordinary flights,
+!! comes back to this where it cannot decide, and is tested against it.
+!!
 !! From any instant a bound on the fourth derivative of the gaps tells how long neither can close;
-!! steps
-!! of that length cannot jump over a contact, however short it is, and converge to it with third
-!! order.
+!! steps of that length cannot jump over a contact, however short it is, and converge to it with
+!! third order.
 !! In the first moments after leaving a wall the gap to that wall is a small difference of large
 !! numbers. There its Taylor series is used instead: g(t) = t k(t) with k(0) the departure speed, so
 !! that flights in an accumulation of impacts keep their relative accuracy.
@@ -12,13 +14,14 @@ module vi_contact
    use vi_advance, only: safe_step
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
-   use vi_oscillation, only: amplitude_bound, derivative_bound, derivatives
+   use vi_oscillation, only: derivative_bound, derivatives
    implicit none (type, external)
    private
 
    public :: first_contact
 
    !> How a flight begins: on a wall (side +1 or -1) with a departure speed, or inside (side 0).
+   !! With a negative speed it begins with a contact.
    type, public :: departure_type
       integer :: side = 0
       real(wp) :: speed = 0
@@ -46,27 +49,39 @@ module vi_contact
 contains
 
    !> The first contact of a flight with a wall within a time limit.
-   pure function first_contact(flight, half, departure, limit) result(contact)
+   pure function first_contact(flight, half, departure, limit, from) result(contact)
       type(flight_type), intent(in) :: flight
       !> Half the clearance: the walls are at y = -half and y = +half.
       real(wp), intent(in) :: half
       type(departure_type), intent(in) :: departure
       real(wp), intent(in) :: limit
+      !> No contact is before this time; by default the start.
+      real(wp), intent(in), optional :: from
       type(contact_type) :: contact
       real(wp) :: t, step, other, reach, bound, near, far(2), k(0:terms - 1), d(0:5)
       integer :: n, first, side
 
+      if (departure%side /= 0 .and. departure%speed < 0) then
+         contact%side = departure%side
+         contact%speed = -departure%speed
+         contact%d = derivatives(flight, 0.0_wp)
+         return
+      end if
       t = 0
+      if (present(from)) t = from
       near = 0
       reach = 3/max(1.0_wp, flight%r)
-      bound = derivative_bound(flight, 4, 0.0_wp)
-      far = out_of_reach(flight, half)
+      bound = derivative_bound(flight, 4, t)
+      far = out_of_reach(flight, half, t)
       if (departure%side /= 0) then
          near = taylor_time/max(1.0_wp, flight%r)
          k = gap_series(flight, departure)
       end if
       do n = 1, step_budget
-         if (mod(n, 16) == 0) bound = derivative_bound(flight, 4, t)
+         if (mod(n, 16) == 0) then
+            bound = derivative_bound(flight, 4, t)
+            far = max(far, out_of_reach(flight, half, t))
+         end if
          d = derivatives(flight, t)
          ! the wall that is approached first: the other one need only be as far
          first = merge(1, -1, flight%z_dot >= d(1))
@@ -104,21 +119,22 @@ contains
       end function gap_step
    end function first_contact
 
-   !> Times before which the walls (right, left) are out of the reach of the primary mass.
-   pure function out_of_reach(flight, half) result(time)
+   !> Times before which the walls (right, left) are out of the reach of the primary mass, as seen
+   !! at time t.
+   pure function out_of_reach(flight, half, t) result(time)
       type(flight_type), intent(in) :: flight
-      real(wp), intent(in) :: half
+      real(wp), intent(in) :: half, t
       real(wp) :: time(2), reserve, speed
       integer :: i, side
 
       do i = 1, 2
          side = 3 - 2*i
-         reserve = half - side*flight%z - amplitude_bound(flight)
+         reserve = half - side*(flight%z + flight%z_dot*t) - derivative_bound(flight, 0, t)
          speed = side*flight%z_dot
          time(i) = 0
          if (.not. reserve > 0) cycle
          time(i) = huge(1.0_wp)
-         if (speed > 0 .and. reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) time(i) = reserve/speed
+         if (speed > 0 .and. reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) time(i) = t + reserve/speed
       end do
    end function out_of_reach
 

@@ -7,7 +7,7 @@ module vi_oscillation
    implicit none (type, external)
    private
 
-   public :: new_oscillation, derivatives, derivative_bound, amplitude_bound
+   public :: new_oscillation, derivatives, derivative_bound
 
    type, public :: oscillation_type
       !> Decay rate and frequency of the free part, both over omega.
@@ -70,12 +70,5 @@ contains
       bound = hypot(o%a, o%b)*exp(-o%decay*t)*sqrt(o%decay**2 + o%frequency**2)**n + &
          abs(o%amplitude)*o%r**n
    end function derivative_bound
-
-   !> A bound on |x| itself from time 0 on.
-   pure real(wp) function amplitude_bound(o) result(bound)
-      class(oscillation_type), intent(in) :: o
-
-      bound = hypot(o%a, o%b) + abs(o%amplitude)
-   end function amplitude_bound
 
 end module vi_oscillation

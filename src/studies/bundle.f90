@@ -68,7 +68,8 @@ contains
       counts = 0
       total = 0
       do
-         call simulate(drive, state, last_cycle, last_phase, events, n, final, status)
+         call simulate(drive, state, last_cycle, last_phase, &
+            events(:min(chunk, most_events - total)), n, final, status)
          counts(1) = counts(1) + count(events(:n)%kind == impact_event)
          counts(2) = counts(2) + count(events(:n)%kind == stick_event)
          total = total + n

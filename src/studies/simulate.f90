@@ -2,70 +2,25 @@
 module vi_simulate
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_contact, only: contact_type, departure_type, first_contact
-   use vi_flight, only: flight_position, flight_type, new_flight
+   use vi_drive, only: drive_type, event_type, impact_event, new_drive, on_wall, release_event, &
+      state_time, state_type, stick_event, two_pi
+   use vi_flight, only: flight_type, new_flight
    use vi_kinds, only: wp
+   use vi_march, only: march, touch_type
    use vi_oscillation, only: derivatives, oscillation_type
-   use vi_oscillator, only: gain, lag, left, oscillator_type, right
+   use vi_oscillator, only: left, oscillator_type, right
    use vi_rest, only: new_rest, release_time
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: new_drive, simulate, state_time
-
-   !> Kinds of events.
-   integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
-
-   !> The system in motion: oscillator, frequency ratio, load amplitude f, clearance (same unit).
-   type, public :: drive_type
-      type(oscillator_type) :: osc
-      real(wp) :: r = 1, load = 1, clearance = 1
-      !> Amplitude of the motion without impacts, and its lag behind the load, equation (4).
-      real(wp) :: amplitude = 0, lag = 0
-   end type drive_type
-
-   !> Where the system is. The load phase r t is kept as whole cycles and the rest, so that its
-   !! error
-   !> does not grow with time.
-   type, public :: state_type
-      integer(int64) :: cycle = 0
-      !> In [0, 2 pi).
-      real(wp) :: phase = 0
-      real(wp) :: x = 0, x_dot = 0, z = 0, z_dot = 0
-      !> +1 or -1 while on a wall, 0 inside.
-      integer :: side = 0
-      !> On a wall: the departure speed, whether the free mass rests there or was just released.
-      real(wp) :: speed = 0
-      logical :: resting = .false., released = .false.
-   end type state_type
-
-   type, public :: event_type
-      integer :: kind, side
-      integer(int64) :: cycle
-      real(wp) :: phase, x, x_dot_before, x_dot_after, z_dot_before, z_dot_after
-   end type event_type
+   public :: simulate
+   public :: drive_type, event_type, new_drive, state_time, state_type
+   public :: impact_event, stick_event, release_event
 
 contains
 
-   pure function new_drive(osc, r, load, clearance) result(drive)
-      type(oscillator_type), intent(in) :: osc
-      real(wp), intent(in) :: r, load, clearance
-      type(drive_type) :: drive
-
-      drive = drive_type(osc, r, load, clearance, load*gain(osc%xi, r), lag(osc%xi, r))
-   end function new_drive
-
-   !> Time of a state in 1/omega.
-   pure real(wp) function state_time(cycle, phase, r) result(time)
-      integer(int64), intent(in) :: cycle
-      real(wp), intent(in) :: phase, r
-
-      time = (two_pi*real(cycle, wp) + phase)/r
-   end function state_time
-
-   !> Goes on from a state to an end of time, or until the events are full.
+   !> Goes on from a state to an end of time, or until there are more events than room for them.
    !!
    !! Ending because the events are full loses nothing: calling again goes on bit for bit.
    pure subroutine simulate(drive, state, last_cycle, last_phase, events, n, final, status)
@@ -78,37 +33,32 @@ contains
       type(event_type), intent(inout) :: events(:)
       !> Events found.
       integer, intent(out) :: n
-      !> The state at the end (if the events were full first: where that was).
+      !> The state at the end (if there are more events: that after the last one).
       type(state_type), intent(out) :: final
-      !> `stat%ok`, `stat%more_events` (full before the end) or `stat%budget`.
+      !> `stat%ok`, `stat%more_events` or `stat%budget`.
       integer, intent(out) :: status
+      type(state_type) :: next
+      type(event_type) :: extra
       real(wp) :: remaining
-      logical :: finished
+      logical :: found
 
       n = 0
       status = stat%ok
       do
-         final = state
          remaining = time_left(drive, state, last_cycle, last_phase)
-         if (n + 2 > size(events)) then
-            status = stat%more_events
-            return
-         end if
-         if (state%resting) then
-            call rest_on(drive, state, remaining, events(n + 1), final, finished, status)
-            if (.not. finished .and. status == stat%ok) n = n + 1
+         if (n < size(events)) then
+            call go_on(drive, state, remaining, events(n + 1), found, status)
          else
-            call fly_on(drive, state, remaining, events(n + 1), final, finished, status)
-            if (.not. finished .and. status == stat%ok) then
-               n = n + 1
-               call accumulate(drive, state, time_left(drive, state, last_cycle, last_phase), &
-                  events(n + 1))
-               if (state%resting) n = n + 1
-            end if
+            next = state
+            call go_on(drive, next, remaining, extra, found, status)
+            if (found) status = stat%more_events
          end if
-         if (status /= stat%ok) return
-         if (finished) exit
+         if (.not. found .or. status /= stat%ok) exit
+         n = n + 1
       end do
+      final = state
+      if (status /= stat%ok) return
+      call move_on(drive, remaining, final)
       final%cycle = last_cycle
       final%phase = last_phase
    end subroutine simulate
@@ -123,49 +73,100 @@ contains
       time_left = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase - state%phase))/drive%r
    end function time_left
 
-   !> Flies to the next impact and through it, or to the end of time.
-   pure subroutine fly_on(drive, state, remaining, event, final, finished, status)
+   !> Goes on to the next event and through it. If none is found, the state is left as it is.
+   pure subroutine go_on(drive, state, remaining, event, found, status)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
       real(wp), intent(in) :: remaining
       type(event_type), intent(inout) :: event
-      !> The state at the end of time, if that comes first.
-      type(state_type), intent(inout) :: final
-      logical, intent(out) :: finished
+      logical, intent(out) :: found
       integer, intent(inout) :: status
-      type(flight_type) :: flight
-      type(contact_type) :: contact
-      real(wp) :: d(0:5), half
+      real(wp) :: s, c
 
-      associate (osc => drive%osc)
-         half = 0.5_wp*drive%clearance
-         flight = new_flight(osc%xi, drive%r, drive%amplitude, &
-            state%phase - drive%lag, state%x, state%x_dot, state%z, state%z_dot, remaining)
-         contact = first_contact(flight, half, &
-            departure_type(state%side, state%speed, state%released), remaining)
-         finished = contact%side == 0
-         if (.not. contact%complete) then
-            status = stat%budget
-            return
-         end if
-         if (finished) then
-            d = derivatives(flight, remaining)
-            final%x = d(0)
-            final%x_dot = d(1)
-            final%z = flight_position(flight, remaining)
-            final%side = 0
-            final%speed = 0
-            final%released = .false.
-            return
-         end if
-         state%released = .false.
-         call move(state, drive%r*contact%time)
-         state%x = contact%d(0)
-         state%side = contact%side
-         state%z = state%x + contact%side*half
-         call collide(osc, contact%side, contact%speed, contact%d(1), state, event)
-      end associate
+      if (state%resting) then
+         call rest_on(drive, state, remaining, event, found, status)
+         return
+      end if
+      s = sin(state%phase)
+      c = cos(state%phase)
+      found = .false.
+      if (state%side /= 0 .and. .not. state%released) &
+         call accumulate(drive, state, s, c, remaining, event, found)
+      if (.not. found) call fly_on(drive, state, s, c, remaining, event, found, status)
+   end subroutine go_on
+
+   !> Flies to the next impact and through it, as far as possible by marching.
+   pure subroutine fly_on(drive, state, s, c, remaining, event, found, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(inout) :: state
+      !> Sine and cosine of the load phase.
+      real(wp), intent(in) :: s, c
+      real(wp), intent(in) :: remaining
+      type(event_type), intent(inout) :: event
+      logical, intent(out) :: found
+      integer, intent(inout) :: status
+      type(touch_type) :: touch
+      real(wp) :: half, approach
+
+      found = .false.
+      half = 0.5_wp*drive%clearance
+      if (state%side /= 0 .and. state%speed > 0) then
+         call march(drive%transition, s, c, state%x, state%x_dot, state%z, state%z_dot, half, &
+            state%side, state%speed, remaining, touch)
+         if (touch%time > remaining) return
+         approach = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
+      end if
+      if (touch%side == 0) call search(drive, state, half, remaining, touch, approach, status)
+      if (touch%side == 0) return
+      found = .true.
+      state%released = .false.
+      call move(state, drive%r*touch%time)
+      state%x = touch%x
+      state%side = touch%side
+      state%z = touch%x + touch%side*half
+      call collide(drive%osc, touch%side, approach, touch%x_dot, state, event)
    end subroutine fly_on
+
+   !> The plain search for the next contact, from where the march has ended.
+   pure subroutine search(drive, state, half, remaining, touch, approach, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: half, remaining
+      type(touch_type), intent(inout) :: touch
+      real(wp), intent(out) :: approach
+      integer, intent(inout) :: status
+      type(contact_type) :: contact
+
+      contact = first_contact(flight_from(drive, state, remaining), half, &
+         departure_from(state, half), remaining, touch%time)
+      if (.not. contact%complete) status = stat%budget
+      touch = touch_type(contact%side, contact%time, contact%d(0), contact%d(1))
+      approach = contact%speed
+   end subroutine search
+
+   !> How the flight from a state begins; one given from outside may be on a wall and collide at once.
+   pure function departure_from(state, half) result(departure)
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: half
+      type(departure_type) :: departure
+      real(wp) :: approach
+
+      departure = departure_type(state%side, state%speed, state%released)
+      if (state%side /= 0 .or. .not. on_wall(state%z - state%x, half)) return
+      approach = sign(1.0_wp, state%z - state%x)*(state%z_dot - state%x_dot)
+      if (approach > 0) departure = departure_type(merge(1, -1, state%z > state%x), -approach)
+   end function departure_from
+
+   !> The flight that begins at a state.
+   pure function flight_from(drive, state, duration) result(flight)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: duration
+      type(flight_type) :: flight
+
+      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, state%phase - drive%lag, &
+         state%x, state%x_dot, state%z, state%z_dot, duration)
+   end function flight_from
 
    !> Velocities through an impact, from the momentum and the reversed approach speed: (11), (12).
    !!
@@ -177,14 +178,16 @@ contains
       real(wp), intent(in) :: approach, x_dot
       type(state_type), intent(inout) :: state
       type(event_type), intent(inout) :: event
-      real(wp) :: restitution, momentum
 
-      restitution = osc%restitution(merge(right, left, side > 0))
-      event = event_type(impact_event, side, state%cycle, state%phase, state%x, x_dot, 0.0_wp, &
-         x_dot + side*approach, 0.0_wp)
-      state%speed = restitution*approach
-      momentum = x_dot + osc%mu*event%z_dot_before
-      state%x_dot = (momentum + osc%mu*side*state%speed)/(1 + osc%mu)
+      event%kind = impact_event
+      event%side = side
+      event%cycle = state%cycle
+      event%phase = state%phase
+      event%x = state%x
+      event%x_dot_before = x_dot
+      event%z_dot_before = x_dot + side*approach
+      state%speed = osc%restitution(merge(right, left, side > 0))*approach
+      state%x_dot = x_dot + osc%mu/(1 + osc%mu)*(side*((approach + state%speed)))
       state%z_dot = state%x_dot - side*state%speed
       event%x_dot_after = state%x_dot
       event%z_dot_after = state%z_dot
@@ -193,33 +196,32 @@ contains
    !> Completes an accumulation of impacts, where the rest of it is short enough.
    !!
    !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
-   !! take
-   !! T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next
-   !! order
-   !! is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
-   !! that has
-   !! to be below 1e-16.
-   pure subroutine accumulate(drive, state, remaining, event)
+   !! take T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next
+   !! order is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
+   !! that has to be below 1e-16.
+   pure subroutine accumulate(drive, state, s, c, remaining, event, found)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
+      !> Sine and cosine of the load phase.
+      real(wp), intent(in) :: s, c
       !> Time to the end; an accumulation that would go on beyond it is not completed.
       real(wp), intent(in) :: remaining
       type(event_type), intent(inout) :: event
-      real(wp), parameter :: time_error = 1.0e-16_wp
-      real(wp) :: x_ddot, closing, jerk, restitution, duration, velocity
+      logical, intent(inout) :: found
+      real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
+      real(wp) :: x_ddot, closing, jerk, lost, duration, velocity
 
       associate (osc => drive%osc)
-         x_ddot = drive%load*sin(state%phase) - 2*osc%xi*state%x_dot - state%x
+         x_ddot = drive%load*s - 2*osc%xi*state%x_dot - state%x
          closing = -state%side*x_ddot
          if (.not. closing > 0) return
-         restitution = osc%restitution(merge(right, left, state%side > 0))
          duration = 0
          if (state%speed > 0) then
-            if (.not. restitution < 1) return
-            duration = 2*state%speed/(closing*(1 - restitution))
-            jerk = abs(drive%load*drive%r*cos(state%phase)) + 2*osc%xi*abs(x_ddot) &
-               + abs(state%x_dot)
-            if (duration > min(1.0e-6_wp, remaining)) return
+            lost = closing*(1 - osc%restitution(merge(right, left, state%side > 0)))
+            if (.not. 2*state%speed <= longest*lost) return
+            duration = 2*state%speed/lost
+            jerk = abs(drive%load*drive%r*c) + 2*osc%xi*abs(x_ddot) + abs(state%x_dot)
+            if (duration > min(longest, remaining)) return
             if (jerk*duration**2 > time_error*closing) return
          end if
          velocity = (state%x_dot + osc%mu*state%z_dot)/(1 + osc%mu)
@@ -231,48 +233,65 @@ contains
          state%resting = .true.
          call move(state, drive%r*duration)
          event = event_type(stick_event, state%side, state%cycle, state%phase, state%x, &
-            state%x_dot, &
-            state%x_dot, state%z_dot, state%z_dot)
+            state%x_dot, state%x_dot, state%z_dot, state%z_dot)
+         found = .true.
       end associate
    end subroutine accumulate
 
-   !> Rests on the wall until the release, or the end of time.
-   pure subroutine rest_on(drive, state, remaining, event, final, finished, status)
+   !> Rests on the wall until the release.
+   pure subroutine rest_on(drive, state, remaining, event, found, status)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
       real(wp), intent(in) :: remaining
       type(event_type), intent(inout) :: event
-      !> The state at the end of time, if that comes first.
-      type(state_type), intent(inout) :: final
-      logical, intent(out) :: finished
+      logical, intent(out) :: found
       integer, intent(inout) :: status
-      type(oscillation_type) :: rest
-      real(wp) :: d(0:5), time
+      real(wp) :: time
       logical :: complete
 
-      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, &
-         state%x_dot)
-      call release_time(rest, state%side, remaining, time, complete)
-      finished = time > remaining
-      if (.not. complete) then
-         status = stat%budget
-         return
-      end if
-      time = min(time, remaining)
-      d = derivatives(rest, time)
-      final%x = d(0)
-      final%x_dot = d(1)
-      final%z = d(0) + 0.5_wp*state%side*drive%clearance
-      final%z_dot = d(1)
-      if (finished) return
-      state = final
+      call release_time(rest_from(drive, state), state%side, remaining, time, complete)
+      if (.not. complete) status = stat%budget
+      found = complete .and. time <= remaining
+      if (.not. found) return
+      call move_on(drive, time, state)
       call move(state, drive%r*time)
       state%resting = .false.
       state%released = .true.
       event = event_type(release_event, state%side, state%cycle, state%phase, state%x, &
-         state%x_dot, &
-         state%x_dot, state%z_dot, state%z_dot)
+         state%x_dot, state%x_dot, state%z_dot, state%z_dot)
    end subroutine rest_on
+
+   !> The joint oscillation of both masses from a state.
+   pure function rest_from(drive, state) result(rest)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      type(oscillation_type) :: rest
+
+      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, &
+         state%x_dot)
+   end function rest_from
+
+   !> Moves both masses on for a time in which nothing happens.
+   pure subroutine move_on(drive, time, state)
+      type(drive_type), intent(in) :: drive
+      real(wp), intent(in) :: time
+      type(state_type), intent(inout) :: state
+      real(wp) :: d(0:5)
+
+      if (state%resting) then
+         d = derivatives(rest_from(drive, state), time)
+         state%z = d(0) + 0.5_wp*state%side*drive%clearance
+         state%z_dot = d(1)
+      else
+         d = derivatives(flight_from(drive, state, time), time)
+         state%z = state%z + state%z_dot*time
+         state%side = 0
+         state%speed = 0
+         state%released = .false.
+      end if
+      state%x = d(0)
+      state%x_dot = d(1)
+   end subroutine move_on
 
    !> Advances the load phase.
    pure subroutine move(state, phase_step)
@@ -282,7 +301,8 @@ contains
 
       state%phase = state%phase + phase_step
       if (state%phase < two_pi) return
-      cycles = int(state%phase/two_pi, int64)
+      cycles = 1
+      if (state%phase >= 2*two_pi) cycles = int(state%phase/two_pi, int64)
       state%cycle = state%cycle + cycles
       state%phase = state%phase - two_pi*real(cycles, wp)
    end subroutine move

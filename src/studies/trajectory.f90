@@ -1,10 +1,12 @@
 !> Simulations as plain arrays: states, events, and the time history between them.
 module vi_trajectory
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_drive, only: on_wall
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_type, new_flight
    use vi_kinds, only: wp
    use vi_oscillation, only: derivatives, oscillation_type
+   use vi_oscillator, only: left, right
    use vi_rest, only: new_rest
    use vi_simulate, only: drive_type, event_type, simulate, state_time, state_type
    use vi_status, only: stat
@@ -18,32 +20,44 @@ module vi_trajectory
 
 contains
 
-   !> `simulate` between arrays.
-   !!
-   !! Rows of `values` (7, room): time, phase, x, x' before and after, z' before and after; of
-   !! `labels`
-   !! (2, room): kind, side.
-   pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, values, labels, &
-         n, final_state, final_contact, status)
+   !> `simulate` between arrays, events straight to the records of a table of 11 words each: time, 4
+   !! words of `names`, phase, x, x' before and after, z' before and after.
+   pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, names, table, n, &
+      final_state, final_contact, status)
       type(drive_type), intent(in) :: drive
       !> (7), (3) as in `pack_state`; on return where the last flight or rest began.
       real(wp), intent(inout) :: state(:)
       integer, intent(inout) :: contact(:)
       real(wp), intent(in) :: last_cycle, last_phase
-      real(wp), intent(out) :: values(:, :)
-      integer, intent(out) :: labels(:, :)
+      !> (4, right and left, kind): what stands in the records for them; copied, never computed with.
+      real(wp), intent(in) :: names(4, 2, 3)
+      real(wp), intent(inout), contiguous :: table(:, :)
       integer, intent(out) :: n
       !> The state at the end.
       real(wp), intent(out) :: final_state(:)
       integer, intent(out) :: final_contact(:)
       integer, intent(out) :: status
+      integer, parameter :: block = 128
       type(state_type) :: now, final
-      type(event_type), allocatable :: events(:)
+      type(event_type) :: events(block)
+      integer :: i, found
 
-      allocate (events(size(labels, 2)))
       now = unpack_state(state, contact)
-      call simulate(drive, now, int(last_cycle, int64), last_phase, events, n, final, status)
-      call store_events(events(:n), drive%r, values, labels)
+      n = 0
+      do
+         call simulate(drive, now, int(last_cycle, int64), last_phase, &
+            events(:min(block, size(table, 2) - n)), found, final, status)
+         do i = 1, found
+            associate (e => events(i), record => table(:, n + i))
+               record(1) = state_time(e%cycle, e%phase, drive%r)
+               record(2:5) = names(:, merge(right, left, e%side > 0), e%kind)
+               record(6:11) = [e%phase, e%x, e%x_dot_before, e%x_dot_after, e%z_dot_before, &
+                  e%z_dot_after]
+            end associate
+         end do
+         n = n + found
+         if (status /= stat%more_events .or. n == size(table, 2)) exit
+      end do
       call pack_state(now, state, contact)
       call pack_state(final, final_state, final_contact)
    end subroutine simulate_arrays
@@ -92,7 +106,7 @@ contains
       call later(final, cycles, last_cycle, last_phase)
       total = 0
       do
-         allocate (room(max(2, min(chunk, max_events - total + 1))))
+         allocate (room(min(chunk, max_events - total)))
          call simulate(drive, state, last_cycle, last_phase, room, n, final, status)
          if (keep) events = [events, room(:n)]
          deallocate (room)
@@ -133,7 +147,7 @@ contains
       state%z_dot = start(5)
       y = state%z - state%x
       half = 0.5_wp*drive%clearance
-      if (.not. abs(y) > half*(1 - 1.0e-12_wp)) return
+      if (.not. on_wall(y, half)) return
       state%side = merge(1, -1, y > 0)
       state%speed = state%side*(state%x_dot - state%z_dot)
       pull = state%side*(drive%load*sin(state%phase) - 2*drive%osc%xi*state%x_dot - state%x)

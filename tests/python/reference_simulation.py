@@ -118,7 +118,8 @@ def next_contact(system, state, left, limit):
     if left:
         speed = left * (state.v - state.w)
         closing = -left * acceleration(system, state)
-        if closing > 0 and 2 * speed / closing < SCAN:
+        # at a release both are 0 but for rounding
+        if speed > 0 and closing > 0 and 2 * speed / closing < SCAN:
             estimate = 2 * speed / closing
 
             def rest_of(t):

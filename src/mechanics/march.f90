@@ -1,0 +1,313 @@
+!> First contact of an ordinary flight, at the price of a few products.
+!!
+!! The flight is marched over in cells. In a cell y = z - x and y' are cubics to within a proven error,
+!! and Bernstein coefficients bound a cubic from both sides. They prove that a cell has no contact, or
+!! that y is monotone in it: then one contact is in it or none, which the end of the cell tells, and
+!! Newton's method finds it. Where neither can be proved (grazing, many contacts on end) even in the
+!! smallest cell, the march stops and says from when on `first_contact` of vi_contact has to look.
+module vi_march
+   use vi_kinds, only: wp
+   use vi_transition, only: first_cell, idle_time, largest, later, moment_type, nodes, &
+      terms, transition_type
+   implicit none (type, external)
+   private
+
+   public :: march
+
+   !> Cells after which a flight is left to `first_contact`.
+   integer, parameter :: cell_budget = 10000000
+   real(wp), parameter :: sixth = 1.0_wp/6, by_24 = 1.0_wp/24, by_120 = 1.0_wp/120
+
+   type, public :: touch_type
+      !> +1 or -1; 0 if there is no contact before `time`, and nothing is known about later.
+      integer :: side = 0
+      real(wp) :: time = 0
+      real(wp) :: x = 0, x_dot = 0
+   end type touch_type
+
+contains
+
+   !> Marches from the wall just left, with a departure speed > 0, to the first contact.
+   !!
+   !! Returns without a side beyond the limit, or where a contact can neither be excluded nor isolated.
+   pure subroutine march(m, s, c, x, x_dot, z, z_dot, half, side, speed, limit, touch)
+      type(transition_type), intent(in) :: m
+      !> Sine and cosine of the load phase, positions and velocities.
+      real(wp), intent(in) :: s, c, x, x_dot, z, z_dot
+      !> Half the clearance.
+      real(wp), intent(in) :: half
+      !> The wall just left, and how fast.
+      integer, intent(in) :: side
+      real(wp), intent(in) :: speed, limit
+      type(touch_type), intent(out) :: touch
+      type(moment_type) :: start, here
+      real(wp) :: base, idle, bounds(0:2), toward
+      integer :: a, k, n, size, left
+
+      start%sine = m%in_phase*s - m%behind*c
+      start%cosine = m%in_phase*c + m%behind*s
+      start%free = x - start%sine
+      start%free_dot = x_dot - m%r*start%cosine
+      start%z = z
+      start%z_dot = z_dot
+      here = start
+      base = 0
+      a = 0
+      left = side
+      bounds = bounds_after(m, here)
+      size = first_size(m, here, side, speed, bounds(2))
+      do n = 1, cell_budget
+         if (size < 0) exit
+         if (a >= nodes) then
+            base = base + a*m%h
+            a = 0
+            here = moved(m, start, later(m, base), base)
+            bounds = bounds_after(m, here)
+            idle = idle_time(here, half, bounds(0))
+            if (idle > 0) then
+               base = base + idle
+               if (base > limit) exit
+               here = moved(m, start, later(m, base), base)
+            end if
+         end if
+         if (base + a*m%h > limit) exit
+         k = 2**size
+         if (.not. clear(m, here, half, left, a, size, bounds(1))) then
+            toward = direction(m, here, a, size, bounds(2))
+            if (.not. abs(toward) > 0) then
+               size = size - 1
+               cycle
+            end if
+            if (toward*position(m, here, a + 2*k) >= half) then
+               ! the polynomials of `nearby` reach half as far as the largest cell
+               if (size == largest) then
+                  k = k/2
+                  if (toward*position(m, here, a + 2*k) < half) a = a + 2*k
+               end if
+               call pinpoint(m, here, half, toward, a + k, k*m%h, touch)
+               touch%time = base + touch%time
+               return
+            end if
+         end if
+         a = a + 2*k
+         if (size < largest .and. iand(a, 4*k - 1) == 0) size = size + 1
+         left = 0
+      end do
+      touch%time = base + a*m%h
+   end subroutine march
+
+   !> Size of the first cell: the wall just left is not hit again within it; or -1.
+   !!
+   !! The gap to that wall is t k(t), and the fourth derivative of k at most 1/5 of the fifth of x.
+   pure integer function first_size(m, at, side, speed, bound) result(size)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: at
+      integer, intent(in) :: side
+      !> Departure speed, and a bound on the fifth derivative of x.
+      real(wp), intent(in) :: speed, bound
+      real(wp) :: k(4)
+
+      do size = largest, 0, -1
+         k = combined(m%departure(:, :, size), at)
+         if (side < 0) k = -k
+         if (speed + min(k(1), k(2), k(3), k(4)) > 0.2_wp*bound*m%error(size)) return
+      end do
+   end function first_size
+
+   !> y at a node.
+   pure real(wp) function position(m, here, j) result(y)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: here
+      integer, intent(in) :: j
+      type(moment_type) :: at
+
+      at = moved(m, here, m%table(:, j), j*m%h)
+      y = at%z - (at%free + at%sine)
+   end function position
+
+   !> Whether a cell has no contact.
+   pure logical function clear(m, here, half, left, a, size, bound)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: here
+      real(wp), intent(in) :: half
+      !> A wall that is known to be out of question, or 0; first node of the cell, and its size.
+      integer, intent(in) :: left, a, size
+      !> On the fourth derivative of x.
+      real(wp), intent(in) :: bound
+      real(wp) :: x(4), z, step, reserve
+
+      x = combined(m%position(:, :, first_cell(size) + ishft(a, -size - 1)), here)
+      z = here%z + here%z_dot*(a*m%h)
+      step = here%z_dot*(2**(size + 1)*m%h*(1.0_wp/3))
+      x(1) = z - x(1)
+      x(2) = (z + step) - x(2)
+      x(3) = (z + 2*step) - x(3)
+      x(4) = (z + 3*step) - x(4)
+      reserve = half - bound*m%error(size)
+      clear = (left > 0 .or. max(x(1), x(2), x(3), x(4)) < reserve) &
+         .and. (left < 0 .or. min(x(1), x(2), x(3), x(4)) > -reserve)
+   end function clear
+
+   !> The sign of y' if it is the same in all of a cell, otherwise 0.
+   !!
+   !! A slope that falls to less than an eighth is left to smaller cells, so that Newton is safe.
+   pure real(wp) function direction(m, here, a, size, bound)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: here
+      integer, intent(in) :: a, size
+      !> On the fifth derivative of x.
+      real(wp), intent(in) :: bound
+      real(wp) :: v(4), error
+
+      v = here%z_dot - combined(m%velocity(:, :, first_cell(size) + ishft(a, -size - 1)), here)
+      direction = sign(1.0_wp, v(1))
+      v = direction*v
+      error = bound*m%error(size)
+      if (.not. min(v(1), v(2), v(3), v(4)) - error > &
+         0.125_wp*(max(v(1), v(2), v(3), v(4)) + error)) direction = 0
+   end function direction
+
+   !> The one contact in a cell in which y is monotone.
+   pure subroutine pinpoint(m, here, half, toward, centre, w, touch)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: here
+      real(wp), intent(in) :: half
+      !> The wall; middle node and half width of the cell.
+      real(wp), intent(in) :: toward
+      integer, intent(in) :: centre
+      real(wp), intent(in) :: w
+      type(touch_type), intent(inout) :: touch
+      type(moment_type) :: middle, at
+      real(wp) :: origin, t, s, s2, last, x_dot, y(0:5)
+      integer :: i
+
+      origin = centre*m%h
+      middle = moved(m, here, m%table(:, centre), origin)
+      at = middle
+      t = 0
+      do i = 1, 20
+         y = forward(m, at)
+         call revert(y, toward*half, s, last)
+         if (abs(last) <= 8e-13_wp*m%h .and. abs(s) <= 0.016_wp*m%h) then
+            if (origin + t > m%h .or. .not. origin > 0) then
+               touch%side = merge(1, -1, toward > 0)
+               touch%time = max(0.0_wp, origin + (t + s))
+               x_dot = at%free_dot + m%r*at%cosine
+               s2 = s*s
+               touch%x_dot = (x_dot - s*y(2)) - s2*((0.5_wp*y(3) + s*sixth*y(4)) + s2*(by_24*y(5)))
+               touch%x = ((at%free + at%sine) + s*x_dot) - s2*((0.5_wp*y(2) + s*sixth*y(3)) &
+                  + s2*(by_24*y(4) + s*by_120*y(5)))
+               return
+            end if
+            ! of a short flight all digits of the time are wanted: counted from its start
+            middle = here
+            t = origin + t
+            origin = 0
+         end if
+         t = min(max(t + s, -origin, -w), w)
+         at = moved(m, middle, nearby(m, t), t)
+      end do
+      touch%time = centre*m%h - w
+   end subroutine pinpoint
+
+   !> Where y reaches a value, to fifth order in the distance; `last` is the term of that order.
+   pure subroutine revert(y, value, shift, last)
+      real(wp), intent(in) :: y(0:5), value
+      real(wp), intent(out) :: shift, last
+      real(wp) :: inverse, e, e2, a, b, c, d
+
+      inverse = 1/y(1)
+      e = (value - y(0))*inverse
+      a = 0.5_wp*y(2)*inverse
+      b = sixth*y(3)*inverse
+      c = by_24*y(4)*inverse
+      d = by_120*y(5)*inverse
+      e2 = e*e
+      last = (e*e2)*e2*(((14*a*a - 21*b)*(a*a) + 3*b*b) + (6*a*c - d))
+      shift = (e + e2*(((2*a*a - b)*e - a) + e2*(5*a*(b - a*a) - c))) + last
+   end subroutine revert
+
+   !> The moment a transition f, a time t, later.
+   pure function moved(m, from, f, t) result(to)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: from
+      real(wp), intent(in) :: f(4), t
+      type(moment_type) :: to
+
+      to%free = f(1)*from%free + f(2)*from%free_dot
+      to%free_dot = f(1)*from%free_dot - f(2)*(from%free + m%two_xi*from%free_dot)
+      to%sine = f(3)*from%sine + f(4)*from%cosine
+      to%cosine = f(3)*from%cosine - f(4)*from%sine
+      to%z = from%z + from%z_dot*t
+      to%z_dot = from%z_dot
+   end function moved
+
+   !> The four functions at a time within half a time scale.
+   pure function nearby(m, t) result(f)
+      type(transition_type), intent(in) :: m
+      real(wp), intent(in) :: t
+      real(wp) :: f(4)
+      real(wp) :: t2, t4, t8
+
+      t2 = t*t
+      t4 = t2*t2
+      t8 = t4*t4
+      f(1) = even(m%taylor(:, 1)) + t*even(m%taylor(:, 2))
+      f(2) = even(m%taylor(:, 3)) + t*even(m%taylor(:, 4))
+      f(3) = even(m%taylor(:, 5))
+      f(4) = t*even(m%taylor(:, 6))
+   contains
+      !> A polynomial in t^2.
+      pure real(wp) function even(c)
+         real(wp), intent(in) :: c(0:terms - 1)
+
+         even = ((c(0) + c(1)*t2) + t4*(c(2) + c(3)*t2)) &
+            + t8*((c(4) + c(5)*t2) + t4*(c(6) + c(7)*t2))
+      end function even
+   end function nearby
+
+   !> Bernstein coefficients of the cubic that a matrix of the tables makes of a moment.
+   pure function combined(matrix, at) result(b)
+      real(wp), intent(in) :: matrix(4, 4)
+      type(moment_type), intent(in) :: at
+      real(wp) :: b(4)
+
+      b = (matrix(:, 1)*at%free + matrix(:, 2)*at%free_dot) &
+         + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
+   end function combined
+
+   !> y = z - x and its first five derivatives.
+   pure function forward(m, at) result(y)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: at
+      real(wp) :: y(0:5)
+      real(wp) :: f2, f3, f4, f5, p2, p3
+
+      f2 = -(m%two_xi*at%free_dot + at%free)
+      f3 = -(m%two_xi*f2 + at%free_dot)
+      f4 = -(m%two_xi*f3 + f2)
+      f5 = -(m%two_xi*f4 + f3)
+      p2 = m%r2*at%sine
+      p3 = m%r2*(m%r*at%cosine)
+      y(0) = at%z - (at%free + at%sine)
+      y(1) = at%z_dot - (at%free_dot + m%r*at%cosine)
+      y(2) = p2 - f2
+      y(3) = p3 - f3
+      y(4) = -(f4 + m%r2*p2)
+      y(5) = -(f5 + m%r2*p3)
+   end function forward
+
+   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a moment on.
+   !!
+   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
+   !! part by r.
+   pure function bounds_after(m, at) result(bounds)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: at
+      real(wp) :: bounds(0:2)
+
+      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
+      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
+   end function bounds_after
+
+end module vi_march
