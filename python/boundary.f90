@@ -334,3 +334,21 @@ subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_ev
    call run(oscillator_type(xi, mu, walls), r, load, clearance, cycles, most_events, threads, &
       end_states, end_contacts, counts, status)
 end subroutine simulate_bundle
+
+!> Both equispaced motions at each (clearance, r) of a grid; rows as in vi_chart.
+subroutine equispaced_chart(m, n, xi, mu, walls, r, clearance, cycles, with_multipliers, threads, &
+   scalars, multipliers, verdicts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_chart, only: chart => equispaced_chart
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, n, cycles, with_multipliers, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(m)
+   real(c_double), intent(out) :: scalars(4, 2, m, n)
+   complex(c_double_complex), intent(out) :: multipliers(4, 2, m, n)
+   integer(c_int), intent(out) :: verdicts(3, 2, m, n), status(2, m, n)
+
+   call chart(oscillator_type(xi, mu, walls), r, clearance, cycles, with_multipliers /= 0, threads, &
+      scalars, multipliers, verdicts, status)
+end subroutine equispaced_chart

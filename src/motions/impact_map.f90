@@ -11,7 +11,7 @@ module vi_impact_map
    implicit none (type, external)
    private
 
-   public :: forced_part, impact_map_of, impact_maps
+   public :: forced_part, impact_map, impact_map_of, impact_maps
 
 contains
 
