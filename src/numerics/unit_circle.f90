@@ -10,19 +10,22 @@ module vi_unit_circle
    integer, parameter, public :: all_inside = 1, some_outside = 0, near_circle = -1
 
    !> With entries below `large`, rounding changes a coefficient of the polynomial by far less than
-   !! the margin.
-   real(wp), parameter :: large = 50, margin = 1.0e-6_wp
+   !! the margin; with entries below `huge_entry` it changes the trace by less.
+   real(wp), parameter :: large = 50, huge_entry = 1.0e8_wp, margin = 1.0e-6_wp
 
 contains
 
    !> Schur and Cohn's test of the characteristic polynomial; `near_circle` means that it cannot tell.
    pure integer function locate_spectrum(a) result(place)
       real(wp), intent(in) :: a(4, 4)
-      real(wp) :: c(0:4), k
+      real(wp) :: c(0:4), k, largest
       integer :: n
 
       place = near_circle
-      if (.not. maxval(abs(a)) < large) return
+      largest = maxval(abs(a))
+      if (largest < huge_entry .and. abs(a(1, 1) + a(2, 2) + a(3, 3) + a(4, 4)) > 4 + margin) place &
+         = some_outside
+      if (place == some_outside .or. .not. largest < large) return
       c = characteristic_polynomial(a)
       do n = 4, 1, -1
          ! the product of the zeros of a polynomial of degree n with leading coefficient 1

@@ -8,7 +8,7 @@
 module vi_equispaced_row
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: admission, assess_flights, consistency, paper_acceptance, stability
-   use vi_bernstein, only: stays_positive
+   use vi_bernstein, only: sag, stays_above
    use vi_equispaced, only: line_type, new_line, symmetric_pair
    use vi_impact, only: primary_velocities
    use vi_impact_map, only: impact_map
@@ -28,7 +28,7 @@ module vi_equispaced_row
    real(wp), parameter :: pi = acos(-1.0_wp)
    !> Nodes in half a load cycle or half a free oscillation; with more than `most_nodes` in a flight
    !! the general procedures are as fast.
-   integer, parameter :: density = 12, most_nodes = 240
+   integer, parameter :: density = 8, most_nodes = 240
 
    type, public :: row_type
       type(line_type) :: line
@@ -37,9 +37,9 @@ module vi_equispaced_row
       !> Time from an impact to the next one and from a node to the next one.
       real(wp) :: flight_time = 0, step = 0
       integer :: n = 0
-      !> (4, 0:n): position of the free parts and the forced parts at the nodes, and velocities:
-      !! exp(-xi t) sin(eta t), exp(-xi t) cos(eta t), sin(r t), cos(r t).
-      real(wp), allocatable :: position(:, :), velocity(:, :)
+      !> (4, 0:n): the free parts and the forced parts at the nodes, and their velocities times the
+      !! step: exp(-xi t) sin(eta t), exp(-xi t) cos(eta t), sin(r t), cos(r t).
+      real(wp), allocatable :: position(:, :), rise(:, :)
    end type row_type
 
    !> What a chart keeps of a motion.
@@ -81,8 +81,8 @@ contains
       if (nodes > most_nodes) return
       row%n = ceiling(nodes)
       row%step = row%flight_time/row%n
-      if (allocated(row%position)) deallocate (row%position, row%velocity)
-      allocate (row%position(4, 0:row%n), row%velocity(4, 0:row%n))
+      if (allocated(row%position)) deallocate (row%position, row%rise)
+      allocate (row%position(4, 0:row%n), row%rise(4, 0:row%n))
       associate (h => eta(osc%xi), xi => osc%xi)
          do j = 0, row%n
             t = j*row%step
@@ -90,7 +90,7 @@ contains
             s = shrink*sin(h*t)
             c = shrink*cos(h*t)
             row%position(:, j) = [s, c, sin(r*t), cos(r*t)]
-            row%velocity(:, j) = [h*c - xi*s, -h*s - xi*c, r*cos(r*t), -r*sin(r*t)]
+            row%rise(:, j) = row%step*[h*c - xi*s, -h*s - xi*c, r*cos(r*t), -r*sin(r*t)]
          end do
       end associate
    end subroutine new_row
@@ -186,141 +186,124 @@ contains
       type(half_type), intent(in) :: half
       type(summary_type), intent(inout) :: summary
       logical, intent(out) :: certain
-      real(wp), dimension(0:row%n) :: x, x_dot, y, y_dot
-      real(wp) :: largest
+      real(wp), dimension(0:most_nodes) :: x, x_rise, y, y_rise
+      real(wp) :: largest, wall, dip
       logical :: approaches, inside
-      integer :: j
+      integer :: j, n
 
-      certain = row%n > 0
+      n = row%n
+      certain = n > 0
       if (.not. certain) return
-      do j = 0, row%n
+      wall = 0.5_wp*half%clearance
+      do j = 0, n
          x(j) = dot_product(half%parts, row%position(:, j))
-         x_dot(j) = dot_product(half%parts, row%velocity(:, j))
-         y(j) = half%x + 0.5_wp*half%clearance + half%z_dot*(j*row%step) - x(j)
-         y_dot(j) = half%z_dot - x_dot(j)
+         x_rise(j) = dot_product(half%parts, row%rise(:, j))
+         y(j) = half%x + wall + half%z_dot*(j*row%step) - x(j)
+         y_rise(j) = half%z_dot*row%step - x_rise(j)
       end do
       ! at the ends the masses touch
       x(0) = half%x
-      x(row%n) = -half%x
-      y(0) = 0.5_wp*half%clearance
-      y(row%n) = -y(0)
+      x(n) = -half%x
+      y(0) = wall
+      y(n) = -wall
+      dip = sag(half%bound, row%step)
       approaches = half%z_dot + half%x_dot_before < 0
-      inside = .false.
-      if (approaches) call stay_between(row%step, 0.5_wp*half%clearance, half%bound, y, y_dot, &
-         inside, certain)
-      if (certain) call largest_position(row, half, x, x_dot, largest, certain)
+      inside = stays_above(1.0_wp, wall, y(:n), y_rise(:n), dip)
+      if (inside) inside = stays_above(-1.0_wp, wall, y(:n), y_rise(:n), dip)
+      if (approaches .and. .not. inside) &
+         certain = any(abs(y(1:n - 1)) > wall*(1 + 1.0e-12_wp))
+      if (certain) call find_largest(row, half, x(:n), x_rise(:n), dip, largest, certain)
       if (.not. certain) return
       summary%admissible = admission(approaches .and. inside, .true.)
       summary%x_min = -largest
       summary%x_max = largest
    end subroutine find_extremes
 
-   !> Whether |y| < half the clearance inside the flight, where that is certain.
-   pure subroutine stay_between(h, wall, bound, y, y_dot, inside, certain)
-      real(wp), intent(in) :: h, wall, bound
-      real(wp), intent(in) :: y(0:), y_dot(0:)
-      logical, intent(out) :: inside, certain
-      integer :: j, n
-
-      n = ubound(y, 1)
-      inside = .false.
-      certain = any(abs(y(1:n - 1)) > wall*(1 + 1.0e-12_wp))
-      if (certain) return
-      do j = 1, n
-         if (.not. (stays_positive(wall - y(j - 1), -y_dot(j - 1), wall - y(j), -y_dot(j), h, &
-            bound, 0.0_wp) .and. stays_positive(wall + y(j - 1), y_dot(j - 1), wall + y(j), &
-            y_dot(j), h, bound, 0.0_wp))) return
-      end do
-      inside = .true.
-      certain = .true.
-   end subroutine stay_between
-
-   !> The largest |x| of the flight: Newton from the largest node, then a proof that it is the
-   !! largest.
-   pure subroutine largest_position(row, half, x, x_dot, largest, certain)
+   !> The largest |x| of the flight: the stationary point by the largest node, and a proof that
+   !! nothing exceeds it.
+   pure subroutine find_largest(row, half, x, x_rise, dip, largest, certain)
       type(row_type), intent(in) :: row
       type(half_type), intent(in) :: half
-      real(wp), intent(in) :: x(0:), x_dot(0:)
+      real(wp), intent(in) :: x(0:), x_rise(0:), dip
       real(wp), intent(out) :: largest
       logical, intent(out) :: certain
-      real(wp) :: shift, time, before, after, peak, rounding
-      integer :: j, top
+      real(wp) :: shift, peak, level
+      integer :: j, n, top
 
-      top = maxloc(abs(x), 1) - 1
+      n = row%n
+      ! both ends have one |x|, and the flight may rise into it from either side
+      top = n
+      do j = n - 1, 1, -1
+         if (abs(x(j)) > abs(x(top))) top = j
+      end do
+      if (top == n .and. x(n)*x_rise(n) >= 0) top = 0
       peak = x(top)
       shift = 0
-      ! the flight ends at its end, even if |x| would grow beyond
-      if (top == 0) then
-         if (peak*x_dot(0) > 0) call climb(row, half, top, shift, peak)
-      else if (top < row%n .or. peak*x_dot(row%n) < 0) then
-         call climb(row, half, top, shift, peak)
-      end if
-      time = top*row%step + shift
+      if (top > 0 .or. x(0)*x_rise(0) > 0) call climb(row, half, top, shift, peak)
       largest = abs(peak)
-      rounding = 100*epsilon(1.0_wp)*(half%bound + largest)
-      certain = time >= 0 .and. time <= row%flight_time .and. abs(shift) < row%step
-      do j = 1, row%n
-         if (.not. certain) return
-         before = time - (j - 1)*row%step
-         after = row%step - before
-         if (before > 0 .and. after > 0) then
-            certain = within(largest, x(j - 1), x_dot(j - 1), peak, 0.0_wp, before, half%bound, &
-               rounding) .and. within(largest, peak, 0.0_wp, x(j), x_dot(j), after, half%bound, &
-               rounding)
-         else
-            certain = within(largest, x(j - 1), x_dot(j - 1), x(j), x_dot(j), row%step, &
-               half%bound, rounding)
-         end if
-      end do
-   end subroutine largest_position
+      level = largest + 100*epsilon(1.0_wp)*(half%bound + largest)
+      ! the stationary point lies between the nodes j and j + 1
+      j = merge(top, top - 1, shift > 0)
+      if (shift < 0) shift = row%step + shift
+      certain = j >= 0 .and. j < n .and. shift >= 0 .and. shift <= row%step
+      if (abs(shift) <= 0) then
+         certain = within(level, x, x_rise, dip)
+      else if (certain) then
+         certain = within(level, x(:j), x_rise(:j), dip) .and. &
+            within(level, x(j + 1:), x_rise(j + 1:), dip) .and. &
+            within(level, [x(j), peak], [x_rise(j)*(shift/row%step), 0.0_wp], &
+            sag(half%bound, shift)) .and. &
+            within(level, [peak, x(j + 1)], [0.0_wp, x_rise(j + 1)*(1 - shift/row%step)], &
+            sag(half%bound, row%step - shift))
+      end if
+   end subroutine find_largest
 
-   !> Whether |x| <= limit between two points is certain.
-   pure logical function within(limit, x, x_dot, x_end, x_dot_end, h, bound, rounding)
-      real(wp), intent(in) :: limit, x, x_dot, x_end, x_dot_end, h, bound, rounding
+   !> Whether |x| <= level is certain from the first node to the last one.
+   pure logical function within(level, x, x_rise, dip)
+      real(wp), intent(in) :: level, x(:), x_rise(:), dip
 
-      within = stays_positive(limit - x, -x_dot, limit - x_end, -x_dot_end, h, bound, rounding)
-      if (within) within = stays_positive(limit + x, x_dot, limit + x_end, x_dot_end, h, bound, &
-         rounding)
+      within = stays_above(-1.0_wp, level, x, x_rise, dip)
+      if (within) within = stays_above(1.0_wp, level, x, x_rise, dip)
    end function within
 
-   !> The stationary point of x nearest to a node: its time from there, and x.
+   !> The stationary point of x near a node: its time from there, and x.
    pure subroutine climb(row, half, j, shift, x)
       type(row_type), intent(in) :: row
       type(half_type), intent(in) :: half
       integer, intent(in) :: j
       real(wp), intent(out) :: shift, x
-      !> Terms of the Taylor series about the node; they are below rounding within half a step.
-      integer, parameter :: terms = 12
-      real(wp) :: free(0:terms), forced(0:terms), d(0:terms), slope, curvature
+      !> Terms of the Taylor series about the node; what is left out is below rounding.
+      integer, parameter :: terms = 11
+      real(wp), parameter :: inverse_factorial(0:terms) = 1/gamma([1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, &
+         5.0_wp, 6.0_wp, 7.0_wp, 8.0_wp, 9.0_wp, 10.0_wp, 11.0_wp, 12.0_wp])
+      real(wp) :: free(0:terms), forced(0:terms), c(0:terms), slope, curvature
       integer :: i, n
 
-      associate (p => half%parts, q => row%position(:, j), v => row%velocity(:, j))
-         free(0:1) = [p(1)*q(1) + p(2)*q(2), p(1)*v(1) + p(2)*v(2)]
-         forced(0:1) = [p(3)*q(3) + p(4)*q(4), p(3)*v(3) + p(4)*v(4)]
+      associate (p => half%parts, q => row%position(:, j), v => row%rise(:, j))
+         free(0:1) = [p(1)*q(1) + p(2)*q(2), (p(1)*v(1) + p(2)*v(2))/row%step]
+         forced(0:1) = [p(3)*q(3) + p(4)*q(4), (p(3)*v(3) + p(4)*v(4))/row%step]
       end associate
       do n = 2, terms
          free(n) = -2*row%motion%osc%xi*free(n - 1) - free(n - 2)
          forced(n) = -row%motion%r**2*forced(n - 2)
       end do
-      d = free + forced
+      c = (free + forced)*inverse_factorial
       shift = 0
       do i = 1, 6
-         slope = 0
+         slope = terms*c(terms)
          curvature = 0
-         do n = terms, 2, -1
-            slope = (d(n) + slope*shift/n)
-            curvature = (d(n) + curvature*shift/(n - 1))
+         do n = terms - 1, 1, -1
+            curvature = curvature*shift + slope
+            slope = slope*shift + n*c(n)
          end do
-         slope = d(1) + slope*shift
-         if (.not. abs(slope) < huge(1.0_wp)*abs(curvature)) exit
+         if (.not. abs(slope) < row%step*abs(curvature)) exit
          shift = shift - slope/curvature
-         if (abs(slope) <= 1.0e-9_wp*abs(curvature)*row%step .or. abs(shift) > row%step) exit
+         if (abs(slope) <= 1.0e-5_wp*abs(curvature)*row%step) exit
       end do
-      x = 0
-      do n = terms, 1, -1
-         x = (d(n) + x)*shift/n
+      x = c(terms)
+      do n = terms - 1, 0, -1
+         x = x*shift + c(n)
       end do
-      x = d(0) + x
    end subroutine climb
 
 end module vi_equispaced_row
