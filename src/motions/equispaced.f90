@@ -78,7 +78,8 @@ contains
          length = norm2(normal)
          line%amplitude = gain(motion%osc%xi, motion%r)
          ! at a resonance without damping the line is rounding noise
-         if (.not. length > 100*epsilon(1.0_wp)*(sum(abs(w)) + sum(abs(v)))) then
+         if (.not. length > 100*epsilon(1.0_wp)*(sum(abs(w)) + sum(abs(v))) .or. &
+            .not. line%amplitude <= huge(1.0_wp)) then
             line%status = stat%singular
             return
          end if

@@ -30,6 +30,8 @@ module vi_status
       integer :: no_convergence = 10
       !> A search for the next event took more steps than it may.
       integer :: budget = 9
+      !> A point of a chart that was stopped before it came to this point.
+      integer :: not_computed = 12
    end type status_codes
 
    type(status_codes), parameter, public :: stat = status_codes()
@@ -63,6 +65,8 @@ contains
          text = 'the list of events is full before the end of time'
       case (stat%budget)
          text = 'the step budget ran out in a flight of millions of oscillations'
+      case (stat%not_computed)
+         text = 'the chart was stopped before this point was computed'
       case (stat%no_convergence)
          text = 'the iteration did not converge; a closer guess may help'
       case default

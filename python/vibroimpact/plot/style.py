@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..errors import VibroimpactError
+from ..errors import MissingExtraError
 
 #: Okabe and Ito's colours.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
@@ -21,10 +21,6 @@ SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
-
-
-class MissingExtraError(VibroimpactError, ImportError):
-    """A library that is not required to compute is needed here."""
 
 
 def pyplot() -> Any:
