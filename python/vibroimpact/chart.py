@@ -156,10 +156,10 @@ def chart(
     processors = os.cpu_count() or 1
     threads = checks.integer(processors if threads is None else threads, "threads", 1, 1024)
     pair = len(pattern) == 2 and _allows_symmetry(osc, pattern)
-    if 6 * room * len(pattern) * points > MOST_NUMBERS and not (pair and symmetric):
+    if 8 * room * len(pattern) * points > MOST_NUMBERS and not (pair and symmetric):
         raise ParameterError(
             f"r and clearance: {points} points with room for {room} motions of {len(pattern)} impacts "
-            f"each; points x room x impacts must be at most {MOST_NUMBERS // 6}, make several charts"
+            f"each; points x room x impacts must be at most {MOST_NUMBERS // 8}, make several charts"
         )
     parts: list[Columns] = []
     found = np.zeros((axes[1].size, axes[0].size), dtype=np.int32)
@@ -225,7 +225,7 @@ def _flood(
     task: Task, kind: int, room: int, guesses: int, seeds: int
 ) -> tuple[Columns, NDArray[np.int32], bool]:
     """Exact motions by a flood from the points of a search; and whether it came to its end."""
-    n, m, keep = task.r.size, task.clearance.size, 3 * room
+    n, m, keep = task.r.size, task.clearance.size, 4 * room
     unknowns = np.zeros((2 * len(task.pattern), keep, m, n), order="F")
     marks = np.zeros((2, keep, m, n), dtype=np.int32, order="F")
     counts = np.zeros((2, m, n), dtype=np.int32, order="F")

@@ -9,6 +9,7 @@ module vi_chart
    use vi_exact, only: setting_type
    use vi_flood, only: seed_flood, sweep_flood
    use vi_kinds, only: wp
+   use vi_likeness, only: length_scale
    use vi_motion, only: unknown
    use vi_oscillator, only: oscillator_type
    use vi_points, only: exact_point
@@ -78,7 +79,7 @@ contains
       integer, allocatable :: marks(:, :, :, :), counts(:, :, :)
       integer :: gained
 
-      associate (keep => 3*size(status, 1), m => size(clearance), n => size(r))
+      associate (keep => 4*size(status, 1), m => size(clearance), n => size(r))
          allocate (unknowns(2*size(phases, 1), keep, m, n), source=0.0_wp)
          allocate (marks(2, keep, m, n), counts(2, m, n), source=0)
       end associate
@@ -107,7 +108,7 @@ contains
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :)
       integer :: slots(size(ranks, 1), size(ranks, 2), size(ranks, 3))
       type(setting_type) :: here
-      real(wp) :: nan
+      real(wp) :: nan, scale(size(clearance), size(r))
       integer :: i, j, k, s, n, iterations
 
       n = size(phases, 1)
@@ -118,7 +119,10 @@ contains
       multipliers = cmplx(nan, nan, wp)
       verdicts = unknown
       status = stat%no_motion
-      call assign_slots(setting%pattern, clearance, unknowns, ranks, found, size(status, 1), slots)
+      do k = 1, size(r)
+         scale(:, k) = length_scale(setting%osc, r(k), clearance)
+      end do
+      call assign_slots(setting%pattern, scale, unknowns, ranks, found, size(status, 1), slots)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(here, i, j, s, iterations)
       do k = 1, size(r)
          do j = 1, size(clearance)

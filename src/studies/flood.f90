@@ -13,7 +13,7 @@ module vi_flood
    use vi_assess, only: assess_flights, assess_linear
    use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
-   use vi_likeness, only: distance, is_repeated, is_symmetric, same
+   use vi_likeness, only: distance, is_repeated, is_symmetric, length_scale, same
    use vi_motion, only: motion_type, yes
    use vi_points, only: exact_acceptance
    use vi_search, only: search_pattern
@@ -115,8 +115,8 @@ contains
             ! it came from here
             if (marks(2, i, jj, kk) == back(side)) cycle
             n_old = n_here
-            call extrapolate(setting, clearance, jj, kk, steps(:, side), unknowns(:, i, jj, kk), &
-               before, unknowns, guess)
+            call extrapolate(length_scale(setting%osc, r(kk), clearance(jj)), jj, kk, &
+               steps(:, side), unknowns(:, i, jj, kk), before, unknowns, guess)
             call try_guess(at(setting, r(k), clearance(j)), guess, side, symmetry, &
                unknowns(:, :, j, k), marks(:, :, j, k), n_here)
          end do
@@ -124,9 +124,8 @@ contains
    end subroutine visit
 
    !> A guess from a motion at (j, k) and the same motion one step further away, if it is there.
-   pure subroutine extrapolate(setting, clearance, j, k, step, near, before, unknowns, guess)
-      type(setting_type), intent(in) :: setting
-      real(wp), intent(in) :: clearance(:)
+   pure subroutine extrapolate(scale, j, k, step, near, before, unknowns, guess)
+      real(wp), intent(in) :: scale
       integer, intent(in) :: j, k, step(2), before(:, :, :)
       real(wp), intent(in) :: near(:), unknowns(:, :, :, :)
       real(wp), intent(out) :: guess(:)
@@ -142,7 +141,7 @@ contains
       least = reach
       do i = 1, before(2, jj, kk)
          gap = near - unknowns(:, i, jj, kk)
-         item = max(maxval(abs(gap(:size(gap)/2)))/clearance(j), &
+         item = max(maxval(abs(gap(:size(gap)/2)))/scale, &
             maxval(abs(gap(size(gap)/2 + 1:))))
          if (item >= least) cycle
          least = item
@@ -164,7 +163,7 @@ contains
       real(wp), intent(inout) :: unknowns(:, :)
       integer, intent(inout) :: marks(:, :), n_here
       type(motion_type) :: motion
-      real(wp) :: u(size(guess)), none(size(guess), 0)
+      real(wp) :: u(size(guess)), none(size(guess), 0), scale
       integer :: n, i, iterations, rank
 
       n = size(guess)/2
@@ -172,19 +171,20 @@ contains
       call solve_exact(setting, u(:n), u(n + 1:), most_iterations, none, motion, iterations)
       if (motion%status /= stat%ok) return
       u(n + 1:) = u(n + 1:) + (motion%tau - u(n + 1))
+      scale = length_scale(setting%osc, setting%r, setting%clearance)
       do i = 1, n_here
-         if (distance(setting%pattern, setting%clearance, unknowns(:, i), u) < same) return
+         if (distance(setting%pattern, scale, unknowns(:, i), u) < same) return
       end do
-      if (is_repeated(setting%pattern, setting%clearance, u)) return
+      if (is_repeated(setting%pattern, scale, u)) return
       if (symmetry /= 0) then
-         if (is_symmetric(setting%pattern, setting%clearance, u) .neqv. symmetry > 0) return
+         if (is_symmetric(setting%pattern, scale, u) .neqv. symmetry > 0) return
       end if
       call assess_linear(motion, exact_acceptance)
       call assess_flights(motion)
       rank = solved
       if (motion%admissible == yes) rank = merge(admissible_stable, admissible, motion%stable == yes)
-      ! of three parts of the room the last one is for the best, the last two for the better ones
-      if (n_here >= (size(marks, 2)*(rank + 1))/3) return
+      ! the last quarter of the room is for the best, the last but one for the better ones
+      if (n_here >= (size(marks, 2)*(rank + 2))/4) return
       n_here = n_here + 1
       unknowns(:, n_here) = u
       marks(:, n_here) = [rank, origin]

@@ -32,10 +32,10 @@ module vi_sheets
 contains
 
    !> The slots of all motions; 0 for one that has no room.
-   pure subroutine assign_slots(pattern, clearance, unknowns, ranks, counts, room, slots)
+   pure subroutine assign_slots(pattern, scale, unknowns, ranks, counts, room, slots)
       type(pattern_type), intent(in) :: pattern
-      !> (m)
-      real(wp), intent(in) :: clearance(:)
+      !> (m, n): `length_scale` of each point
+      real(wp), intent(in) :: scale(:, :)
       !> (2N, keep, m, n)
       real(wp), intent(in) :: unknowns(:, :, :, :)
       !> (keep, m, n), and (m, n) motions a point
@@ -48,7 +48,7 @@ contains
       integer, allocatable :: order(:)
       integer :: s
 
-      call find_sheets(pattern, clearance, unknowns, ranks, counts, sheets)
+      call find_sheets(pattern, scale, unknowns, ranks, counts, sheets)
       order = by_size(sheets%sizes(:, :sheets%n))
       slots = 0
       holder = 0
@@ -60,9 +60,9 @@ contains
    end subroutine assign_slots
 
    !> All sheets, those that hold a motion of high rank first.
-   pure subroutine find_sheets(pattern, clearance, unknowns, ranks, counts, sheets)
+   pure subroutine find_sheets(pattern, scale, unknowns, ranks, counts, sheets)
       type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: clearance(:), unknowns(:, :, :, :)
+      real(wp), intent(in) :: scale(:, :), unknowns(:, :, :, :)
       integer, intent(in) :: ranks(:, :, :), counts(:, :)
       type(sheets_type), intent(out) :: sheets
       integer :: rank, i, j, k
@@ -81,7 +81,7 @@ contains
                   sheets%n = sheets%n + 1
                   sheets%first(sheets%n) = sheets%last + 1
                   call join(sheets, i, j, k)
-                  call grow(pattern, clearance, unknowns, ranks, counts, sheets)
+                  call grow(pattern, scale, unknowns, ranks, counts, sheets)
                end do
             end do
          end do
@@ -90,9 +90,9 @@ contains
    end subroutine find_sheets
 
    !> Grows the newest sheet from its first member over all neighbours.
-   pure subroutine grow(pattern, clearance, unknowns, ranks, counts, sheets)
+   pure subroutine grow(pattern, scale, unknowns, ranks, counts, sheets)
       type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: clearance(:), unknowns(:, :, :, :)
+      real(wp), intent(in) :: scale(:, :), unknowns(:, :, :, :)
       integer, intent(in) :: ranks(:, :, :), counts(:, :)
       type(sheets_type), intent(inout) :: sheets
       integer :: next, side, i, j, k, jj, kk, other, sizes(3)
@@ -109,11 +109,11 @@ contains
             kk = k + steps(2, side)
             if (jj < 1 .or. kk < 1 .or. jj > size(counts, 1) .or. kk > size(counts, 2)) cycle
             if (sheets%stamp(jj, kk) == sheets%n) cycle
-            other = closest(pattern, clearance(j), unknowns(:, i, j, k), &
+            other = closest(pattern, scale(j, k), unknowns(:, i, j, k), &
                unknowns(:, :counts(jj, kk), jj, kk))
             if (other == 0) cycle
             if (sheets%sheet_of(other, jj, kk) > 0) cycle
-            if (closest(pattern, clearance(j), unknowns(:, other, jj, kk), &
+            if (closest(pattern, scale(j, k), unknowns(:, other, jj, kk), &
                unknowns(:, :counts(j, k), j, k)) == i) call join(sheets, other, jj, kk)
          end do
          next = next + 1
@@ -133,16 +133,16 @@ contains
    end subroutine join
 
    !> Which of several motions is the nearest; 0 if none is near.
-   pure integer function closest(pattern, clearance, unknowns, others) result(best)
+   pure integer function closest(pattern, scale, unknowns, others) result(best)
       type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: clearance, unknowns(:), others(:, :)
+      real(wp), intent(in) :: scale, unknowns(:), others(:, :)
       real(wp) :: least, item
       integer :: i
 
       best = 0
       least = reach
       do i = 1, size(others, 2)
-         item = distance(pattern, clearance, unknowns, others(:, i))
+         item = distance(pattern, scale, unknowns, others(:, i))
          if (item >= least) cycle
          least = item
          best = i
