@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ __all__ = ["chart"]
 
 #: Points of a chart, and numbers that a flood may keep in memory.
 MOST_POINTS, MOST_NUMBERS = 1_000_000, 100_000_000
+MOST_IMPACTS = 12
 NOT_COMPUTED = 12
 #: Motions of the equispaced pair computed between two looks at the keyboard.
 CHUNK = 60_000
@@ -37,6 +38,18 @@ class Columns(NamedTuple):
     status: NDArray[np.int32]
 
 
+#: xi, mu, restitution, r, clearance, cycles, sides
+CoreArguments: TypeAlias = tuple[
+    float,
+    float,
+    tuple[float, float],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    int,
+    NDArray[np.int32],
+]
+
+
 class Task(NamedTuple):
     """What is given, checked."""
 
@@ -47,7 +60,7 @@ class Task(NamedTuple):
     threads: int
     progress: Progress
 
-    def core(self) -> tuple[Any, ...]:
+    def core(self) -> CoreArguments:
         """The leading arguments of the core's procedures."""
         osc = self.osc
         return (
@@ -142,6 +155,10 @@ def chart(
     xarray = _xarray()
     checks.instance(osc, "osc", Oscillator)
     checks.plain_pattern(pattern)
+    if len(pattern) > MOST_IMPACTS:
+        raise ParameterError(
+            f"pattern of {len(pattern)} impacts: at most {MOST_IMPACTS} are allowed in a chart"
+        )
     axes = _axis(r, "r"), _axis(clearance, "clearance")
     points = axes[0].size * axes[1].size
     if points > MOST_POINTS:
@@ -330,7 +347,7 @@ def _axis(values: ArrayLike, name: str) -> NDArray[np.float64]:
         raise ParameterError(
             f"{name} of shape {array.shape}: must be an array (n,) of increasing numbers, n at least 1"
         )
-    for value in array[~np.isfinite(array)][:1].tolist() + [float(array.min()), float(array.max())]:
+    for value in (*array[~np.isfinite(array)][:1].tolist(), float(array.min()), float(array.max())):
         checks.number(value, name)
     fall = np.flatnonzero(~(np.diff(array) > 0))
     if fall.size:
@@ -360,11 +377,12 @@ def _check_symmetric(symmetric: Any, osc: Oscillator, pattern: Pattern) -> None:
         )
 
 
-def _spread(n: int, count: int) -> list[int]:
-    """At most `count` indices spread evenly over n, both ends included."""
-    if count == 1:
+def _spread(n: int, most: int) -> list[int]:
+    """At most `most` indices spread evenly over n, both ends included (one alone: the middle)."""
+    steps = min(n, most) - 1
+    if steps == 0:
         return [n // 2]
-    return sorted({round(i * (n - 1) / (count - 1)) for i in range(count)})
+    return [(2 * i * (n - 1) + steps) // (2 * steps) for i in range(steps + 1)]
 
 
 def _xarray() -> Any:

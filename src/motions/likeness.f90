@@ -9,7 +9,7 @@ module vi_likeness
    implicit none (type, external)
    private
 
-   public :: distance, is_repeated, is_symmetric, length_scale
+   public :: allows_symmetry, distance, is_repeated, is_symmetric, length_scale
 
    !> Motions nearer than this are one motion.
    real(wp), parameter, public :: same = 1.0e-6_wp
@@ -24,6 +24,16 @@ contains
 
       length_scale = max(clearance, min(gain(osc%xi, r), huge(1.0_wp)))
    end function length_scale
+
+   !> Whether a motion of a pattern can be its own mirror image half a period later.
+   pure logical function allows_symmetry(osc, pattern)
+      type(oscillator_type), intent(in) :: osc
+      type(pattern_type), intent(in) :: pattern
+
+      allows_symmetry = modulo(pattern%cycles, 2) == 1 .and. &
+         abs(osc%restitution(1) - osc%restitution(2)) <= 0 .and. &
+         all(cshift(pattern%sides, size(pattern%sides)/2) == -pattern%sides)
+   end function allows_symmetry
 
    !> The least distance over all ways to write the other motion: the largest difference of any
    !! x_i over a scale, or of any theta_i.

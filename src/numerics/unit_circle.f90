@@ -15,7 +15,7 @@ module vi_unit_circle
 
 contains
 
-   !> Schur and Cohn's test of the characteristic polynomial; `near_circle` means that it cannot tell.
+   !> Schur and Cohn's test of the characteristic polynomial; `near_circle`: it cannot tell.
    pure integer function locate_spectrum(a) result(place)
       real(wp), intent(in) :: a(4, 4)
       real(wp) :: c(0:4), k, largest
@@ -23,7 +23,8 @@ contains
 
       place = near_circle
       largest = maxval(abs(a))
-      if (largest < huge_entry .and. abs(a(1, 1) + a(2, 2) + a(3, 3) + a(4, 4)) > 4 + margin) place &
+      if (largest < huge_entry .and. abs(a(1, 1) + a(2, 2) + a(3, 3) + a(4, &
+         4)) > 4 + margin) place &
          = some_outside
       if (place == some_outside .or. .not. largest < large) return
       c = characteristic_polynomial(a)

@@ -1,8 +1,8 @@
 !> Charts: the motions of one pattern on a grid of frequency ratios and clearances.
 !!
-!! Results have a column for each r, and in it a place for each clearance and each slot. Every column
-!! or point is one task that writes to its own place: the answer is the same to the last bit for any
-!! number of threads.
+!! Results have a column for each r, and in it a place for each clearance and each slot. Every
+!! column or point is one task that writes to its own place: the answer is the same to the last bit
+!! for any number of threads.
 module vi_chart
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_equispaced_row, only: new_row, row_pair, row_type, summary_type
@@ -54,8 +54,8 @@ contains
          do j = 1, size(clearance)
             call row_pair(row, clearance(j), with_multipliers, pair)
             do i = 1, 2
-               call store(pair(i), scalars(:, i, j, k), multipliers(:, i, j, k), &
-                  verdicts(:, i, j, k), status(i, j, k))
+               call store(pair(i), scalars(:, i, j, k), multipliers(:, i, j, k), verdicts(:, i, &
+                  j, k), status(i, j, k))
             end do
          end do
       end do
@@ -63,8 +63,8 @@ contains
    end subroutine equispaced_chart
 
    !> The exact motions of a pattern at every point of a grid, by a flood from some of its points.
-   subroutine exact_chart(setting, r, clearance, points, guesses, symmetry, threads, phases, impacts, &
-      scalars, multipliers, verdicts, status, found)
+   subroutine exact_chart(setting, r, clearance, points, guesses, symmetry, threads, phases, &
+      impacts, scalars, multipliers, verdicts, status, found)
       !> Its r and clearance do not matter.
       type(setting_type), intent(in) :: setting
       !> (n), (m)
@@ -85,16 +85,16 @@ contains
       end associate
       call seed_flood(setting, r, clearance, points, guesses, symmetry, threads, unknowns, marks, &
          counts)
-      call sweep_flood(setting, r, clearance, size(r)*size(clearance), symmetry, threads, unknowns, &
-         marks, counts, gained)
+      call sweep_flood(setting, r, clearance, size(r)*size(clearance), symmetry, threads, &
+         unknowns, marks, counts, gained)
       found = counts(2, :, :)
-      call finish_chart(setting, r, clearance, threads, unknowns, marks(1, :, :, :), found, phases, &
-         impacts, scalars, multipliers, verdicts, status)
+      call finish_chart(setting, r, clearance, threads, unknowns, marks(1, :, :, :), found, &
+         phases, impacts, scalars, multipliers, verdicts, status)
    end subroutine exact_chart
 
    !> The motions of a flood in their slots.
-   subroutine finish_chart(setting, r, clearance, threads, unknowns, ranks, found, phases, impacts, &
-      scalars, multipliers, verdicts, status)
+   subroutine finish_chart(setting, r, clearance, threads, unknowns, ranks, found, phases, &
+      impacts, scalars, multipliers, verdicts, status)
       type(setting_type), intent(in) :: setting
       real(wp), intent(in) :: r(:), clearance(:)
       integer, intent(in) :: threads
@@ -132,9 +132,9 @@ contains
             do i = 1, found(j, k)
                s = slots(i, j, k)
                if (s == 0) cycle
-               call exact_point(here, unknowns(:n, i, j, k), unknowns(n + 1:, i, j, k), &
-                  polish, phases(:, s, j, k), impacts(:, :, s, j, k), scalars(:, s, j, k), &
-                  multipliers(:, s, j, k), verdicts(:, s, j, k), status(s, j, k), iterations)
+               call exact_point(here, unknowns(:n, i, j, k), unknowns(n + 1:, i, j, k), polish, &
+                  phases(:, s, j, k), impacts(:, :, s, j, k), scalars(:, s, j, k), multipliers(:, &
+                  s, j, k), verdicts(:, s, j, k), status(s, j, k), iterations)
             end do
          end do
       end do

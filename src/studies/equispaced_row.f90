@@ -1,10 +1,8 @@
 !> The equispaced pair at one frequency ratio and many clearances: what depends on r is done once.
 !!
 !! The motion is its own mirror image half a period later, so one flight, from the right wall to the
-!! left one, tells all. Every motion of a row has the same flight time; the free and the forced
-!! oscillation are known at fixed nodes, and each motion is a combination of those. A bound on the
-!! fourth derivative certifies what happens between the nodes. Where the bound cannot decide, the
-!! motion goes through the general procedures.
+!! left one, tells all. Where the nodes of the flight cannot decide, the motion goes through the
+!! general procedures.
 module vi_equispaced_row
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: admission, assess_flights, consistency, paper_acceptance, stability
@@ -14,6 +12,7 @@ module vi_equispaced_row
    use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
    use vi_motion, only: complete_motion, motion_type, start_motion, unknown, yes
+   use vi_nodes, only: find_largest, most_nodes, new_nodes, nodes_type
    use vi_oscillator, only: eta, oscillator_type
    use vi_pattern, only: new_pattern
    use vi_periodic, only: linear_system_type
@@ -26,20 +25,14 @@ module vi_equispaced_row
    public :: new_row, row_pair
 
    real(wp), parameter :: pi = acos(-1.0_wp)
-   !> Nodes in half a load cycle or half a free oscillation; with more than `most_nodes` in a flight
-   !! the general procedures are as fast.
-   integer, parameter :: density = 8, most_nodes = 240
 
    type, public :: row_type
       type(line_type) :: line
       !> A motion of the row without its numbers.
       type(motion_type) :: motion
-      !> Time from an impact to the next one and from a node to the next one.
-      real(wp) :: flight_time = 0, step = 0
-      integer :: n = 0
-      !> (4, 0:n): the free parts and the forced parts at the nodes, and their velocities times the
-      !! step: exp(-xi t) sin(eta t), exp(-xi t) cos(eta t), sin(r t), cos(r t).
-      real(wp), allocatable :: position(:, :), rise(:, :)
+      !> Time from an impact to the next one, and the nodes of such a flight.
+      real(wp) :: flight_time = 0
+      type(nodes_type) :: nodes
    end type row_type
 
    !> What a chart keeps of a motion.
@@ -69,30 +62,12 @@ contains
       integer, intent(in) :: cycles
       type(row_type), intent(inout) :: row
       type(linear_system_type) :: system
-      real(wp) :: t, shrink, s, c, nodes
-      integer :: j
 
       call start_motion(row%motion, osc, r, new_pattern('RL', cycles), osc%restitution, &
          [0.0_wp, cycles*pi])
       call new_line(row%motion, system, row%line)
       row%flight_time = cycles*pi/r
-      nodes = density*row%flight_time*max(1.0_wp, r)/pi
-      row%n = 0
-      if (nodes > most_nodes) return
-      row%n = ceiling(nodes)
-      row%step = row%flight_time/row%n
-      if (allocated(row%position)) deallocate (row%position, row%rise)
-      allocate (row%position(4, 0:row%n), row%rise(4, 0:row%n))
-      associate (h => eta(osc%xi), xi => osc%xi)
-         do j = 0, row%n
-            t = j*row%step
-            shrink = exp(-xi*t)
-            s = shrink*sin(h*t)
-            c = shrink*cos(h*t)
-            row%position(:, j) = [s, c, sin(r*t), cos(r*t)]
-            row%rise(:, j) = row%step*[h*c - xi*s, -h*s - xi*c, r*cos(r*t), -r*sin(r*t)]
-         end do
-      end associate
+      call new_nodes(osc%xi, r, row%flight_time, row%nodes)
    end subroutine new_row
 
    !> Both motions of a row at a clearance, with their verdicts.
@@ -176,8 +151,8 @@ contains
       end if
       call multipliers_of_half(q, summary%multipliers, status)
       if (status == stat%ok) summary%stable = stability(abs(summary%multipliers(1)))
-      if (.not. with_multipliers) &
-         summary%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
+      if (with_multipliers) return
+      summary%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
    end subroutine find_stability
 
    !> `admissible`, x_min and x_max where the nodes and the bound between them decide.
@@ -191,119 +166,35 @@ contains
       logical :: approaches, inside
       integer :: j, n
 
-      n = row%n
+      n = row%nodes%n
       certain = n > 0
       if (.not. certain) return
       wall = 0.5_wp*half%clearance
-      do j = 0, n
-         x(j) = dot_product(half%parts, row%position(:, j))
-         x_rise(j) = dot_product(half%parts, row%rise(:, j))
-         y(j) = half%x + wall + half%z_dot*(j*row%step) - x(j)
-         y_rise(j) = half%z_dot*row%step - x_rise(j)
-      end do
+      associate (h => row%nodes%step)
+         do j = 0, n
+            x(j) = dot_product(half%parts, row%nodes%position(:, j))
+            x_rise(j) = dot_product(half%parts, row%nodes%rise(:, j))
+            y(j) = half%x + wall + half%z_dot*(j*h) - x(j)
+            y_rise(j) = half%z_dot*h - x_rise(j)
+         end do
+      end associate
       ! at the ends the masses touch
       x(0) = half%x
       x(n) = -half%x
       y(0) = wall
       y(n) = -wall
-      dip = sag(half%bound, row%step)
+      dip = sag(half%bound, row%nodes%step)
       approaches = half%z_dot + half%x_dot_before < 0
       inside = stays_above(1.0_wp, wall, y(:n), y_rise(:n), dip)
       if (inside) inside = stays_above(-1.0_wp, wall, y(:n), y_rise(:n), dip)
-      if (approaches .and. .not. inside) &
-         certain = any(abs(y(1:n - 1)) > wall*(1 + 1.0e-12_wp))
-      if (certain) call find_largest(row, half, x(:n), x_rise(:n), dip, largest, certain)
+      certain = inside .or. .not. approaches
+      if (.not. certain) certain = any(abs(y(1:n - 1)) > wall*(1 + 1.0e-12_wp))
+      if (certain) call find_largest(row%nodes, half%parts, half%bound, x(:n), x_rise(:n), &
+         largest, certain)
       if (.not. certain) return
       summary%admissible = admission(approaches .and. inside, .true.)
       summary%x_min = -largest
       summary%x_max = largest
    end subroutine find_extremes
-
-   !> The largest |x| of the flight: the stationary point by the largest node, and a proof that
-   !! nothing exceeds it.
-   pure subroutine find_largest(row, half, x, x_rise, dip, largest, certain)
-      type(row_type), intent(in) :: row
-      type(half_type), intent(in) :: half
-      real(wp), intent(in) :: x(0:), x_rise(0:), dip
-      real(wp), intent(out) :: largest
-      logical, intent(out) :: certain
-      real(wp) :: shift, peak, level
-      integer :: j, n, top
-
-      n = row%n
-      ! both ends have one |x|, and the flight may rise into it from either side
-      top = n
-      do j = n - 1, 1, -1
-         if (abs(x(j)) > abs(x(top))) top = j
-      end do
-      if (top == n .and. x(n)*x_rise(n) >= 0) top = 0
-      peak = x(top)
-      shift = 0
-      if (top > 0 .or. x(0)*x_rise(0) > 0) call climb(row, half, top, shift, peak)
-      largest = abs(peak)
-      level = largest + 100*epsilon(1.0_wp)*(half%bound + largest)
-      ! the stationary point lies between the nodes j and j + 1
-      j = merge(top, top - 1, shift > 0)
-      if (shift < 0) shift = row%step + shift
-      certain = j >= 0 .and. j < n .and. shift >= 0 .and. shift <= row%step
-      if (abs(shift) <= 0) then
-         certain = within(level, x, x_rise, dip)
-      else if (certain) then
-         certain = within(level, x(:j), x_rise(:j), dip) .and. &
-            within(level, x(j + 1:), x_rise(j + 1:), dip) .and. &
-            within(level, [x(j), peak], [x_rise(j)*(shift/row%step), 0.0_wp], &
-            sag(half%bound, shift)) .and. &
-            within(level, [peak, x(j + 1)], [0.0_wp, x_rise(j + 1)*(1 - shift/row%step)], &
-            sag(half%bound, row%step - shift))
-      end if
-   end subroutine find_largest
-
-   !> Whether |x| <= level is certain from the first node to the last one.
-   pure logical function within(level, x, x_rise, dip)
-      real(wp), intent(in) :: level, x(:), x_rise(:), dip
-
-      within = stays_above(-1.0_wp, level, x, x_rise, dip)
-      if (within) within = stays_above(1.0_wp, level, x, x_rise, dip)
-   end function within
-
-   !> The stationary point of x near a node: its time from there, and x.
-   pure subroutine climb(row, half, j, shift, x)
-      type(row_type), intent(in) :: row
-      type(half_type), intent(in) :: half
-      integer, intent(in) :: j
-      real(wp), intent(out) :: shift, x
-      !> Terms of the Taylor series about the node; what is left out is below rounding.
-      integer, parameter :: terms = 11
-      real(wp), parameter :: inverse_factorial(0:terms) = 1/gamma([1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, &
-         5.0_wp, 6.0_wp, 7.0_wp, 8.0_wp, 9.0_wp, 10.0_wp, 11.0_wp, 12.0_wp])
-      real(wp) :: free(0:terms), forced(0:terms), c(0:terms), slope, curvature
-      integer :: i, n
-
-      associate (p => half%parts, q => row%position(:, j), v => row%rise(:, j))
-         free(0:1) = [p(1)*q(1) + p(2)*q(2), (p(1)*v(1) + p(2)*v(2))/row%step]
-         forced(0:1) = [p(3)*q(3) + p(4)*q(4), (p(3)*v(3) + p(4)*v(4))/row%step]
-      end associate
-      do n = 2, terms
-         free(n) = -2*row%motion%osc%xi*free(n - 1) - free(n - 2)
-         forced(n) = -row%motion%r**2*forced(n - 2)
-      end do
-      c = (free + forced)*inverse_factorial
-      shift = 0
-      do i = 1, 6
-         slope = terms*c(terms)
-         curvature = 0
-         do n = terms - 1, 1, -1
-            curvature = curvature*shift + slope
-            slope = slope*shift + n*c(n)
-         end do
-         if (.not. abs(slope) < row%step*abs(curvature)) exit
-         shift = shift - slope/curvature
-         if (abs(slope) <= 1.0e-5_wp*abs(curvature)*row%step) exit
-      end do
-      x = c(terms)
-      do n = terms - 1, 0, -1
-         x = x*shift + c(n)
-      end do
-   end subroutine climb
 
 end module vi_equispaced_row

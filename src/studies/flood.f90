@@ -34,8 +34,8 @@ module vi_flood
 contains
 
    !> Searches for motions at some points of the grid.
-   subroutine seed_flood(setting, r, clearance, points, guesses, symmetry, threads, unknowns, marks, &
-      counts)
+   subroutine seed_flood(setting, r, clearance, points, guesses, symmetry, threads, unknowns, &
+      marks, counts)
       !> Its r and clearance do not matter.
       type(setting_type), intent(in) :: setting
       !> (n), (m)
@@ -60,8 +60,8 @@ contains
             here = at(setting, r(k), clearance(j))
             call search_pattern(here, guesses, found, n_found, tried)
             do i = 1, n_found
-               call try_guess(here, found(:, i), 0, symmetry, unknowns(:, :, j, k), &
-                  marks(:, :, j, k), counts(2, j, k))
+               call try_guess(here, found(:, i), 0, symmetry, unknowns(:, :, j, k), marks(:, :, &
+                  j, k), counts(2, j, k))
             end do
          end associate
       end do
@@ -69,8 +69,8 @@ contains
    end subroutine seed_flood
 
    !> Follows the newest motions for a number of sweeps, or until no point gains one.
-   subroutine sweep_flood(setting, r, clearance, sweeps, symmetry, threads, unknowns, marks, counts, &
-      gained)
+   subroutine sweep_flood(setting, r, clearance, sweeps, symmetry, threads, unknowns, marks, &
+      counts, gained)
       type(setting_type), intent(in) :: setting
       real(wp), intent(in) :: r(:), clearance(:)
       integer, intent(in) :: sweeps, symmetry, threads
@@ -115,10 +115,10 @@ contains
             ! it came from here
             if (marks(2, i, jj, kk) == back(side)) cycle
             n_old = n_here
-            call extrapolate(length_scale(setting%osc, r(kk), clearance(jj)), jj, kk, &
-               steps(:, side), unknowns(:, i, jj, kk), before, unknowns, guess)
-            call try_guess(at(setting, r(k), clearance(j)), guess, side, symmetry, &
-               unknowns(:, :, j, k), marks(:, :, j, k), n_here)
+            call extrapolate(length_scale(setting%osc, r(kk), clearance(jj)), jj, kk, steps(:, &
+               side), unknowns(:, i, jj, kk), before, unknowns, guess)
+            call try_guess(at(setting, r(k), clearance(j)), guess, side, symmetry, unknowns(:, :, &
+               j, k), marks(:, :, j, k), n_here)
          end do
       end do
    end subroutine visit
@@ -182,7 +182,8 @@ contains
       call assess_linear(motion, exact_acceptance)
       call assess_flights(motion)
       rank = solved
-      if (motion%admissible == yes) rank = merge(admissible_stable, admissible, motion%stable == yes)
+      if (motion%admissible == yes) rank = merge(admissible_stable, admissible, &
+         motion%stable == yes)
       ! the last quarter of the room is for the best, the last but one for the better ones
       if (n_here >= (size(marks, 2)*(rank + 2))/4) return
       n_here = n_here + 1

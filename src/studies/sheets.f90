@@ -67,8 +67,8 @@ contains
       type(sheets_type), intent(out) :: sheets
       integer :: rank, i, j, k
 
-      allocate (sheets%members(3, sum(counts)), sheets%first(sum(counts) + 1), &
-         sheets%sizes(3, sum(counts)))
+      allocate (sheets%members(3, sum(counts)), sheets%first(sum(counts) + 1), sheets%sizes(3, &
+         sum(counts)))
       allocate (sheets%sheet_of, mold=ranks)
       allocate (sheets%stamp, mold=counts)
       sheets%sheet_of = 0

@@ -76,9 +76,7 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
         ax.pcolormesh(*mesh, kind, cmap=shades, vmin=-0.5, vmax=3.5, rasterized=True)
         for number, _, hatch, _ in CLASSES:
             if hatch and (kind == number).any() and min(kind.shape) > 1:
-                ax.contourf(
-                    x, y, kind == number, levels=[0.5, 1.5], colors="none", hatches=[hatch]
-                )
+                ax.contourf(x, y, kind == number, levels=[0.5, 1.5], colors="none", hatches=[hatch])
         if color is not None:
             shown = np.where(kind == 3, _best(data, COLORS[color][0]), np.nan)
             if np.isnan(shown[kind == 3]).any():
@@ -97,7 +95,11 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
             if (kind == number).any() and not (color and number == 3)
         ]
         ax.legend(
-            handles=patches, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, handlelength=1.6
+            handles=patches,
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=2,
+            handlelength=1.6,
         )
         return ax
 
@@ -107,10 +109,8 @@ def classes(data: Any) -> NDArray[np.int64]:
     exists = (data["status"] == 0).values
     admissible = exists & (data["admissible"] == 1).values
     stable = admissible & (data["stable"] == 1).values
-    total: NDArray[np.int64] = sum(
-        part.any(axis=0).astype(np.int64) for part in (exists, admissible, stable)
-    )  # type: ignore[assignment]
-    return total
+    counted = np.stack([part.any(axis=0) for part in (exists, admissible, stable)])
+    return np.asarray(counted.sum(axis=0))
 
 
 def _best(data: Any, name: str) -> NDArray[np.float64]:
@@ -120,8 +120,8 @@ def _best(data: Any, name: str) -> NDArray[np.float64]:
     values = values[0] if name == "multiplier_modulus" else values
     good = ((data["status"] == 0) & (data["admissible"] == 1) & (data["stable"] == 1)).values
     best = np.argmin(np.where(good & ~np.isnan(leading), leading, np.inf), axis=0)
-    chosen: NDArray[np.float64] = np.take_along_axis(values, best[np.newaxis], axis=0)[0]
-    return chosen
+    chosen = np.take_along_axis(values, best[np.newaxis], axis=0)
+    return np.asarray(chosen[0])
 
 
 def _is_geometric(values: NDArray[np.float64]) -> bool:
