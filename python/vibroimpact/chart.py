@@ -128,7 +128,8 @@ def chart(
         of `equispaced`: tau above and below the middle of the two. The others follow: motions that
         continue each other from point to point share a slot, and the slots are given first to
         those with the most admissible and stable points, then to those with the most admissible
-        ones. No admissible and stable motion is left out for one that is not.
+        ones. Where there are more motions than `room`, a slot may change from one to another; no
+        admissible and stable motion is left out for one that is not.
 
     Raises
     ------
@@ -173,7 +174,7 @@ def chart(
     processors = os.cpu_count() or 1
     threads = checks.integer(processors if threads is None else threads, "threads", 1, 1024)
     pair = len(pattern) == 2 and _allows_symmetry(osc, pattern)
-    if 8 * room * len(pattern) * points > MOST_NUMBERS and not (pair and symmetric):
+    if 8 * max(room, 4) * len(pattern) * points > MOST_NUMBERS and not (pair and symmetric):
         raise ParameterError(
             f"r and clearance: {points} points with room for {room} motions of {len(pattern)} impacts "
             f"each; points x room x impacts must be at most {MOST_NUMBERS // 8}, make several charts"
@@ -242,7 +243,7 @@ def _flood(
     task: Task, kind: int, room: int, guesses: int, seeds: int
 ) -> tuple[Columns, NDArray[np.int32], bool]:
     """Exact motions by a flood from the points of a search; and whether it came to its end."""
-    n, m, keep = task.r.size, task.clearance.size, 4 * room
+    n, m, keep = task.r.size, task.clearance.size, 4 * max(room, 4)
     unknowns = np.zeros((2 * len(task.pattern), keep, m, n), order="F")
     marks = np.zeros((2, keep, m, n), dtype=np.int32, order="F")
     counts = np.zeros((2, m, n), dtype=np.int32, order="F")
@@ -288,7 +289,7 @@ def _dataset(xarray: Any, task: Task, columns: Columns, found: NDArray[np.int32]
     codes = [int(code) for code in np.unique(columns.status)]
     variables: dict[str, tuple[Any, Any, str, str, dict[str, Any]]] = {
         "multiplier_modulus": (
-            ("multiplier", *grid), np.abs(columns.multipliers), "1",
+            ("multiplier", *grid), np.hypot(columns.multipliers.real, columns.multipliers.imag), "1",
             "modulus of the multipliers (eigenvalues of [P]), leading one first", {},
         ),
         "multiplier_angle": (
@@ -353,7 +354,7 @@ def _axis(values: ArrayLike, name: str) -> NDArray[np.float64]:
     if fall.size:
         i = int(fall[0])
         raise ParameterError(
-            f"{name}[{i}], {name}[{i + 1}] = {array[i]!r}, {array[i + 1]!r}: must increase"
+            f"{name}[{i}], {name}[{i + 1}] = {float(array[i])!r}, {float(array[i + 1])!r}: must increase"
         )
     return np.ascontiguousarray(array)
 

@@ -94,7 +94,7 @@ contains
          else if (w%seeds < 1 .or. w%seeds > 10000) then
             call complain(group, 'seeds', line, message)
          else if (.not. (w%symmetry > 0 .and. size(case%pattern%sides) == 2) .and. &
-            int(w%r_points, int64)*w%clearance_points*w%room*size(case%pattern%sides) > &
+            int(w%r_points, int64)*w%clearance_points*max(w%room, 4)*size(case%pattern%sides) > &
             most_numbers) then
             call complain(group, 'r_points', line, message, &
                'points x room x impacts must be at most '//whole(most_numbers))

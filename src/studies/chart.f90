@@ -79,7 +79,7 @@ contains
       integer, allocatable :: marks(:, :, :, :), counts(:, :, :)
       integer :: gained
 
-      associate (keep => 4*size(status, 1), m => size(clearance), n => size(r))
+      associate (keep => 4*max(size(status, 1), 4), m => size(clearance), n => size(r))
          allocate (unknowns(2*size(phases, 1), keep, m, n), source=0.0_wp)
          allocate (marks(2, keep, m, n), counts(2, m, n), source=0)
       end associate

@@ -2,8 +2,8 @@
 !!
 !! A sheet is a set of motions at connected points, at most one a point, each the nearest of its
 !! neighbour's motions and the other way round. Sheets with more admissible and stable motions come
-!! first, then those with more admissible ones, then the larger ones; each gets the first slot where
-!! it overlaps no other. One that overlaps others in all slots is divided point by point.
+!! first, then those with more admissible ones, then the larger ones. In the end each slot holds
+!! sheets that do not touch, as far as the room allows.
 module vi_sheets
    use vi_flood, only: admissible, admissible_stable, solved, steps
    use vi_kinds, only: wp
@@ -177,20 +177,29 @@ contains
       end do
    end function larger
 
-   !> Puts a sheet into the first slot that is free at all its points, or divides it.
+   !> Puts a sheet into the first slot where it neither overlaps nor touches another; if there is
+   !! none, where it overlaps none; if there is none, it is divided.
    pure subroutine place(members, ranks, holder, slots)
       integer, intent(in) :: members(:, :), ranks(:, :, :)
       !> (room, m, n): the motion that holds a slot, 0 if none.
       integer, intent(inout) :: holder(:, :, :)
       integer, intent(inout) :: slots(:, :, :)
-      logical :: taken(size(holder, 1))
-      integer :: t, p, slot
+      logical, dimension(size(holder, 1)) :: taken, touched
+      integer :: t, p, side, slot
 
       taken = .false.
+      touched = .false.
       do p = 1, size(members, 2)
-         taken = taken .or. holder(:, members(2, p), members(3, p)) > 0
+         associate (j => members(2, p), k => members(3, p))
+            taken = taken .or. holder(:, j, k) > 0
+            do side = 1, 4
+               touched = touched .or. holder(:, min(max(j + steps(1, side), 1), size(holder, 2)), &
+                  min(max(k + steps(2, side), 1), size(holder, 3))) > 0
+            end do
+         end associate
       end do
-      slot = findloc(taken, .false., 1)
+      slot = findloc(taken .or. touched, .false., 1)
+      if (slot == 0) slot = findloc(taken, .false., 1)
       do p = 1, size(members, 2)
          associate (i => members(1, p), j => members(2, p), k => members(3, p))
             t = slot

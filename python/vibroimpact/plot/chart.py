@@ -121,7 +121,7 @@ def _best(data: Any, name: str) -> NDArray[np.float64]:
     good = ((data["status"] == 0) & (data["admissible"] == 1) & (data["stable"] == 1)).values
     best = np.argmin(np.where(good & ~np.isnan(leading), leading, np.inf), axis=0)
     chosen = np.take_along_axis(values, best[np.newaxis], axis=0)
-    return np.asarray(chosen[0])
+    return np.asarray(chosen[0], dtype=np.float64)
 
 
 def _is_geometric(values: NDArray[np.float64]) -> bool:
@@ -135,7 +135,7 @@ def _is_geometric(values: NDArray[np.float64]) -> bool:
 def _edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
     """Borders of the cells about the points of an axis."""
     if centres.size == 1:
-        return centres[0] * np.array([0.95, 1.05])
+        return np.array([0.95, 1.05]) * float(centres[0])
     geometric = _is_geometric(centres)
     items = np.log(centres) if geometric else centres
     middle = 0.5 * (items[1:] + items[:-1])
