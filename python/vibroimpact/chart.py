@@ -151,7 +151,7 @@ def chart(
     >>> dict(data.sizes)["motion"]
     2
     >>> int(((data.admissible == 1) & (data.stable == 1)).any("motion").sum())
-    82
+    107
     """
     xarray = _xarray()
     checks.instance(osc, "osc", Oscillator)
