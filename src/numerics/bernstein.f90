@@ -1,39 +1,36 @@
-!> Whether a function stays positive between nodes, from its values and slopes there.
+!> Whether a function stays within limits between nodes, from its values and slopes there.
 module vi_bernstein
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: sag, stays_above
+   public :: sag, stays_within
 
 contains
 
-   !> Whether s f >= -level is certain from the first node to the last one (and > inside).
+   !> Whether |f| <= level is certain from the first node to the last one.
    !!
-   !! f differs from its cubic Hermite interpolant by f/24 t^2 (h - t)^2. With a bound on |f|
-   !! g = level + s f is nowhere below a quartic, and a polynomial is nowhere below the least of its
+   !! f differs from its cubic Hermite interpolant by f''''/24 t^2 (h - t)^2. With a bound on |f''''|
+   !! it lies between two quartics, and a polynomial lies between the least and the greatest of its
    !! Bernstein coefficients, which are written here. False means: not certain.
-   pure logical function stays_above(s, level, f, rise, dip)
-      !> 1 or -1.
-      real(wp), intent(in) :: s, level
+   pure logical function stays_within(level, f, rise, dip)
+      real(wp), intent(in) :: level
       !> At the nodes (n): f, and its derivative times the distance of the nodes.
       real(wp), intent(in) :: f(:), rise(:)
       !> `sag` for that distance.
       real(wp), intent(in) :: dip
       real(wp), parameter :: sixth = 1/6.0_wp
-      real(wp) :: g, g_next, least
+      real(wp) :: largest
       integer :: j
 
-      g = level + s*f(1)
-      least = g
+      largest = abs(f(1))
       do j = 1, size(f) - 1
-         g_next = level + s*f(j + 1)
-         least = min(least, g_next, g + 0.25_wp*s*rise(j), g_next - 0.25_wp*s*rise(j + 1), &
-            0.5_wp*(g + g_next) + sixth*s*(rise(j) - rise(j + 1)) - dip)
-         g = g_next
+         largest = max(largest, abs(f(j) + 0.25_wp*rise(j)), &
+            abs(0.5_wp*(f(j) + f(j + 1)) + sixth*(rise(j) - rise(j + 1))) + dip, &
+            abs(f(j + 1) - 0.25_wp*rise(j + 1)), abs(f(j + 1)))
       end do
-      stays_above = least >= 0
-   end function stays_above
+      stays_within = largest <= level
+   end function stays_within
 
    !> What the interpolation over a distance h can hide from the middle coefficient.
    elemental real(wp) function sag(bound, h)

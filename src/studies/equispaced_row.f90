@@ -6,7 +6,7 @@
 module vi_equispaced_row
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: admission, assess_flights, consistency, paper_acceptance, stability
-   use vi_bernstein, only: sag, stays_above
+   use vi_bernstein, only: sag, stays_within
    use vi_equispaced, only: line_type, new_line, symmetric_pair
    use vi_impact, only: primary_velocities
    use vi_impact_map, only: impact_map
@@ -115,7 +115,7 @@ contains
          b = x - forced(2)                                                                ! (6)
          a = (half%x_dot + osc%xi*b - r*forced(1))/eta(osc%xi)                            ! (5)
          half%parts = [a, b, forced]
-         half%bound = hypot(a, b) + row%line%amplitude*r**4
+         half%bound = sqrt(a**2 + b**2) + row%line%amplitude*(r**2)**2
       end associate
    end function new_half
 
@@ -185,8 +185,7 @@ contains
       y(n) = -wall
       dip = sag(half%bound, row%nodes%step)
       approaches = half%z_dot + half%x_dot_before < 0
-      inside = stays_above(1.0_wp, wall, y(:n), y_rise(:n), dip)
-      if (inside) inside = stays_above(-1.0_wp, wall, y(:n), y_rise(:n), dip)
+      inside = stays_within(wall, y(:n), y_rise(:n), dip)
       certain = inside .or. .not. approaches
       if (.not. certain) certain = any(abs(y(1:n - 1)) > wall*(1 + 1.0e-12_wp))
       if (certain) call find_largest(row%nodes, half%parts, half%bound, x(:n), x_rise(:n), &

@@ -3,7 +3,7 @@
 !! Every flight is a combination of these. A bound on its fourth derivative certifies what happens
 !! between the nodes; where the bound cannot decide, the caller has to go another way.
 module vi_nodes
-   use vi_bernstein, only: sag, stays_above
+   use vi_bernstein, only: sag, stays_within
    use vi_kinds, only: wp
    use vi_oscillator, only: eta
    implicit none (type, external)
@@ -85,24 +85,16 @@ contains
       if (shift < 0) shift = nodes%step + shift
       certain = j >= 0 .and. j < n .and. shift >= 0 .and. shift <= nodes%step
       if (abs(shift) <= 0) then
-         certain = within(level, x, x_rise, dip)
+         certain = stays_within(level, x, x_rise, dip)
       else if (certain) then
-         certain = within(level, x(:j), x_rise(:j), dip) .and. &
-            within(level, x(j + 1:), x_rise(j + 1:), dip) .and. &
-            within(level, [x(j), peak], [x_rise(j)*(shift/nodes%step), 0.0_wp], &
+         certain = stays_within(level, x(:j), x_rise(:j), dip) .and. &
+            stays_within(level, x(j + 1:), x_rise(j + 1:), dip) .and. &
+            stays_within(level, [x(j), peak], [x_rise(j)*(shift/nodes%step), 0.0_wp], &
             sag(bound, shift)) .and. &
-            within(level, [peak, x(j + 1)], [0.0_wp, x_rise(j + 1)*(1 - shift/nodes%step)], &
+            stays_within(level, [peak, x(j + 1)], [0.0_wp, x_rise(j + 1)*(1 - shift/nodes%step)], &
             sag(bound, nodes%step - shift))
       end if
    end subroutine find_largest
-
-   !> Whether |x| <= level is certain from the first node to the last one.
-   pure logical function within(level, x, x_rise, dip)
-      real(wp), intent(in) :: level, x(:), x_rise(:), dip
-
-      within = stays_above(-1.0_wp, level, x, x_rise, dip)
-      if (within) within = stays_above(1.0_wp, level, x, x_rise, dip)
-   end function within
 
    !> The stationary point of x near a node: its time from there, and x.
    pure subroutine climb(nodes, parts, j, shift, x)
@@ -115,7 +107,7 @@ contains
       real(wp), parameter :: inverse_factorial(0:terms) = 1/gamma([1.0_wp, 2.0_wp, 3.0_wp, &
          4.0_wp, 5.0_wp, 6.0_wp, 7.0_wp, 8.0_wp, 9.0_wp, 10.0_wp, 11.0_wp, 12.0_wp])
       real(wp) :: free(0:terms), forced(0:terms), c(0:terms), slope, curvature
-      integer :: i, n
+      integer :: i, n, last
 
       associate (p => parts, q => nodes%position(:, j), v => nodes%rise(:, j))
          free(0:1) = [p(1)*q(1) + p(2)*q(2), (p(1)*v(1) + p(2)*v(2))/nodes%step]
@@ -127,16 +119,18 @@ contains
       end do
       c = (free + forced)*inverse_factorial
       shift = 0
-      do i = 1, 6
-         slope = terms*c(terms)
+      do i = 1, 8
+         ! the first steps need but few terms
+         last = merge(4, terms, i <= 2)
+         slope = last*c(last)
          curvature = 0
-         do n = terms - 1, 1, -1
+         do n = last - 1, 1, -1
             curvature = curvature*shift + slope
             slope = slope*shift + n*c(n)
          end do
          if (.not. abs(slope) < nodes%step*abs(curvature)) exit
          shift = shift - slope/curvature
-         if (abs(slope) <= 1.0e-5_wp*abs(curvature)*nodes%step) exit
+         if (i > 2 .and. abs(slope) <= 1.0e-5_wp*abs(curvature)*nodes%step) exit
       end do
       x = c(terms)
       do n = terms - 1, 0, -1
