@@ -166,21 +166,33 @@ contains
          call complain(group, 'xi', line, message)
       else if (.not. (raw%mu >= 0 .and. raw%mu <= 1.0e6_wp)) then
          call complain(group, 'mu', line, message)
-      else if (.not. with_r .and. given(group, 'r')) then
+      else if (with_r) then
+         call check_r(group, raw, line, message)
+      else if (given(group, 'r')) then
          call forbid(group, 'r', line, message, &
             'must be left out: it is not for a &chart, which has r_min and r_max')
-      else if (with_r .and. .not. (raw%r >= 1.0e-6_wp .and. raw%r <= 1.0e6_wp)) then
-         call complain(group, 'r', line, message)
-      else if (with_r .and. raw%xi <= 0 .and. abs(raw%r - 1) <= 0) then
-         call complain(group, 'r', line, message, &
-            'must differ from 1 when xi = 0 (resonance without damping)')
-      else
+      end if
+      if (len(message) == 0) then
          if (is_blank(raw%restitution(2))) raw%restitution(2) = raw%restitution(1)
          if (.not. all(raw%restitution >= 0 .and. raw%restitution <= 1)) then
             call complain(group, 'restitution', line, message)
          end if
       end if
    end subroutine check_system
+
+   subroutine check_r(group, raw, line, message)
+      type(group_type), intent(in) :: group
+      type(raw_type), intent(in) :: raw
+      integer, intent(inout) :: line
+      character(:), allocatable, intent(inout) :: message
+
+      if (.not. (raw%r >= 1.0e-6_wp .and. raw%r <= 1.0e6_wp)) then
+         call complain(group, 'r', line, message)
+      else if (raw%xi <= 0 .and. abs(raw%r - 1) <= 0) then
+         call complain(group, 'r', line, message, &
+            'must differ from 1 when xi = 0 (resonance without damping)')
+      end if
+   end subroutine check_r
 
    !> Name and format of the result; the name is that of the file (numbered) unless given.
    subroutine take_output(path, number, total, motion_line, group, raw, case, line, message)

@@ -10,7 +10,7 @@ contains
 
    !> Whether |f| <= level is certain from the first node to the last one.
    !!
-   !! f differs from its cubic Hermite interpolant by f''''/24 t^2 (h - t)^2. With a bound on |f''''|
+   !! f differs from its cubic Hermite interpolant by f''''/24 t^2 (h - t)^2. With a bound on f''''
    !! it lies between two quartics, and a polynomial lies between the least and the greatest of its
    !! Bernstein coefficients, which are written here. False means: not certain.
    pure logical function stays_within(level, f, rise, dip)

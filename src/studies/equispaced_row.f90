@@ -80,9 +80,10 @@ contains
       type(half_type) :: half
       real(wp) :: x(2), forced(2, 2)
       logical :: certain
-      integer :: i
+      integer :: i, status(2)
 
-      call symmetric_pair(row%line, clearance, x, forced, pair%status)
+      call symmetric_pair(row%line, clearance, x, forced, status)
+      pair%status = status
       do i = 1, 2
          if (pair(i)%status /= stat%ok) cycle
          half = new_half(row, clearance, x(i), forced(:, i))

@@ -374,3 +374,19 @@ def test_plot(pair, three):
     with pytest.raises(vi.errors.ParameterError):
         draw_chart(pair, color="red")
     draw_chart(pair.isel(r=[3]))
+
+
+def test_progress(monkeypatch, capfd):
+    """The bar appears when it is wanted and work takes long, and goes away."""
+    module = importlib.import_module("vibroimpact.progress")
+    monkeypatch.setattr(module, "INTERVAL", 0.0)
+    vi.chart(OSC, RL, R, D, progress=True)
+    assert capfd.readouterr().err == ""
+    monkeypatch.setattr(module, "PATIENCE", 0.0)
+    vi.chart(OSC, RL, R, D, progress=False)
+    assert capfd.readouterr().err == ""
+    vi.chart(OSC, RL, R, D, progress=True)
+    shown = capfd.readouterr().err
+    assert "chart RL/1 [" in shown
+    assert "\n" not in shown
+    assert shown.endswith(" \r")
