@@ -435,3 +435,89 @@ subroutine branch(n, c, parameter, tied, bounds, cycles, sides, symmetric, x, th
       parameter, tied /= 0, bounds, longest), [x/c(2), theta], parameters, phases, impacts, scalars, &
       multipliers, verdicts, codes, special, n_points, reasons, status)
 end subroutine branch
+
+!> Both equispaced motions at each (clearance, r) of a grid; rows as in vi_chart.
+subroutine equispaced_chart(m, n, xi, mu, walls, r, clearance, cycles, with_multipliers, threads, &
+   scalars, multipliers, verdicts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_chart, only: chart => equispaced_chart
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, n, cycles, with_multipliers, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(m)
+   real(c_double), intent(out) :: scalars(4, 2, m, n)
+   complex(c_double_complex), intent(out) :: multipliers(4, 2, m, n)
+   integer(c_int), intent(out) :: verdicts(3, 2, m, n), status(2, m, n)
+
+   call chart(oscillator_type(xi, mu, walls), r, clearance, cycles, with_multipliers /= 0, &
+      threads, scalars, multipliers, verdicts, status)
+end subroutine equispaced_chart
+
+!> Searches for exact motions of a pattern at some points (j, k) of a grid; see vi_flood.
+subroutine seed_flood(n_impacts, keep, m, n, p, xi, mu, walls, r, clearance, cycles, sides, &
+   points, guesses, symmetry, threads, unknowns, marks, counts)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_exact, only: setting_type
+   use vi_flood, only: seed => seed_flood
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: default_restitution, pattern_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n_impacts, keep, m, n, p, cycles, sides(n_impacts), points(2, &
+      p), guesses, symmetry, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(m)
+   real(c_double), intent(inout) :: unknowns(2*n_impacts, keep, m, n)
+   integer(c_int), intent(inout) :: marks(2, keep, m, n), counts(2, m, n)
+
+   call seed(setting_type(oscillator_type(xi, mu, walls), 1.0_c_double, 1.0_c_double, &
+      1.0_c_double, pattern_type(sides, cycles), default_restitution(sides, walls(1), walls(2))), &
+      r, clearance, points, guesses, symmetry, threads, unknowns, marks, counts)
+end subroutine seed_flood
+
+!> Follows the newest motions of a flood to neighbouring points.
+subroutine sweep_flood(n_impacts, keep, m, n, xi, mu, walls, r, clearance, cycles, sides, sweeps, &
+   symmetry, threads, unknowns, marks, counts, gained)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_exact, only: setting_type
+   use vi_flood, only: sweep => sweep_flood
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: default_restitution, pattern_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n_impacts, keep, m, n, cycles, sides(n_impacts), sweeps, &
+      symmetry, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(m)
+   real(c_double), intent(inout) :: unknowns(2*n_impacts, keep, m, n)
+   integer(c_int), intent(inout) :: marks(2, keep, m, n), counts(2, m, n)
+   integer(c_int), intent(out) :: gained
+
+   call sweep(setting_type(oscillator_type(xi, mu, walls), 1.0_c_double, 1.0_c_double, &
+      1.0_c_double, pattern_type(sides, cycles), default_restitution(sides, walls(1), walls(2))), &
+      r, clearance, sweeps, symmetry, threads, unknowns, marks, counts, gained)
+end subroutine sweep_flood
+
+!> The motions of a flood in `room` slots that are continuous over the grid.
+subroutine finish_chart(n_impacts, keep, m, n, xi, mu, walls, r, clearance, cycles, sides, room, &
+   threads, unknowns, ranks, found, phases, impacts, scalars, multipliers, verdicts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_chart, only: finish => finish_chart
+   use vi_exact, only: setting_type
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: default_restitution, pattern_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n_impacts, keep, m, n, cycles, sides(n_impacts), room, threads, &
+      ranks(keep, m, n), found(m, n)
+   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(m), unknowns(2*n_impacts, &
+      keep, m, n)
+   real(c_double), intent(out) :: phases(n_impacts, room, m, n), impacts(n_impacts, 6, room, m, &
+      n), scalars(6, room, m, n)
+   complex(c_double_complex), intent(out) :: multipliers(4, room, m, n)
+   integer(c_int), intent(out) :: verdicts(3, room, m, n), status(room, m, n)
+
+   call finish(setting_type(oscillator_type(xi, mu, walls), 1.0_c_double, 1.0_c_double, &
+      1.0_c_double, pattern_type(sides, cycles), default_restitution(sides, walls(1), walls(2))), &
+      r, clearance, threads, unknowns, ranks, found, phases, impacts, scalars, multipliers, &
+      verdicts, status)
+end subroutine finish_chart

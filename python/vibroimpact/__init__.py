@@ -4,6 +4,7 @@ from importlib.metadata import version as _version
 
 from . import errors
 from .bundle import Bundle, simulate_bundle
+from .chart import chart
 from .find import FoundMotions, Search, find
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
@@ -38,6 +39,7 @@ __all__ = [
     "ZoneSearch",
     "atlas",
     "branch",
+    "chart",
     "equispaced",
     "errors",
     "exact",

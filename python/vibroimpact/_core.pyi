@@ -314,6 +314,95 @@ class _Zone(Protocol):
         m: int = ...,
     ) -> tuple[_Real, _Real, _Integer, int, _Integer, _Real, int, _Integer, int]: ...
 
+@type_check_only
+class _EquispacedChart(Protocol):
+    # scalars, multipliers, verdicts, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        cycles: int,
+        with_multipliers: int,
+        threads: int,
+        m: int = ...,
+        n: int = ...,
+    ) -> tuple[_Real, _Complex, _Integer, _Integer]: ...
+
+@type_check_only
+class _SeedFlood(Protocol):
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        points: ArrayLike,
+        guesses: int,
+        symmetry: int,
+        threads: int,
+        unknowns: _Real,
+        marks: _Integer,
+        counts: _Integer,
+        n_impacts: int = ...,
+        keep: int = ...,
+        m: int = ...,
+        n: int = ...,
+        p: int = ...,
+    ) -> None: ...
+
+@type_check_only
+class _SweepFlood(Protocol):
+    # gained
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        sweeps: int,
+        symmetry: int,
+        threads: int,
+        unknowns: _Real,
+        marks: _Integer,
+        counts: _Integer,
+        n_impacts: int = ...,
+        keep: int = ...,
+        m: int = ...,
+        n: int = ...,
+    ) -> int: ...
+
+@type_check_only
+class _FinishChart(Protocol):
+    # phases, impacts, scalars, multipliers, verdicts, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        room: int,
+        threads: int,
+        unknowns: ArrayLike,
+        ranks: ArrayLike,
+        found: ArrayLike,
+        n_impacts: int = ...,
+        keep: int = ...,
+        m: int = ...,
+        n: int = ...,
+    ) -> tuple[_Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
+
 __f2py_numpy_version__: str
 
 periodic: _Periodic
@@ -334,3 +423,7 @@ start_state: _StartState
 simulate_bundle: _SimulateBundle
 branch: _Branch
 zone: _Zone
+equispaced_chart: _EquispacedChart
+seed_flood: _SeedFlood
+sweep_flood: _SweepFlood
+finish_chart: _FinishChart

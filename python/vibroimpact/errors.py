@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-__all__ = ["ParameterError", "ParameterTypeError", "SingularError", "VibroimpactError"]
+from typing import Any
+
+__all__ = [
+    "ChartInterrupted",
+    "MissingExtraError",
+    "ParameterError",
+    "ParameterTypeError",
+    "SingularError",
+    "VibroimpactError",
+]
 
 
 class VibroimpactError(Exception):
@@ -19,3 +28,15 @@ class ParameterTypeError(VibroimpactError, TypeError):
 
 class SingularError(VibroimpactError, ArithmeticError):
     """The equations have no unique, finite solution for these (allowed) parameters."""
+
+
+class MissingExtraError(VibroimpactError, ImportError):
+    """A library that is not required to compute is needed here."""
+
+
+class ChartInterrupted(KeyboardInterrupt):
+    """Ctrl-C in `chart`; the attribute `chart` holds the dataset of what was computed so far."""
+
+    def __init__(self, message: str, chart: Any) -> None:
+        super().__init__(message)
+        self.chart = chart

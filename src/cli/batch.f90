@@ -4,14 +4,17 @@ module vi_batch
    use vi_case_type, only: case_type
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_files, only: make_folder, same_file, write_file
-   use vi_motion, only: motion_type
+   use vi_motion, only: motion_type, yes
+   use vi_pattern, only: side_letters
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
    use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
+   use vi_report_chart, only: chart_lines
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
    use vi_text, only: append, counted, is_result, line_type, lower, printable, whole
    use vi_trajectory, only: simulate_case
+   use vi_window, only: chart_window, map_type
    implicit none (type, external)
    private
 
@@ -66,6 +69,8 @@ contains
       do i = 1, size(cases)
          if (cases(i)%kind == 'simulate') then
             call run_simulation(cases(i), folder, log, written)
+         else if (cases(i)%kind == 'chart') then
+            call run_chart(cases(i), folder, log, written)
          else
             call compute(cases(i), motions)
             call write_results(cases(i), motions, folder, log, written)
@@ -207,6 +212,37 @@ contains
          'impact')//', '//counted(count(events%kind == stick_event), 'rest'))
       if (status /= stat%ok) call say(log, failed, case%name//': cut short, max_events was reached')
    end subroutine run_simulation
+
+   !> Charts a case and writes its motions; a chart without any is said to be empty, not written.
+   subroutine run_chart(case, folder, log, written)
+      type(case_type), intent(in) :: case
+      character(*), intent(in) :: folder
+      type(log_type), intent(inout) :: log
+      !> False if the result could not be written.
+      logical, intent(out) :: written
+      type(map_type) :: map
+      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: message, what
+
+      call chart_window(case%osc, case%pattern, case%window, map)
+      written = .true.
+      what = side_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
+      if (all(map%status /= stat%ok)) then
+         call say(log, failed, case%name//': no motion '//what//' was found anywhere in the window')
+         return
+      end if
+      call chart_lines(case, map, lines)
+      call write_file(folder//'/'//case%name//'.csv', lines, message)
+      written = len(message) == 0
+      if (.not. written) then
+         call say(log, wrong, folder//'/'//case%name//'.csv: '//message//writable)
+         return
+      end if
+      call say(log, done, case%name//': '//whole(count(map%status == stat%ok))//' motions '// &
+         what//' at '//whole(count(any(map%status == stat%ok, 1)))//' of '// &
+         whole(size(map%status, 2)*size(map%status, 3))//' points, '// &
+         whole(count(all(map%verdicts == yes, 1)))//' admissible and stable')
+   end subroutine run_chart
 
    subroutine write_results(case, motions, folder, log, written)
       type(case_type), intent(in) :: case

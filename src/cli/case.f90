@@ -4,10 +4,11 @@
 !! it, if
 !! one does. The ranges are those of the Python package.
 module vi_case
+   use vi_case_chart, only: take_chart
    use vi_case_motion, only: take_motion
    use vi_case_simulation, only: take_simulation
    use vi_case_type, only: case_type
-   use vi_keys, only: complain, given, read_group
+   use vi_keys, only: complain, forbid, given, makes_case, read_group
    use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist
    use vi_raw, only: blank, is_blank, raw_type
@@ -52,17 +53,17 @@ contains
          case ('system')
             call take_system(groups(i:), raw, line, message)
             has_system = .true.
-         case ('motion', 'simulate')
+         case ('motion', 'simulate', 'chart')
             n = n + 1
             if (.not. has_system) message = '&'//groups(i)%name//': no &system stands before it'
             if (len(message) == 0) call take_case(path, n, groups(i:), size(cases), raw, cases(n), &
                line, message)
          case ('output')
             if (.not. follows_case(groups(:i - 1))) message = &
-               '&output: no &motion or &simulate stands before it'
+               '&output: no &motion, &simulate or &chart stands before it'
          case default
             message = '&'//groups(i)%name// &
-               ': is not a group; must be &system, &motion, &simulate or &output'
+               ': is not a group; must be &system, &motion, &simulate, &chart or &output'
          end select
          if (len(message) > 0) exit
       end do
@@ -83,11 +84,14 @@ contains
 
       call read_group(groups(1), raw, line, message)
       if (len(message) > 0) return
-      if (groups(1)%name == 'motion') then
+      select case (groups(1)%name)
+      case ('motion')
          call take_motion(groups(1), raw, case, line, message)
-      else
+      case ('simulate')
          call take_simulation(groups(1), raw, case, line, message)
-      end if
+      case default
+         call take_chart(groups(1), raw, case, line, message)
+      end select
       if (len(message) > 0) return
       allocate (output%items(0))
       if (size(groups) > 1) then
@@ -108,10 +112,23 @@ contains
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
 
-      if (.not. motion_follows(groups(2:))) message = '&system: no &motion or &simulate follows'
+      if (.not. motion_follows(groups(2:))) message = '&system: no &motion, &
+         &simulate or &chart follows'
       if (len(message) == 0) call read_group(groups(1), raw, line, message)
-      if (len(message) == 0) call check_system(groups(1), raw, line, message)
+      if (len(message) == 0) call check_system(groups(1), needs_r(groups(2:)), raw, line, message)
    end subroutine take_system
+
+   !> Whether a case of this system has one frequency ratio: a chart has a window of them.
+   pure logical function needs_r(rest)
+      type(group_type), intent(in) :: rest(:)
+      integer :: i
+
+      needs_r = .false.
+      do i = 1, size(rest)
+         if (rest(i)%name == 'system') return
+         needs_r = needs_r .or. (makes_case(rest(i)%name) .and. rest(i)%name /= 'chart')
+      end do
+   end function needs_r
 
    !> Whether the group just before is a case.
    pure logical function follows_case(before)
@@ -120,13 +137,6 @@ contains
       follows_case = .false.
       if (size(before) > 0) follows_case = makes_case(before(size(before))%name)
    end function follows_case
-
-   !> Whether each group of this name is a case.
-   pure logical function makes_case(name)
-      character(*), intent(in) :: name
-
-      makes_case = name == 'motion' .or. name == 'simulate'
-   end function makes_case
 
    !> Whether the next group is &motion, or one whose name is wrong anyway.
    pure logical function motion_follows(rest)
@@ -145,8 +155,9 @@ contains
       if (line > 0) text = path//':'//whole(line)//': '
    end function place
 
-   subroutine check_system(group, raw, line, message)
+   subroutine check_system(group, with_r, raw, line, message)
       type(group_type), intent(in) :: group
+      logical, intent(in) :: with_r
       type(raw_type), intent(inout) :: raw
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
@@ -155,18 +166,33 @@ contains
          call complain(group, 'xi', line, message)
       else if (.not. (raw%mu >= 0 .and. raw%mu <= 1.0e6_wp)) then
          call complain(group, 'mu', line, message)
-      else if (.not. (raw%r >= 1.0e-6_wp .and. raw%r <= 1.0e6_wp)) then
-         call complain(group, 'r', line, message)
-      else if (raw%xi <= 0 .and. abs(raw%r - 1) <= 0) then
-         call complain(group, 'r', line, message, &
-            'must differ from 1 when xi = 0 (resonance without damping)')
-      else
+      else if (with_r) then
+         call check_r(group, raw, line, message)
+      else if (given(group, 'r')) then
+         call forbid(group, 'r', line, message, &
+            'must be left out: it is not for a &chart, which has r_min and r_max')
+      end if
+      if (len(message) == 0) then
          if (is_blank(raw%restitution(2))) raw%restitution(2) = raw%restitution(1)
          if (.not. all(raw%restitution >= 0 .and. raw%restitution <= 1)) then
             call complain(group, 'restitution', line, message)
          end if
       end if
    end subroutine check_system
+
+   subroutine check_r(group, raw, line, message)
+      type(group_type), intent(in) :: group
+      type(raw_type), intent(in) :: raw
+      integer, intent(inout) :: line
+      character(:), allocatable, intent(inout) :: message
+
+      if (.not. (raw%r >= 1.0e-6_wp .and. raw%r <= 1.0e6_wp)) then
+         call complain(group, 'r', line, message)
+      else if (raw%xi <= 0 .and. abs(raw%r - 1) <= 0) then
+         call complain(group, 'r', line, message, &
+            'must differ from 1 when xi = 0 (resonance without damping)')
+      end if
+   end subroutine check_r
 
    !> Name and format of the result; the name is that of the file (numbered) unless given.
    subroutine take_output(path, number, total, motion_line, group, raw, case, line, message)

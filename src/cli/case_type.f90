@@ -3,6 +3,7 @@ module vi_case_type
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
+   use vi_window, only: window_type
    implicit none (type, external)
    private
 
@@ -10,7 +11,7 @@ module vi_case_type
       character(:), allocatable :: name
       type(oscillator_type) :: osc
       real(wp) :: r = 0
-      !> 'periodic' (phases given), 'equispaced' (clearance given) or 'simulate'
+      !> 'periodic' (phases given), 'equispaced' (clearance given), 'simulate' or 'chart'
       character(:), allocatable :: kind
       type(pattern_type) :: pattern
       real(wp), allocatable :: phases(:), restitution(:)
@@ -23,6 +24,8 @@ module vi_case_type
       !! start.
       real(wp) :: duration = 0, discard = 0, load = 1, start(5) = 0
       integer :: max_events = 0
+      !> Of a chart.
+      type(window_type) :: window
       !> Where the name was given, for messages.
       integer :: line = 0
    end type case_type

@@ -24,10 +24,12 @@ contains
       call append(lines, '#   xi = '//exact(case%osc%xi))
       call append(lines, '#   mu = '//exact(case%osc%mu))
       call append(lines, '#   restitution = '//list(case%osc%restitution))
-      call append(lines, '#   r = '//exact(case%r))
+      if (case%kind /= 'chart') call append(lines, '#   r = '//exact(case%r))
       call append(lines, '# /')
       if (case%kind == 'simulate') then
          call echo_simulation(case, lines)
+      else if (case%kind == 'chart') then
+         call echo_chart(case, lines)
       else
          call echo_motion(case, lines)
       end if
@@ -74,6 +76,31 @@ contains
       call append(lines, '#   max_events = '//whole(case%max_events))
       call append(lines, '# /')
    end subroutine echo_simulation
+
+   pure subroutine echo_chart(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      character(4), parameter :: symmetric(-1:1) = ['none', 'both', 'only']
+
+      associate (w => case%window)
+         call append(lines, '# &chart')
+         call append(lines, '#   sides = '''//side_letters(case%pattern%sides)//'''')
+         call append(lines, '#   cycles = '//whole(case%pattern%cycles))
+         call append(lines, '#   r_min = '//exact(w%r_min))
+         call append(lines, '#   r_max = '//exact(w%r_max))
+         call append(lines, '#   r_points = '//whole(w%r_points))
+         call append(lines, '#   clearance_min = '//exact(w%clearance_min))
+         call append(lines, '#   clearance_max = '//exact(w%clearance_max))
+         call append(lines, '#   clearance_points = '//whole(w%clearance_points))
+         call append(lines, '#   spacing = '//trim(merge('''geometric''', '''linear''   ', &
+            w%geometric)))
+         call append(lines, '#   symmetric = '''//symmetric(w%symmetry)//'''')
+         call append(lines, '#   room = '//whole(w%room))
+         call append(lines, '#   guesses = '//whole(w%guesses))
+         call append(lines, '#   seeds = '//whole(w%seeds))
+         call append(lines, '# /')
+      end associate
+   end subroutine echo_chart
 
    pure function list(values) result(text)
       real(wp), intent(in) :: values(:)

@@ -6,7 +6,7 @@ module vi_keys
    implicit none (type, external)
    private
 
-   public :: complain, forbid, given, read_group
+   public :: complain, forbid, given, makes_case, read_group
 
 contains
 
@@ -18,6 +18,7 @@ contains
       select case (group//' '//key)
       case default
          text = ''
+         if (group == 'chart') text = wanted_of_chart(key)
       case ('system xi')
          text = 'a number with 0 <= xi < 1'
       case ('system mu')
@@ -63,6 +64,42 @@ contains
       end select
    end function wanted
 
+   !> What a key of &chart takes; empty if there is no such key.
+   pure function wanted_of_chart(key) result(text)
+      character(*), intent(in) :: key
+      character(:), allocatable :: text
+
+      select case (key)
+      case default
+         text = ''
+      case ('sides')
+         text = 'letters R and L, one an impact, 2 to 12 of them, each wall at least once'
+      case ('cycles')
+         text = 'a whole number with 1 <= cycles <= 10000'
+      case ('r_min', 'r_max')
+         text = 'a number with 1e-6 <= '//key//' <= 1e6, and r_min below r_max'
+      case ('clearance_min', 'clearance_max')
+         text = 'a number with 1e-12 <= '//key//' <= 1e12, and clearance_min below clearance_max'
+      case ('r_points', 'clearance_points')
+         text = 'a whole number of at least 2, with r_points x clearance_points <= 1000000'
+      case ('spacing')
+         text = '''linear'' or ''geometric'' (of the clearances)'
+      case ('symmetric')
+         text = '''both'', ''only'' (motions that are their own mirror image) or ''none'' of them'
+      case ('room')
+         text = 'a whole number with 1 <= room <= 32'
+      case ('guesses', 'seeds')
+         text = 'a whole number with 1 <= '//key//' <= 10000'
+      end select
+   end function wanted_of_chart
+
+   !> Whether each group of this name is a case.
+   pure logical function makes_case(name)
+      character(*), intent(in) :: name
+
+      makes_case = name == 'motion' .or. name == 'simulate' .or. name == 'chart'
+   end function makes_case
+
    !> The keys of a group, for messages.
    pure function keys(group) result(text)
       character(*), intent(in) :: group
@@ -76,6 +113,9 @@ contains
             &precision, acceptance'
       case ('simulate')
          text = 'clearance, cycles, discard, load, t, x, x_dot, z, z_dot, max_events'
+      case ('chart')
+         text = 'sides, cycles, r_min, r_max, r_points, clearance_min, clearance_max, &
+            &clearance_points, spacing, symmetric, room, guesses, seeds'
       case default
          text = 'name, format'
       end select
@@ -89,7 +129,7 @@ contains
       character(:), allocatable, intent(inout) :: message
       integer :: i, j, status
 
-      if (group%name == 'motion' .or. group%name == 'simulate') call blank_motion(raw)
+      if (makes_case(group%name)) call blank_motion(raw)
       if (group%name == 'system') call blank(raw)
       do i = 1, size(group%items)
          associate (item => group%items(i))

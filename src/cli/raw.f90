@@ -2,6 +2,7 @@
 module vi_raw
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
+   use vi_window, only: window_type
    implicit none (type, external)
    private
 
@@ -24,6 +25,9 @@ module vi_raw
       !> &simulate: load cycles kept and discarded, load amplitude, initial state, limit of events.
       real(wp) :: duration, discard, load, t, x, x_dot, z, z_dot
       integer :: max_events
+      !> &chart
+      type(window_type) :: window
+      character(most_letters) :: spacing, symmetric
    end type raw_type
 
 contains
@@ -66,6 +70,9 @@ contains
       raw%z = 0
       raw%z_dot = 0
       raw%max_events = 10000000
+      raw%window = window_type(nan, nan, nan, nan)
+      raw%spacing = 'linear'
+      raw%symmetric = 'both'
    end subroutine blank_motion
 
    !> One assignment through the compiler's namelist input.
@@ -81,6 +88,8 @@ contains
          call read_motion(text, raw, status)
       case ('simulate')
          call read_simulate(text, raw, status)
+      case ('chart')
+         call read_chart(text, raw, status)
       case default
          call read_output(text, raw, status)
       end select
@@ -168,6 +177,40 @@ contains
       raw%z_dot = z_dot
       raw%max_events = max_events
    end subroutine read_simulate
+
+   subroutine read_chart(text, raw, status)
+      character(*), intent(in) :: text
+      type(raw_type), intent(inout) :: raw
+      integer, intent(out) :: status
+      character(most_letters) :: sides, spacing, symmetric
+      real(wp) :: r_min, r_max, clearance_min, clearance_max
+      integer :: cycles, r_points, clearance_points, room, guesses, seeds
+      namelist /chart/ sides, cycles, r_min, r_max, r_points, clearance_min, clearance_max, &
+         clearance_points, spacing, symmetric, room, guesses, seeds
+
+      sides = raw%sides
+      cycles = raw%cycles
+      spacing = raw%spacing
+      symmetric = raw%symmetric
+      associate (w => raw%window)
+         r_min = w%r_min
+         r_max = w%r_max
+         r_points = w%r_points
+         clearance_min = w%clearance_min
+         clearance_max = w%clearance_max
+         clearance_points = w%clearance_points
+         room = w%room
+         guesses = w%guesses
+         seeds = w%seeds
+         read (text, nml=chart, iostat=status)
+         w = window_type(r_min, r_max, clearance_min, clearance_max, r_points, clearance_points, &
+            room=room, guesses=guesses, seeds=seeds)
+      end associate
+      raw%sides = sides
+      raw%cycles = cycles
+      raw%spacing = spacing
+      raw%symmetric = symmetric
+   end subroutine read_chart
 
    subroutine read_output(text, raw, status)
       character(*), intent(in) :: text

@@ -14,7 +14,7 @@ module vi_report
    implicit none (type, external)
    private
 
-   public :: csv_lines, event_lines, table_lines, verdict_text
+   public :: csv_lines, event_lines, table_lines, verdict_text, verdict_word
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 

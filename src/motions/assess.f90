@@ -10,7 +10,7 @@ module vi_assess
    implicit none (type, external)
    private
 
-   public :: assess_linear, assess_flights
+   public :: admission, assess_flights, assess_linear, consistency, stability
 
    !> The residual that the 1983 paper accepted for N > 2.
    real(wp), parameter, public :: paper_acceptance = 0.03_wp
@@ -25,17 +25,15 @@ contains
       type(motion_type), intent(inout) :: motion
       !> Largest relative residual of (26), (30) that counts as consistent.
       real(wp), intent(in) :: acceptance
-      real(wp) :: largest
       integer :: status
 
       if (motion%status /= stat%ok) return
-      motion%consistent = verdict(motion%residual <= acceptance)
+      motion%consistent = consistency(motion%residual, acceptance)
       call multipliers(motion, motion%multipliers, status)
       if (status /= stat%ok) then
          motion%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
       else
-         largest = abs(motion%multipliers(1))
-         if (abs(largest - 1) > neutral) motion%stable = verdict(largest < 1)
+         motion%stable = stability(abs(motion%multipliers(1)))
       end if
    end subroutine assess_linear
 
@@ -70,12 +68,31 @@ contains
          motion%x_max = max(motion%x_max, -lowest)
          complete = complete .and. complete_x
       end do
-      if (.not. (approaches .and. inside)) then
-         motion%admissible = no
-      else
-         motion%admissible = merge(yes, unknown, complete)
-      end if
+      motion%admissible = admission(approaches .and. inside, complete)
    end subroutine assess_flights
+
+   !> `consistent` from the relative residual of (26), (30).
+   elemental integer function consistency(residual, acceptance)
+      real(wp), intent(in) :: residual, acceptance
+
+      consistency = verdict(residual <= acceptance)
+   end function consistency
+
+   !> `stable` from the modulus of the leading multiplier.
+   elemental integer function stability(largest)
+      real(wp), intent(in) :: largest
+
+      stability = unknown
+      if (abs(largest - 1) > neutral) stability = verdict(largest < 1)
+   end function stability
+
+   !> `admissible` from whether all conditions hold, as far as the flights were examined.
+   elemental integer function admission(holds, complete)
+      logical, intent(in) :: holds, complete
+
+      admission = no
+      if (holds) admission = merge(yes, unknown, complete)
+   end function admission
 
    elemental integer function verdict(condition)
       logical, intent(in) :: condition

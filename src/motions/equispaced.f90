@@ -13,15 +13,25 @@ module vi_equispaced
    implicit none (type, external)
    private
 
-   public :: solve_equispaced
+   public :: new_line, solve_equispaced, symmetric_pair
+
+   !> What the pair owes to the frequency ratio alone: the line, for clearance 1.
+   type, public :: line_type
+      !> Unit normal of the line in the plane (A cos(tau), A sin(tau)), its distance from the origin
+      !! over the clearance, and the radius A of the circle.
+      real(wp) :: normal(2) = 0, distance = 0, amplitude = 0
+      !> x_1 = x_forced . (A cos(tau), A sin(tau)) + x_walls * clearance
+      real(wp) :: x_forced(2) = 0, x_walls = 0
+      !> `stat%ok`, or `stat%singular`, `stat%lost_digits` at and beside a resonance without damping.
+      integer :: status = stat%ok
+   end type line_type
 
 contains
 
    !> Both equispaced motions at a frequency ratio and a clearance, without verdicts.
    !!
    !! A motion that does not exist has the status `stat%no_motion`. Where the two coincide, the
-   !! second
-   !! one does not exist.
+   !! second one does not exist.
    pure subroutine solve_equispaced(osc, r, clearance, cycles, system, motions)
       !> Its two coefficients of restitution are equal.
       type(oscillator_type), intent(in) :: osc
@@ -32,51 +42,84 @@ contains
       !> Scratch, kept between calls.
       type(linear_system_type), intent(inout) :: system
       type(motion_type), intent(inout) :: motions(2)
+      type(line_type) :: line
       type(pattern_type) :: pattern
-      real(wp) :: phases(2), line(2), noise, amplitude, distance, half_chord, foot(2), along(2)
-      real(wp) :: x_row(2), x, point(2)
-      integer :: i, row
+      real(wp) :: phases(2), x(2), forced(2, 2)
+      integer :: i, status(2)
 
       pattern = new_pattern('RL', cycles)
       phases = [0.0_wp, cycles*acos(-1.0_wp)]
       do i = 1, 2
          call start_motion(motions(i), osc, r, pattern, osc%restitution, phases)
-         motions(i)%status = stat%no_motion
       end do
-      call assemble(motions(1), system)
-      associate (w => system%matrix(1, :), v => system%matrix(3, :), rhs => system%rhs*clearance)
-         ! with x_2 = -x_1 both rows have one coefficient of x_1; eliminating x_1 leaves the line
+      call new_line(motions(1), system, line)
+      call symmetric_pair(line, clearance, x, forced, status)
+      do i = 1, 2
+         motions(i)%status = status(i)
+         if (status(i) /= stat%ok) cycle
+         motions(i)%residual = 0
+         call complete_motion(motions(i), [x(i), -x(i)], forced(1, i), forced(2, i), clearance)
+      end do
+   end subroutine solve_equispaced
+
+   !> The line of a frequency ratio. With x_2 = -x_1 both rows of a flight have one coefficient of
+   !! x_1; eliminating x_1 leaves the line.
+   pure subroutine new_line(motion, system, line)
+      !> An equispaced motion of which only the given data are set.
+      type(motion_type), intent(in) :: motion
+      type(linear_system_type), intent(inout) :: system
+      type(line_type), intent(out) :: line
+      real(wp) :: x_row(2), normal(2), length, noise
+
+      call assemble(motion, system)
+      associate (w => system%matrix(1, :), v => system%matrix(3, :), rhs => system%rhs)
          x_row = [w(1) - w(2), v(1) - v(2)]
-         line = x_row(2)*w(3:4) - x_row(1)*v(3:4)
-         amplitude = gain(osc%xi, r)
+         normal = x_row(2)*w(3:4) - x_row(1)*v(3:4)
+         length = norm2(normal)
+         line%amplitude = gain(motion%osc%xi, motion%r)
          ! the coefficients are sums of terms of about 1 and r; at a resonance without damping the
          ! terms cancel, and the line is what is left of their rounding
          noise = epsilon(1.0_wp)*((1 + sum(abs(w)))*norm2([x_row(2), v(3:4)]) &
-            + (r + sum(abs(v)))*norm2([x_row(1), w(3:4)]))
-         if (.not. norm2(line)*worst_rounding > noise) then
-            motions%status = merge(stat%lost_digits, stat%singular, norm2(line) > 100*noise)
-            return
+            + (motion%r + sum(abs(v)))*norm2([x_row(1), w(3:4)]))
+         if (.not. line%amplitude <= huge(1.0_wp)) line%status = stat%singular
+         if (.not. length*worst_rounding > noise) line%status = merge(stat%lost_digits, &
+            stat%singular, length > 100*noise)
+         if (line%status /= stat%ok) return
+         line%normal = normal/length
+         line%distance = (x_row(2)*rhs(1) - x_row(1)*rhs(3))/length
+         if (abs(x_row(1)) >= abs(x_row(2))) then
+            line%x_forced = -w(3:4)/x_row(1)
+            line%x_walls = rhs(1)/x_row(1)
+         else
+            line%x_forced = -v(3:4)/x_row(2)
+            line%x_walls = rhs(3)/x_row(2)
          end if
-         distance = (x_row(2)*rhs(1) - x_row(1)*rhs(3))/norm2(line)
-         line = line/norm2(line)
-         if (abs(distance) > amplitude) return
-         half_chord = sqrt((amplitude - abs(distance))*(amplitude + abs(distance)))
-         foot = distance*line
-         along = [-line(2), line(1)]
-         row = merge(1, 2, abs(x_row(1)) >= abs(x_row(2)))
-         do i = 1, 2
-            if (i == 2 .and. .not. half_chord > 0) exit
-            point = foot + merge(half_chord, -half_chord, i == 1)*along
-            if (row == 1) then
-               x = (rhs(1) - dot_product(w(3:4), point))/x_row(1)
-            else
-               x = (rhs(3) - dot_product(v(3:4), point))/x_row(2)
-            end if
-            motions(i)%status = stat%ok
-            motions(i)%residual = 0
-            call complete_motion(motions(i), [x, -x], point(1), point(2), clearance)
-         end do
       end associate
-   end subroutine solve_equispaced
+   end subroutine new_line
+
+   !> x_1 and (A cos(tau), A sin(tau)) of both motions: tau is that of the normal plus and minus
+   !! arccos(distance/A).
+   pure subroutine symmetric_pair(line, clearance, x, forced, status)
+      type(line_type), intent(in) :: line
+      real(wp), intent(in) :: clearance
+      real(wp), intent(out) :: x(2), forced(2, 2)
+      !> `stat%ok`, `stat%no_motion` or `stat%singular`.
+      integer, intent(out) :: status(2)
+      real(wp) :: distance, half_chord
+      integer :: i
+
+      x = 0
+      forced = 0
+      status = merge(stat%no_motion, line%status, line%status == stat%ok)
+      distance = line%distance*clearance
+      if (line%status /= stat%ok .or. .not. abs(distance) <= line%amplitude) return
+      half_chord = sqrt((line%amplitude - abs(distance))*(line%amplitude + abs(distance)))
+      do i = 1, merge(2, 1, half_chord > 0)
+         forced(:, i) = distance*line%normal + merge(half_chord, -half_chord, i == 1) &
+            *[-line%normal(2), line%normal(1)]
+         x(i) = dot_product(line%x_forced, forced(:, i)) + line%x_walls*clearance
+         status(i) = stat%ok
+      end do
+   end subroutine symmetric_pair
 
 end module vi_equispaced

@@ -8,7 +8,7 @@ module vi_stability
    implicit none (type, external)
    private
 
-   public :: stability_matrix, multipliers, leading_kind
+   public :: stability_matrix, multipliers, multipliers_of_half, leading_kind
 
 contains
 
@@ -47,6 +47,23 @@ contains
       call eigenvalues(p, lambda, status)
       call sort_by_modulus(lambda)
    end subroutine multipliers
+
+   !> The four multipliers of a motion that is its own mirror image half a period later.
+   !!
+   !! With [Q] = the mirror times the map of half a period, [P] = [Q]^2.
+   pure subroutine multipliers_of_half(q, lambda, status)
+      !> In: [Q]. Out: overwritten.
+      real(wp), intent(inout), contiguous :: q(:, :)
+      complex(wp), intent(out) :: lambda(4)
+      integer, intent(out) :: status
+
+      lambda = 0
+      status = merge(stat%ok, stat%not_finite, all(abs(q) <= huge(1.0_wp)))
+      if (status /= stat%ok) return
+      call eigenvalues(q, lambda, status)
+      lambda = lambda**2
+      call sort_by_modulus(lambda)
+   end subroutine multipliers_of_half
 
    !> Where the leading multiplier lies: 'positive', 'negative' or 'complex'.
    !!

@@ -32,6 +32,8 @@ module vi_status
       integer :: no_convergence = 10
       !> A search for the next event took more steps than it may.
       integer :: budget = 9
+      !> A point of a chart that was stopped before it came to this point.
+      integer :: not_computed = 12
    end type status_codes
 
    type(status_codes), parameter, public :: stat = status_codes()
@@ -68,6 +70,8 @@ contains
       case (stat%lost_digits)
          text = 'rounding leaves too few digits: near a resonance without damping free and &
             &forced vibration cancel; move r away from it or add damping'
+      case (stat%not_computed)
+         text = 'the chart was stopped before this point was computed'
       case (stat%no_convergence)
          text = 'the iteration did not converge; a closer guess may help'
       case default

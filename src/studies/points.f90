@@ -26,7 +26,7 @@ module vi_points
    public :: periodic_points, equispaced_points, exact_point, member_point, recall
 
    !> Relative residual up to which an exact motion counts as consistent.
-   real(wp), parameter :: exact_acceptance = 1.0e-9_wp
+   real(wp), parameter, public :: exact_acceptance = 1.0e-9_wp
 
 contains
 

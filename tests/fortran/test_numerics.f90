@@ -4,11 +4,13 @@ program test_numerics
    use checks, only: check, check_close, finish
    use random_numbers, only: draw, draw_integer, fill, random_type
    use random_systems, only: determinant, misfit
+   use vi_bernstein, only: sag, stays_within
    use vi_kinds, only: wp
    use vi_kinds_single, only: sp => wp
    use vi_lapack, only: eigenvalues, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
    use vi_status, only: stat, status_text
+   use vi_unit_circle, only: all_inside, locate_spectrum, near_circle, some_outside
    implicit none (type, external)
 
    type(random_type) :: random
@@ -18,10 +20,75 @@ program test_numerics
    call test_least_squares()
    call test_eigenvalues()
    call test_known_eigenvalues()
+   call test_unit_circle()
+   call test_between_nodes()
    call test_status()
    call finish()
 
 contains
+
+   !> Schur and Cohn's test agrees with the eigenvalues, wherever it claims to know.
+   subroutine test_unit_circle()
+      real(wp) :: a(4, 4), copy(4, 4), largest
+      complex(wp) :: lambda(4)
+      integer :: i, place, status, seen(-1:1)
+
+      seen = 0
+      do i = 1, 20000
+         call random_matrix(a)
+         ! half of the spectra near the circle, the others up to far from it
+         copy = a
+         call eigenvalues(copy, lambda, status)
+         a = a*10.0_wp**merge(draw(random, -1.5_wp, 1.5_wp), draw(random, -1.0e-5_wp, 1.0e-5_wp), &
+            modulo(i, 2) == 0)/maxval(abs(lambda))
+         copy = a
+         call eigenvalues(copy, lambda, status)
+         largest = maxval(abs(lambda))
+         place = locate_spectrum(a)
+         seen(place) = seen(place) + 1
+         if (place == near_circle) cycle
+         call check(largest < 1 .eqv. place == all_inside, 'the spectrum lies inside the circle')
+         call check(largest > 1 .eqv. place == some_outside, 'the spectrum lies outside the circle')
+      end do
+      call check(seen(all_inside) > 1000 .and. seen(some_outside) > 1000, 'both sides were seen')
+      a = 0
+      do i = 1, 4
+         a(i, i) = 1
+      end do
+      call check(locate_spectrum(a) == near_circle, 'on the circle it cannot tell')
+   end subroutine test_unit_circle
+
+   !> What is certified between nodes is true on a fine grid, and what is clear is certified.
+   subroutine test_between_nodes()
+      integer, parameter :: n = 16, fine = 100
+      real(wp) :: f(0:n), rise(0:n), h, w, phase, level, largest
+      integer :: i, j, certain, doubtful
+
+      certain = 0
+      doubtful = 0
+      do i = 1, 2000
+         w = draw(random, 0.5_wp, 3.5_wp)
+         phase = draw(random, 0.0_wp, 6.3_wp)
+         h = 3.0_wp/n
+         do j = 0, n
+            f(j) = sin(w*j*h + phase)
+            rise(j) = h*w*cos(w*j*h + phase)
+         end do
+         largest = maxval([(abs(sin(w*j*(h/fine) + phase)), j=0, n*fine)])
+         level = largest + draw(random, -5.0e-2_wp, 5.0e-2_wp)
+         if (stays_within(level, f, rise, sag(w**4, h))) then
+            certain = certain + 1
+            call check(largest <= level, 'what is certain is true')
+         else
+            doubtful = doubtful + 1
+            ! the coefficients lie within h^2/8 max|f''| of a polynomial
+            call check(largest > level - sag(w**4, h) - (w*h)**2/8, 'what is clear is certain')
+         end if
+         call check(stays_within(level, -f, -rise, sag(w**4, h)) .eqv. &
+            stays_within(level, f, rise, sag(w**4, h)), 'both signs are alike')
+      end do
+      call check(certain > 100 .and. doubtful > 100, 'both answers were seen')
+   end subroutine test_between_nodes
 
    subroutine test_kinds()
       call check(sp == real32, 'the second build computes in 32 bits')

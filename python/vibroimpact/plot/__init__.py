@@ -1,10 +1,11 @@
-"""Pictures of motions and trajectories, in the manner of Figures 2 and 9 of the 1983 paper.
+"""Pictures of motions, trajectories and charts, in the manner of Figures 2 and 9 of the 1983 paper.
 
 matplotlib is imported when a picture is drawn (extra `plot`).
 """
 
 from __future__ import annotations
 
+from .chart import draw_chart
 from .history import KINDS, draw
 
-__all__ = ["KINDS", "draw"]
+__all__ = ["KINDS", "draw", "draw_chart"]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import VibroimpactError
+from ..errors import MissingExtraError
 from ..files import write_bytes
 
 #: Okabe and Ito's colours.
@@ -26,10 +26,6 @@ SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
-
-
-class MissingExtraError(VibroimpactError, ImportError):
-    """A library that is not required to compute is needed here."""
 
 
 def pyplot() -> Any:

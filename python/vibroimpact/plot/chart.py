@@ -1,0 +1,143 @@
+"""Charts of zones in the plane of frequency ratio and clearance, in the manner of Figures 3 and 6 to 8."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import checks
+from ..errors import ParameterError, ParameterTypeError
+from . import style
+
+__all__ = ["draw_chart"]
+
+#: Class of a point, colour, hatching and name. The colours also differ in lightness.
+CLASSES = (
+    (3, style.PRIMARY, None, "admissible and stable"),
+    (2, "#E8A33D", "////", "admissible, none stable"),
+    (1, "#E6E6E6", "....", "none admissible"),
+    (0, "#FFFFFF", None, "no motion found"),
+)
+COLORS = {
+    "multiplier": ("multiplier_modulus", r"$|\lambda|_{max}$"),
+    "attenuation": ("attenuation", r"$X_{max}/A$"),
+}
+
+
+def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: bool = False) -> Any:
+    """Draw where the motions of a chart are stable, unstable, inadmissible, or absent.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        From `vibroimpact.chart`.
+    ax : matplotlib Axes, optional
+    color : {"multiplier", "attenuation"}, optional
+        Colour the stable zone by the modulus of the leading multiplier, or by max|x|/A, of its most
+        stable motion.
+    inverse : bool
+        Whether the axis is F0/(d K), as in Figures 6 to 8, instead of d K/F0.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> from vibroimpact.plot import draw_chart
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> data = vi.chart(osc, vi.Pattern("RL"), np.linspace(0.9, 1.1, 40), np.geomspace(2, 100, 40))
+    >>> ax = draw_chart(data, inverse=True)
+    >>> ax.get_ylabel()
+    '$F_0/(dK)$'
+    """
+    if not (hasattr(data, "data_vars") and {"admissible", "stable"} <= set(data.data_vars)):
+        raise ParameterTypeError(
+            f"data = {type(data).__name__}: must be a dataset from vibroimpact.chart"
+        )
+    if color is not None:
+        checks.choice(color, "color", tuple(COLORS))
+    plt = style.pyplot()
+    x, y = data["r"].values, data["clearance"].values
+    kind = classes(data)
+    if inverse:
+        y = 1 / y
+    with plt.rc_context({**style.SETTINGS, "hatch.linewidth": 0.4}):
+        if ax is None:
+            _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.2), layout="constrained")
+        mesh = _edges(x), _edges(y)
+        from matplotlib.colors import ListedColormap
+        from matplotlib.patches import Patch
+
+        shades = ListedColormap([item[1] for item in reversed(CLASSES)])
+        ax.pcolormesh(*mesh, kind, cmap=shades, vmin=-0.5, vmax=3.5, rasterized=True)
+        for number, _, hatch, _ in CLASSES:
+            if hatch and (kind == number).any() and min(kind.shape) > 1:
+                ax.contourf(x, y, kind == number, levels=[0.5, 1.5], colors="none", hatches=[hatch])
+        if color is not None:
+            shown = np.where(kind == 3, _best(data, COLORS[color][0]), np.nan)
+            if np.isnan(shown[kind == 3]).any():
+                raise ParameterError(
+                    f"color = {color!r}: the chart was made without the numbers for it"
+                )
+            image = ax.pcolormesh(*mesh, shown, cmap="cividis", rasterized=True)
+            ax.figure.colorbar(image, ax=ax, label=COLORS[color][1])
+        if _is_geometric(y):
+            ax.set_yscale("log")
+        ax.set_xlabel(r"$r = \Omega/\omega$")
+        ax.set_ylabel(r"$F_0/(dK)$" if inverse else r"$dK/F_0$")
+        patches = [
+            Patch(facecolor=shade, hatch=hatch, edgecolor="black", lw=0.4, label=name)
+            for number, shade, hatch, name in CLASSES
+            if (kind == number).any() and not (color and number == 3)
+        ]
+        ax.legend(
+            handles=patches,
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=2,
+            handlelength=1.6,
+        )
+        return ax
+
+
+def classes(data: Any) -> NDArray[np.int64]:
+    """3, 2, 1 or 0 for each point (clearance, r), as in `CLASSES`."""
+    exists = (data["status"] == 0).values
+    admissible = exists & (data["admissible"] == 1).values
+    stable = admissible & (data["stable"] == 1).values
+    counted = np.stack([part.any(axis=0) for part in (exists, admissible, stable)])
+    return np.asarray(counted.sum(axis=0))
+
+
+def _best(data: Any, name: str) -> NDArray[np.float64]:
+    """A variable of the admissible and stable motion with the smallest leading multiplier."""
+    leading = data["multiplier_modulus"].values[0]
+    values = data[name].values
+    values = values[0] if name == "multiplier_modulus" else values
+    good = ((data["status"] == 0) & (data["admissible"] == 1) & (data["stable"] == 1)).values
+    best = np.argmin(np.where(good & ~np.isnan(leading), leading, np.inf), axis=0)
+    chosen = np.take_along_axis(values, best[np.newaxis], axis=0)
+    return np.asarray(chosen[0], dtype=np.float64)
+
+
+def _is_geometric(values: NDArray[np.float64]) -> bool:
+    """Whether the ratios of an axis are more even than its differences."""
+    if values.size < 3:
+        return False
+    steps, ratios = np.abs(np.diff(values)), np.abs(np.diff(np.log(values)))
+    return bool(np.ptp(ratios) / ratios.mean() < np.ptp(steps) / steps.mean())
+
+
+def _edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Borders of the cells about the points of an axis."""
+    if centres.size == 1:
+        return np.array([0.95, 1.05]) * float(centres[0])
+    geometric = _is_geometric(centres)
+    items = np.log(centres) if geometric else centres
+    middle = 0.5 * (items[1:] + items[:-1])
+    edges = np.concatenate([[2 * items[0] - middle[0]], middle, [2 * items[-1] - middle[-1]]])
+    return np.exp(edges) if geometric else edges

@@ -1,0 +1,42 @@
+"""A bar on the terminal for what takes longer than two seconds."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+#: Seconds before the bar appears, and between two of its pictures.
+PATIENCE, INTERVAL = 2.0, 0.2
+WIDTH = 30
+
+
+class Progress:
+    """A bar on standard error, if that is a terminal; `with` takes it away at the end."""
+
+    def __init__(self, label: str, wanted: bool | None = None) -> None:
+        self.label = label
+        self.wanted = sys.stderr.isatty() if wanted is None else wanted
+        self.begin = self.last = time.monotonic()
+        self.shown = False
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self.shown:
+            print("\r" + " " * (len(self.label) + WIDTH + 40) + "\r", end="", file=sys.stderr)
+
+    def show(self, share: float, note: str = "") -> None:
+        """Draw the bar for a share of the work between 0 and 1."""
+        now = time.monotonic()
+        if not self.wanted or now - self.begin < PATIENCE or now - self.last < INTERVAL:
+            return
+        self.last = now
+        self.shown = True
+        bar = "#" * int(WIDTH * min(1.0, share))
+        print(
+            f"\r{self.label} [{bar:<{WIDTH}}] {now - self.begin:.0f} s {note:<20}",
+            end="",
+            file=sys.stderr,
+            flush=True,
+        )

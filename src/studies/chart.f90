@@ -1,0 +1,164 @@
+!> Charts: the motions of one pattern on a grid of frequency ratios and clearances.
+!!
+!! Results have a column for each r, and in it a place for each clearance and each slot. Every
+!! column or point is one task that writes to its own place: the answer is the same to the last bit
+!! for any number of threads.
+module vi_chart
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use vi_equispaced_row, only: new_row, row_pair, row_type, summary_type
+   use vi_exact, only: setting_type
+   use vi_flood, only: seed_flood, sweep_flood
+   use vi_kinds, only: wp
+   use vi_likeness, only: length_scale
+   use vi_motion, only: unknown
+   use vi_oscillator, only: oscillator_type
+   use vi_points, only: exact_point
+   use vi_sheets, only: assign_slots
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: equispaced_chart, exact_chart, finish_chart
+
+   !> Newton iterations from a solution.
+   integer, parameter :: polish = 10
+
+contains
+
+   !> Both equispaced motions at every point of a grid; a slot holds one of them throughout.
+   subroutine equispaced_chart(osc, r, clearance, cycles, with_multipliers, threads, scalars, &
+      multipliers, verdicts, status)
+      !> Its two coefficients of restitution are equal, and `cycles` is odd.
+      type(oscillator_type), intent(in) :: osc
+      !> (n), (m)
+      real(wp), intent(in) :: r(:), clearance(:)
+      integer, intent(in) :: cycles
+      !> Whether the multipliers are wanted, or only the verdict on them; they cost the most.
+      logical, intent(in) :: with_multipliers
+      integer, intent(in) :: threads
+      !> (4, 2, m, n): x_1, tau, x_min, x_max
+      real(wp), intent(out) :: scalars(:, :, :, :)
+      !> (4, 2, m, n), by falling modulus
+      complex(wp), intent(out) :: multipliers(:, :, :, :)
+      !> (3, 2, m, n): consistent, admissible, stable
+      integer, intent(out) :: verdicts(:, :, :, :)
+      !> (2, m, n)
+      integer, intent(out) :: status(:, :, :)
+      type(row_type) :: row
+      type(summary_type) :: pair(2)
+      integer :: i, j, k
+
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(row, pair, i, j)
+      do k = 1, size(r)
+         call new_row(osc, r(k), cycles, row)
+         do j = 1, size(clearance)
+            call row_pair(row, clearance(j), with_multipliers, pair)
+            do i = 1, 2
+               call store(pair(i), scalars(:, i, j, k), multipliers(:, i, j, k), verdicts(:, i, &
+                  j, k), status(i, j, k))
+            end do
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine equispaced_chart
+
+   !> The exact motions of a pattern at every point of a grid, by a flood from some of its points.
+   subroutine exact_chart(setting, r, clearance, points, guesses, symmetry, threads, phases, &
+      impacts, scalars, multipliers, verdicts, status, found)
+      !> Its r and clearance do not matter.
+      type(setting_type), intent(in) :: setting
+      !> (n), (m)
+      real(wp), intent(in) :: r(:), clearance(:)
+      !> As in `seed_flood`.
+      integer, intent(in) :: points(:, :), guesses, symmetry, threads
+      !> As in `finish_chart`.
+      real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
+      complex(wp), intent(out) :: multipliers(:, :, :, :)
+      integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :), found(:, :)
+      real(wp), allocatable :: unknowns(:, :, :, :)
+      integer, allocatable :: marks(:, :, :, :), counts(:, :, :)
+      integer :: gained
+
+      associate (keep => 4*max(size(status, 1), 4), m => size(clearance), n => size(r))
+         allocate (unknowns(2*size(phases, 1), keep, m, n), source=0.0_wp)
+         allocate (marks(2, keep, m, n), counts(2, m, n), source=0)
+      end associate
+      call seed_flood(setting, r, clearance, points, guesses, symmetry, threads, unknowns, marks, &
+         counts)
+      call sweep_flood(setting, r, clearance, size(r)*size(clearance), symmetry, threads, &
+         unknowns, marks, counts, gained)
+      found = counts(2, :, :)
+      call finish_chart(setting, r, clearance, threads, unknowns, marks(1, :, :, :), found, &
+         phases, impacts, scalars, multipliers, verdicts, status)
+   end subroutine exact_chart
+
+   !> The motions of a flood in their slots.
+   subroutine finish_chart(setting, r, clearance, threads, unknowns, ranks, found, phases, &
+      impacts, scalars, multipliers, verdicts, status)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: r(:), clearance(:)
+      integer, intent(in) :: threads
+      !> State of the flood: (2N, keep, m, n), (keep, m, n), and (m, n) motions found.
+      real(wp), intent(in) :: unknowns(:, :, :, :)
+      integer, intent(in) :: ranks(:, :, :), found(:, :)
+      !> (N, room, m, n), (N, 6, room, m, n), (6, room, m, n), (4, room, m, n): as in vi_points
+      real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
+      complex(wp), intent(out) :: multipliers(:, :, :, :)
+      !> (3, room, m, n), (room, m, n)
+      integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :)
+      integer :: slots(size(ranks, 1), size(ranks, 2), size(ranks, 3))
+      type(setting_type) :: here
+      real(wp) :: nan, scale(size(clearance), size(r))
+      integer :: i, j, k, s, n, iterations
+
+      n = size(phases, 1)
+      nan = ieee_value(1.0_wp, ieee_quiet_nan)
+      phases = nan
+      impacts = nan
+      scalars = nan
+      multipliers = cmplx(nan, nan, wp)
+      verdicts = unknown
+      status = stat%no_motion
+      do k = 1, size(r)
+         scale(:, k) = length_scale(setting%osc, r(k), clearance)
+      end do
+      call assign_slots(setting%pattern, scale, unknowns, ranks, found, size(status, 1), slots)
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(here, i, j, s, iterations)
+      do k = 1, size(r)
+         do j = 1, size(clearance)
+            here = setting
+            here%r = r(k)
+            here%clearance = clearance(j)
+            do i = 1, found(j, k)
+               s = slots(i, j, k)
+               if (s == 0) cycle
+               call exact_point(here, unknowns(:n, i, j, k), unknowns(n + 1:, i, j, k), polish, &
+                  phases(:, s, j, k), impacts(:, :, s, j, k), scalars(:, s, j, k), multipliers(:, &
+                  s, j, k), verdicts(:, s, j, k), status(s, j, k), iterations)
+            end do
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine finish_chart
+
+   !> Writes one motion into its place.
+   pure subroutine store(summary, scalars, multipliers, verdicts, status)
+      type(summary_type), intent(in) :: summary
+      real(wp), intent(out) :: scalars(:)
+      complex(wp), intent(out) :: multipliers(:)
+      integer, intent(out) :: verdicts(:), status
+      real(wp) :: nan
+
+      status = summary%status
+      verdicts = [summary%consistent, summary%admissible, summary%stable]
+      if (status == stat%ok) then
+         scalars = [summary%x, summary%tau, summary%x_min, summary%x_max]
+         multipliers = summary%multipliers
+      else
+         nan = ieee_value(1.0_wp, ieee_quiet_nan)
+         scalars = nan
+         multipliers = cmplx(nan, nan, wp)
+      end if
+   end subroutine store
+
+end module vi_chart

@@ -1,0 +1,204 @@
+!> Exact motions of one pattern on a grid: found at a few points, then followed to their neighbours.
+!!
+!! A sweep looks at every point next to one that gained motions in the sweep before, and starts
+!! Newton's method there from these. It reads only what was there before the sweep and writes to its
+!! own points, so the answer is the same to the last bit for any number of threads.
+!!
+!! The state of a flood, with the clearances as rows j and the frequency ratios as columns k:
+!!
+!! - `unknowns` (2N, keep, m, n): x_i, theta_i of each motion;
+!! - `marks` (2, keep, m, n): its rank, and the neighbour it came from (0 if none);
+!! - `counts` (2, m, n): motions at the point before the last sweep, and now.
+module vi_flood
+   use vi_assess, only: assess_flights, assess_linear
+   use vi_exact, only: setting_type, solve_exact
+   use vi_kinds, only: wp
+   use vi_likeness, only: distance, is_repeated, is_symmetric, length_scale, same
+   use vi_motion, only: motion_type, yes
+   use vi_points, only: exact_acceptance
+   use vi_search, only: search_pattern
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: seed_flood, sweep_flood
+
+   !> Ranks: the equations are solved; also admissible; also stable.
+   integer, parameter, public :: solved = 0, admissible = 1, admissible_stable = 2
+   !> Neighbours of (j, k), and for each the number under which it has (j, k) as a neighbour.
+   integer, parameter, public :: steps(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
+   integer, parameter :: back(4) = [2, 1, 4, 3]
+   !> Newton iterations from a neighbour, and motions that a search at a point may find.
+   integer, parameter :: most_iterations = 15, most_found = 24
+
+contains
+
+   !> Searches for motions at some points of the grid.
+   subroutine seed_flood(setting, r, clearance, points, guesses, symmetry, threads, unknowns, &
+      marks, counts)
+      !> Its r and clearance do not matter.
+      type(setting_type), intent(in) :: setting
+      !> (n), (m)
+      real(wp), intent(in) :: r(:), clearance(:)
+      !> (2, p): j, k of each point.
+      integer, intent(in) :: points(:, :)
+      !> Guesses a point.
+      integer, intent(in) :: guesses
+      !> 1: only motions that are their own mirror image, -1: only others, 0: both.
+      integer, intent(in) :: symmetry
+      integer, intent(in) :: threads
+      real(wp), intent(inout) :: unknowns(:, :, :, :)
+      integer, intent(inout) :: marks(:, :, :, :), counts(:, :, :)
+      type(setting_type) :: here
+      real(wp) :: found(size(unknowns, 1), most_found)
+      integer :: i, p, n_found, tried
+
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) &
+      !$omp private(here, found, i, n_found, tried)
+      do p = 1, size(points, 2)
+         associate (j => points(1, p), k => points(2, p))
+            here = at(setting, r(k), clearance(j))
+            call search_pattern(here, guesses, found, n_found, tried)
+            do i = 1, n_found
+               call try_guess(here, found(:, i), 0, symmetry, unknowns(:, :, j, k), marks(:, :, &
+                  j, k), counts(2, j, k))
+            end do
+         end associate
+      end do
+      !$omp end parallel do
+   end subroutine seed_flood
+
+   !> Follows the newest motions for a number of sweeps, or until no point gains one.
+   subroutine sweep_flood(setting, r, clearance, sweeps, symmetry, threads, unknowns, marks, &
+      counts, gained)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: r(:), clearance(:)
+      integer, intent(in) :: sweeps, symmetry, threads
+      real(wp), intent(inout) :: unknowns(:, :, :, :)
+      integer, intent(inout) :: marks(:, :, :, :), counts(:, :, :)
+      !> Motions gained in the last sweep: at 0 the flood has ended.
+      integer, intent(out) :: gained
+      integer :: before(2, size(clearance), size(r)), s, j, k
+
+      gained = 0
+      do s = 1, sweeps
+         before = counts
+         !$omp parallel do collapse(2) schedule(dynamic, 32) num_threads(threads)
+         do k = 1, size(r)
+            do j = 1, size(clearance)
+               call visit(setting, r, clearance, j, k, symmetry, before, unknowns, marks, &
+                  counts(2, j, k))
+            end do
+         end do
+         !$omp end parallel do
+         counts(1, :, :) = before(2, :, :)
+         gained = sum(counts(2, :, :) - counts(1, :, :))
+         if (gained == 0) return
+      end do
+   end subroutine sweep_flood
+
+   !> Tries the newest motions of the four neighbours of a point.
+   pure subroutine visit(setting, r, clearance, j, k, symmetry, before, unknowns, marks, n_here)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: r(:), clearance(:)
+      integer, intent(in) :: j, k, symmetry, before(:, :, :)
+      real(wp), intent(inout) :: unknowns(:, :, :, :)
+      integer, intent(inout) :: marks(:, :, :, :), n_here
+      real(wp) :: guess(size(unknowns, 1))
+      integer :: side, i, jj, kk, n_old
+
+      do side = 1, 4
+         jj = j + steps(1, side)
+         kk = k + steps(2, side)
+         if (.not. on_grid(jj, kk, before)) cycle
+         do i = before(1, jj, kk) + 1, before(2, jj, kk)
+            ! it came from here
+            if (marks(2, i, jj, kk) == back(side)) cycle
+            n_old = n_here
+            call extrapolate(length_scale(setting%osc, r(kk), clearance(jj)), jj, kk, steps(:, &
+               side), unknowns(:, i, jj, kk), before, unknowns, guess)
+            call try_guess(at(setting, r(k), clearance(j)), guess, side, symmetry, unknowns(:, :, &
+               j, k), marks(:, :, j, k), n_here)
+         end do
+      end do
+   end subroutine visit
+
+   !> A guess from a motion at (j, k) and the same motion one step further away, if it is there.
+   pure subroutine extrapolate(scale, j, k, step, near, before, unknowns, guess)
+      real(wp), intent(in) :: scale
+      integer, intent(in) :: j, k, step(2), before(:, :, :)
+      real(wp), intent(in) :: near(:), unknowns(:, :, :, :)
+      real(wp), intent(out) :: guess(:)
+      !> Motions further apart than this are hardly one motion at two neighbouring points.
+      real(wp), parameter :: reach = 0.2_wp
+      real(wp) :: gap(size(near)), least, item
+      integer :: i, jj, kk
+
+      guess = near
+      jj = j + step(1)
+      kk = k + step(2)
+      if (.not. on_grid(jj, kk, before)) return
+      least = reach
+      do i = 1, before(2, jj, kk)
+         gap = near - unknowns(:, i, jj, kk)
+         item = max(maxval(abs(gap(:size(gap)/2)))/scale, &
+            maxval(abs(gap(size(gap)/2 + 1:))))
+         if (item >= least) cycle
+         least = item
+         guess = near + gap
+      end do
+   end subroutine extrapolate
+
+   pure logical function on_grid(j, k, counts)
+      integer, intent(in) :: j, k, counts(:, :, :)
+
+      on_grid = j >= 1 .and. k >= 1 .and. j <= size(counts, 2) .and. k <= size(counts, 3)
+   end function on_grid
+
+   !> Newton's method from a guess; a motion that is new at this point is added.
+   pure subroutine try_guess(setting, guess, origin, symmetry, unknowns, marks, n_here)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: guess(:)
+      integer, intent(in) :: origin, symmetry
+      real(wp), intent(inout) :: unknowns(:, :)
+      integer, intent(inout) :: marks(:, :), n_here
+      type(motion_type) :: motion
+      real(wp) :: u(size(guess)), none(size(guess), 0), scale
+      integer :: n, i, iterations, rank
+
+      n = size(guess)/2
+      u = guess
+      call solve_exact(setting, u(:n), u(n + 1:), most_iterations, none, motion, iterations)
+      if (motion%status /= stat%ok) return
+      u(n + 1:) = u(n + 1:) + (motion%tau - u(n + 1))
+      scale = length_scale(setting%osc, setting%r, setting%clearance)
+      do i = 1, n_here
+         if (distance(setting%pattern, scale, unknowns(:, i), u) < same) return
+      end do
+      if (is_repeated(setting%pattern, scale, u)) return
+      if (symmetry /= 0) then
+         if (is_symmetric(setting%pattern, scale, u) .neqv. symmetry > 0) return
+      end if
+      call assess_linear(motion, exact_acceptance)
+      call assess_flights(motion)
+      rank = solved
+      if (motion%admissible == yes) rank = merge(admissible_stable, admissible, &
+         motion%stable == yes)
+      ! the last quarter of the room is for the best, the last but one for the better ones
+      if (n_here >= (size(marks, 2)*(rank + 2))/4) return
+      n_here = n_here + 1
+      unknowns(:, n_here) = u
+      marks(:, n_here) = [rank, origin]
+   end subroutine try_guess
+
+   pure function at(setting, r, clearance) result(here)
+      type(setting_type), intent(in) :: setting
+      real(wp), intent(in) :: r, clearance
+      type(setting_type) :: here
+
+      here = setting
+      here%r = r
+      here%clearance = clearance
+   end function at
+
+end module vi_flood
