@@ -9,7 +9,8 @@ module vi_curve
    use vi_kinds, only: wp
    use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, &
       set_orbit
-   use vi_rest_family, only: rest_residual
+   use vi_rest_conditions, only: value_in_period
+   use vi_rest_family, only: rest_period, rest_period_type
    implicit none (type, external)
    private
 
@@ -111,13 +112,13 @@ contains
       integer :: n, j
 
       n = unknown_count(curve%frame)
+      if (curve%frame%resting) then
+         call rest_equations(curve, conditions, point, residual, matrix)
+         return
+      end if
       do j = 1, size(conditions)
          call condition_slope(curve, conditions(j), point, residual(n + j), matrix(n + j, :))
       end do
-      if (curve%frame%resting) then
-         call rest_equations(curve, point, residual(:2), matrix(:2, :))
-         return
-      end if
       c = parameters_of(curve, point)
       call set_orbit(curve%frame%family, point(:n), c, o)
       residual(:n) = orbit_residual(o)
@@ -131,30 +132,47 @@ contains
    end subroutine equations
 
    !> The same for motions with rest, whose map is simulated: the derivatives are differences.
-   pure subroutine rest_equations(curve, point, residual, matrix)
+   pure subroutine rest_equations(curve, conditions, point, residual, matrix)
       type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
       real(wp), intent(in) :: point(:)
       real(wp), intent(out) :: residual(:), matrix(:, :)
       real(wp), parameter :: h = 1.0e-7_wp
-      real(wp) :: moved(size(point)), there(2)
-      logical :: right
-      integer :: j, way
+      real(wp) :: moved(size(point))
+      integer :: j, n
 
-      residual = at_fault
-      matrix = 0
-      call rest_residual(curve%frame%rest, point(:2), parameters_of(curve, point), residual, right)
-      if (.not. right) residual = at_fault
+      n = 2 + size(conditions)
+      residual(:n) = rest_values(curve, conditions, point)
       do j = 1, size(point)
-         do way = -1, 1, 2
-            moved = point
-            moved(j) = point(j) + way*h
-            call rest_residual(curve%frame%rest, moved(:2), parameters_of(curve, moved), there, &
-               right)
-            if (.not. right) residual = at_fault
-            matrix(:, j) = matrix(:, j) + way*there/(2*h)
-         end do
+         moved = point
+         moved(j) = point(j) + h
+         matrix(:n, j) = (rest_values(curve, conditions, moved) - residual(:n))/h
+      end do
+      do j = 1, size(conditions)
+         if (conditions(j)%kind > neimark_sacker) cycle
+         call condition_slope(curve, conditions(j), point, residual(2 + j), matrix(2 + j, :))
       end do
    end subroutine rest_equations
+
+   !> Residual of a period with rest, and the conditions that the same period gives.
+   pure function rest_values(curve, conditions, point) result(values)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
+      real(wp), intent(in) :: point(:)
+      real(wp) :: values(2 + size(conditions))
+      type(rest_period_type) :: period
+      real(wp) :: c(n_parameters)
+      integer :: j
+
+      values = at_fault
+      c = parameters_of(curve, point)
+      call rest_period(curve%frame%rest, point(:2), c, period)
+      if (.not. period%right) return
+      values(:2) = period%finish - point(:2)
+      do j = 1, size(conditions)
+         values(2 + j) = value_in_period(period, c, conditions(j))
+      end do
+   end function rest_values
 
    !> Value and derivative (by central differences) of a condition.
    pure subroutine condition_slope(curve, condition, point, value, slope)

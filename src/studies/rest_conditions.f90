@@ -1,13 +1,14 @@
 !> The conditions of motions with rest.
 module vi_rest_conditions
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_frame, only: condition_at, condition_type, edge, frame_type, grazing, zero_approach
+   use vi_frame, only: condition_at, condition_type, edge, frame_type, grazing, rest_vanishes, &
+      zero_approach
    use vi_kinds, only: wp
    use vi_rest_family, only: least_gap, least_rest, rest_derivative, rest_period, rest_period_type
    implicit none (type, external)
    private
 
-   public :: rest_condition, rest_conditions
+   public :: rest_condition, rest_conditions, value_in_period
 
 contains
 
@@ -50,18 +51,30 @@ contains
          return
       end if
       call rest_period(frame%rest, unknowns, c, period)
-      if (.not. period%right) return
+      if (period%right) value = value_in_period(period, c, condition)
+   end function rest_condition
+
+   !> The value of a condition, not one of stability, in a period.
+   pure real(wp) function value_in_period(period, c, condition) result(value)
+      type(rest_period_type), intent(in) :: period
+      real(wp), intent(in) :: c(:)
+      type(condition_type), intent(in) :: condition
+
       associate (i => condition%index)
          select case (condition%kind)
          case (zero_approach)
             value = period%approach(i) - least_gap
          case (grazing)
             value = period%gap(i) - least_gap
-         case default
+         case (rest_vanishes)
             value = rest_left(period%rest(i))
+         case (edge)
+            value = condition%side*(c(i) - condition%bound)
+         case default
+            value = 0
          end select
       end associate
-   end function rest_condition
+   end function value_in_period
 
    !> A measure of the rest that is left: about linear in the parameters.
    !!

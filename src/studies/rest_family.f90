@@ -19,7 +19,7 @@ module vi_rest_family
    implicit none (type, external)
    private
 
-   public :: new_rest_family, rest_period, rest_residual, rest_derivative, last_release
+   public :: new_rest_family, rest_period, rest_derivative, last_release
 
    !> How far from zero the one-sided conditions count as zero: rest in time, gap and speed over D.
    real(wp), parameter, public :: least_rest = 2.0e-3_wp, least_gap = 1.0e-4_wp
@@ -198,20 +198,6 @@ contains
       if (a%side < 0 .or. b%side < 0) gap = min(gap, 0.5_wp - highest/drive%clearance)
       if (a%side > 0 .or. b%side > 0) gap = min(gap, 0.5_wp + lowest/drive%clearance)
    end function flight_gap
-
-   !> Change of phase and velocity over a period.
-   pure subroutine rest_residual(family, unknowns, c, residual, right)
-      type(rest_family_type), intent(in) :: family
-      real(wp), intent(in) :: unknowns(:), c(:)
-      real(wp), intent(out) :: residual(:)
-      !> False if the period has other letters.
-      logical, intent(out) :: right
-      type(rest_period_type) :: period
-
-      call rest_period(family, unknowns, c, period)
-      right = period%right
-      residual = period%finish - unknowns
-   end subroutine rest_residual
 
    !> Trace and determinant of the derivative of the map, by central differences.
    !!

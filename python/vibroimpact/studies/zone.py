@@ -237,6 +237,10 @@ def zone(
 ) -> Zone:
     """The zones of stable, admissible motions of a pattern, as closed curves of named pieces.
 
+    Motions of a pattern with rest, whose maps are simulated, are followed by the same means. Their zone ends
+    where a rest vanishes; that piece is drawn where 0.002/omega of the rest is left, which is within about
+    3e-5 of the end since the rest shortens like the power 0.6 of the distance to it.
+
     Motions are searched at some nodes of a lattice over the window, and the lattice lines are followed on
     every sheet of motions that they lie on. Where a line enters or leaves a zone, the boundary is traced by
     pseudo-arclength continuation of the motion together with the one condition that is zero there (fold,
@@ -254,7 +258,8 @@ def zone(
         Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
         impacts), only others (False), or both (None).
     lines : int
-        Lattice lines each way, 5 to 129. Parts of a zone that touch no line can be missed.
+        Lattice lines each way, 5 to 129; at least 33 are taken for a pattern with rest. Parts of a zone that
+        touch no line can be missed.
     guesses : int
         Guesses for motions at each of 16 nodes.
     seeds : sequence of Motion
@@ -380,6 +385,8 @@ def one_family(
     osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool, lines: int, guesses: int, seeds: _Array, max_points: int,
 ) -> tuple[list[Piece], list[_Array], bool, NDArray[np.int32]]:  # fmt: skip
     """Pieces, rings, completeness and work of the symmetric or the other motions."""
+    # simulation finds a motion with rest only inside its zone, which may be narrow
+    lines = max(lines, 33) if pattern.has_rest else lines
     vertices, unknowns, labels, n, loops, inside, n_loops, work, status = _core.zone(
         osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric, *window, lines,
         guesses, max_points, seeds, ROOM, LOOPS,
