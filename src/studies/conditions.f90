@@ -11,7 +11,8 @@ module vi_conditions
    implicit none (type, external)
    private
 
-   public :: all_conditions, condition_value, condition_at, characteristic, is_contraction, is_inside
+   public :: all_conditions, condition_value, condition_at, characteristic, is_contraction, &
+      is_inside
 
    !> Kinds of conditions; `flip` of a symmetric family is the pitchfork.
    integer, parameter, public :: fold = 1, flip = 2, neimark_sacker = 3, zero_approach = 4, &

@@ -6,8 +6,8 @@
 module vi_curve
    use vi_conditions, only: condition_type, condition_value, frame_type
    use vi_kinds, only: wp
-   use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, &
-      set_orbit
+   use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, &
+      orbit_residual, orbit_type, set_orbit
    implicit none (type, external)
    private
 
@@ -112,8 +112,8 @@ contains
       residual(:n) = orbit_residual(o)
       call orbit_matrix(o, matrix(:n, :n))
       do j = 1, size(curve%active)
-         matrix(:n, n + j) = curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, &
-            curve%active(j))
+         matrix(:n, n + j) = curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, &
+            o, curve%active(j))
          if (curve%tied .and. curve%active(j) == by_right) matrix(:n, n + j) = matrix(:n, n + j) &
             + curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, by_left)
       end do

@@ -1,8 +1,8 @@
 !> A net of curves over the sheets of motions in a window, and where they cross the edge of a zone.
 !!
-!! The lines of a lattice in the window are followed on every sheet that the seeds belong to, through
-!! folds as well. Where two lines cross the motion is a node; from every node both lines go on, so
-!! that all connected sheets are covered.
+!! The lines of a lattice in the window are followed on every sheet that the seeds belong to,
+!! through folds as well. Where two lines cross the motion is a node; from every node both lines go
+!! on, so that all connected sheets are covered.
 module vi_net
    use vi_conditions, only: condition_type, edge, grazing, is_inside, repetition, zero_approach
    use vi_curve, only: correct, curve_type

@@ -36,3 +36,8 @@ def pyplot() -> Any:
             "pictures need matplotlib: pip install 'vibroimpact[plot]'"
         ) from None
     return plt
+
+
+def condition_name(kind: str) -> str:
+    """The name of a bifurcation as it is printed."""
+    return kind.replace("neimark_sacker", "Neimark-Sacker").replace("_", " ")

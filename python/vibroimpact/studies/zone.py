@@ -196,15 +196,22 @@ class Zone:
     def from_dict(cls, data: dict[str, Any]) -> Zone:
         """The inverse of `to_dict`."""
         osc = Oscillator(
-            xi=data["osc"]["xi"], mu=data["osc"]["mu"], restitution=tuple(data["osc"]["restitution"])
+            xi=data["osc"]["xi"],
+            mu=data["osc"]["mu"],
+            restitution=tuple(data["osc"]["restitution"]),
         )
         pieces = [
             Piece(
-                item["type"], *(np.array(item[name]) for name in ("r", "clearance", "x", "theta")),
-                item["ring"], item["detail"],
+                item["type"],
+                np.array(item["r"]),
+                np.array(item["clearance"]),
+                np.array(item["x"]),
+                np.array(item["theta"]),
+                item["ring"],
+                item["detail"],
             )
             for item in data["pieces"]
-        ]  # fmt: skip
+        ]
         window = data["window"]
         return cls(
             osc, Pattern(**data["pattern"]), tuple(window["r"]), tuple(window["clearance"]),
@@ -288,7 +295,9 @@ def zone(
         raise ParameterError(f"pattern of {len(pattern)} impacts: at most 24 are allowed")
     window = (span(r, "r"), span(clearance, "clearance"))
     if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
-        raise ParameterError(f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)")
+        raise ParameterError(
+            f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)"
+        )
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
     max_points = checks.integer(max_points, "max_points", 100, ROOM)
@@ -343,7 +352,9 @@ def seed_table(pattern: Pattern, seeds: Sequence[Motion]) -> _Array:
                 f"seeds[{i}].pattern = {motion.pattern!r}: must be {pattern!r}, with the same first impact"
             )
         columns.append(
-            np.r_[motion.r, motion.clearance, motion.X / motion.clearance, motion.phases + motion.tau]
+            np.r_[
+                motion.r, motion.clearance, motion.X / motion.clearance, motion.phases + motion.tau
+            ]
         )
     return np.asfortranarray(np.array(columns).reshape(len(columns), 2 + 2 * len(pattern)).T)
 
@@ -353,7 +364,7 @@ def one_family(
     symmetric: bool, lines: int, guesses: int, seeds: _Array, max_points: int,
 ) -> tuple[list[Piece], list[_Array], bool, NDArray[np.int32]]:  # fmt: skip
     """Pieces, rings, completeness and work of the symmetric or the other motions."""
-    vertices, unknowns, labels, n, loops, inside, n_loops, work, status = _core.zone(
+    vertices, unknowns, labels, _, loops, inside, n_loops, work, status = _core.zone(
         osc.xi, osc.mu, osc.restitution, pattern.cycles, pattern.signs, symmetric, *window, lines,
         guesses, max_points, seeds, ROOM, LOOPS,
     )  # fmt: skip
@@ -371,7 +382,9 @@ def one_family(
         outside = np.log(inside[1, i])
         if closed:
             area = signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])])
-            around = winding(np.c_[ring[:, 0], np.log(ring[:, 1])], np.array([[inside[0, i], outside]]))
+            around = winding(
+                np.c_[ring[:, 0], np.log(ring[:, 1])], np.array([[inside[0, i], outside]])
+            )
             # counter-clockwise around the zone; a hole does not go round the point inside
             if (area > 0) != bool(around[0]):
                 ring = ring[::-1]
@@ -379,9 +392,15 @@ def one_family(
         number = len(rings) - 1 if closed else -1
         pieces.extend(
             split_pieces(
-                vertices[:, here], unknowns[:, here], labels[:, here], number, symmetric, mirrored,
-                len(pattern), closed == 1,
-            )  # fmt: skip
+                vertices[:, here],
+                unknowns[:, here],
+                labels[:, here],
+                number,
+                symmetric,
+                mirrored,
+                len(pattern),
+                closed == 1,
+            )
         )
     return pieces, rings, complete, work
 
@@ -414,7 +433,15 @@ def split_pieces(
         elif name == "zero_approach":
             detail = f"impact {index}"
         pieces.append(
-            Piece(name, vertices[0, run], vertices[1, run], unknowns[:n, run], unknowns[n:, run], loop, detail)
+            Piece(
+                name,
+                vertices[0, run],
+                vertices[1, run],
+                unknowns[:n, run],
+                unknowns[n:, run],
+                loop,
+                detail,
+            )
         )
     return pieces
 
