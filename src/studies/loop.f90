@@ -58,7 +58,12 @@ contains
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
          call first_violation(curve, active, now, next, corner, which, met)
-         if (which < 0) return                     ! a violation that could not be located
+         if (which < 0) then
+            ! a violation that could not be located: something else may come before it
+            if (next%came < 64*stride%shortest) return
+            now%step = 0.3_wp*next%came
+            cycle
+         end if
          if (closes(loop, now, next, active, met, corner)) then
             loop%closed = .true.
             return
