@@ -16,12 +16,13 @@ module vi_conditions
 
    !> Kinds of conditions; `flip` of a symmetric family is the pitchfork.
    integer, parameter, public :: fold = 1, flip = 2, neimark_sacker = 3, zero_approach = 4, &
-      grazing = 5, repetition = 6, edge = 7
+      grazing = 5, repetition = 6, edge = 7, rest_vanishes = 8
 
    !> Distance in (u, theta) at which a motion counts as one that repeats itself.
    real(wp), parameter, public :: apart = 1.0e-4_wp
 
-   !> One condition. `index` is the impact, the flight, the repetition or the parameter.
+   !> One condition. After an impact with R = 0 the masses stay together unless the primary mass moves
+   !! away at once; where it just does, the motion becomes one with rest (`rest_vanishes`). `index` is the impact, the flight, the repetition or the parameter.
    type, public :: condition_type
       integer :: kind = 0, index = 0
       !> Grazing: the wall and the share of the flight's duration; edge: +1 below, -1 above.
@@ -126,11 +127,23 @@ contains
             value = o%side(i)*(o%speed(i - 1) - o%before(i))
          case (repetition)
             value = kinship(frame%family, frame%repetitions(i), unknowns) - apart
+         case (rest_vanishes)
+            value = departure(o, i)
          case default
             value = condition%side*(c(i) - condition%bound)
          end select
       end associate
    end function simple_value
+
+   !> How fast the masses part after an impact with R = 0: their relative acceleration.
+   pure real(wp) function departure(o, i)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+      real(wp) :: d(0:5)
+
+      d = derivatives(flight_at(o, i), 0.0_wp)
+      departure = o%side(i)*d(2)
+   end function departure
 
    !> det(I - Q), det(I + Q) and the product of all 1 - lambda_i lambda_j, i < j.
    !!
@@ -220,6 +233,7 @@ contains
    end function is_inside
 
    !> The least gap at a stationary point inside a flight; one half where there is none nearer.
+   !! After an impact with R = 0 the departure counts as well.
    pure subroutine least_gap(o, touch, gap)
       type(orbit_type), intent(in) :: o
       !> In: the flight. Out: also the wall and when.
@@ -242,6 +256,11 @@ contains
          touch%side = -1
          touch%share = lowest_at/o%time(touch%index)
       end if
+      if (o%restitution(touch%index) > 0) return
+      lowest = departure(o, touch%index)
+      if (lowest >= gap) return
+      gap = lowest
+      touch = condition_type(rest_vanishes, touch%index, o%side(touch%index))
    end subroutine least_gap
 
    !> The gap at the stationary point near a given share of the flight.

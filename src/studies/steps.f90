@@ -1,6 +1,7 @@
 !> Steps along a curve of motions, and the places on a step where a condition is zero.
 module vi_steps
-   use vi_conditions, only: all_conditions, apart, condition_type, grazing, repetition
+   use vi_conditions, only: all_conditions, apart, condition_type, grazing, repetition, &
+      rest_vanishes
    use vi_curve, only: correct, curve_type, parameters_of, point_size, tangent_at, unknowns_of
    use vi_family, only: image_of
    use vi_kinds, only: wp
@@ -168,7 +169,7 @@ contains
 
       ! a touch is known best where it is one
       extra(1) = to%conditions(which)
-      if (extra(1)%kind == grazing .and. from%values(which) < to%values(which)) then
+      if (any(extra(1)%kind == [grazing, rest_vanishes]) .and. from%values(which) < to%values(which)) then
          extra(1) = from%conditions(which)
       end if
       low = from

@@ -42,9 +42,12 @@ module vi_zone
       real(wp), allocatable :: inside(:, :)
       !> Motions found in the window, steps of the net, and borders left untraced.
       integer :: nodes = 0, steps = 0, untraced = 0
+      !> Points traced, those of loops that were dropped included.
+      integer :: points = 0
    end type zone_type
 
-   integer, parameter :: most_loops = 400
+   !> Loops kept, and points after which no further loop is begun.
+   integer, parameter :: most_loops = 400, room = 150000
 
 contains
 
@@ -61,7 +64,7 @@ contains
 
       call make_sheet(request, zone%sheet, status)
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
-      if (status /= stat%ok) return
+      if (status /= stat%ok .or. is_neutral(request%osc)) return
       call new_net(zone%sheet, request%lines, net)
       do i = 1, size(seeds, 2)
          call plant(net, request, seeds(1, i), seeds(2, i), seeds(3:, i))
@@ -74,6 +77,18 @@ contains
          call trace_border(net%borders(i), request%points, zone)
       end do
    end subroutine find_zone
+
+   !> Whether no motion of an oscillator is asymptotically stable: nothing dissipates.
+   !!
+   !! Without impacts on it (mu = 0) the primary mass loses by damping alone, the other by impacts.
+   pure logical function is_neutral(osc)
+      type(oscillator_type), intent(in) :: osc
+      logical :: undamped, elastic
+
+      undamped = osc%xi <= 0
+      elastic = all(osc%restitution >= 1)
+      is_neutral = (undamped .and. elastic) .or. (osc%mu <= 0 .and. (undamped .or. elastic))
+   end function is_neutral
 
    !> The family in the window, both parameters active.
    pure subroutine make_sheet(request, sheet, status)
@@ -185,10 +200,40 @@ contains
       integer, intent(in) :: most
       type(zone_type), intent(inout) :: zone
       type(loop_type) :: loop
+      type(border_type) :: begin
+
+      if (is_known(border, zone)) return
+      if (zone%n == most_loops .or. zone%points > room) then
+         zone%untraced = zone%untraced + 1
+         return
+      end if
+      call trace_loop(zone%sheet, stride_type(longest=0.03_wp, turn=0.15_wp), border%point, &
+         border%condition, most, loop)
+      zone%points = zone%points + loop%n
+      if (loop%n < 3) then
+         zone%untraced = zone%untraced + 1
+         return
+      end if
+      ! a loop that the border only leads to can have been there before
+      begin = border
+      begin%point = loop%points(:, 1)
+      begin%condition = loop%conditions(1)
+      if (is_known(begin, zone)) return
+      zone%n = zone%n + 1
+      zone%loops(zone%n) = loop
+      zone%inside(:, zone%n) = border%inside
+   end subroutine trace_border
+
+   !> Whether a place lies on a loop that has been traced, or its image does.
+   !!
+   !! Images of a motion under a symmetry of the pattern have the same zone.
+   pure logical function is_known(border, zone)
+      type(border_type), intent(in) :: border
+      type(zone_type), intent(in) :: zone
       type(border_type) :: image
       integer :: i, j, k, n
 
-      ! images of a motion under a symmetry of the pattern have the same zone
+      is_known = .true.
       image = border
       n = size(border%point) - 2
       do j = 0, size(zone%sheet%frame%repetitions)
@@ -200,17 +245,8 @@ contains
             end do
          end do
       end do
-      if (zone%n == most_loops) return
-      call trace_loop(zone%sheet, stride_type(longest=0.03_wp, turn=0.15_wp), border%point, &
-         border%condition, most, loop)
-      if (loop%n < 3) then
-         zone%untraced = zone%untraced + 1
-         return
-      end if
-      zone%n = zone%n + 1
-      zone%loops(zone%n) = loop
-      zone%inside(:, zone%n) = border%inside
-   end subroutine trace_border
+      is_known = .false.
+   end function is_known
 
    !> Whether a place on the boundary lies on a loop, along the same condition.
    pure logical function lies_on(border, loop)

@@ -10,7 +10,7 @@ from ..model import Oscillator, Pattern
 from ..motion import Motion
 
 #: Codes of the core.
-FOLD, FLIP, NEIMARK_SACKER, ZERO_APPROACH, GRAZING, REPETITION, EDGE = range(1, 8)
+FOLD, FLIP, NEIMARK_SACKER, ZERO_APPROACH, GRAZING, REPETITION, EDGE, REST_VANISHES = range(1, 9)
 
 #: Places of the parameters in the core.
 PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
@@ -51,6 +51,6 @@ def type_name(kind: int, index: int, symmetric: bool, mirrored: bool) -> str:
         return "pitchfork" if mirrored and index == 1 else "flip"
     names = {
         FOLD: "fold", FLIP: "flip", NEIMARK_SACKER: "neimark_sacker", ZERO_APPROACH: "zero_approach",
-        GRAZING: "grazing", EDGE: "bound",
+        GRAZING: "grazing", EDGE: "bound", REST_VANISHES: "rest_vanishes",
     }  # fmt: skip
     return names[kind]

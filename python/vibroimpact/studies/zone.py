@@ -411,14 +411,13 @@ def split_pieces(
 ) -> list[Piece]:  # fmt: skip
     """The runs of vertices with one condition; the first and the last run join at the start."""
     count = labels.shape[1]
-    changes = [
-        j for j in range(1, count) if labels[3, j] and labels[3, j - 1]
-    ]  # a corner is there twice
+    # a corner is there twice: where a piece ends (1) and where the next begins (2)
+    changes = [j for j in range(1, count) if labels[3, j] == 2]
     runs = [list(range(a, b)) for a, b in zip([0, *changes], [*changes, count], strict=True)]
     if closed:
         if len(runs) == 1:
             runs[0].append(0)
-        else:
+        elif labels[3, 0] != 2:
             runs[0] = runs.pop() + runs[0]
     pieces = []
     for run in runs:
