@@ -21,8 +21,8 @@ module vi_conditions
    !> Distance in (u, theta) at which a motion counts as one that repeats itself.
    real(wp), parameter, public :: apart = 1.0e-4_wp
 
-   !> One condition. After an impact with R = 0 the masses stay together unless the primary mass moves
-   !! away at once; where it just does, the motion becomes one with rest (`rest_vanishes`). `index` is the impact, the flight, the repetition or the parameter.
+   !> One condition. After an impact with R = 0 the masses stay together unless the primary mass
+   !! moves away at once: there a motion with rest ends (`rest_vanishes`). `index` is the impact, the flight, the repetition or the parameter.
    type, public :: condition_type
       integer :: kind = 0, index = 0
       !> Grazing: the wall and the share of the flight's duration; edge: +1 below, -1 above.

@@ -4,8 +4,7 @@
 !! through folds as well. Where two lines cross the motion is a node; from every node both lines go
 !! on, so that all connected sheets are covered.
 module vi_net
-   use vi_conditions, only: condition_type, edge, grazing, is_inside, repetition, &
-      rest_vanishes, zero_approach
+   use vi_conditions, only: condition_type, edge, grazing, is_inside, repetition, zero_approach
    use vi_curve, only: correct, curve_type
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
@@ -40,7 +39,7 @@ module vi_net
    !> Room for nodes and borders, and steps that may be made.
    integer, parameter :: room = 40000, border_room = 20000, most_steps = 400000
    !> A motion that would be this far beyond a wall (over d) is not followed any farther.
-   real(wp), parameter :: depth = 0.3_wp
+   real(wp), parameter :: depth = 1.0_wp
 
 contains
 
@@ -185,7 +184,7 @@ contains
       associate (v => place%values, kind => place%conditions%kind)
          leaves = any(v < 0 .and. (kind == zero_approach .or. kind == repetition)) .or. &
             any(v < 0 .and. kind == edge .and. place%conditions%index == line%active(1)) .or. &
-            any(v < -depth .and. (kind == grazing .or. kind == rest_vanishes))
+            any(v < -depth .and. kind == grazing)
       end associate
    end function leaves
 

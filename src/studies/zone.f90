@@ -28,7 +28,7 @@ module vi_zone
       logical :: symmetric = .false.
       real(wp) :: r(2) = 0, clearance(2) = 0
       !> Lattice lines each way, guesses at each node where motions are searched.
-      integer :: lines = 17, guesses = 24
+      integer :: lines = 17, guesses = 12
       !> Most points of a loop.
       integer :: points = 20000
    end type zone_request_type
@@ -123,19 +123,21 @@ contains
       type(net_type), intent(inout) :: net
       type(setting_type) :: setting
       real(wp) :: found(2*size(request%pattern%sides), 64), q(2), c(2)
-      integer :: i, j, k, n_found, tried, every, first
+      integer :: i, j, k, n_found, tried, every, first, skip
 
       setting = setting_type(request%osc, 1.0_wp, 1.0_wp, 1.0_wp, request%pattern, &
          default_restitution(request%pattern%sides, request%osc%restitution(right), &
          request%osc%restitution(left)))
-      every = max(1, (request%lines - 1)/4)
-      do j = 1 + every/2, request%lines, every
-         do i = 1 + every/2, request%lines, every
+      every = 2
+      skip = 0
+      do j = 1, request%lines, every
+         do i = 1, request%lines, every
             q = [i - 1, j - 1]/real(request%lines - 1, wp)
             c = net%sheet%origin + net%sheet%scale*q
             setting%r = c(1)
             setting%clearance = exp(c(2))
-            call search_pattern(setting, request%guesses, found, n_found, tried)
+            call search_pattern(setting, request%guesses, found, n_found, tried, skip)
+            skip = skip + request%guesses
             found(:size(request%pattern%sides), :n_found) = &
                found(:size(request%pattern%sides), :n_found)/setting%clearance
             first = net%n + 1

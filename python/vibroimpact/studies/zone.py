@@ -236,7 +236,7 @@ def zone(
     clearance: tuple[float, float],
     symmetric: bool | None = None,
     lines: int = 17,
-    guesses: int = 24,
+    guesses: int = 12,
     seeds: Sequence[Motion] = (),
     max_points: int = 20_000,
 ) -> Zone:
@@ -261,7 +261,7 @@ def zone(
     lines : int
         Lattice lines each way, 5 to 129. Parts of a zone that touch no line can be missed.
     guesses : int
-        Guesses for motions at each of 16 nodes.
+        Guesses for motions at every second node each way.
     seeds : sequence of Motion
         Motions of the pattern that are known to be there, for sheets that the search could miss.
     max_points : int
