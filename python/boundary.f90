@@ -386,9 +386,9 @@ end subroutine simulate_bundle
 !! Rows of `vertices`: r, D, derivatives of r and log D by length, length to the next; of `labels`:
 !! kind of the condition, index, side, corner; of `loops`: vertices, closed; of `work`: motions,
 !! steps, borders left.
-subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lines, guesses, points, &
-   seeds, room, loop_room, vertices, unknowns, labels, n_vertices, loops, inside, n_loops, work, &
-   status)
+subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lines, guesses, &
+   points, seeds, room, loop_room, vertices, unknowns, labels, n_vertices, loops, inside, &
+   n_loops, work, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
@@ -412,9 +412,9 @@ end subroutine zone
 !!
 !! `c` and the rows of `parameters` are r, D, xi, mu, R1, R2; of `special`: kind of the condition
 !! that is zero (0: none), index, side.
-subroutine branch(n, c, parameter, tied, bounds, cycles, sides, symmetric, x, theta, longest, room, &
-   parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, reasons, &
-   status)
+subroutine branch(n, c, parameter, tied, bounds, cycles, sides, symmetric, x, theta, longest, &
+   room, parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, &
+   reasons, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_branch_table, only: branch_arrays, branch_request_type
    use vi_pattern, only: pattern_type
@@ -432,8 +432,8 @@ subroutine branch(n, c, parameter, tied, bounds, cycles, sides, symmetric, x, th
    log_c = c
    log_c(2) = log(c(2))
    call branch_arrays(branch_request_type(pattern_type(sides, cycles), symmetric /= 0, log_c, &
-      parameter, tied /= 0, bounds, longest), [x/c(2), theta], parameters, phases, impacts, scalars, &
-      multipliers, verdicts, codes, special, n_points, reasons, status)
+      parameter, tied /= 0, bounds, longest), [x/c(2), theta], parameters, phases, impacts, &
+      scalars, multipliers, verdicts, codes, special, n_points, reasons, status)
 end subroutine branch
 
 !> Both equispaced motions at each (clearance, r) of a grid; rows as in vi_chart.

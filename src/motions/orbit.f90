@@ -1,7 +1,7 @@
 !> A periodic motion as a root of equations in its positions, phases and parameters.
 !!
-!! The unknowns are u_i = x_i/d and theta_i = alpha_i + tau; the parameters are r, log(D), xi, mu, R1
-!! and R2 with D = dK/F0. The equations say that every flight ends where and as fast as the next
+!! The unknowns are u_i = x_i/d and theta_i = alpha_i + tau; the parameters are r, log(D), xi, mu,
+!! R1 and R2 with D = dK/F0. The equations say that every flight ends where and as fast as the next
 !! impact starts: (26) and (30) with A known. A motion that is its own mirror image half a period
 !! later is described by its first half; then a fold and the pitchfork, where the symmetry is lost,
 !! are two different multipliers (+1 and -1) of the half-period map.

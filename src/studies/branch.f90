@@ -85,20 +85,20 @@ contains
       type(condition_type) :: none(0)
       type(place_type) :: found(size(now%values))
       real(wp) :: share(size(now%values)), least
-      logical :: open(size(now%values)), good
+      logical :: crossed(size(now%values)), good
       integer :: j
 
       done = .false.
-      open = now%values*next%values < 0
-      do j = 1, size(open)
-         if (.not. open(j)) cycle
+      crossed = now%values*next%values < 0
+      do j = 1, size(crossed)
+         if (.not. crossed(j)) cycle
          call locate(curve, none, now, next, j, found(j), share(j), good)
-         open(j) = good
+         crossed(j) = good
       end do
-      do while (any(open))
-         least = minval(share, open)
-         j = findloc(open .and. share <= least, .true., dim=1)
-         open(j) = .false.
+      do while (any(crossed))
+         least = minval(share, crossed)
+         j = findloc(crossed .and. share <= least, .true., dim=1)
+         crossed(j) = .false.
          call append(branch, found(j), found(j)%conditions(j))
          select case (found(j)%conditions(j)%kind)
          case (edge)
@@ -107,6 +107,8 @@ contains
          case (repetition)
             branch%reason = end_repetition
             done = .true.
+         case default
+            done = .false.
          end select
          if (done) return
       end do

@@ -7,7 +7,7 @@ module vi_conditions
    use vi_family, only: kinship
    use vi_flight, only: flight_position, flight_type, new_flight
    use vi_frame, only: apart, condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
-      neimark_sacker, zero_approach, repetition
+      neimark_sacker, repetition, rest_vanishes, zero_approach
    use vi_kinds, only: wp
    use vi_orbit, only: orbit_type, period_map, set_orbit
    use vi_oscillation, only: derivatives
@@ -88,11 +88,23 @@ contains
             value = o%side(i)*(o%speed(i - 1) - o%before(i))
          case (repetition)
             value = kinship(frame%family, frame%repetitions(i), unknowns) - apart
+         case (rest_vanishes)
+            value = departure(o, i)
          case default
             value = condition%side*(c(i) - condition%bound)
          end select
       end associate
    end function simple_value
+
+   !> How fast the masses part after an impact with R = 0: their relative acceleration.
+   pure real(wp) function departure(o, i)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+      real(wp) :: d(0:5)
+
+      d = derivatives(flight_at(o, i), 0.0_wp)
+      departure = o%side(i)*d(2)
+   end function departure
 
    !> det(I - Q), det(I + Q) and the product of all 1 - lambda_i lambda_j, i < j.
    !!
@@ -128,6 +140,7 @@ contains
    end function stability_values
 
    !> The least gap at a stationary point inside a flight; one half where there is none nearer.
+   !! After an impact with R = 0 the departure counts as well.
    pure subroutine gap_of_flight(o, touch, gap)
       type(orbit_type), intent(in) :: o
       !> In: the flight. Out: also the wall and when.
@@ -150,6 +163,11 @@ contains
          touch%side = -1
          touch%share = lowest_at/o%time(touch%index)
       end if
+      if (o%restitution(touch%index) > 0) return
+      lowest = departure(o, touch%index)
+      if (lowest >= gap) return
+      gap = lowest
+      touch = condition_type(rest_vanishes, touch%index, o%side(touch%index))
    end subroutine gap_of_flight
 
    !> The gap at the stationary point near a given share of the flight.

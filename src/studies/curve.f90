@@ -7,8 +7,8 @@ module vi_curve
    use vi_conditions, only: condition_value
    use vi_frame, only: condition_type, frame_type, neimark_sacker, unknown_count
    use vi_kinds, only: wp
-   use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, &
-      set_orbit
+   use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, &
+      orbit_residual, orbit_type, set_orbit
    use vi_rest_conditions, only: value_in_period
    use vi_rest_family, only: rest_period, rest_period_type
    implicit none (type, external)
@@ -124,8 +124,8 @@ contains
       residual(:n) = orbit_residual(o)
       call orbit_matrix(o, matrix(:n, :n))
       do j = 1, size(curve%active)
-         matrix(:n, n + j) = curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, &
-            curve%active(j))
+         matrix(:n, n + j) = curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, &
+            o, curve%active(j))
          if (curve%tied .and. curve%active(j) == by_right) matrix(:n, n + j) = matrix(:n, n + j) &
             + curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, by_left)
       end do

@@ -14,11 +14,14 @@ module vi_loop
    public :: trace_loop
 
    !> A closed curve: points (2n + 2, m) and the condition that is zero from each to the next.
+   !> A corner as the end of a piece and as the beginning of the next.
+   integer, parameter, public :: ends = 1, begins = 2
+
    type, public :: loop_type
       real(wp), allocatable :: points(:, :), tangents(:, :)
       type(condition_type), allocatable :: conditions(:)
-      !> Whether a point is a corner: two conditions are zero.
-      logical, allocatable :: corner(:)
+      !> Whether a point is a corner, where two conditions are zero; it is there twice.
+      integer, allocatable :: corner(:)
       integer :: n = 0
       !> False if the curve could not be followed to its start.
       logical :: closed = .false.
@@ -36,47 +39,101 @@ contains
       !> Most points.
       integer, intent(in) :: most
       type(loop_type), intent(out) :: loop
-      type(place_type) :: now, next, corner
+      type(place_type) :: before, now, next, corner
       type(condition_type) :: active
-      real(wp) :: along(size(point))
       integer :: which
       logical :: good, met
 
       allocate (loop%points(size(point), most), loop%tangents(size(point), most), &
          loop%conditions(most), loop%corner(most))
       active = condition
-      along = 0
-      along(size(point)) = 1
-      call begin_walk(curve, [active], point, along, 1.0e-3_wp, now, good)
-      if (.not. good) then
-         along(size(point) - 1:) = [1, 0]
-         call begin_walk(curve, [active], point, along, 1.0e-3_wp, now, good)
-         if (.not. good) return
-      end if
-      call append(loop, now, active, .false.)
+      call set_out(curve, active, point, now, good)
+      if (.not. good) return
+      call append(loop, now, active, 0)
+      before = now
       do while (loop%n < most)
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
          call first_violation(curve, active, now, next, corner, which, met)
-         if (which < 0) return                     ! a violation that could not be located
+         if (which < 0 .and. next%came < 64*stride%shortest) return
+         ! a violation that could not be located: something else may come before it
+         if (which < 0 .or. passes_two(before, now, next, active)) then
+            now%step = 0.3_wp*next%came
+            cycle
+         end if
          if (closes(curve, loop, now, next, active, met, corner)) then
             loop%closed = .true.
             return
          end if
          if (met) then
-            ! a corner is there twice: as the end of one piece and as the start of the next
             call tangent_at(curve, [active], corner%point, now%tangent, corner%tangent, good)
-            if (good) call append(loop, corner, active, .true.)
+            if (good) call append(loop, corner, active, ends)
             call turn(curve, active, corner, which, now, good)
             if (.not. good .or. loop%n == most) return
-            call append(loop, now, active, .true.)
+            call append(loop, now, active, begins)
+            call close_at_corner(curve, loop)
+            if (loop%closed) return
+            before = now
          else
             call refresh(next, active)
+            before = now
             now = next
-            call append(loop, now, active, .false.)
+            call append(loop, now, active, 0)
          end if
       end do
    end subroutine trace_loop
+
+   !> The first place, looking upwards or, where the curve is level, to the right.
+   pure subroutine set_out(curve, active, point, place, good)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: active
+      real(wp), intent(in) :: point(:)
+      type(place_type), intent(out) :: place
+      logical, intent(out) :: good
+      real(wp) :: along(size(point))
+
+      along = 0
+      along(size(point)) = 1
+      call begin_walk(curve, [active], point, along, 1.0e-3_wp, place, good)
+      if (good) return
+      along(size(point) - 1:) = [1, 0]
+      call begin_walk(curve, [active], point, along, 1.0e-3_wp, place, good)
+   end subroutine set_out
+
+   !> Whether a condition other than the active one may be zero twice within a step.
+   pure logical function passes_two(before, now, next, active)
+      type(place_type), intent(in) :: before, now, next
+      type(condition_type), intent(in) :: active
+
+      passes_two = .false.
+      if (next%came > 1.0e-4_wp) passes_two = any(hidden_zero(before%values, now%values, &
+         next%values, now%came, next%came) .and. .not. same_condition(active, next%conditions))
+   end function passes_two
+
+   !> A loop that turns where it has turned before is closed there; what was before is no part of it.
+   pure subroutine close_at_corner(curve, loop)
+      type(curve_type), intent(in) :: curve
+      type(loop_type), intent(inout) :: loop
+      real(wp) :: offset(size(loop%points, 1))
+      integer :: j, m
+
+      do j = 1, loop%n - 1
+         if (j > 1 .and. loop%corner(j) /= begins) cycle
+         if (.not. same_condition(loop%conditions(loop%n), loop%conditions(j))) cycle
+         offset = loop%points(:, loop%n) - loop%points(:, j)
+         call wrap_phases(curve%frame, offset)
+         if (maxval(abs(offset)) > 1.0e-6_wp) cycle
+         m = loop%n - j
+         loop%points(:, :m) = loop%points(:, j:loop%n - 1)
+         loop%tangents(:, :m) = loop%tangents(:, j:loop%n - 1)
+         loop%conditions(:m) = loop%conditions(j:loop%n - 1)
+         loop%corner(:m) = loop%corner(j:loop%n - 1)
+         loop%corner(1) = begins
+         loop%n = m
+         loop%closed = .true.
+         return
+      end do
+   end subroutine close_at_corner
 
    !> Whether a step along the condition of the start passes the start.
    pure logical function closes(curve, loop, now, next, active, met, corner)
@@ -99,7 +156,7 @@ contains
          norm2(offset - share*now%tangent) < 0.3_wp*share + 1.0e-7_wp
    end function closes
 
-   pure logical function same_condition(a, b)
+   pure elemental logical function same_condition(a, b)
       type(condition_type), intent(in) :: a, b
 
       same_condition = a%kind == b%kind .and. a%index == b%index .and. a%side == b%side
@@ -187,7 +244,7 @@ contains
       type(loop_type), intent(inout) :: loop
       type(place_type), intent(in) :: place
       type(condition_type), intent(in) :: active
-      logical, intent(in) :: corner
+      integer, intent(in) :: corner
 
       loop%n = loop%n + 1
       loop%points(:, loop%n) = place%point

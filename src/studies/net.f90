@@ -1,8 +1,8 @@
 !> A net of curves over the sheets of motions in a window, and where they cross the edge of a zone.
 !!
-!! The lines of a lattice in the window are followed on every sheet that the seeds belong to, through
-!! folds as well. Where two lines cross the motion is a node; from every node both lines go on, so
-!! that all connected sheets are covered.
+!! The lines of a lattice in the window are followed on every sheet that the seeds belong to,
+!! through folds as well. Where two lines cross the motion is a node; from every node both lines go
+!! on, so that all connected sheets are covered.
 module vi_net
    use vi_curve, only: correct, curve_type
    use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, unknown_count, &
@@ -38,9 +38,9 @@ module vi_net
    end type net_type
 
    !> Room for nodes and borders, and steps that may be made.
-   integer, parameter :: room = 40000, border_room = 20000, most_steps = 2000000
+   integer, parameter :: room = 40000, border_room = 20000, most_steps = 400000
    !> A motion that would be this far beyond a wall (over d) is not followed any farther.
-   real(wp), parameter :: depth = 0.3_wp
+   real(wp), parameter :: depth = 1.0_wp
 
 contains
 
@@ -132,8 +132,8 @@ contains
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
          if (.not. good) return
-         if (next%came > 1.0e-4_wp .and. any(hidden_zero(before%values, now%values, next%values, &
-            now%came, next%came))) then
+         if (next%came > 1.0e-4_wp .and. (any(hidden_zero(before%values, now%values, next%values, &
+            now%came, next%came)) .or. may_pass(now%values, next%values))) then
             now%step = 0.3_wp*next%came
             cycle
          end if
@@ -144,6 +144,14 @@ contains
          now = next
       end do
    end subroutine follow_line
+
+   !> Whether a step may pass through a zone: what is violated at its start is met at its end, and
+   !! something else is violated there.
+   pure logical function may_pass(now, next)
+      real(wp), intent(in) :: now(:), next(:)
+
+      may_pass = any(now < 0) .and. any(next < 0) .and. .not. any(now < 0 .and. next < 0)
+   end function may_pass
 
    !> The curve of one lattice line.
    pure subroutine line_of(net, node, direction, line)

@@ -22,7 +22,7 @@ module vi_search
 contains
 
    !> Exact motions of a pattern from a number of guesses.
-   pure subroutine search_pattern(setting, guesses, found, n_found, tried)
+   pure subroutine search_pattern(setting, guesses, found, n_found, tried, skip)
       type(setting_type), intent(in) :: setting
       !> Guesses to start from.
       integer, intent(in) :: guesses
@@ -31,18 +31,22 @@ contains
       integer, intent(out) :: n_found
       !> Newton iterations that were started.
       integer, intent(out) :: tried
+      !> Guesses of the sequence to leave out, at neighbouring points others each time.
+      integer, intent(in), optional :: skip
       type(linear_system_type) :: system
       type(motion_type) :: motion
       real(wp), dimension(size(found, 1)/2) :: phases, x, theta
-      integer :: i, n, iterations
+      integer :: i, n, iterations, first
 
       n = size(phases)
+      first = 0
+      if (present(skip)) first = skip
       n_found = 0
       tried = 0
       found = 0
       do i = 1, guesses
          if (n_found == size(found, 2)) return
-         phases = spread_phases(i, n)*two_pi*setting%pattern%cycles
+         phases = spread_phases(first + i, n)*two_pi*setting%pattern%cycles
          call solve_periodic(setting%osc, setting%r, setting%pattern, setting%restitution, phases, &
             system, motion)
          if (motion%status /= stat%ok) cycle

@@ -22,13 +22,15 @@ module vi_seeds
 contains
 
    !> Unknowns, or guesses of them, of the motions of a family at a point.
-   pure subroutine motions_at(frame, pattern, c, guesses, found)
+   pure subroutine motions_at(frame, pattern, c, guesses, skip, found)
       type(frame_type), intent(in) :: frame
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       !> Guesses for Newton's method; a family with rest is looked for from few initial states.
       integer, intent(in) :: guesses
+      !> Guesses of the sequence to leave out, at neighbouring points others each time.
+      integer, intent(in) :: skip
       real(wp), allocatable, intent(out) :: found(:, :)
       type(setting_type) :: setting
       real(wp) :: whole(2*size(pattern%sides), room)
@@ -41,7 +43,7 @@ contains
       setting = setting_type(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
          1.0_wp, exp(c(by_clearance)), pattern, &
          default_restitution(pattern%sides, c(by_right), c(by_left)))
-      call search_pattern(setting, guesses, whole, n, tried)
+      call search_pattern(setting, guesses, whole, n, tried, skip)
       allocate (found(unknown_count(frame), n))
       do k = 1, n
          whole(:size(pattern%sides), k) = whole(:size(pattern%sides), k)/setting%clearance

@@ -3,7 +3,8 @@ module vi_steps
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type, parameters_of, point_size, tangent_at, unknowns_of
    use vi_family, only: image_of
-   use vi_frame, only: apart, condition_count, condition_type, grazing, repetition
+   use vi_frame, only: apart, condition_count, condition_type, grazing, repetition, &
+      rest_vanishes
    use vi_kinds, only: wp
    implicit none (type, external)
    private
@@ -128,8 +129,8 @@ contains
       if (active < 2) return
       n = size(a)
       lengths = norm2(a(n - 1:))*norm2(b(n - 1:))
-      if (lengths > 1.0e-6_wp) turn = max(turn, asin(min(1.0_wp, abs(a(n - 1)*b(n) - a(n)*b(n - 1)) &
-         /lengths)))
+      if (lengths > 1.0e-6_wp) turn = max(turn, asin(min(1.0_wp, &
+         abs(a(n - 1)*b(n) - a(n)*b(n - 1))/lengths)))
    end function turn_of
 
    !> Whether a condition may have been negative (or positive) for a moment within the last step.
@@ -172,8 +173,9 @@ contains
 
       ! a touch is known best where it is one
       extra(1) = to%conditions(which)
-      if (extra(1)%kind == grazing .and. from%values(which) < to%values(which)) &
+      if (any(extra(1)%kind == [grazing, rest_vanishes]) .and. from%values(which) < to%values(which)) then
          extra(1) = from%conditions(which)
+      end if
       low = from
       high = to
       good = .false.

@@ -29,7 +29,7 @@ module vi_zone
       logical :: symmetric = .false.
       real(wp) :: r(2) = 0, clearance(2) = 0
       !> Lattice lines each way, guesses at each node where motions are searched.
-      integer :: lines = 17, guesses = 24
+      integer :: lines = 17, guesses = 12
       !> Most points of a loop.
       integer :: points = 20000
    end type zone_request_type
@@ -43,9 +43,12 @@ module vi_zone
       real(wp), allocatable :: inside(:, :)
       !> Motions found in the window, steps of the net, and borders left untraced.
       integer :: nodes = 0, steps = 0, untraced = 0
+      !> Points traced, those of loops that were dropped included.
+      integer :: points = 0
    end type zone_type
 
-   integer, parameter :: most_loops = 400
+   !> Loops kept, and points after which no further loop is begun.
+   integer, parameter :: most_loops = 400, room = 150000
 
 contains
 
@@ -65,7 +68,7 @@ contains
 
       call make_sheet(request, zone%sheet, status)
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
-      if (status /= stat%ok) return
+      if (status /= stat%ok .or. is_neutral(request%osc)) return
       call new_net(zone%sheet, request%lines, net)
       do i = 1, size(seeds, 2)
          q = ([seeds(1, i), log(seeds(2, i))] - zone%sheet%origin)/zone%sheet%scale
@@ -88,6 +91,18 @@ contains
          call trace_border(net%borders(open(i)), request%points, .true., zone, closed)
       end do
    end subroutine find_zone
+
+   !> Whether no motion of an oscillator is asymptotically stable: nothing dissipates.
+   !!
+   !! Without impacts on it (mu = 0) the primary mass loses by damping alone, the other by impacts.
+   pure logical function is_neutral(osc)
+      type(oscillator_type), intent(in) :: osc
+      logical :: undamped, elastic
+
+      undamped = osc%xi <= 0
+      elastic = all(osc%restitution >= 1)
+      is_neutral = (undamped .and. elastic) .or. (osc%mu <= 0 .and. (undamped .or. elastic))
+   end function is_neutral
 
    !> The family in the window, both parameters active.
    pure subroutine make_sheet(request, sheet, status)
@@ -129,15 +144,16 @@ contains
       type(net_type), intent(inout) :: net
       real(wp), allocatable :: found(:, :)
       real(wp) :: q(2)
-      integer :: i, j, k, every, first
+      integer :: i, j, k, every, first, skip
 
-      ! a simulation finds a motion with rest only inside its zone, which may be narrow
-      every = max(1, (request%lines - 1)/merge(16, 4, net%sheet%frame%resting))
-      do j = 1 + every/2, request%lines, every
-         do i = 1 + every/2, request%lines, every
+      every = 2
+      skip = 0
+      do j = 1, request%lines, every
+         do i = 1, request%lines, every
             q = [i - 1, j - 1]/real(request%lines - 1, wp)
             call motions_at(net%sheet%frame, request%pattern, parameters_of(net%sheet, &
-               [(0.0_wp, k=1, size(net%unknowns, 1)), q]), request%guesses, found)
+               [(0.0_wp, k=1, size(net%unknowns, 1)), q]), request%guesses, skip, found)
+            skip = skip + request%guesses
             first = net%n + 1
             do k = 1, size(found, 2)
                call plant(net, q, found(:, k), [i, j])
@@ -188,10 +204,43 @@ contains
       !> Whether the place lies on a closed loop.
       logical, intent(out) :: closed
       type(loop_type) :: loop
+      type(border_type) :: begin
+
+      closed = is_known(border, zone)
+      if (closed) return
+      if (zone%n == most_loops .or. zone%points > room) then
+         zone%untraced = zone%untraced + 1
+         return
+      end if
+      call trace_loop(zone%sheet, stride_type(longest=0.03_wp, turn=0.15_wp), border%point, &
+         border%condition, most, loop)
+      zone%points = zone%points + loop%n
+      closed = loop%closed
+      if (.not. (closed .or. keep_open)) return
+      if (loop%n < 3) then
+         zone%untraced = zone%untraced + 1
+         return
+      end if
+      ! a loop that the border only leads to can have been there before
+      begin = border
+      begin%point = loop%points(:, 1)
+      begin%condition = loop%conditions(1)
+      if (is_known(begin, zone)) return
+      zone%n = zone%n + 1
+      zone%loops(zone%n) = loop
+      zone%inside(:, zone%n) = border%inside
+   end subroutine trace_border
+
+   !> Whether a place lies on a loop that has been traced, or its image does.
+   !!
+   !! Images of a motion under a symmetry of the pattern have the same zone.
+   pure logical function is_known(border, zone)
+      type(border_type), intent(in) :: border
+      type(zone_type), intent(in) :: zone
       type(border_type) :: image
       integer :: i, j, k, n
 
-      ! images of a motion under a symmetry of the pattern have the same zone
+      is_known = .true.
       image = border
       n = size(border%point) - 2
       do j = 0, size(zone%sheet%frame%repetitions)
@@ -199,25 +248,12 @@ contains
             if (j > 0) image%point(:n) = image_of(zone%sheet%frame%family, &
                zone%sheet%frame%repetitions(j), image%point(:n))
             do i = 1, zone%n
-               closed = lies_on(zone%sheet%frame, image, zone%loops(i))
-               if (closed) return
+               if (lies_on(zone%sheet%frame, image, zone%loops(i))) return
             end do
          end do
       end do
-      closed = .false.
-      if (zone%n == most_loops) return
-      call trace_loop(zone%sheet, stride_type(longest=0.03_wp, turn=0.15_wp), border%point, &
-         border%condition, most, loop)
-      closed = loop%closed
-      if (.not. (closed .or. keep_open)) return
-      if (loop%n < 3) then
-         zone%untraced = zone%untraced + 1
-         return
-      end if
-      zone%n = zone%n + 1
-      zone%loops(zone%n) = loop
-      zone%inside(:, zone%n) = border%inside
-   end subroutine trace_border
+      is_known = .false.
+   end function is_known
 
    !> Whether a place on the boundary lies on a loop, along the same condition.
    pure logical function lies_on(frame, border, loop)

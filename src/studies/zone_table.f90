@@ -23,7 +23,8 @@ contains
       real(wp), intent(out) :: vertices(:, :)
       !> (2N, room): x_i/D and theta_i; with rest phase and velocity over D at the last release.
       real(wp), intent(out) :: unknowns(:, :)
-      !> (4, room): kind of the condition from here on, its index, its side, 1 at a corner.
+      !> (4, room): kind of the condition from here on, its index, its side, and
+      !> at a corner 1 (a piece ends) or 2 (one begins).
       integer, intent(out) :: labels(:, :)
       !> Vertices.
       integer, intent(out) :: n
@@ -73,7 +74,7 @@ contains
                   unknowns(:, n) = whole_unknowns(sheet%frame%family, loop%points(:m, j))
                end if
                labels(:, n) = [loop%conditions(j)%kind, loop%conditions(j)%index, &
-                  loop%conditions(j)%side, merge(1, 0, loop%corner(j))]
+                  loop%conditions(j)%side, loop%corner(j)]
             end do
          end associate
       end do

@@ -57,7 +57,7 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
         marker, color = MARKERS[point.type]
         ax.plot(
             branch.values[point.index], column[point.index], marker, color=color, markersize=4,
-            label="" if point.type in seen else point.type.replace("_", "–"),
+            label="" if point.type in seen else style.condition_name(point.type),
         )  # fmt: skip
         seen.add(point.type)
     ax.set_xlabel(SYMBOLS[branch.parameter])

@@ -50,3 +50,8 @@ def save(axes: Any, path: Path) -> Path:
     pyplot().close(figure)
     write_bytes(path, content.getvalue())
     return path
+
+
+def condition_name(kind: str) -> str:
+    """The name of a bifurcation as it is printed."""
+    return kind.replace("neimark_sacker", "Neimark-Sacker").replace("_", " ")

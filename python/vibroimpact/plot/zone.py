@@ -39,13 +39,15 @@ def draw_zone(
         if piece.type == "window":
             continue
         line, shade = LINES[piece.type]
-        name = piece.type.replace("neimark_sacker", "Neimark–Sacker").replace("_", " ")
+        name = style.condition_name(piece.type)
         ax.plot(
             piece.r, 1 / piece.clearance if inverse else piece.clearance, linestyle=line, color=shade,
             linewidth=1.0, label="" if name in shown else name,
         )  # fmt: skip
         shown.add(name)
-    place_label(zone, ax, inverse, default_label(zone.pattern, zone.symmetric) if label is None else label)
+    place_label(
+        zone, ax, inverse, default_label(zone.pattern, zone.symmetric) if label is None else label
+    )
     ax.set_xlabel(r"$r = \Omega/\omega$")
     ax.set_ylabel("$F_0/(dK)$" if inverse else "$dK/F_0$")
     if legend and shown:

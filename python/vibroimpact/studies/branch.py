@@ -148,7 +148,7 @@ class Branch:
         return result
 
     def __len__(self) -> int:
-        return self.parameters.shape[1]
+        return int(self.parameters.shape[1])
 
     def __getitem__(self, i: int) -> Motion:
         if not -len(self) <= i < len(self):
@@ -162,8 +162,17 @@ class Branch:
         """The columns as an xarray.Dataset over the points (extra `data`)."""
         from .tables import xarray
 
-        data = {name: ("point", getattr(self, name)) for name in PARAMETERS}
-        for name in ("A", "tau", "residual", "x_min", "x_max", "attenuation", "admissible", "stable"):
+        data: dict[str, Any] = {name: ("point", getattr(self, name)) for name in PARAMETERS}
+        for name in (
+            "A",
+            "tau",
+            "residual",
+            "x_min",
+            "x_max",
+            "attenuation",
+            "admissible",
+            "stable",
+        ):
             data[name] = ("point", getattr(self, name))
         data["phases"] = (("impact", "point"), self.phases)
         data["X"] = (("impact", "point"), self.X)
@@ -173,7 +182,11 @@ class Branch:
         for item in self.special_points:
             special[item.index] = item.type
         data["special"] = ("point", special)
-        names = {"parameter": self.parameter, "sides": self.pattern.sides, "cycles": self.pattern.cycles}
+        names = {
+            "parameter": self.parameter,
+            "sides": self.pattern.sides,
+            "cycles": self.pattern.cycles,
+        }
         return xarray().Dataset(data, attrs=names)
 
     def plot(self, ax: Any = None, y: str = "attenuation") -> Any:
@@ -217,13 +230,13 @@ def point_motion(
     r, clearance, xi, mu, right, left = parameters.tolist()
     _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
     consistent, admissible, stable = verdicts.tolist()
-    columns = [frozen(impacts[:, j].copy()) for j in range(6)]
+    x, z, x_before, x_after, z_before, z_after = (frozen(column.copy()) for column in impacts.T)
     multipliers = multipliers.copy()
     multipliers.flags.writeable = False
     return Motion(
         Oscillator(xi=xi, mu=mu, restitution=(right, left)), r, clearance, pattern,
-        frozen(np.where(pattern.signs > 0, right, left)), frozen(phases.copy()), *columns,
-        amplitude, tau, residual, multipliers,
+        frozen(np.where(pattern.signs > 0, right, left)), frozen(phases.copy()), x, z, x_before, x_after,
+        z_before, z_after, amplitude, tau, residual, multipliers,
         VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max,
     )  # fmt: skip
 
@@ -280,11 +293,15 @@ def branch(
     checks.choice(parameter, "parameter", CHOICES)
     checks.plain_pattern(motion.pattern)
     if motion.load != 1.0:
-        raise ParameterError(f"motion.load = {motion.load!r}: must be 1; scale the clearance instead")
+        raise ParameterError(
+            f"motion.load = {motion.load!r}: must be 1; scale the clearance instead"
+        )
     max_points = checks.integer(max_points, "max_points", 10, 10**6)
     right, left = motion.osc.restitution
     if parameter == "restitution" and right != left:
-        raise ParameterError(f"parameter = 'restitution': needs R1 = R2, not {right!r} and {left!r}")
+        raise ParameterError(
+            f"parameter = 'restitution': needs R1 = R2, not {right!r} and {left!r}"
+        )
     start = {
         "r": motion.r, "clearance": motion.clearance, "xi": motion.osc.xi, "mu": motion.osc.mu,
         "R1": right, "R2": left, "restitution": right,
@@ -295,15 +312,26 @@ def branch(
     which = PARAMETERS.index("R1" if tied else parameter) + 1
     constants = np.array([motion.r, motion.clearance, motion.osc.xi, motion.osc.mu, right, left])
     theta = motion.phases + motion.tau
-    parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n, ends, status = (
+    parameters, phases, impacts, scalars, multipliers, verdicts, _, special, n, ends, status = (
         _core.branch(
-            constants, which, tied, (low, high), motion.pattern.cycles, motion.pattern.signs,
-            symmetric, motion.X, theta, longest_step, 2 * max_points,
-        )  # fmt: skip
+            constants,
+            which,
+            tied,
+            (low, high),
+            motion.pattern.cycles,
+            motion.pattern.signs,
+            symmetric,
+            motion.X,
+            theta,
+            longest_step,
+            2 * max_points,
+        )
     )
     raise_status(int(status))
     if n == 0:
-        raise SingularError("the branch cannot be followed from this motion: it is at a singular point")
+        raise SingularError(
+            "the branch cannot be followed from this motion: it is at a singular point"
+        )
     mirrored = can_be_symmetric(motion.osc, motion.pattern) and not symmetric
     keep = slice(0, int(n))
     result = Branch(
@@ -318,10 +346,14 @@ def branch(
             here = result[i]
             result.special_points.append(
                 SpecialPoint(
-                    type_name(kind, index, bool(symmetric), mirrored), i, here.r, here.clearance, here,
+                    type_name(kind, index, bool(symmetric), mirrored),
+                    i,
+                    here.r,
+                    here.clearance,
+                    here,
                     index - 1 if kind not in (REPETITION,) and index <= n_family else -1,
                     ("R" if side > 0 else "L") if kind == GRAZING else "",
-                )  # fmt: skip
+                )
             )
     return result
 

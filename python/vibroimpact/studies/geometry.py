@@ -34,15 +34,13 @@ def dense_ring(
         chord = place[j] - place[i]
         sag = max(np.abs(a - chord).max(), np.abs(b - chord).max()) / 4
         t = np.linspace(0, 1, 1 + max(1, math.ceil(math.sqrt(sag / SAG))))[:-1, None]
-        parts.append(
-            place[i] + t * (a + t * (3 * chord - 2 * a - b + t * (a + b - 2 * chord)))
-        )
+        parts.append(place[i] + t * (a + t * (3 * chord - 2 * a - b + t * (a + b - 2 * chord))))
     if not closed:
         parts.append(place[-1:])
     if not parts:
         parts = [place]
     points = low + scale * np.concatenate(parts)
-    return np.c_[points[:, 0], np.exp(points[:, 1])]
+    return np.column_stack([points[:, 0], np.exp(points[:, 1])])
 
 
 def signed_area(ring: _Array) -> float:

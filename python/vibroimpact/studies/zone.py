@@ -198,15 +198,22 @@ class Zone:
     def from_dict(cls, data: dict[str, Any]) -> Zone:
         """The inverse of `to_dict`."""
         osc = Oscillator(
-            xi=data["osc"]["xi"], mu=data["osc"]["mu"], restitution=tuple(data["osc"]["restitution"])
+            xi=data["osc"]["xi"],
+            mu=data["osc"]["mu"],
+            restitution=tuple(data["osc"]["restitution"]),
         )
         pieces = [
             Piece(
-                item["type"], *(np.array(item[name]) for name in ("r", "clearance", "x", "theta")),
-                item["ring"], item["detail"],
+                item["type"],
+                np.array(item["r"]),
+                np.array(item["clearance"]),
+                np.array(item["x"]),
+                np.array(item["theta"]),
+                item["ring"],
+                item["detail"],
             )
             for item in data["pieces"]
-        ]  # fmt: skip
+        ]
         window = data["window"]
         return cls(
             osc, Pattern(**data["pattern"]), tuple(window["r"]), tuple(window["clearance"]),
@@ -231,7 +238,7 @@ def zone(
     clearance: tuple[float, float],
     symmetric: bool | None = None,
     lines: int = 17,
-    guesses: int = 24,
+    guesses: int = 12,
     seeds: Sequence[Motion] = (),
     max_points: int = 20_000,
 ) -> Zone:
@@ -261,7 +268,7 @@ def zone(
         Lattice lines each way, 5 to 129; at least 33 are taken for a pattern with rest. Parts of a zone that
         touch no line can be missed.
     guesses : int
-        Guesses for motions at each of 16 nodes.
+        Guesses for motions at every second node each way.
     seeds : sequence of Motion
         Motions of the pattern that are known to be there, for sheets that the search could miss.
     max_points : int
@@ -295,7 +302,9 @@ def zone(
         raise ParameterError(f"pattern of {len(pattern)} impacts: at most 24 are allowed")
     window = (span(r, "r"), span(clearance, "clearance"))
     if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
-        raise ParameterError(f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)")
+        raise ParameterError(
+            f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)"
+        )
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
     max_points = checks.integer(max_points, "max_points", 100, ROOM)
@@ -371,7 +380,9 @@ def seed_table(pattern: Pattern, seeds: Sequence[Motion]) -> _Array:
             columns.append(rest_seed(motion))
             continue
         columns.append(
-            np.r_[motion.r, motion.clearance, motion.X / motion.clearance, motion.phases + motion.tau]
+            np.r_[
+                motion.r, motion.clearance, motion.X / motion.clearance, motion.phases + motion.tau
+            ]
         )
     return np.asfortranarray(np.array(columns).reshape(len(columns), 2 + 2 * len(pattern)).T)
 
@@ -387,7 +398,7 @@ def one_family(
     """Pieces, rings, completeness and work of the symmetric or the other motions."""
     # simulation finds a motion with rest only inside its zone, which may be narrow
     lines = max(lines, 33) if pattern.has_rest else lines
-    vertices, unknowns, labels, n, loops, inside, n_loops, work, status = _core.zone(
+    vertices, unknowns, labels, _, loops, inside, n_loops, work, status = _core.zone(
         osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric, *window, lines,
         guesses, max_points, seeds, ROOM, LOOPS,
     )  # fmt: skip
@@ -405,7 +416,9 @@ def one_family(
         outside = np.log(inside[1, i])
         if closed:
             area = signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])])
-            around = winding(np.c_[ring[:, 0], np.log(ring[:, 1])], np.array([[inside[0, i], outside]]))
+            around = winding(
+                np.c_[ring[:, 0], np.log(ring[:, 1])], np.array([[inside[0, i], outside]])
+            )
             # counter-clockwise around the zone; a hole does not go round the point inside
             if (area > 0) != bool(around[0]):
                 ring = ring[::-1]
@@ -413,9 +426,15 @@ def one_family(
         number = len(rings) - 1 if closed else -1
         pieces.extend(
             split_pieces(
-                vertices[:, here], unknowns[1::-1, here] if pattern.has_rest else unknowns[:, here], labels[:, here], number, symmetric, mirrored,
-                1 if pattern.has_rest else len(pattern), closed == 1,
-            )  # fmt: skip
+                vertices[:, here],
+                unknowns[1::-1, here] if pattern.has_rest else unknowns[:, here],
+                labels[:, here],
+                number,
+                symmetric,
+                mirrored,
+                1 if pattern.has_rest else len(pattern),
+                closed == 1,
+            )
         )
     return pieces, rings, complete, work
 
@@ -426,14 +445,13 @@ def split_pieces(
 ) -> list[Piece]:  # fmt: skip
     """The runs of vertices with one condition; the first and the last run join at the start."""
     count = labels.shape[1]
-    changes = [
-        j for j in range(1, count) if labels[3, j] and labels[3, j - 1]
-    ]  # a corner is there twice
+    # a corner is there twice: where a piece ends (1) and where the next begins (2)
+    changes = [j for j in range(1, count) if labels[3, j] == 2]
     runs = [list(range(a, b)) for a, b in zip([0, *changes], [*changes, count], strict=True)]
     if closed:
         if len(runs) == 1:
             runs[0].append(0)
-        else:
+        elif labels[3, 0] != 2:
             runs[0] = runs.pop() + runs[0]
     pieces = []
     for run in runs:
@@ -448,7 +466,15 @@ def split_pieces(
         elif name == "zero_approach":
             detail = f"impact {index}"
         pieces.append(
-            Piece(name, vertices[0, run], vertices[1, run], unknowns[:n, run], unknowns[n : 2 * n, run], loop, detail)
+            Piece(
+                name,
+                vertices[0, run],
+                vertices[1, run],
+                unknowns[:n, run],
+                unknowns[n : 2 * n, run],
+                loop,
+                detail,
+            )
         )
     return pieces
 
