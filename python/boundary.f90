@@ -521,3 +521,34 @@ subroutine finish_chart(n_impacts, keep, m, n, xi, mu, walls, r, clearance, cycl
       r, clearance, threads, unknowns, ranks, found, phases, impacts, scalars, multipliers, &
       verdicts, status)
 end subroutine finish_chart
+
+!> What simulations over a window settle on: letters in standard order, cycles (0: nothing).
+subroutine survey(m, most_letters, xi, mu, walls, r, clearance, settling, most_cycles, threads, &
+   points, letters, cycles, unknowns)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_oscillator, only: oscillator_type
+   use vi_survey, only: attractor_type, run => survey
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, most_letters, settling, most_cycles, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r(2), clearance(2)
+   real(c_double), intent(out) :: points(2, m), unknowns(2*most_letters, m)
+   integer(c_int), intent(out) :: letters(most_letters, m), cycles(m)
+   type(attractor_type), allocatable :: attractors(:)
+   integer :: i, n
+
+   allocate (attractors(m))
+   call run(oscillator_type(xi, mu, walls), r, clearance, settling, most_letters, most_cycles, &
+      threads, attractors)
+   letters = 0
+   cycles = 0
+   unknowns = 0
+   do i = 1, m
+      points(:, i) = [attractors(i)%r, attractors(i)%clearance]
+      if (.not. attractors(i)%found) cycle
+      n = size(attractors(i)%letters)
+      letters(:n, i) = attractors(i)%letters
+      cycles(i) = attractors(i)%cycles
+      unknowns(:2*n, i) = attractors(i)%unknowns
+   end do
+end subroutine survey

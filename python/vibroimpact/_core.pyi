@@ -403,6 +403,23 @@ class _FinishChart(Protocol):
         n: int = ...,
     ) -> tuple[_Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
 
+@type_check_only
+class _Survey(Protocol):
+    # points, letters, cycles, unknowns
+    def __call__(
+        self,
+        m: int,
+        most_letters: int,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        settling: int,
+        most_cycles: int,
+        threads: int,
+    ) -> tuple[_Real, _Integer, _Integer, _Real]: ...
+
 __f2py_numpy_version__: str
 
 periodic: _Periodic
@@ -427,3 +444,4 @@ equispaced_chart: _EquispacedChart
 seed_flood: _SeedFlood
 sweep_flood: _SweepFlood
 finish_chart: _FinishChart
+survey: _Survey

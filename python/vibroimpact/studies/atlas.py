@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,20 +13,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..bundle import simulate_bundle
-from ..errors import ParameterError, VibroimpactError
+from .. import _core, checks
+from ..errors import ParameterError
 from ..files import write_text
 from ..find import side_patterns
 from ..model import Oscillator, Pattern
-from ..motion import Motion
-from ..newton import exact, settle
 from .conditions import can_be_symmetric
-from .zone import Window, Zone, assemble, rest_seed, span
+from .zone import Window, Zone, assemble, span
 
 __all__ = ["Atlas", "Attractor", "atlas"]
 
 _Array = NDArray[np.float64]
+#: The core's letters.
+LETTERS = {1: "R", -1: "L", 2: "R*", -2: "L*"}
 
 
 class Attractor(NamedTuple):
@@ -140,23 +139,6 @@ def standard(pattern: Pattern, osc: Oscillator) -> Pattern:
     return Pattern(max(names_of(pattern, osc)), pattern.cycles)
 
 
-def seed_of(motion: Motion, wanted: Pattern) -> _Array:
-    """A motion as a seed of the standard pattern: turned, or mirrored and turned."""
-    if motion.pattern.has_rest:
-        column = rest_seed(motion)
-        return column
-    letters = "".join(motion.pattern.letters)
-    n = len(letters)
-    x, theta = motion.X / motion.clearance, motion.phases + motion.tau
-    mirrored = letters.translate(str.maketrans("RL", "LR"))
-    for sides, sign, shift in ((letters, 1, 0.0), (mirrored, -1, np.pi)):
-        for j in range(n):
-            if sides[j:] + sides[:j] == wanted.sides:
-                later = np.r_[theta[j:], theta[:j] + 2 * np.pi * wanted.cycles] + shift
-                return np.r_[motion.r, motion.clearance, sign * np.roll(x, -j), later]
-    raise ParameterError(f"pattern = {motion.pattern!r}: is not {wanted!r}")
-
-
 def atlas(
     osc: Oscillator,
     r: tuple[float, float],
@@ -220,8 +202,9 @@ def atlas(
     workers = checks.integer(threads or os.cpu_count() or 1, "threads", 1, 1024)
     tell = progress or (lambda share, what: None)
     tell(0.0, "survey by simulation")
-    motions = list(surveyed(osc, window, survey, settling, max_impacts, max_cycles, workers))
-    attractors = [Attractor(m.r, m.clearance, standard(m.pattern, osc)) for m in motions]
+    attractors, guesses_of = surveyed(
+        osc, window, survey, settling, max_impacts, max_cycles, workers
+    )
     mirrored = osc.restitution[0] == osc.restitution[1]
     patterns = list(side_patterns(max_impacts, max_cycles, mirrored=mirrored))
     patterns = [standard(pattern, osc) for pattern in patterns]
@@ -235,8 +218,8 @@ def atlas(
     def trace(family: tuple[Pattern, bool], finer: int = 1) -> Zone:
         pattern, symmetric = family
         seeds = [
-            seed_of(m, pattern) for m, a in zip(motions, attractors, strict=True) if a.pattern == pattern
-        ][: 200 * finer]
+            seed for seed, item in zip(guesses_of, attractors, strict=True) if item.pattern == pattern
+        ]
         table = np.array(seeds).reshape(len(seeds), 2 + 2 * len(pattern)).T
         lattice = min(129, finer * (lines - 1) + 1)
         return assemble(
@@ -269,38 +252,15 @@ def atlas(
 def surveyed(
     osc: Oscillator, window: Window, points: int, settling: int, max_impacts: int, max_cycles: int,
     threads: int,
-) -> Iterator[Motion]:  # fmt: skip
-    """Exact motions that simulations over the window settle on, within the limits."""
-    if not points:
-        return
-    (r_low, r_high), (low, high) = window
-    golden = 1.0
-    for _ in range(40):
-        golden = (1 + golden) ** (1 / 6)
-    u = np.mod(0.5 + np.arange(1, points + 1)[None, :] / golden ** np.arange(1, 6)[:, None], 1.0)
-    r = r_low + (r_high - r_low) * u[0]
-    clearance = low * (high / low) ** u[1]
-    amplitude = np.minimum(1 / np.hypot((1 - r) * (1 + r), 2 * osc.xi * r), 3 * clearance)
-    x = amplitude * (2 * u[2] - 1)
-    states = np.array([0 * r, x, amplitude * (2 * u[3] - 1), x + 0.499 * clearance * (2 * u[4] - 1), 0 * r])
-    ends = simulate_bundle(osc, r, clearance, settling, states, threads=threads)
-    for j in np.flatnonzero(ends.status == 0).tolist():
-        state = {"t": ends.t[j], "x": ends.x[j], "x_dot": ends.x_dot[j], "z": ends.z[j], "z_dot": ends.z_dot[j]}
-        try:
-            period = settle(osc, float(r[j]), float(clearance[j]), 1.0, state, 0, max_cycles)
-            if period is None or len(period.pattern) > max_impacts or period.mismatch > 1e-3:
-                continue
-            motion = exact_motion(osc, float(r[j]), float(clearance[j]), state, max_cycles)
-        except VibroimpactError:
-            continue
-        if motion.stable and motion.admissible and motion.pattern.cycles <= max_cycles:
-            yield motion
-
-
-def exact_motion(
-    osc: Oscillator, r: float, clearance: float, state: dict[str, Any], max_cycles: int
-) -> Motion:
-    """The exact motion that a state is about on."""
-    from ..trajectory import simulate
-
-    return exact(osc, r, clearance, simulate(osc, r, clearance, 2 * max_cycles + 2, state=state))
+) -> tuple[list[Attractor], list[_Array]]:  # fmt: skip
+    """What simulations over the window settle on, each with its unknowns as a seed of its zone."""
+    places, letters, cycles, unknowns = _core.survey(
+        points, max_impacts, osc.xi, osc.mu, osc.restitution, *window, settling, max_cycles, threads
+    )
+    attractors, seeds = [], []
+    for j in np.flatnonzero(cycles).tolist():
+        codes = letters[:, j][letters[:, j] != 0].tolist()
+        pattern = Pattern("".join(LETTERS[code] for code in codes), int(cycles[j]))
+        attractors.append(Attractor(float(places[0, j]), float(places[1, j]), pattern))
+        seeds.append(np.r_[places[:, j], unknowns[: 2 * len(codes), j]])
+    return attractors, seeds
