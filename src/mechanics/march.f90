@@ -1,14 +1,14 @@
 !> First contact of an ordinary flight, at the price of a few products.
 !!
-!! The flight is marched over in cells. In a cell y = z - x and y' are cubics to within a proven error,
-!! and Bernstein coefficients bound a cubic from both sides. They prove that a cell has no contact, or
-!! that y is monotone in it: then one contact is in it or none, which the end of the cell tells, and
-!! Newton's method finds it. Where neither can be proved (grazing, many contacts on end) even in the
-!! smallest cell, the march stops and says from when on `first_contact` of vi_contact has to look.
+!! The flight is marched over in cells. In a cell y = z - x and y' are cubics to within a proven
+!! error, and Bernstein coefficients bound a cubic from both sides. They prove that a cell has no
+!! contact, or that y is monotone in it: then it has one or none, as the end of the cell tells, and
+!! Newton's method finds it. Where neither can be proved even in the smallest cell (grazing, many
+!! contacts on end), the march stops and says from when on `first_contact` has to look.
 module vi_march
    use vi_kinds, only: wp
    use vi_transition, only: first_cell, idle_time, largest, later, moment_type, nodes, &
-      terms, transition_type
+      transition_type
    implicit none (type, external)
    private
 
@@ -29,7 +29,7 @@ contains
 
    !> Marches from the wall just left, with a departure speed > 0, to the first contact.
    !!
-   !! Returns without a side beyond the limit, or where a contact can neither be excluded nor isolated.
+   !! Returns without a side beyond the limit, or where it cannot decide.
    pure subroutine march(m, s, c, x, x_dot, z, z_dot, half, side, speed, limit, touch)
       type(transition_type), intent(in) :: m
       !> Sine and cosine of the load phase, positions and velocities.
@@ -98,7 +98,7 @@ contains
 
    !> Size of the first cell: the wall just left is not hit again within it; or -1.
    !!
-   !! The gap to that wall is t k(t), and the fourth derivative of k at most 1/5 of the fifth of x.
+   !! The gap to that wall is t k(t), with k'''' at most a fifth of the bound on x'''''.
    pure integer function first_size(m, at, side, speed, bound) result(size)
       type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: at
@@ -132,17 +132,13 @@ contains
       real(wp), intent(in) :: half
       !> A wall that is known to be out of question, or 0; first node of the cell, and its size.
       integer, intent(in) :: left, a, size
-      !> On the fourth derivative of x.
-      real(wp), intent(in) :: bound
+      real(wp), intent(in) :: bound                                ! on the derivative of x of order 4
       real(wp) :: x(4), z, step, reserve
 
       x = combined(m%position(:, :, first_cell(size) + ishft(a, -size - 1)), here)
       z = here%z + here%z_dot*(a*m%h)
       step = here%z_dot*(2**(size + 1)*m%h*(1.0_wp/3))
-      x(1) = z - x(1)
-      x(2) = (z + step) - x(2)
-      x(3) = (z + 2*step) - x(3)
-      x(4) = (z + 3*step) - x(4)
+      x = (z + step*[0, 1, 2, 3]) - x
       reserve = half - bound*m%error(size)
       clear = (left > 0 .or. max(x(1), x(2), x(3), x(4)) < reserve) &
          .and. (left < 0 .or. min(x(1), x(2), x(3), x(4)) > -reserve)
@@ -155,8 +151,7 @@ contains
       type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: here
       integer, intent(in) :: a, size
-      !> On the fifth derivative of x.
-      real(wp), intent(in) :: bound
+      real(wp), intent(in) :: bound                                ! on the derivative of x of order 5
       real(wp) :: v(4), error
 
       v = here%z_dot - combined(m%velocity(:, :, first_cell(size) + ishft(a, -size - 1)), here)
@@ -247,23 +242,15 @@ contains
       type(transition_type), intent(in) :: m
       real(wp), intent(in) :: t
       real(wp) :: f(4)
-      real(wp) :: t2, t4, t8
+      real(wp) :: t2, t4, p(6)
 
       t2 = t*t
       t4 = t2*t2
-      t8 = t4*t4
-      f(1) = even(m%taylor(:, 1)) + t*even(m%taylor(:, 2))
-      f(2) = even(m%taylor(:, 3)) + t*even(m%taylor(:, 4))
-      f(3) = even(m%taylor(:, 5))
-      f(4) = t*even(m%taylor(:, 6))
-   contains
-      !> A polynomial in t^2.
-      pure real(wp) function even(c)
-         real(wp), intent(in) :: c(0:terms - 1)
-
-         even = ((c(0) + c(1)*t2) + t4*(c(2) + c(3)*t2)) &
-            + t8*((c(4) + c(5)*t2) + t4*(c(6) + c(7)*t2))
-      end function even
+      associate (c => m%taylor)
+         p = ((c(:, 0) + c(:, 1)*t2) + t4*(c(:, 2) + c(:, 3)*t2)) &
+            + (t4*t4)*((c(:, 4) + c(:, 5)*t2) + t4*(c(:, 6) + c(:, 7)*t2))
+      end associate
+      f = [p(1) + t*p(2), p(3) + t*p(4), p(5), t*p(6)]
    end function nearby
 
    !> Bernstein coefficients of the cubic that a matrix of the tables makes of a moment.

@@ -1,15 +1,14 @@
 !> Event by event simulation in closed form: no impact is missed, accumulations are completed.
 module vi_simulate
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_contact, only: contact_type, departure_type, first_contact
-   use vi_drive, only: drive_type, event_type, impact_event, new_drive, on_wall, release_event, &
-      state_time, state_type, stick_event, two_pi
-   use vi_flight, only: flight_type, new_flight
+   use vi_contact, only: contact_type, first_contact
+   use vi_drive, only: departure_from, drive_type, event_type, flight_from, impact_event, &
+      new_drive, release_event, rest_from, state_time, state_type, stick_event, two_pi
    use vi_kinds, only: wp
    use vi_march, only: march, touch_type
-   use vi_oscillation, only: derivatives, oscillation_type
+   use vi_oscillation, only: derivatives
    use vi_oscillator, only: left, oscillator_type, right
-   use vi_rest, only: new_rest, release_time
+   use vi_rest, only: release_time
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -90,8 +89,9 @@ contains
       s = sin(state%phase)
       c = cos(state%phase)
       found = .false.
-      if (state%side /= 0 .and. .not. state%released) &
+      if (state%side /= 0 .and. .not. state%released) then
          call accumulate(drive, state, s, c, remaining, event, found)
+      end if
       if (.not. found) call fly_on(drive, state, s, c, remaining, event, found, status)
    end subroutine go_on
 
@@ -143,30 +143,6 @@ contains
       touch = touch_type(contact%side, contact%time, contact%d(0), contact%d(1))
       approach = contact%speed
    end subroutine search
-
-   !> How the flight from a state begins; one given from outside may be on a wall and collide at once.
-   pure function departure_from(state, half) result(departure)
-      type(state_type), intent(in) :: state
-      real(wp), intent(in) :: half
-      type(departure_type) :: departure
-      real(wp) :: approach
-
-      departure = departure_type(state%side, state%speed, state%released)
-      if (state%side /= 0 .or. .not. on_wall(state%z - state%x, half)) return
-      approach = sign(1.0_wp, state%z - state%x)*(state%z_dot - state%x_dot)
-      if (approach > 0) departure = departure_type(merge(1, -1, state%z > state%x), -approach)
-   end function departure_from
-
-   !> The flight that begins at a state.
-   pure function flight_from(drive, state, duration) result(flight)
-      type(drive_type), intent(in) :: drive
-      type(state_type), intent(in) :: state
-      real(wp), intent(in) :: duration
-      type(flight_type) :: flight
-
-      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, state%phase - drive%lag, &
-         state%x, state%x_dot, state%z, state%z_dot, duration)
-   end function flight_from
 
    !> Velocities through an impact, from the momentum and the reversed approach speed: (11), (12).
    !!
@@ -260,16 +236,6 @@ contains
       event = event_type(release_event, state%side, state%cycle, state%phase, state%x, &
          state%x_dot, state%x_dot, state%z_dot, state%z_dot)
    end subroutine rest_on
-
-   !> The joint oscillation of both masses from a state.
-   pure function rest_from(drive, state) result(rest)
-      type(drive_type), intent(in) :: drive
-      type(state_type), intent(in) :: state
-      type(oscillation_type) :: rest
-
-      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, &
-         state%x_dot)
-   end function rest_from
 
    !> Moves both masses on for a time in which nothing happens.
    pure subroutine move_on(drive, time, state)

@@ -38,7 +38,8 @@ contains
       call test_idle()
    end subroutine test_march
 
-   !> Random flights; `grazing` ones reach the other wall, or fail to, by 1e-2 to 1e-12 of the clearance.
+   !> Random flights; `grazing` ones reach the other wall, or not, by 1e-2 to 1e-12 of the
+   !! clearance.
    subroutine compare_flights(random, count, grazing, decided)
       type(random_type), intent(inout) :: random
       integer, intent(in) :: count
