@@ -287,7 +287,9 @@ def _run(
     tables, total = [], 0
     chunk = int(min(CHUNK, 64 + 4 * (cycles + 1)))
     while True:
-        stop = end if end[0] - now[0][0] <= span else (now[0][0] + span, 0.0)
+        cycle = float(now[0][0])
+        last_part = end[0] - cycle <= span
+        stop = end if last_part else (cycle + span, 0.0)
         table = np.empty(min(chunk, max_events - total), dtype=EVENT_TYPE)
         n, last, last_contact, final, contact, status = _core.simulate(
             *system, *begun, *stop, WORDS, table.view(np.float64).reshape(-1, 11).T
@@ -300,10 +302,9 @@ def _run(
             from .solve import status_text
 
             raise SingularError(status_text(status))
-        if status == 0 and stop is end or status == MORE_EVENTS and total == max_events:
+        if last_part if status == 0 else total == max_events:
             break
-        if status == MORE_EVENTS:
-            chunk = CHUNK
+        chunk = CHUNK if status else chunk
     events = tables[0] if len(tables) == 1 else np.concatenate([np.empty(0, EVENT_TYPE), *tables])
     return events, now, begun, status == 0
 

@@ -7,7 +7,7 @@
 !! contacts on end), the march stops and says from when on `first_contact` has to look.
 module vi_march
    use vi_kinds, only: wp
-   use vi_transition, only: first_cell, idle_time, largest, later, moment_type, nodes, &
+   use vi_transition, only: first_cell, idle_time, largest, moment_after, moment_type, nodes, &
       transition_type
    implicit none (type, external)
    private
@@ -44,33 +44,29 @@ contains
       real(wp) :: base, idle, bounds(0:2), toward
       integer :: a, k, n, size, left
 
-      start%sine = m%in_phase*s - m%behind*c
-      start%cosine = m%in_phase*c + m%behind*s
-      start%free = x - start%sine
-      start%free_dot = x_dot - m%r*start%cosine
-      start%z = z
-      start%z_dot = z_dot
-      here = start
+      here%sine = m%in_phase*s - m%behind*c
+      here%cosine = m%in_phase*c + m%behind*s
+      here%free = x - here%sine
+      here%free_dot = x_dot - m%r*here%cosine
+      here%z = z
+      here%z_dot = z_dot
+      start = here
       base = 0
       a = 0
       left = side
       bounds = bounds_after(m, here)
       size = first_size(m, here, side, speed, bounds(2))
       do n = 1, cell_budget
-         if (size < 0) exit
          if (a >= nodes) then
             base = base + a*m%h
             a = 0
-            here = moved(m, start, later(m, base), base)
+            here = moment_after(m, start, base)
+            idle = idle_time(m, here, half)
+            if (idle > 0) here = moment_after(m, start, base + idle)
+            base = base + idle
             bounds = bounds_after(m, here)
-            idle = idle_time(here, half, bounds(0))
-            if (idle > 0) then
-               base = base + idle
-               if (base > limit) exit
-               here = moved(m, start, later(m, base), base)
-            end if
          end if
-         if (base + a*m%h > limit) exit
+         if (size < 0 .or. base + a*m%h > limit) exit
          k = 2**size
          if (.not. clear(m, here, half, left, a, size, bounds(1))) then
             toward = direction(m, here, a, size, bounds(2))
@@ -79,7 +75,6 @@ contains
                cycle
             end if
             if (toward*position(m, here, a + 2*k) >= half) then
-               ! the polynomials of `nearby` reach half as far as the largest cell
                if (size == largest) then
                   k = k/2
                   if (toward*position(m, here, a + 2*k) < half) a = a + 2*k
@@ -119,10 +114,11 @@ contains
       type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: here
       integer, intent(in) :: j
-      type(moment_type) :: at
 
-      at = moved(m, here, m%table(:, j), j*m%h)
-      y = at%z - (at%free + at%sine)
+      associate (f => m%table(:, j))
+         y = (here%z + here%z_dot*(j*m%h)) - ((f(1)*here%free + f(2)*here%free_dot) &
+            + (f(3)*here%sine + f(4)*here%cosine))
+      end associate
    end function position
 
    !> Whether a cell has no contact.
@@ -132,7 +128,8 @@ contains
       real(wp), intent(in) :: half
       !> A wall that is known to be out of question, or 0; first node of the cell, and its size.
       integer, intent(in) :: left, a, size
-      real(wp), intent(in) :: bound                                ! on the derivative of x of order 4
+      !> On the fourth derivative of x.
+      real(wp), intent(in) :: bound
       real(wp) :: x(4), z, step, reserve
 
       x = combined(m%position(:, :, first_cell(size) + ishft(a, -size - 1)), here)
@@ -151,7 +148,8 @@ contains
       type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: here
       integer, intent(in) :: a, size
-      real(wp), intent(in) :: bound                                ! on the derivative of x of order 5
+      !> On the fifth derivative of x.
+      real(wp), intent(in) :: bound
       real(wp) :: v(4), error
 
       v = here%z_dot - combined(m%velocity(:, :, first_cell(size) + ishft(a, -size - 1)), here)
@@ -161,6 +159,29 @@ contains
       if (.not. min(v(1), v(2), v(3), v(4)) - error > &
          0.125_wp*(max(v(1), v(2), v(3), v(4)) + error)) direction = 0
    end function direction
+
+   !> Bernstein coefficients of the cubic that a matrix of the tables makes of a moment.
+   pure function combined(matrix, at) result(b)
+      real(wp), intent(in) :: matrix(4, 4)
+      type(moment_type), intent(in) :: at
+      real(wp) :: b(4)
+
+      b = (matrix(:, 1)*at%free + matrix(:, 2)*at%free_dot) &
+         + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
+   end function combined
+
+   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a moment on.
+   !!
+   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
+   !! part by r.
+   pure function bounds_after(m, at) result(bounds)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: at
+      real(wp) :: bounds(0:2)
+
+      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
+      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
+   end function bounds_after
 
    !> The one contact in a cell in which y is monotone.
    pure subroutine pinpoint(m, here, half, toward, centre, w, touch)
@@ -237,7 +258,7 @@ contains
       to%z_dot = from%z_dot
    end function moved
 
-   !> The four functions at a time within half a time scale.
+   !> The four functions at a time within half a time scale: not in all of the largest cells.
    pure function nearby(m, t) result(f)
       type(transition_type), intent(in) :: m
       real(wp), intent(in) :: t
@@ -252,16 +273,6 @@ contains
       end associate
       f = [p(1) + t*p(2), p(3) + t*p(4), p(5), t*p(6)]
    end function nearby
-
-   !> Bernstein coefficients of the cubic that a matrix of the tables makes of a moment.
-   pure function combined(matrix, at) result(b)
-      real(wp), intent(in) :: matrix(4, 4)
-      type(moment_type), intent(in) :: at
-      real(wp) :: b(4)
-
-      b = (matrix(:, 1)*at%free + matrix(:, 2)*at%free_dot) &
-         + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
-   end function combined
 
    !> y = z - x and its first five derivatives.
    pure function forward(m, at) result(y)
@@ -283,18 +294,5 @@ contains
       y(4) = -(f4 + m%r2*p2)
       y(5) = -(f5 + m%r2*p3)
    end function forward
-
-   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a moment on.
-   !!
-   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
-   !! part by r.
-   pure function bounds_after(m, at) result(bounds)
-      type(transition_type), intent(in) :: m
-      type(moment_type), intent(in) :: at
-      real(wp) :: bounds(0:2)
-
-      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
-      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
-   end function bounds_after
 
 end module vi_march

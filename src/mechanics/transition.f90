@@ -10,7 +10,7 @@ module vi_transition
    implicit none (type, external)
    private
 
-   public :: new_transition, later, idle_time
+   public :: new_transition, moment_after, idle_time
 
    !> Sizes of cells: their half widths are 1, 2, 4 and 8 nodes.
    integer, parameter, public :: largest = 3
@@ -171,15 +171,34 @@ contains
       c(:, 4) = f(4)*b(:, 3) + f(3)*b(:, 4)
    end function shifted
 
-   !> How long both walls are out of reach, with a bound on |x|.
-   pure real(wp) function idle_time(at, half, bound) result(time)
+   !> The moment any time t later than another one.
+   pure function moment_after(m, from, t) result(to)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: from
+      real(wp), intent(in) :: t
+      type(moment_type) :: to
+      real(wp) :: f(4)
+
+      f = later(m, min(t, huge(1.0_wp)*epsilon(1.0_wp)))
+      to%free = f(1)*from%free + f(2)*from%free_dot
+      to%free_dot = f(1)*from%free_dot - f(2)*(from%free + m%two_xi*from%free_dot)
+      to%sine = f(3)*from%sine + f(4)*from%cosine
+      to%cosine = f(3)*from%cosine - f(4)*from%sine
+      to%z = from%z + from%z_dot*t
+      to%z_dot = from%z_dot
+   end function moment_after
+
+   !> How long both walls are out of reach.
+   pure real(wp) function idle_time(m, at, half) result(time)
+      type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: at
-      real(wp), intent(in) :: half, bound
+      real(wp), intent(in) :: half
       real(wp) :: reserve, speed
 
       time = 0
-      if (.not. half - bound > abs(at%z)) return
-      reserve = half - bound - sign(1.0_wp, at%z_dot)*at%z
+      reserve = half - m%forced(0) - sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
+      if (.not. reserve > abs(at%z)) return
+      reserve = reserve - sign(1.0_wp, at%z_dot)*at%z
       speed = abs(at%z_dot)
       time = huge(1.0_wp)
       if (reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) time = reserve/speed

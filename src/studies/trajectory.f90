@@ -20,8 +20,8 @@ contains
 
    !> `simulate` between arrays.
    !!
-   !! A column of `table` is the record of an event: time, four words of `names`, phase, x, x' before
-   !! and after, z' before and after.
+   !! A column of `table` is the record of an event: time, four words of `names`, phase, x, x'
+   !! before and after, z' before and after.
    pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, names, table, n, &
       final_state, final_contact, status)
       type(drive_type), intent(in) :: drive

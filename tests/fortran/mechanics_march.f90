@@ -10,7 +10,7 @@ module mechanics_march
    use vi_march, only: march, touch_type
    use vi_oscillation, only: derivative_bound, derivatives
    use vi_oscillator, only: gain, lag
-   use vi_transition, only: moment_type, new_transition, transition_type
+   use vi_transition, only: new_transition, transition_type
    implicit none (type, external)
    private
 
@@ -20,7 +20,8 @@ module mechanics_march
    type :: case_type
       type(flight_type) :: flight
       type(transition_type) :: transition
-      type(moment_type) :: start
+      !> The load phase at the start.
+      real(wp) :: load_phase
       type(departure_type) :: departure
       real(wp) :: half, limit
    end type case_type
@@ -94,12 +95,21 @@ contains
       type(case_type), intent(inout) :: c
       real(wp), intent(in) :: amplitude, lag
 
-      associate (f => c%flight)
-         call new_transition(f%decay, f%r, amplitude*cos(lag), amplitude*sin(lag), c%transition)
-         c%start = moment_type(f%b, f%frequency*f%a - f%decay*f%b, f%amplitude*sin(f%phase), &
-            f%amplitude*cos(f%phase), f%z, f%z_dot)
-      end associate
+      call new_transition(c%flight%decay, c%flight%r, amplitude*cos(lag), amplitude*sin(lag), &
+         c%transition)
+      c%load_phase = c%flight%phase + lag
    end subroutine begin
+
+   !> The march.
+   subroutine run(c, touch)
+      type(case_type), intent(in) :: c
+      type(touch_type), intent(out) :: touch
+      real(wp) :: d(0:5)
+
+      d = derivatives(c%flight, 0.0_wp)
+      call march(c%transition, sin(c%load_phase), cos(c%load_phase), d(0), d(1), c%flight%z, &
+         c%flight%z_dot, c%half, c%departure%side, c%departure%speed, c%limit, touch)
+   end subroutine run
 
    !> Puts the other wall where the mass comes nearest to it, give or take a little.
    subroutine graze(random, c)
@@ -118,7 +128,6 @@ contains
       c%half = 0.5_wp*clearance
       d = derivatives(c%flight, 0.0_wp)
       c%flight%z = d(0) + c%departure%side*c%half
-      c%start%z = c%flight%z
    end subroutine graze
 
    !> Both ways to the same contact; counts those that the march decides.
@@ -130,7 +139,7 @@ contains
       real(wp) :: d(0:5), size, slack
 
       plain = first_contact(c%flight, c%half, c%departure, c%limit)
-      call march(c%transition, c%start, c%half, c%departure%side, c%departure%speed, c%limit, touch)
+      call run(c, touch)
       if (touch%side /= 0 .or. touch%time > c%limit) n = n + 1
       if (touch%side == 0 .and. touch%time <= c%limit) then
          careful = first_contact(c%flight, c%half, c%departure, c%limit, touch%time)
@@ -183,7 +192,7 @@ contains
          c%limit)
       call begin(c, 0.0_wp, 1.0_wp)
       call compare(c, n)
-      call march(c%transition, c%start, c%half, -1, 1 + 1e-7_wp, c%limit, touch)
+      call run(c, touch)
       call check(touch%side == 1, 'a drift to the right ends at the right wall')
       call check_close(1e-7_wp*touch%time, 5.0_wp, 1e-13_wp, 'and lasts as long as it has to')
    end subroutine test_idle
