@@ -58,7 +58,7 @@ class Trajectory:
     initial_state, final_state : dict
         States at both ends; a final state continues bit for bit when given to `simulate`.
     complete : bool
-        False if `max_events` was reached before the end of time.
+        False if there are more than `max_events` events before the end of time.
     """
 
     osc: Oscillator
@@ -190,11 +190,9 @@ def simulate(
 ) -> Trajectory:
     """Simulate from an initial state; no impact is missed, and accumulating impacts are completed.
 
-    Between impacts everything is closed form. The next contact is found by steps that a bound on
-    the
-    derivatives proves free of contact. Impacts that accumulate are summed to their limit (the time
-    of the
-    limit is wrong by 1e-16 at most); the free mass then rests on the wall until the contact force
+    Between impacts everything is closed form. The next contact is found by steps that a bound on the
+    derivatives proves free of contact. Impacts that accumulate are summed to their limit (the time of
+    the limit is wrong by 1e-16 at most); the free mass then rests on the wall until the contact force
     ends.
 
     Parameters
@@ -215,7 +213,7 @@ def simulate(
     discard : float
         Load cycles simulated before those that are kept.
     max_events : int
-        Events after which the trajectory ends early (`complete` is then False).
+        Events after which the trajectory ends, if there are more (`complete` is then False).
 
     Returns
     -------

@@ -141,7 +141,7 @@ contains
          time(i) = 0
          if (.not. reserve > 0) cycle
          time(i) = huge(1.0_wp)
-         if (speed > 0 .and. reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) then
+         if (speed > 0 .and. reserve < speed*(huge(1.0_wp)*epsilon(1.0_wp))) then
             time(i) = t + reserve/speed
          end if
       end do

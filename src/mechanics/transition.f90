@@ -201,7 +201,7 @@ contains
       reserve = reserve - sign(1.0_wp, at%z_dot)*at%z
       speed = abs(at%z_dot)
       time = huge(1.0_wp)
-      if (reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) time = reserve/speed
+      if (reserve < speed*(huge(1.0_wp)*epsilon(1.0_wp))) time = reserve/speed
    end function idle_time
 
 end module vi_transition

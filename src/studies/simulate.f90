@@ -81,6 +81,7 @@ contains
       logical, intent(out) :: found
       integer, intent(inout) :: status
       real(wp) :: s, c
+      logical :: over
 
       if (state%resting) then
          call rest_on(drive, state, remaining, event, found, status)
@@ -89,10 +90,11 @@ contains
       s = sin(state%phase)
       c = cos(state%phase)
       found = .false.
+      over = .false.
       if (state%side /= 0 .and. .not. state%released) then
-         call accumulate(drive, state, s, c, remaining, event, found)
+         call accumulate(drive, state, s, c, remaining, event, found, over)
       end if
-      if (.not. found) call fly_on(drive, state, s, c, remaining, event, found, status)
+      if (.not. (found .or. over)) call fly_on(drive, state, s, c, remaining, event, found, status)
    end subroutine go_on
 
    !> Flies to the next impact and through it, as far as possible by marching.
@@ -175,15 +177,16 @@ contains
    !! take T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next
    !! order is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
    !! that has to be below 1e-16.
-   pure subroutine accumulate(drive, state, s, c, remaining, event, found)
+   pure subroutine accumulate(drive, state, s, c, remaining, event, found, over)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
       !> Sine and cosine of the load phase.
       real(wp), intent(in) :: s, c
-      !> Time to the end; an accumulation that would go on beyond it is not completed.
+      !> Time to the end.
       real(wp), intent(in) :: remaining
       type(event_type), intent(inout) :: event
-      logical, intent(inout) :: found
+      !> Completed; or it would be after the end, and until then the gap stays below 1e-12 x''.
+      logical, intent(inout) :: found, over
       real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
       real(wp) :: x_ddot, closing, jerk, lost, duration, velocity
 
@@ -197,8 +200,9 @@ contains
             if (.not. 2*state%speed <= longest*lost) return
             duration = 2*state%speed/lost
             jerk = abs(drive%load*drive%r*c) + 2*osc%xi*abs(x_ddot) + abs(state%x_dot)
-            if (duration > min(longest, remaining)) return
             if (jerk*duration**2 > time_error*closing) return
+            over = duration > remaining
+            if (over) return
          end if
          velocity = (state%x_dot + osc%mu*state%z_dot)/(1 + osc%mu)
          state%x = state%x + (velocity + 0.5_wp*x_ddot/(1 + osc%mu)*duration)*duration
