@@ -4,6 +4,7 @@ module vi_simulate
    use vi_contact, only: contact_type, first_contact
    use vi_drive, only: departure_from, drive_type, event_type, flight_from, impact_event, &
       new_drive, release_event, rest_from, state_time, state_type, stick_event, two_pi
+   use vi_hop, only: hop
    use vi_kinds, only: wp
    use vi_march, only: march, touch_type
    use vi_oscillation, only: derivatives
@@ -108,15 +109,22 @@ contains
       logical, intent(out) :: found
       integer, intent(inout) :: status
       type(touch_type) :: touch
-      real(wp) :: half, approach
+      real(wp) :: half, time, approach
 
       found = .false.
       half = 0.5_wp*drive%clearance
       if (state%side /= 0 .and. state%speed > 0) then
-         call march(drive%transition, s, c, state%x, state%x_dot, state%z, state%z_dot, half, &
-            state%side, state%speed, remaining, touch)
+         call hop(drive%transition, drive%load, s, c, state%x, state%x_dot, state%side, &
+            state%speed, drive%clearance, time, approach)
+         if (time > 0) then
+            touch = touch_type(state%side, time, state%x + state%z_dot*time, &
+               state%z_dot - state%side*approach)
+         else
+            call march(drive%transition, s, c, state%x, state%x_dot, state%z, state%z_dot, half, &
+               state%side, state%speed, remaining, touch)
+            approach = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
+         end if
          if (touch%time > remaining) return
-         approach = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
       end if
       if (touch%side == 0) call search(drive, state, half, remaining, touch, approach, status)
       if (touch%side == 0) return

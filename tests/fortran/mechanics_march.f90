@@ -6,6 +6,7 @@ module mechanics_march
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type, new_flight
+   use vi_hop, only: hop
    use vi_kinds, only: wp
    use vi_march, only: march, touch_type
    use vi_oscillation, only: derivative_bound, derivatives
@@ -20,8 +21,8 @@ module mechanics_march
    type :: case_type
       type(flight_type) :: flight
       type(transition_type) :: transition
-      !> The load phase at the start.
-      real(wp) :: load_phase
+      !> The load, and its phase at the start.
+      real(wp) :: load, load_phase
       type(departure_type) :: departure
       real(wp) :: half, limit
    end type case_type
@@ -98,17 +99,24 @@ contains
       call new_transition(c%flight%decay, c%flight%r, amplitude*cos(lag), amplitude*sin(lag), &
          c%transition)
       c%load_phase = c%flight%phase + lag
+      c%load = amplitude/gain(c%flight%decay, c%flight%r)
    end subroutine begin
 
-   !> The march.
+   !> The hop, or the march.
    subroutine run(c, touch)
       type(case_type), intent(in) :: c
       type(touch_type), intent(out) :: touch
-      real(wp) :: d(0:5)
+      real(wp) :: d(0:5), time, approach
 
       d = derivatives(c%flight, 0.0_wp)
-      call march(c%transition, sin(c%load_phase), cos(c%load_phase), d(0), d(1), c%flight%z, &
-         c%flight%z_dot, c%half, c%departure%side, c%departure%speed, c%limit, touch)
+      call hop(c%transition, c%load, sin(c%load_phase), cos(c%load_phase), d(0), d(1), &
+         c%departure%side, c%departure%speed, 2*c%half, time, approach)
+      touch = touch_type(c%departure%side, time, d(0) + c%flight%z_dot*time, &
+         c%flight%z_dot - c%departure%side*approach)
+      if (.not. time > 0) then
+         call march(c%transition, sin(c%load_phase), cos(c%load_phase), d(0), d(1), c%flight%z, &
+            c%flight%z_dot, c%half, c%departure%side, c%departure%speed, c%limit, touch)
+      end if
    end subroutine run
 
    !> Puts the other wall where the mass comes nearest to it, give or take a little.
@@ -157,6 +165,9 @@ contains
       call check_close(touch%x, d(0), slack, 'x')
       call check_close(touch%x_dot, d(1), slack*max(1.0_wp, c%flight%r), 'velocity')
       call check_close((touch%time - plain%time)*plain%speed, 0.0_wp, slack, 'time times speed')
+      if (touch%side /= c%departure%side .or. touch%time*max(1.0_wp, c%flight%r) > 0.06_wp) return
+      slack = (1 + derivative_bound(c%flight, 2, 0.0_wp)*plain%time/c%departure%speed)*plain%time
+      call check_close(touch%time, plain%time, 32*epsilon(1.0_wp)*slack, 'relative time of a hop')
    end subroutine compare
 
    !> A slow drift under an oscillation: one crest of many thousands is the first that reaches.
