@@ -3,7 +3,8 @@
 The same work for all: 1000 load cycles from rest with the parameters of Figure 6, at a stable and at a
 chaotic point. The numba loop flies in closed form, looks at the gap 40 times a load cycle and finishes by
 Newton: fast, but it can miss a contact that is shorter than its step. SciPy (50 cycles only) integrates and
-looks for sign changes.
+looks for sign changes. All must find the same impacts: every one at the stable point, the first 20 at the
+chaotic one, where rounding grows by a factor in each.
 
 Run with `python benchmarks/simulate_speed.py` (needs numba and SciPy).
 """
@@ -20,7 +21,7 @@ from scipy.integrate import solve_ivp
 XI, MU, RESTITUTION = 0.0114, 0.028, 0.75
 OSC = vi.Oscillator(XI, MU, RESTITUTION)
 POINTS = {"stable": (1.04, 25.0), "chaotic": (1.02, 11.25)}
-CYCLES, ROUNDS = 1000, 7
+CYCLES, ROUNDS, CALLS = 1000, 7, 20
 
 
 @numba.njit(fastmath=False)
@@ -96,32 +97,41 @@ def scipy_impacts(r, clearance, cycles):
     return n
 
 
-def seconds(work):
-    """CPU time of one call."""
+def seconds(work, calls):
+    """CPU time of one call, as the mean of some, and its result."""
     begin = time.process_time()
-    result = work()
-    return time.process_time() - begin, result
+    for _ in range(calls):
+        result = work()
+    return (time.process_time() - begin) / calls, result
 
 
 def main():
-    """Print impacts a second and ratios; the first 20 impact times have to agree."""
+    """Print impacts a second, ratios, and how far the impact times of both sides differ."""
     room = np.empty(100_000)
-    print(f"{'point':>8} {'this package':>14} {'numba':>12} {'ratio':>7} {'SciPy':>9} {'ratio':>8}")
+    print(
+        f"{'point':>8} {'this package':>14} {'numba':>12} {'ratio':>7} {'SciPy':>9} {'ratio':>8} "
+        f"{'compared':>9} {'apart':>8}"
+    )
     for name, (r, clearance) in POINTS.items():
         arguments = (XI, MU, RESTITUTION, r, clearance, CYCLES, room)
         numba_loop(*arguments)
         here, there = [], []
         for _ in range(ROUNDS):
-            spent, run = seconds(lambda: vi.simulate(OSC, r, clearance, CYCLES))  # noqa: B023
+            spent, run = seconds(lambda: vi.simulate(OSC, r, clearance, CYCLES), CALLS)  # noqa: B023
             here.append(len(run.events) / spent)
-            spent, n = seconds(lambda: numba_loop(*arguments))  # noqa: B023
+            spent, n = seconds(lambda: numba_loop(*arguments), CALLS)  # noqa: B023
             there.append(n / spent)
-        assert np.allclose(run.events["time"][:20], room[:20], rtol=1e-9), "the impacts differ"
-        spent, n = seconds(lambda: scipy_impacts(r, clearance, 50))  # noqa: B023
-        ours, theirs, slow = statistics.median(here), statistics.median(there), n / spent
+        compared = len(run.events) if name == "stable" else 20
+        apart = np.abs(run.events["time"][:compared] - room[:compared]).max()
+        assert compared <= n, "the impacts differ"
+        assert apart < 1e-9, "the impacts differ"
+        spent, found = seconds(lambda: scipy_impacts(r, clearance, 50), 1)  # noqa: B023
+        short = len(vi.simulate(OSC, r, clearance, 50).events)
+        assert found == short or name == "chaotic", "the impacts differ"
+        ours, theirs, slow = statistics.median(here), statistics.median(there), found / spent
         print(
             f"{name:>8} {ours:12,.0f}/s {theirs:10,.0f}/s {ours / theirs:7.2f} {slow:7,.0f}/s "
-            f"{ours / slow:8,.0f}"
+            f"{ours / slow:8,.0f} {compared:9d} {apart:8.0e}"
         )
 
 

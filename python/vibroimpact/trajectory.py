@@ -58,7 +58,7 @@ class Trajectory:
     initial_state, final_state : dict
         States at both ends; a final state continues bit for bit when given to `simulate`.
     complete : bool
-        False if `max_events` was reached before the end of time.
+        False if there are more than `max_events` events before the end of time.
     """
 
     osc: Oscillator
@@ -191,11 +191,9 @@ def simulate(
 ) -> Trajectory:
     """Simulate from an initial state; no impact is missed, and accumulating impacts are completed.
 
-    Between impacts everything is closed form. The next contact is found by steps that a bound on
-    the
-    derivatives proves free of contact. Impacts that accumulate are summed to their limit (the time
-    of the
-    limit is wrong by 1e-16 at most); the free mass then rests on the wall until the contact force
+    Between impacts everything is closed form. The next contact is found by steps that a bound on the
+    derivatives proves free of contact. Impacts that accumulate are summed to their limit (the time of
+    the limit is wrong by 1e-16 at most); the free mass then rests on the wall until the contact force
     ends.
 
     Parameters
@@ -216,7 +214,7 @@ def simulate(
     discard : float
         Load cycles simulated before those that are kept.
     max_events : int
-        Events after which the trajectory ends early (`complete` is then False).
+        Events after which the trajectory ends, if there are more (`complete` is then False).
 
     Returns
     -------
@@ -288,7 +286,9 @@ def _run(
     tables, total = [], 0
     chunk = int(min(CHUNK, 64 + 4 * (cycles + 1)))
     while True:
-        stop = end if end[0] - now[0][0] <= span else (now[0][0] + span, 0.0)
+        cycle = float(now[0][0])
+        last_part = end[0] - cycle <= span
+        stop = end if last_part else (cycle + span, 0.0)
         table = np.empty(min(chunk, max_events - total), dtype=EVENT_TYPE)
         n, last, last_contact, final, contact, status = _core.simulate(
             *system, *begun, *stop, WORDS, table.view(np.float64).reshape(-1, 11).T
@@ -301,10 +301,9 @@ def _run(
             from .solve import status_text
 
             raise SingularError(status_text(status))
-        if status == 0 and stop is end or status == MORE_EVENTS and total == max_events:
+        if last_part if status == 0 else total == max_events:
             break
-        if status == MORE_EVENTS:
-            chunk = CHUNK
+        chunk = CHUNK if status else chunk
     events = tables[0] if len(tables) == 1 else np.concatenate([np.empty(0, EVENT_TYPE), *tables])
     return events, now, begun, status == 0
 

@@ -58,25 +58,34 @@ contains
       !> No contact is before this time; by default the start.
       real(wp), intent(in), optional :: from
       type(contact_type) :: contact
+
+      if (departure%side /= 0 .and. departure%speed < 0) then
+         contact = contact_type(departure%side, 0.0_wp, -departure%speed, &
+            derivatives(flight, 0.0_wp))
+      else if (present(from)) then
+         contact = contact_after(flight, half, departure, limit, from)
+      else
+         contact = contact_after(flight, half, departure, limit, 0.0_wp)
+      end if
+   end function first_contact
+
+   !> The first contact, none being before a time.
+   pure function contact_after(flight, half, departure, limit, from) result(contact)
+      type(flight_type), intent(in) :: flight
+      real(wp), intent(in) :: half
+      type(departure_type), intent(in) :: departure
+      real(wp), intent(in) :: limit, from
+      type(contact_type) :: contact
       real(wp) :: t, step, other, reach, bound, near, far(2), k(0:terms - 1), d(0:5)
       integer :: n, first, side
 
-      if (departure%side /= 0 .and. departure%speed < 0) then
-         contact%side = departure%side
-         contact%speed = -departure%speed
-         contact%d = derivatives(flight, 0.0_wp)
-         return
-      end if
-      t = 0
-      if (present(from)) t = from
+      t = from
       near = 0
+      if (departure%side /= 0) near = taylor_time/max(1.0_wp, flight%r)
+      k = gap_series(flight, departure)
       reach = 3/max(1.0_wp, flight%r)
       bound = derivative_bound(flight, 4, t)
       far = out_of_reach(flight, half, t)
-      if (departure%side /= 0) then
-         near = taylor_time/max(1.0_wp, flight%r)
-         k = gap_series(flight, departure)
-      end if
       do n = 1, step_budget
          if (mod(n, 16) == 0) then
             bound = derivative_bound(flight, 4, t)
@@ -90,12 +99,10 @@ contains
          side = merge(first, -first, step <= other)
          step = min(step, other)
          if (step <= 2*epsilon(1.0_wp)*t) then
-            contact%side = side
-            contact%time = t
-            contact%d = d
-            contact%speed = contact%side*(flight%z_dot - d(1))
-            if (contact%side == departure%side .and. t < near) contact%speed = series_speed(k, t)
-            contact%speed = max(0.0_wp, contact%speed)
+            contact = contact_type(side, t, max(0.0_wp, side*(flight%z_dot - d(1))), d)
+            if (side == departure%side .and. t < near) then
+               contact%speed = max(0.0_wp, series_speed(k, t))
+            end if
             return
          end if
          t = t + step
@@ -117,7 +124,7 @@ contains
             h = max(h, far(merge(1, 2, side > 0)) - t)
          end if
       end function gap_step
-   end function first_contact
+   end function contact_after
 
    !> Times before which the walls (right, left) are out of the reach of the primary mass, as seen
    !! at time t.
@@ -134,7 +141,9 @@ contains
          time(i) = 0
          if (.not. reserve > 0) cycle
          time(i) = huge(1.0_wp)
-         if (speed > 0 .and. reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) time(i) = t + reserve/speed
+         if (speed > 0 .and. reserve < speed*(huge(1.0_wp)*epsilon(1.0_wp))) then
+            time(i) = t + reserve/speed
+         end if
       end do
    end function out_of_reach
 

@@ -1,14 +1,14 @@
 !> First contact of an ordinary flight, at the price of a few products.
 !!
-!! The flight is marched over in cells. In a cell y = z - x and y' are cubics to within a proven error,
-!! and Bernstein coefficients bound a cubic from both sides. They prove that a cell has no contact, or
-!! that y is monotone in it: then one contact is in it or none, which the end of the cell tells, and
-!! Newton's method finds it. Where neither can be proved (grazing, many contacts on end) even in the
-!! smallest cell, the march stops and says from when on `first_contact` of vi_contact has to look.
+!! The flight is marched over in cells. In a cell y = z - x and y' are cubics to within a proven
+!! error, and Bernstein coefficients bound a cubic from both sides. They prove that a cell has no
+!! contact, or that y is monotone in it: then it has one or none, as the end of the cell tells, and
+!! Newton's method finds it. Where neither can be proved even in the smallest cell (grazing, many
+!! contacts on end), the march stops and says from when on `first_contact` has to look.
 module vi_march
    use vi_kinds, only: wp
-   use vi_transition, only: first_cell, idle_time, largest, later, moment_type, nodes, &
-      terms, transition_type
+   use vi_transition, only: first_cell, idle_time, largest, moment_after, moment_type, nodes, &
+      transition_type
    implicit none (type, external)
    private
 
@@ -29,7 +29,7 @@ contains
 
    !> Marches from the wall just left, with a departure speed > 0, to the first contact.
    !!
-   !! Returns without a side beyond the limit, or where a contact can neither be excluded nor isolated.
+   !! Returns without a side beyond the limit, or where it cannot decide.
    pure subroutine march(m, s, c, x, x_dot, z, z_dot, half, side, speed, limit, touch)
       type(transition_type), intent(in) :: m
       !> Sine and cosine of the load phase, positions and velocities.
@@ -44,33 +44,29 @@ contains
       real(wp) :: base, idle, bounds(0:2), toward
       integer :: a, k, n, size, left
 
-      start%sine = m%in_phase*s - m%behind*c
-      start%cosine = m%in_phase*c + m%behind*s
-      start%free = x - start%sine
-      start%free_dot = x_dot - m%r*start%cosine
-      start%z = z
-      start%z_dot = z_dot
-      here = start
+      here%sine = m%in_phase*s - m%behind*c
+      here%cosine = m%in_phase*c + m%behind*s
+      here%free = x - here%sine
+      here%free_dot = x_dot - m%r*here%cosine
+      here%z = z
+      here%z_dot = z_dot
+      start = here
       base = 0
       a = 0
       left = side
       bounds = bounds_after(m, here)
       size = first_size(m, here, side, speed, bounds(2))
       do n = 1, cell_budget
-         if (size < 0) exit
          if (a >= nodes) then
             base = base + a*m%h
             a = 0
-            here = moved(m, start, later(m, base), base)
+            here = moment_after(m, start, base)
+            idle = idle_time(m, here, half)
+            if (idle > 0) here = moment_after(m, start, base + idle)
+            base = base + idle
             bounds = bounds_after(m, here)
-            idle = idle_time(here, half, bounds(0))
-            if (idle > 0) then
-               base = base + idle
-               if (base > limit) exit
-               here = moved(m, start, later(m, base), base)
-            end if
          end if
-         if (base + a*m%h > limit) exit
+         if (size < 0 .or. base + a*m%h > limit) exit
          k = 2**size
          if (.not. clear(m, here, half, left, a, size, bounds(1))) then
             toward = direction(m, here, a, size, bounds(2))
@@ -79,7 +75,6 @@ contains
                cycle
             end if
             if (toward*position(m, here, a + 2*k) >= half) then
-               ! the polynomials of `nearby` reach half as far as the largest cell
                if (size == largest) then
                   k = k/2
                   if (toward*position(m, here, a + 2*k) < half) a = a + 2*k
@@ -98,7 +93,7 @@ contains
 
    !> Size of the first cell: the wall just left is not hit again within it; or -1.
    !!
-   !! The gap to that wall is t k(t), and the fourth derivative of k at most 1/5 of the fifth of x.
+   !! The gap to that wall is t k(t), with k'''' at most a fifth of the bound on x'''''.
    pure integer function first_size(m, at, side, speed, bound) result(size)
       type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: at
@@ -119,10 +114,11 @@ contains
       type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: here
       integer, intent(in) :: j
-      type(moment_type) :: at
 
-      at = moved(m, here, m%table(:, j), j*m%h)
-      y = at%z - (at%free + at%sine)
+      associate (f => m%table(:, j))
+         y = (here%z + here%z_dot*(j*m%h)) - ((f(1)*here%free + f(2)*here%free_dot) &
+            + (f(3)*here%sine + f(4)*here%cosine))
+      end associate
    end function position
 
    !> Whether a cell has no contact.
@@ -139,10 +135,7 @@ contains
       x = combined(m%position(:, :, first_cell(size) + ishft(a, -size - 1)), here)
       z = here%z + here%z_dot*(a*m%h)
       step = here%z_dot*(2**(size + 1)*m%h*(1.0_wp/3))
-      x(1) = z - x(1)
-      x(2) = (z + step) - x(2)
-      x(3) = (z + 2*step) - x(3)
-      x(4) = (z + 3*step) - x(4)
+      x = (z + step*[0, 1, 2, 3]) - x
       reserve = half - bound*m%error(size)
       clear = (left > 0 .or. max(x(1), x(2), x(3), x(4)) < reserve) &
          .and. (left < 0 .or. min(x(1), x(2), x(3), x(4)) > -reserve)
@@ -166,6 +159,29 @@ contains
       if (.not. min(v(1), v(2), v(3), v(4)) - error > &
          0.125_wp*(max(v(1), v(2), v(3), v(4)) + error)) direction = 0
    end function direction
+
+   !> Bernstein coefficients of the cubic that a matrix of the tables makes of a moment.
+   pure function combined(matrix, at) result(b)
+      real(wp), intent(in) :: matrix(4, 4)
+      type(moment_type), intent(in) :: at
+      real(wp) :: b(4)
+
+      b = (matrix(:, 1)*at%free + matrix(:, 2)*at%free_dot) &
+         + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
+   end function combined
+
+   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a moment on.
+   !!
+   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
+   !! part by r.
+   pure function bounds_after(m, at) result(bounds)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: at
+      real(wp) :: bounds(0:2)
+
+      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
+      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
+   end function bounds_after
 
    !> The one contact in a cell in which y is monotone.
    pure subroutine pinpoint(m, here, half, toward, centre, w, touch)
@@ -242,39 +258,21 @@ contains
       to%z_dot = from%z_dot
    end function moved
 
-   !> The four functions at a time within half a time scale.
+   !> The four functions at a time within half a time scale: not in all of the largest cells.
    pure function nearby(m, t) result(f)
       type(transition_type), intent(in) :: m
       real(wp), intent(in) :: t
       real(wp) :: f(4)
-      real(wp) :: t2, t4, t8
+      real(wp) :: t2, t4, p(6)
 
       t2 = t*t
       t4 = t2*t2
-      t8 = t4*t4
-      f(1) = even(m%taylor(:, 1)) + t*even(m%taylor(:, 2))
-      f(2) = even(m%taylor(:, 3)) + t*even(m%taylor(:, 4))
-      f(3) = even(m%taylor(:, 5))
-      f(4) = t*even(m%taylor(:, 6))
-   contains
-      !> A polynomial in t^2.
-      pure real(wp) function even(c)
-         real(wp), intent(in) :: c(0:terms - 1)
-
-         even = ((c(0) + c(1)*t2) + t4*(c(2) + c(3)*t2)) &
-            + t8*((c(4) + c(5)*t2) + t4*(c(6) + c(7)*t2))
-      end function even
+      associate (c => m%taylor)
+         p = ((c(:, 0) + c(:, 1)*t2) + t4*(c(:, 2) + c(:, 3)*t2)) &
+            + (t4*t4)*((c(:, 4) + c(:, 5)*t2) + t4*(c(:, 6) + c(:, 7)*t2))
+      end associate
+      f = [p(1) + t*p(2), p(3) + t*p(4), p(5), t*p(6)]
    end function nearby
-
-   !> Bernstein coefficients of the cubic that a matrix of the tables makes of a moment.
-   pure function combined(matrix, at) result(b)
-      real(wp), intent(in) :: matrix(4, 4)
-      type(moment_type), intent(in) :: at
-      real(wp) :: b(4)
-
-      b = (matrix(:, 1)*at%free + matrix(:, 2)*at%free_dot) &
-         + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
-   end function combined
 
    !> y = z - x and its first five derivatives.
    pure function forward(m, at) result(y)
@@ -296,18 +294,5 @@ contains
       y(4) = -(f4 + m%r2*p2)
       y(5) = -(f5 + m%r2*p3)
    end function forward
-
-   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a moment on.
-   !!
-   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
-   !! part by r.
-   pure function bounds_after(m, at) result(bounds)
-      type(transition_type), intent(in) :: m
-      type(moment_type), intent(in) :: at
-      real(wp) :: bounds(0:2)
-
-      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
-      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
-   end function bounds_after
 
 end module vi_march

@@ -2,15 +2,15 @@
 !!
 !! Both are linear in the moment they start from: the free part is u(t) times its position plus v(t)
 !! times its velocity, the forced part turns by cos(r t), sin(r t). These four functions are kept at
-!! nodes, as polynomials around 0, and as cubics in cells between nodes. From cubics and a bound on the
-!! fourth derivative vi_march proves what does not happen in a cell.
+!! nodes, as polynomials around 0, and as cubics in cells between nodes. From the cubics and a bound
+!! on the fourth derivative vi_march proves what does not happen in a cell.
 module vi_transition
    use vi_kinds, only: wp
    use vi_oscillator, only: eta
    implicit none (type, external)
    private
 
-   public :: new_transition, later, idle_time
+   public :: new_transition, moment_after, idle_time
 
    !> Sizes of cells: their half widths are 1, 2, 4 and 8 nodes.
    integer, parameter, public :: largest = 3
@@ -20,16 +20,16 @@ module vi_transition
    integer, parameter :: cells = nodes - nodes/2**(largest + 1)
    integer, parameter, public :: first_cell(0:largest) = nodes - nodes/[1, 2, 4, 8]
    !> Terms of each parity for a step of half a time scale: 0.5^16/16! = 7e-19 is left out.
-   integer, parameter, public :: terms = 8
+   integer, parameter :: terms = 8
 
-   !> Functions are u and v, the free motions with u = 1, u' = 0 and v = 0, v' = 1 at 0, cos(r t) and
-   !! sin(r t).
+   !> Functions are u and v, the free motions with u = 1, u' = 0 and v = 0, v' = 1 at 0, and
+   !! cos(r t), sin(r t).
    type, public :: transition_type
       real(wp) :: xi = 0, r = 1
       !> 2 xi, r^2 and 1/(1 - xi^2).
       real(wp) :: two_xi = 0, r2 = 1, inverse = 1
-      !> The forced part in phase with the load, and the one a quarter of a cycle behind: A cos, A sin
-      !> of its lag.
+      !> The forced part in phase with the load, and that a quarter of a cycle behind: A cos, A sin
+      !> of the lag.
       real(wp) :: in_phase = 0, behind = 0
       !> Amplitudes of the derivatives of the forced part of orders 0, 4 and 5.
       real(wp) :: forced(0:2) = 0
@@ -38,7 +38,7 @@ module vi_transition
       !> The functions at t = j h.
       real(wp) :: table(4, 0:nodes)
       !> Their Taylor coefficients: even and odd ones of u, of v, those of cos, of sin.
-      real(wp) :: taylor(0:terms - 1, 6)
+      real(wp) :: taylor(6, 0:terms - 1)
       !> (Bernstein coefficient, function, cell): cubics near the functions and their derivatives.
       real(wp) :: position(4, 4, 0:cells - 1), velocity(4, 4, 0:cells - 1)
       !> (.., size): the same of (f(t) - f(0) - f'(0) t)/t in a cell at the start.
@@ -85,12 +85,12 @@ contains
          v(n) = -(2*xi*(n - 1)*v(n - 1) + v(n - 2))/(n*(n - 1))
          c(n) = -r**2*c(n - 2)/(n*(n - 1))
       end do
-      m%taylor(:, 1) = u(0::2)
-      m%taylor(:, 2) = u(1::2)
-      m%taylor(:, 3) = v(0::2)
-      m%taylor(:, 4) = v(1::2)
-      m%taylor(:, 5) = c(0::2)
-      m%taylor(:, 6) = c(1::2)
+      m%taylor(1, :) = u(0::2)
+      m%taylor(2, :) = u(1::2)
+      m%taylor(3, :) = v(0::2)
+      m%taylor(4, :) = v(1::2)
+      m%taylor(5, :) = c(0::2)
+      m%taylor(6, :) = c(1::2)
       do n = 0, largest
          call set_cubics(m, n)
       end do
@@ -147,7 +147,7 @@ contains
       !> Values at -place(2), -place(1), place(1), place(2) of [-1, 1].
       real(wp), intent(in) :: f(4, 4), place(2)
       real(wp) :: b(4, 4)
-      real(wp), dimension(4) :: even(4, 0:2), odd(4, 1:3)
+      real(wp) :: even(4, 0:2), odd(4, 3)
 
       even(:, 2) = 0.5_wp*((f(:, 4) + f(:, 1)) - (f(:, 3) + f(:, 2)))/(place(2)**2 - place(1)**2)
       even(:, 0) = 0.5_wp*(f(:, 4) + f(:, 1)) - even(:, 2)*place(2)**2
@@ -171,18 +171,37 @@ contains
       c(:, 4) = f(4)*b(:, 3) + f(3)*b(:, 4)
    end function shifted
 
-   !> How long both walls are out of reach, with a bound on |x|.
-   pure real(wp) function idle_time(at, half, bound) result(time)
+   !> The moment any time t later than another one.
+   pure function moment_after(m, from, t) result(to)
+      type(transition_type), intent(in) :: m
+      type(moment_type), intent(in) :: from
+      real(wp), intent(in) :: t
+      type(moment_type) :: to
+      real(wp) :: f(4)
+
+      f = later(m, min(t, huge(1.0_wp)*epsilon(1.0_wp)))
+      to%free = f(1)*from%free + f(2)*from%free_dot
+      to%free_dot = f(1)*from%free_dot - f(2)*(from%free + m%two_xi*from%free_dot)
+      to%sine = f(3)*from%sine + f(4)*from%cosine
+      to%cosine = f(3)*from%cosine - f(4)*from%sine
+      to%z = from%z + from%z_dot*t
+      to%z_dot = from%z_dot
+   end function moment_after
+
+   !> How long both walls are out of reach.
+   pure real(wp) function idle_time(m, at, half) result(time)
+      type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: at
-      real(wp), intent(in) :: half, bound
+      real(wp), intent(in) :: half
       real(wp) :: reserve, speed
 
       time = 0
-      if (.not. half - bound > abs(at%z)) return
-      reserve = half - bound - sign(1.0_wp, at%z_dot)*at%z
+      reserve = half - m%forced(0) - sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
+      if (.not. reserve > abs(at%z)) return
+      reserve = reserve - sign(1.0_wp, at%z_dot)*at%z
       speed = abs(at%z_dot)
       time = huge(1.0_wp)
-      if (reserve < speed*huge(1.0_wp)*epsilon(1.0_wp)) time = reserve/speed
+      if (reserve < speed*(huge(1.0_wp)*epsilon(1.0_wp))) time = reserve/speed
    end function idle_time
 
 end module vi_transition

@@ -1,13 +1,17 @@
 !> What a simulation is about: the system in motion, its state, and what happens to it.
 module vi_drive
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_contact, only: departure_type
+   use vi_flight, only: flight_type, new_flight
    use vi_kinds, only: wp
+   use vi_oscillation, only: oscillation_type
    use vi_oscillator, only: gain, lag, oscillator_type
+   use vi_rest, only: new_rest
    use vi_transition, only: new_transition, transition_type
    implicit none (type, external)
    private
 
-   public :: new_drive, state_time, on_wall
+   public :: new_drive, initial_state, state_time, flight_from, rest_from, departure_from, on_wall
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
@@ -68,6 +72,70 @@ contains
 
       time = (two_pi*real(cycle, wp) + phase)/r
    end function state_time
+
+   !> A state from t, x, x', z, z'; on a wall it may depart, rest, or be about to collide.
+   pure function initial_state(drive, start) result(state)
+      type(drive_type), intent(in) :: drive
+      real(wp), intent(in) :: start(5)
+      type(state_type) :: state
+      real(wp) :: y, half, pull, phase
+
+      ! the whole cycles follow from the rounded phase, so that both agree at a whole number of them
+      phase = drive%r*start(1)
+      state%phase = modulo(phase, two_pi)
+      if (.not. state%phase < two_pi) state%phase = 0
+      state%cycle = nint((phase - state%phase)/two_pi, int64)
+      state%x = start(2)
+      state%x_dot = start(3)
+      state%z = start(4)
+      state%z_dot = start(5)
+      y = state%z - state%x
+      half = 0.5_wp*drive%clearance
+      if (.not. on_wall(y, half)) return
+      state%side = merge(1, -1, y > 0)
+      state%speed = state%side*(state%x_dot - state%z_dot)
+      pull = state%side*(drive%load*sin(state%phase) - 2*drive%osc%xi*state%x_dot - state%x)
+      if (state%speed < 0) then                                      ! collides at once
+         state%side = 0
+         state%speed = 0
+      else if (.not. state%speed > 0 .and. pull <= 0) then
+         state%resting = .true.
+      end if
+   end function initial_state
+
+   !> How the flight from a state begins; one given from outside may collide at once.
+   pure function departure_from(state, half) result(departure)
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: half
+      type(departure_type) :: departure
+      real(wp) :: approach
+
+      departure = departure_type(state%side, state%speed, state%released)
+      if (state%side /= 0 .or. .not. on_wall(state%z - state%x, half)) return
+      approach = sign(1.0_wp, state%z - state%x)*(state%z_dot - state%x_dot)
+      if (approach > 0) departure = departure_type(merge(1, -1, state%z > state%x), -approach)
+   end function departure_from
+
+   !> The flight that begins at a state.
+   pure function flight_from(drive, state, duration) result(flight)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      real(wp), intent(in) :: duration
+      type(flight_type) :: flight
+
+      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, state%phase - drive%lag, &
+         state%x, state%x_dot, state%z, state%z_dot, duration)
+   end function flight_from
+
+   !> The joint oscillation of both masses from a state.
+   pure function rest_from(drive, state) result(rest)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      type(oscillation_type) :: rest
+
+      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, &
+         state%x_dot)
+   end function rest_from
 
    !> Whether the relative position of a state given from outside is that of a wall.
    elemental logical function on_wall(y, half)

@@ -1,15 +1,15 @@
 !> Event by event simulation in closed form: no impact is missed, accumulations are completed.
 module vi_simulate
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_contact, only: contact_type, departure_type, first_contact
-   use vi_drive, only: drive_type, event_type, impact_event, new_drive, on_wall, release_event, &
-      state_time, state_type, stick_event, two_pi
-   use vi_flight, only: flight_type, new_flight
+   use vi_contact, only: contact_type, first_contact
+   use vi_drive, only: departure_from, drive_type, event_type, flight_from, impact_event, &
+      new_drive, release_event, rest_from, state_time, state_type, stick_event, two_pi
+   use vi_hop, only: hop
    use vi_kinds, only: wp
    use vi_march, only: march, touch_type
-   use vi_oscillation, only: derivatives, oscillation_type
+   use vi_oscillation, only: derivatives
    use vi_oscillator, only: left, oscillator_type, right
-   use vi_rest, only: new_rest, release_time
+   use vi_rest, only: release_time
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -82,6 +82,7 @@ contains
       logical, intent(out) :: found
       integer, intent(inout) :: status
       real(wp) :: s, c
+      logical :: over
 
       if (state%resting) then
          call rest_on(drive, state, remaining, event, found, status)
@@ -90,9 +91,11 @@ contains
       s = sin(state%phase)
       c = cos(state%phase)
       found = .false.
-      if (state%side /= 0 .and. .not. state%released) &
-         call accumulate(drive, state, s, c, remaining, event, found)
-      if (.not. found) call fly_on(drive, state, s, c, remaining, event, found, status)
+      over = .false.
+      if (state%side /= 0 .and. .not. state%released) then
+         call accumulate(drive, state, s, c, remaining, event, found, over)
+      end if
+      if (.not. (found .or. over)) call fly_on(drive, state, s, c, remaining, event, found, status)
    end subroutine go_on
 
    !> Flies to the next impact and through it, as far as possible by marching.
@@ -106,15 +109,22 @@ contains
       logical, intent(out) :: found
       integer, intent(inout) :: status
       type(touch_type) :: touch
-      real(wp) :: half, approach
+      real(wp) :: half, time, approach
 
       found = .false.
       half = 0.5_wp*drive%clearance
       if (state%side /= 0 .and. state%speed > 0) then
-         call march(drive%transition, s, c, state%x, state%x_dot, state%z, state%z_dot, half, &
-            state%side, state%speed, remaining, touch)
+         call hop(drive%transition, drive%load, s, c, state%x, state%x_dot, state%side, &
+            state%speed, drive%clearance, time, approach)
+         if (time > 0) then
+            touch = touch_type(state%side, time, state%x + state%z_dot*time, &
+               state%z_dot - state%side*approach)
+         else
+            call march(drive%transition, s, c, state%x, state%x_dot, state%z, state%z_dot, half, &
+               state%side, state%speed, remaining, touch)
+            approach = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
+         end if
          if (touch%time > remaining) return
-         approach = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
       end if
       if (touch%side == 0) call search(drive, state, half, remaining, touch, approach, status)
       if (touch%side == 0) return
@@ -143,30 +153,6 @@ contains
       touch = touch_type(contact%side, contact%time, contact%d(0), contact%d(1))
       approach = contact%speed
    end subroutine search
-
-   !> How the flight from a state begins; one given from outside may be on a wall and collide at once.
-   pure function departure_from(state, half) result(departure)
-      type(state_type), intent(in) :: state
-      real(wp), intent(in) :: half
-      type(departure_type) :: departure
-      real(wp) :: approach
-
-      departure = departure_type(state%side, state%speed, state%released)
-      if (state%side /= 0 .or. .not. on_wall(state%z - state%x, half)) return
-      approach = sign(1.0_wp, state%z - state%x)*(state%z_dot - state%x_dot)
-      if (approach > 0) departure = departure_type(merge(1, -1, state%z > state%x), -approach)
-   end function departure_from
-
-   !> The flight that begins at a state.
-   pure function flight_from(drive, state, duration) result(flight)
-      type(drive_type), intent(in) :: drive
-      type(state_type), intent(in) :: state
-      real(wp), intent(in) :: duration
-      type(flight_type) :: flight
-
-      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, state%phase - drive%lag, &
-         state%x, state%x_dot, state%z, state%z_dot, duration)
-   end function flight_from
 
    !> Velocities through an impact, from the momentum and the reversed approach speed: (11), (12).
    !!
@@ -199,15 +185,16 @@ contains
    !! take T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next
    !! order is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
    !! that has to be below 1e-16.
-   pure subroutine accumulate(drive, state, s, c, remaining, event, found)
+   pure subroutine accumulate(drive, state, s, c, remaining, event, found, over)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
       !> Sine and cosine of the load phase.
       real(wp), intent(in) :: s, c
-      !> Time to the end; an accumulation that would go on beyond it is not completed.
+      !> Time to the end.
       real(wp), intent(in) :: remaining
       type(event_type), intent(inout) :: event
-      logical, intent(inout) :: found
+      !> Completed; or it would be after the end, and until then the gap stays below 1e-12 x''.
+      logical, intent(inout) :: found, over
       real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
       real(wp) :: x_ddot, closing, jerk, lost, duration, velocity
 
@@ -221,8 +208,9 @@ contains
             if (.not. 2*state%speed <= longest*lost) return
             duration = 2*state%speed/lost
             jerk = abs(drive%load*drive%r*c) + 2*osc%xi*abs(x_ddot) + abs(state%x_dot)
-            if (duration > min(longest, remaining)) return
             if (jerk*duration**2 > time_error*closing) return
+            over = duration > remaining
+            if (over) return
          end if
          velocity = (state%x_dot + osc%mu*state%z_dot)/(1 + osc%mu)
          state%x = state%x + (velocity + 0.5_wp*x_ddot/(1 + osc%mu)*duration)*duration
@@ -260,16 +248,6 @@ contains
       event = event_type(release_event, state%side, state%cycle, state%phase, state%x, &
          state%x_dot, state%x_dot, state%z_dot, state%z_dot)
    end subroutine rest_on
-
-   !> The joint oscillation of both masses from a state.
-   pure function rest_from(drive, state) result(rest)
-      type(drive_type), intent(in) :: drive
-      type(state_type), intent(in) :: state
-      type(oscillation_type) :: rest
-
-      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, &
-         state%x_dot)
-   end function rest_from
 
    !> Moves both masses on for a time in which nothing happens.
    pure subroutine move_on(drive, time, state)

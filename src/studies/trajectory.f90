@@ -1,7 +1,7 @@
 !> Simulations as plain arrays: states, events, and the time history between them.
 module vi_trajectory
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_drive, only: on_wall
+   use vi_drive, only: initial_state, two_pi
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_type, new_flight
    use vi_kinds, only: wp
@@ -16,12 +16,12 @@ module vi_trajectory
    public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, &
       pack_state, unpack_state, initial_state, later
 
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
-
 contains
 
-   !> `simulate` between arrays, events straight to the records of a table of 11 words each: time, 4
-   !! words of `names`, phase, x, x' before and after, z' before and after.
+   !> `simulate` between arrays.
+   !!
+   !! A column of `table` is the record of an event: time, four words of `names`, phase, x, x'
+   !! before and after, z' before and after.
    pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, names, table, n, &
       final_state, final_contact, status)
       type(drive_type), intent(in) :: drive
@@ -29,7 +29,7 @@ contains
       real(wp), intent(inout) :: state(:)
       integer, intent(inout) :: contact(:)
       real(wp), intent(in) :: last_cycle, last_phase
-      !> (4, right and left, kind): what stands in the records for them; copied, never computed with.
+      !> (4, right and left, kind): what the records have for them; copied, not computed with.
       real(wp), intent(in) :: names(4, 2, 3)
       real(wp), intent(inout), contiguous :: table(:, :)
       integer, intent(out) :: n
@@ -128,36 +128,6 @@ contains
       cycle = cycle + 1
       phase = max(0.0_wp, phase - two_pi)
    end subroutine later
-
-   !> A state from t, x, x', z, z'; on a wall it may depart, rest, or be about to collide.
-   pure function initial_state(drive, start) result(state)
-      type(drive_type), intent(in) :: drive
-      real(wp), intent(in) :: start(5)
-      type(state_type) :: state
-      real(wp) :: y, half, pull, phase
-
-      ! the whole cycles follow from the rounded phase, so that both agree at a whole number of them
-      phase = drive%r*start(1)
-      state%phase = modulo(phase, two_pi)
-      if (.not. state%phase < two_pi) state%phase = 0
-      state%cycle = nint((phase - state%phase)/two_pi, int64)
-      state%x = start(2)
-      state%x_dot = start(3)
-      state%z = start(4)
-      state%z_dot = start(5)
-      y = state%z - state%x
-      half = 0.5_wp*drive%clearance
-      if (.not. on_wall(y, half)) return
-      state%side = merge(1, -1, y > 0)
-      state%speed = state%side*(state%x_dot - state%z_dot)
-      pull = state%side*(drive%load*sin(state%phase) - 2*drive%osc%xi*state%x_dot - state%x)
-      if (state%speed < 0) then                                      ! collides at once
-         state%side = 0
-         state%speed = 0
-      else if (.not. state%speed > 0 .and. pull <= 0) then
-         state%resting = .true.
-      end if
-   end function initial_state
 
    !> Events as columns of `values` and `labels`.
    pure subroutine store_events(events, r, values, labels)

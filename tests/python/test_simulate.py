@@ -183,6 +183,28 @@ def test_contact_at_the_start(side, speed):
     assert not events.size or events["time"][0] > 0.3 + 1e-10
 
 
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("speed", [1e-9, 1e-12, 1e-15])
+def test_slow_approach_on_a_wall_that_recedes(side, speed):
+    """On the wall it is an impact at once, however slow, though the gap opens in the next moment."""
+    osc = vi.Oscillator(0.05, 0.1, 0.7)
+    first = state(x=side * -0.5, z=side * 2.5, z_dot=side * speed)
+    hit = vi.simulate(osc, 0.9, 6.0, 0.01, first, load=3.0).events[0]
+    assert (hit["kind"], hit["time"]) == ("impact", 0.0)
+    assert hit["side"] == ("R" if side > 0 else "L")
+    approach = side * (hit["z_dot_before"] - hit["x_dot_before"])
+    assert approach == pytest.approx(speed, abs=4 * EPS)
+
+
+def test_idle_flight_ends_where_it_must():
+    """Millions of time units after all oscillation has died away the mass arrives."""
+    osc = vi.Oscillator(0.05, 0.1, 0.7)
+    for z_dot in (1e-6, -1e-6):
+        run = vi.simulate(osc, 0.9, 6.0, 8e5, state(x=0.5, z_dot=z_dot), load=0.0, max_events=1)
+        assert run.events["side"].tolist() == ["R" if z_dot > 0 else "L"]
+        assert run.events["time"][0] == pytest.approx(3e6, rel=1e-14)
+
+
 @pytest.mark.parametrize(("clearance", "speed"), [(1e-9, 1.0), (1.0, 1e9)])
 def test_both_walls_within_1e_9(clearance, speed):
     """Impacts on both walls a billionth of a time unit apart are found one by one."""
@@ -526,12 +548,34 @@ def test_event_budget(budget):
     assert whole.complete
     assert "max_events" in repr(cut)
     assert "max_events" not in repr(whole)
-    assert budget <= cut.events.size <= budget + 1
+    assert cut.events.size == budget
     assert cut.final_state["t"] == cut.events["time"][-1]
     assert np.array_equal(cut.events, whole.events[: cut.events.size])
     more = vi.simulate(RIG, 0.9, 6.0, 20, state=cut.final_state)
     left = whole.events[cut.events.size :]
     assert np.array_equal(more.events[: left.size], left)
+
+
+def test_event_budget_that_is_just_enough():
+    """As many events as allowed, and none after them: the run is complete."""
+    whole = vi.simulate(RIG, 0.9, 6.0, 20)
+    exact = vi.simulate(RIG, 0.9, 6.0, 20, max_events=whole.events.size)
+    assert exact.complete
+    assert np.array_equal(exact.events, whole.events)
+    assert exact.final_state == whole.final_state
+    assert not vi.simulate(RIG, 0.9, 6.0, 20, max_events=whole.events.size - 1).complete
+
+
+@pytest.mark.parametrize(("name", "size"), [("CHUNK", 5), ("CHUNK", 64), ("SPAN", 1), ("SPAN", 3)])
+def test_calls_of_bounded_work_are_one_run(monkeypatch, name, size):
+    """Where a long run is cut into calls of the core does not change one bit of it."""
+    whole = vi.simulate(RIG, 0.9, 6.0, 20.3)
+    monkeypatch.setattr(f"vibroimpact.trajectory.{name}", size)
+    for budget in (10**6, whole.events.size, whole.events.size - 1):
+        cut = vi.simulate(RIG, 0.9, 6.0, 20.3, max_events=budget)
+        assert np.array_equal(cut.events, whole.events[:budget])
+        assert cut.complete == (budget >= whole.events.size)
+    assert vi.simulate(RIG, 0.9, 6.0, 20.3).final_state == whole.final_state
 
 
 def test_event_budget_with_discard():
@@ -550,6 +594,8 @@ def test_a_run_may_end_anywhere_in_an_accumulation():
         assert part.events["time"][-1] <= part.final_state["t"]
         assert part.final_state["t"] == pytest.approx(stick - before, abs=1e-12)
         on = vi.simulate(RIG, 0.9, 6.0, 1, state=part.final_state)
+        both = np.concatenate([part.events, on.events])
+        assert np.array_equal(both[: run.events.size], run.events[: both.size])
         again = on.events["time"][on.events["kind"] == "stick"]
         again = np.append(part.events["time"][part.events["kind"] == "stick"], again)
         assert again[0] == pytest.approx(stick, abs=1e-9)

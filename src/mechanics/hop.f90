@@ -1,0 +1,96 @@
+!> A short hop from a wall back to it, as impacts accumulate.
+!!
+!! The gap to the wall is g(t) = t k(t), k being a Taylor series that begins with the departure
+!! speed, so that ever shorter hops keep their relative accuracy.
+module vi_hop
+   use vi_kinds, only: wp
+   use vi_transition, only: transition_type
+   implicit none (type, external)
+   private
+
+   public :: hop
+
+   !> Terms of the series, and the time (over the shortest time scale) it is used for: the terms
+   !! left out are below 0.1^10/10! = 3e-17 of the amplitude.
+   integer, parameter :: terms = 9
+   real(wp), parameter :: longest = 0.1_wp
+
+contains
+
+   !> The next contact, if the flight is surely such a hop; otherwise a time of 0.
+   pure subroutine hop(m, load, s, c, x, x_dot, side, speed, clearance, time, approach)
+      type(transition_type), intent(in) :: m
+      !> Load amplitude, sine and cosine of its phase.
+      real(wp), intent(in) :: load, s, c
+      real(wp), intent(in) :: x, x_dot
+      !> The wall, and the departure speed > 0.
+      integer, intent(in) :: side
+      real(wp), intent(in) :: speed
+      real(wp), intent(in) :: clearance
+      real(wp), intent(out) :: time, approach
+      real(wp) :: k(0:terms - 1), t, end, step, value, slope
+      integer :: i, n
+
+      time = 0
+      approach = 0
+      ! a gap that closes with constant acceleration is closed after -k(0)/k(1)
+      value = -0.5_wp*side*(load*s - m%two_xi*x_dot - x)
+      if (.not. longest*value > 1.5_wp*speed*max(1.0_wp, m%r)) return
+      t = speed/value
+      end = 1.5_wp*t
+      k = series(m, load, s, c, x, x_dot, side, speed)
+      if (.not. falls(m, k, end, s, c, x, x_dot) .or. end*speed >= clearance) return
+      do i = 1, 20
+         value = 0
+         slope = 0
+         do n = terms - 1, 0, -1
+            slope = slope*t + value
+            value = value*t + k(n)
+         end do
+         step = -value/slope
+         t = min(max(t + step, 0.0_wp), end)
+         if (abs(step) <= 2*epsilon(1.0_wp)*t) exit
+      end do
+      if (i > 20) return
+      time = t
+      approach = max(0.0_wp, -t*slope)
+   end subroutine hop
+
+   !> The coefficients of k, from the equation of motion.
+   pure function series(m, load, s, c, x, x_dot, side, speed) result(k)
+      type(transition_type), intent(in) :: m
+      real(wp), intent(in) :: load, s, c, x, x_dot, speed
+      integer, intent(in) :: side
+      real(wp) :: k(0:terms - 1)
+      real(wp) :: d(0:terms), push(0:terms), factorial
+      integer :: n
+
+      d(0:1) = [x, x_dot]
+      push(0:1) = load*[s, m%r*c]
+      k(0) = speed
+      factorial = side
+      do n = 2, terms
+         push(n) = -m%r2*push(n - 2)
+         d(n) = push(n - 2) - m%two_xi*d(n - 1) - d(n - 2)
+         factorial = factorial*n
+         k(n - 1) = d(n)/factorial
+      end do
+   end function series
+
+   !> Whether k surely falls all the time until an end, and through zero.
+   !!
+   !! |k''''| is at most a fifth of a bound on the fifth derivative of x.
+   pure logical function falls(m, k, end, s, c, x, x_dot)
+      type(transition_type), intent(in) :: m
+      real(wp), intent(in) :: k(0:), end, s, c, x, x_dot
+      real(wp) :: free, free_dot, bound, steepest
+
+      free = x - (m%in_phase*s - m%behind*c)
+      free_dot = x_dot - m%r*(m%in_phase*c + m%behind*s)
+      bound = 0.2_wp*(sqrt(free**2 + m%inverse*(free_dot + m%xi*free)**2) + m%forced(2))
+      steepest = max(k(1), k(1) + end*k(2), k(1) + end*(2*k(2) + 3*end*k(3)))
+      falls = steepest + bound*end**3/6 < 0 .and. &
+         k(0) + end*(k(1) + end*(k(2) + end*k(3))) + bound*end**4/24 < 0
+   end function falls
+
+end module vi_hop
