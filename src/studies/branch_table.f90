@@ -151,6 +151,7 @@ contains
          curve%tied = request%tied
          curve%origin = [low]
          curve%scale = [high - low]
+         curve%frame%apart = 1.0e-5_wp
          allocate (curve%frame%edges(2))
          curve%frame%edges(1) = condition_type(edge, p, 1, bound=low)
          curve%frame%edges(2) = condition_type(edge, p, -1, bound=high)

@@ -6,7 +6,7 @@ module vi_conditions
    use vi_extrema, only: relative_extrema
    use vi_family, only: kinship
    use vi_flight, only: flight_position, flight_type, new_flight
-   use vi_frame, only: apart, condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
+   use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
       neimark_sacker, repetition, rest_vanishes, zero_approach
    use vi_kinds, only: wp
    use vi_orbit, only: orbit_type, period_map, set_orbit
@@ -87,7 +87,7 @@ contains
          case (zero_approach)
             value = o%side(i)*(o%speed(i - 1) - o%before(i))
          case (repetition)
-            value = kinship(frame%family, frame%repetitions(i), unknowns) - apart
+            value = kinship(frame%family, frame%repetitions(i), unknowns) - condition%bound
          case (rest_vanishes)
             value = departure(o, i)
          case default
@@ -128,7 +128,7 @@ contains
       values(fold) = (1 - e(1) + e(2) - e(3) + e(4))*speeds
       values(flip) = (1 + e(1) + e(2) + e(3) + e(4))*speeds
       do i = 1, size(frame%repetitions)
-         values(fold) = values(fold)/max(0.1_wp*apart, &
+         values(fold) = values(fold)/max(0.1_wp*frame%apart, &
             kinship(frame%family, frame%repetitions(i), unknowns))**2
       end do
       values(neimark_sacker) = resolvent(e)

@@ -13,16 +13,13 @@ module vi_frame
    integer, parameter, public :: fold = 1, flip = 2, neimark_sacker = 3, zero_approach = 4, &
       grazing = 5, repetition = 6, edge = 7, rest_vanishes = 8
 
-   !> Distance in (u, theta) at which a motion counts as one that repeats itself.
-   real(wp), parameter, public :: apart = 1.0e-4_wp
-
    !> One condition. `index` is the impact, the flight, the repetition or the parameter.
    type, public :: condition_type
       integer :: kind = 0, index = 0
       !> Grazing: the wall and the share of the flight's duration; edge: +1 below, -1 above.
       integer :: side = 0
       real(wp) :: share = 0
-      !> Edge: the bound on the parameter.
+      !> Edge: the bound on the parameter; repetition: the distance that counts as none.
       real(wp) :: bound = 0
    end type condition_type
 
@@ -32,6 +29,9 @@ module vi_frame
       type(repetition_type), allocatable :: repetitions(:)
       !> Bounds on parameters.
       type(condition_type), allocatable :: edges(:)
+      !> Distance in (u, theta) at which a motion counts as one that repeats itself. The parameters
+      !! there differ from those of the bifurcation by its square.
+      real(wp) :: apart = 1.0e-3_wp
       !> Motions with rest: another family, with unknowns of its own.
       logical :: resting = .false.
       type(rest_family_type) :: rest
@@ -96,7 +96,8 @@ contains
       else if (j <= 3 + 2*n) then
          condition = condition_type(grazing, j - 3 - n)
       else if (j <= 3 + 2*n + m) then
-         condition = condition_type(merge(rest_vanishes, repetition, frame%resting), j - 3 - 2*n)
+         condition = condition_type(merge(rest_vanishes, repetition, frame%resting), j - 3 - 2*n, &
+            bound=frame%apart)
       else
          condition = frame%edges(j - 3 - 2*n - m)
       end if

@@ -4,7 +4,8 @@
 !! conditions are positive. Its boundary is followed along the one condition that is zero; where
 !! another one gets zero there is a corner, and the boundary goes on along that one.
 module vi_loop
-   use vi_curve, only: curve_type, tangent_at
+   use vi_conditions, only: condition_value
+   use vi_curve, only: condition_slope, correct, curve_type, parameters_of, tangent_at, unknowns_of
    use vi_frame, only: condition_type, grazing, wrap_phases
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
@@ -207,27 +208,37 @@ contains
       type(place_type), intent(inout) :: now
       logical, intent(out) :: good
       type(condition_type) :: old
-      real(wp) :: along(size(corner%point))
+      real(wp) :: along(size(corner%point)), unused
 
       old = active
       active = corner%conditions(which)
-      call rising(curve, old, corner%point, along)
+      call condition_slope(curve, old, corner%point, unused, along)
+      along = along/norm2(along)
       call begin_walk(curve, [active], corner%point, along, max(1.0e-4_wp, 0.1_wp*corner%step), &
          now, good)
+      if (good) now%tangent = uphill(curve, active, old, now)*now%tangent
    end subroutine turn
 
-   !> The direction in which a condition grows.
-   pure subroutine rising(curve, condition, point, along)
-      use vi_curve, only: condition_slope
+   !> +1 if a condition grows along the tangent, -1 if it falls: from two points of the curve, since
+   !! a gradient across the curve can be so much greater that its part along it drowns in rounding.
+   pure real(wp) function uphill(curve, active, rising, place)
       type(curve_type), intent(in) :: curve
-      type(condition_type), intent(in) :: condition
-      real(wp), intent(in) :: point(:)
-      real(wp), intent(out) :: along(:)
-      real(wp) :: unused
+      type(condition_type), intent(in) :: active, rising
+      type(place_type), intent(in) :: place
+      real(wp), parameter :: h = 1.0e-5_wp
+      real(wp) :: point(size(place%point)), values(2)
+      integer :: i, iterations
 
-      call condition_slope(curve, condition, point, unused, along)
-      along = along/norm2(along)
-   end subroutine rising
+      uphill = 1
+      do i = 1, 2
+         point = place%point + (3 - 2*i)*h*place%tangent
+         call correct(curve, [active], point, iterations, place%tangent)
+         if (iterations == 0) return
+         values(i) = condition_value(curve%frame, unknowns_of(curve, point), &
+            parameters_of(curve, point), rising)
+      end do
+      if (values(2) > values(1)) uphill = -1
+   end function uphill
 
    !> Keeps up with the moment of a touch.
    pure subroutine refresh(place, active)

@@ -3,7 +3,7 @@ module vi_steps
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type, parameters_of, point_size, tangent_at, unknowns_of
    use vi_family, only: image_of
-   use vi_frame, only: apart, condition_count, condition_type, grazing, repetition, &
+   use vi_frame, only: condition_count, condition_type, grazing, repetition, &
       rest_vanishes
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -21,7 +21,7 @@ module vi_steps
 
    !> How far and how sharply turning steps may be.
    type, public :: stride_type
-      real(wp) :: longest = 0.05_wp, shortest = 1.0e-7_wp, turn = 0.2_wp
+      real(wp) :: longest = 0.05_wp, shortest = 1.0e-6_wp, turn = 0.2_wp, leap = 2.0e-4_wp
    end type stride_type
 
 contains
@@ -65,7 +65,9 @@ contains
       logical, intent(out) :: good
       real(wp) :: step, turn
       integer :: iterations
+      logical :: leaps
 
+      leaps = .false.
       step = min(from%step, stride%longest)
       turn = 0
       good = .false.
@@ -83,12 +85,17 @@ contains
             call tangent_at(curve, conditions, to%point, from%tangent, to%tangent, good)
             if (good) then
                turn = turn_of(from%tangent, to%tangent, size(curve%active))
-               good = turn < stride%turn .or. step <= 64*stride%shortest
+               good = turn < merge(0.5_wp, stride%turn, leaps)
             end if
          end if
          if (good) exit
+         if (leaps) return
          step = 0.5_wp*step
-         if (step < stride%shortest) return
+         if (step < stride%shortest) then
+            ! where curves cross, no step is short enough, but a longer one passes
+            leaps = .true.
+            step = stride%leap
+         end if
       end do
       to%came = step
       to%step = step
@@ -114,7 +121,7 @@ contains
             b = unknowns_of(curve, to%point)
             b = image_of(family, way, b) - b
          end associate
-         if (dot_product(a, b) < 0) to%values(j) = -to%values(j) - 2*apart
+         if (dot_product(a, b) < 0) to%values(j) = -to%values(j) - 2*to%conditions(j)%bound
       end do
    end subroutine mark_passage
 

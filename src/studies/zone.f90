@@ -5,7 +5,7 @@
 module vi_zone
    use vi_curve, only: correct, curve_type, parameters_of
    use vi_family, only: image_of, kinship, new_family
-   use vi_frame, only: apart, condition_type, edge, frame_type, wrap_phases
+   use vi_frame, only: condition_type, edge, frame_type, wrap_phases
    use vi_kinds, only: wp
    use vi_loop, only: loop_type, trace_loop
    use vi_net, only: add_seed, border_type, cover, net_type, new_net
@@ -188,7 +188,7 @@ contains
       end do
       associate (frame => net%sheet%frame)
          do part = 1, size(frame%repetitions)
-            if (kinship(frame%family, frame%repetitions(part), point(:n)) < 10*apart) return
+            if (kinship(frame%family, frame%repetitions(part), point(:n)) < 10*frame%apart) return
          end do
       end associate
       call add_seed(net, place(1), place(2), point(:n), node)
