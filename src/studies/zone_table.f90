@@ -1,9 +1,10 @@
 !> Zones as plain arrays: the vertices of all loops, one after the other.
 module vi_zone_table
+   use vi_curve, only: correct, curve_type
    use vi_family, only: whole_unknowns
-   use vi_frame, only: frame_type, wrap_phases
+   use vi_frame, only: condition_type, edge, frame_type, repetition, wrap_phases
    use vi_kinds, only: wp
-   use vi_loop, only: loop_type
+   use vi_loop, only: begins, ends, loop_type
    use vi_status, only: stat
    use vi_zone, only: find_zone, zone_request_type, zone_type
    implicit none (type, external)
@@ -38,7 +39,7 @@ contains
       !> `stat%more_events` if there was no room for all.
       integer, intent(out) :: status
       type(zone_type) :: zone
-      integer :: i, j, m
+      integer :: i
 
       vertices = 0
       unknowns = 0
@@ -61,24 +62,69 @@ contains
             loops(:, n_loops) = [loop%n, merge(1, 0, loop%closed)]
             inside(:, n_loops) = sheet%origin + sheet%scale*zone%inside(:, i)
             inside(2, n_loops) = exp(inside(2, n_loops))
-            m = size(loop%points, 1) - 2
-            do j = 1, loop%n
-               n = n + 1
-               vertices(:2, n) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
-               vertices(2, n) = exp(vertices(2, n))
-               vertices(3:4, n) = sheet%scale*loop%tangents(m + 1:, j)
-               vertices(5, n) = arc(sheet%frame, loop, j)
-               if (sheet%frame%resting) then
-                  unknowns(:m, n) = loop%points(:m, j)
-               else
-                  unknowns(:, n) = whole_unknowns(sheet%frame%family, loop%points(:m, j))
-               end if
-               labels(:, n) = [loop%conditions(j)%kind, loop%conditions(j)%index, &
-                  loop%conditions(j)%side, loop%corner(j)]
-            end do
+            call settle(sheet, loop)
+            call write_loop(sheet, loop, vertices(:, n + 1:n + loop%n), &
+               unknowns(:, n + 1:n + loop%n), labels(:, n + 1:n + loop%n))
+            n = n + loop%n
          end associate
       end do
    end subroutine zone_arrays
+
+   pure subroutine write_loop(sheet, loop, vertices, unknowns, labels)
+      type(curve_type), intent(in) :: sheet
+      type(loop_type), intent(in) :: loop
+      real(wp), intent(inout) :: vertices(:, :), unknowns(:, :)
+      integer, intent(inout) :: labels(:, :)
+      integer :: j, m
+
+      m = size(loop%points, 1) - 2
+      do j = 1, loop%n
+         vertices(:2, j) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
+         vertices(2, j) = exp(vertices(2, j))
+         vertices(3:4, j) = sheet%scale*loop%tangents(m + 1:, j)
+         vertices(5, j) = arc(sheet%frame, loop, j)
+         if (sheet%frame%resting) then
+            unknowns(:m, j) = loop%points(:m, j)
+         else
+            unknowns(:, j) = whole_unknowns(sheet%frame%family, loop%points(:m, j))
+         end if
+         labels(:, j) = [loop%conditions(j)%kind, loop%conditions(j)%index, &
+            loop%conditions(j)%side, loop%corner(j)]
+      end do
+   end subroutine write_loop
+
+   !> Moves the vertices that are a distance from a motion that repeats itself onto that motion.
+   !!
+   !! The parameters go with the square of the distance, so those at the distance and at half of it
+   !! tell where they lead.
+   pure subroutine settle(sheet, loop)
+      type(curve_type), intent(in) :: sheet
+      type(loop_type), intent(inout) :: loop
+      type(condition_type) :: half
+      real(wp) :: near(size(loop%points, 1))
+      integer :: j, twin, m, iterations
+
+      m = size(near) - 2
+      do j = 1, loop%n
+         half = loop%conditions(j)
+         if (half%kind /= repetition) cycle
+         half%bound = 0.5_wp*half%bound
+         near = loop%points(:, j)
+         twin = j
+         if (loop%corner(j) == ends) twin = modulo(j, loop%n) + 1
+         if (loop%corner(j) == begins) twin = modulo(j - 2, loop%n) + 1
+         if (loop%conditions(twin)%kind == edge) then
+            call correct(sheet, [half, loop%conditions(twin)], near, iterations)
+         else
+            call correct(sheet, [half], near, iterations, loop%tangents(:, j))
+         end if
+         if (iterations == 0) cycle
+         near(:m) = 2*near(:m) - loop%points(:m, j)
+         near(m + 1:) = (4*near(m + 1:) - loop%points(m + 1:, j))/3
+         loop%points(:, j) = near
+         loop%points(:, twin) = near
+      end do
+   end subroutine settle
 
    !> Length of a loop from a vertex to the next, to fourth order.
    pure real(wp) function arc(frame, loop, j) result(length)

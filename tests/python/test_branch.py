@@ -1,0 +1,337 @@
+"""Branches: laws along them, special points against independent routes, and bad input."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from scipy.optimize import brentq
+
+TABLE1 = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+FIGURE6 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+FIGURE8 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+
+
+def pair_motion(osc=TABLE1, r=0.94, clearance=37.0):
+    return vi.exact(osc, r, clearance, ([0, 1.37 * math.pi], vi.Pattern("RL")))
+
+
+def triple_motion():
+    motions = vi.find(FIGURE8, 0.95, 6.0, max_impacts=3, max_cycles=1, states=0)
+    return next(m for m in motions if m.pattern.sides == "RRL")
+
+
+def product_of_restitution(branch):
+    walls = np.where(branch.pattern.signs[:, None] > 0, branch.R1, branch.R2)
+    return np.prod(walls**2, axis=0)
+
+
+BRANCHES = [
+    (pair_motion, "clearance", (10, 60)),
+    (pair_motion, "r", (0.85, 0.99)),
+    (pair_motion, "mu", (0.01, 0.2)),
+    (pair_motion, "xi", (0.001, 0.1)),
+    (pair_motion, "restitution", (0.4, 0.9)),
+    (pair_motion, "R1", (0.6, 0.9)),
+    (lambda: vi.equispaced(FIGURE6, 1.04, 25.0)[0], "clearance", (3, 60)),
+    (lambda: vi.equispaced(FIGURE6, 1.04, 25.0)[1], "r", (0.9, 1.2)),
+    (triple_motion, "clearance", (1, 40)),
+]
+
+
+@pytest.fixture(scope="module", params=range(len(BRANCHES)), ids=lambda i: f"{i}-{BRANCHES[i][1]}")
+def path(request):
+    make, parameter, bounds = BRANCHES[request.param]
+    motion = make()
+    return motion, vi.branch(motion, parameter, bounds)
+
+
+def test_determinant_along_the_branch(path):
+    """det[P] = exp(-4 pi xi k/r) prod R_i^2."""
+    _, branch = path
+    wanted = np.exp(-4 * np.pi * branch.xi * branch.pattern.cycles / branch.r)
+    wanted = wanted * product_of_restitution(branch)
+    product = np.prod(branch.multipliers, axis=0)
+    # a multiplier of 1e6 beside one of 1e-6 leaves this much of their product
+    largest = np.abs(branch.multipliers).max(axis=0)
+    assert np.all(np.abs(product - wanted) < 1e-11 * wanted * (1 + largest**2))
+
+
+def test_residual_along_the_branch(path):
+    assert path[1].residual.max() <= 1e-12
+
+
+def test_start_lies_on_the_branch(path):
+    motion, branch = path
+    offset = np.abs(branch.X - motion.X[:, None]).max(axis=0) / motion.clearance
+    offset += np.abs(branch.phases - motion.phases[:, None]).max(axis=0)
+    parameters = np.array([motion.r, motion.clearance, motion.osc.xi, motion.osc.mu])
+    offset += np.abs(branch.parameters[:4] / parameters[:, None] - 1).max(axis=0)
+    assert offset.min() < 1e-12
+
+
+def test_points_are_exact_motions(path):
+    """Newton's method in the other code, from a point of the branch, stays there."""
+    _, branch = path
+    for i in range(0, len(branch), max(1, len(branch) // 7)):
+        item = branch[i]
+        again = vi.exact(item.osc, item.r, item.clearance, item)
+        np.testing.assert_allclose(again.X, item.X, rtol=0, atol=1e-8 * item.clearance)
+        assert (again.admissible, again.stable) == (item.admissible, item.stable) or i in {
+            point.index for point in branch.special_points
+        }
+
+
+def test_special_points_are_where_they_should_be(path):
+    """The multiplier or the gap that defines each."""
+    _, branch = path
+    for point in branch.special_points:
+        motion = point.motion
+        gap = np.abs(motion.multipliers)
+        if point.type == "fold":
+            assert np.abs(motion.multipliers - 1).min() < 1e-8
+        elif point.type == "flip":
+            assert np.abs(motion.multipliers + 1).min() < 1e-8
+        elif point.type == "pitchfork":
+            assert np.abs(motion.multipliers - 1).min() < 1e-8
+        elif point.type == "neimark_sacker":
+            turning = np.abs(motion.multipliers.imag) > 1e-9
+            assert np.abs(gap[turning] - 1).min() < 1e-9
+        elif point.type == "grazing":
+            assert abs(touch(motion, point) - 0.5) < 1e-10
+        elif point.type == "zero_approach":
+            i = point.impact
+            approach = motion.Z_dot_before[i] - motion.X_dot_before[i]
+            assert abs(approach) < 1e-10 * np.abs(motion.Z_dot_before).max()
+
+
+def touch(motion, point):
+    """Greatest |Y|/D towards a wall inside a flight: dense sampling, then bounded minimisation."""
+    from scipy.optimize import minimize_scalar
+
+    ends = np.r_[motion.phases, 2 * np.pi * motion.pattern.cycles] / motion.r
+    begin, end = ends[point.impact : point.impact + 2]
+    side = 1 if point.side == "R" else -1
+    times = np.linspace(begin, end, 2001)
+    y = side * motion.sample(times).Y / motion.clearance
+    inner = np.flatnonzero((y[1:-1] >= y[:-2]) & (y[1:-1] >= y[2:])) + 1
+    best = times[inner[np.argmax(y[inner])]]
+    width = times[1] - times[0]
+    found = minimize_scalar(
+        lambda t: -side * float(motion.sample(t).Y) / motion.clearance,
+        bounds=(best - width, best + width),
+        method="bounded",
+        options={"xatol": 1e-9},
+    )
+    return -found.fun
+
+
+def test_stability_changes_at_special_points_only(path):
+    """Between special points `stable` and `admissible` do not change."""
+    _, branch = path
+    marks = {p.index for p in branch.special_points}
+    for name in ("stable", "admissible"):
+        column = getattr(branch, name)
+        for i in range(len(branch) - 1):
+            if not {i, i + 1} & marks and column[i] != column[i + 1]:
+                pytest.fail(f"{name} changes between points {i} and {i + 1}")
+
+
+def leading_real(r, clearance, which, target):
+    """The multiplier of an equispaced motion of [P] that is nearest to a value, by the closed form."""
+    motion = vi.equispaced(FIGURE6, r, clearance)[which]
+    values = motion.multipliers
+    values = values[np.abs(values.imag) < 1e-12].real
+    return float(values[np.argmin(np.abs(values - target))] - target)
+
+
+def test_equispaced_bifurcations_against_the_closed_form():
+    """Pitchfork and Neimark-Sacker points of the pair, by bisection on its own multipliers."""
+    r, checked = 1.04, []
+    for which in (0, 1):
+        branch = vi.branch(vi.equispaced(FIGURE6, r, 25.0)[which], "clearance", (3, 60))
+        for point in branch.special_points:
+            if point.type not in ("pitchfork", "neimark_sacker"):
+                continue
+            x = point.motion.X[0] / point.clearance
+
+            def nearest(clearance, x=x):
+                motions = vi.equispaced(FIGURE6, r, clearance)
+                return min(motions, key=lambda m: abs(m.X[0] / m.clearance - x))
+
+            if point.type == "pitchfork":
+
+                def crossing(clearance, nearest=nearest):
+                    values = nearest(clearance).multipliers
+                    real = values[np.abs(values.imag) < 1e-9].real
+                    return float(real[np.argmin(np.abs(real - 1))] - 1)
+            else:
+
+                def crossing(clearance, nearest=nearest):
+                    values = nearest(clearance).multipliers
+                    turning = values[np.abs(values.imag) > 1e-9]
+                    return float(np.abs(turning).max() - 1)
+
+            low, high = point.clearance * 0.999, point.clearance * 1.001
+            if crossing(low) * crossing(high) > 0:
+                continue
+            found = brentq(crossing, low, high, xtol=1e-13, rtol=1e-14)
+            assert abs(found / point.clearance - 1) < 1e-10
+            checked.append(point.type)
+    assert {"pitchfork", "neimark_sacker"} <= set(checked)
+
+
+def test_branch_goes_round_a_fold():
+    """0 and 2 motions on the two sides of the fold of the equispaced pair."""
+    branch = vi.branch(vi.equispaced(FIGURE6, 0.9, 20.0)[0], "clearance", (5, 200))
+    folds = [p for p in branch.special_points if p.type == "fold"]
+    assert folds
+    for fold in folds:
+        counts = sorted(
+            len(vi.equispaced(FIGURE6, 0.9, fold.clearance * (1 + e))) for e in (-1e-6, 1e-6)
+        )
+        assert counts == [0, 2]
+    turns = np.sign(np.diff(branch.values))
+    assert {1.0, -1.0} <= set(turns.tolist())
+
+
+def test_mirror_image_gives_the_same_branch():
+    motion = pair_motion()
+    image = next(
+        m
+        for m in vi.find(TABLE1, 0.94, 37.0, max_impacts=2, max_cycles=1, states=0)
+        if m.stable and abs(m.phases[1] - motion.phases[1]) > 1e-3
+    )
+    one, other = (vi.branch(m, "clearance", (10, 60)) for m in (motion, image))
+    for a, b in zip(one.special_points, other.special_points, strict=True):
+        assert a.type == b.type
+        assert abs(a.clearance / b.clearance - 1) < 1e-9
+
+
+def settles_on(motion, branch_pattern=None):
+    """Whether a simulation from a disturbed motion comes back to it."""
+    i = 0
+    state = {
+        "t": motion.load_phase / motion.r,
+        "x": motion.X[i] * (1 + 1e-7),
+        "x_dot": motion.X_dot_after[i],
+        "z": motion.Z[i] + motion.X[i] * 1e-7,
+        "z_dot": motion.Z_dot_after[i],
+    }
+    n = len(motion.pattern)
+    run = vi.simulate(motion.osc, motion.r, motion.clearance, 3000, state=state)
+    events = run.events[run.events["kind"] == "impact"]
+    last = events[-n:]["x"]
+    return min(np.abs(np.roll(last, j) - motion.X).max() for j in range(n)) < (
+        1e-4 * motion.clearance
+    )
+
+
+def test_switching_at_a_flip():
+    """The doubled motion is exact, of twice the period, and as stable as simulation says."""
+    branch = vi.branch(pair_motion(), "clearance", (10, 60))
+    flip = next(p for p in branch.special_points if p.type == "flip")
+    (doubled,) = flip.switch()
+    assert doubled.pattern == vi.Pattern("RLRL", 2)
+    assert doubled.residual < 1e-12
+    assert np.abs(doubled.X[:2] - doubled.X[2:]).max() > 1e-4 * doubled.clearance
+    # supercritical: where the simple motion is unstable the doubled one is stable
+    simple = vi.exact(doubled.osc, doubled.r, doubled.clearance, flip.motion)
+    assert doubled.stable != simple.stable
+    assert settles_on(doubled) == doubled.stable
+
+
+def test_switching_at_a_pitchfork():
+    """Two mirror images on one side of the point; they are stable where the symmetric one is not."""
+    branch = vi.branch(vi.equispaced(FIGURE6, 1.04, 25.0)[0], "clearance", (3, 60))
+    branches = [branch, vi.branch(vi.equispaced(FIGURE6, 1.04, 25.0)[1], "clearance", (3, 60))]
+    points = [p for b in branches for p in b.special_points if p.type == "pitchfork"]
+    assert points
+    one, other = points[0].switch()
+    assert one.residual < 1e-12
+    assert other.residual < 1e-12
+    np.testing.assert_allclose(np.sort(one.X), np.sort(-other.X), atol=1e-10 * one.clearance)
+    x = points[0].motion.X[0] / points[0].clearance
+    symmetric = min(
+        vi.equispaced(FIGURE6, one.r, one.clearance), key=lambda m: abs(m.X[0] / m.clearance - x)
+    )
+    assert one.stable == other.stable
+    assert one.stable != symmetric.stable
+    # followed back, they end at the same point
+    back = vi.branch(one, "clearance", (3, 60))
+    ends = [p for p in back.special_points if p.type == "pitchfork"]
+    assert min(abs(p.clearance / points[0].clearance - 1) for p in ends) < 1e-8
+
+
+def test_switching_at_grazing_adds_an_impact():
+    branch = vi.branch(pair_motion(), "clearance", (10, 60))
+    point = next(p for p in branch.special_points if p.type == "grazing")
+    for motion in point.switch():
+        assert len(motion.pattern) == 3
+        assert motion.residual < 1e-12
+        assert motion.admissible
+
+
+def test_columns_and_table():
+    branch = vi.branch(pair_motion(), "clearance", (10, 60))
+    item = branch[3]
+    assert item.clearance == branch.clearance[3]
+    assert branch[-1].clearance == branch.clearance[-1]
+    with pytest.raises(IndexError):
+        branch[len(branch)]
+    table = branch.to_xarray()
+    np.testing.assert_array_equal(table["clearance"], branch.clearance)
+    assert table["phases"].shape == branch.phases.shape
+    assert sorted(set(table["special"].values.tolist()) - {""}) == sorted(
+        {p.type for p in branch.special_points}
+    )
+    assert "flip" in repr(branch)
+    again = vi.branch(pair_motion(), "clearance", (10, 60))
+    assert again.X.tobytes() == branch.X.tobytes()
+
+
+def test_plot_draws_the_columns():
+    plt = pytest.importorskip("matplotlib.pyplot")
+    branch = vi.branch(pair_motion(), "clearance", (10, 60))
+    ax = branch.plot(y="largest")
+    largest = np.abs(branch.multipliers).max(axis=0)
+    styles = {line.get_label(): line for line in ax.get_lines()}
+    stable = styles["stable"].get_ydata()
+    mask = (branch.stable == 1) & (branch.admissible == 1)
+    np.testing.assert_array_equal(stable[mask], largest[mask])
+    assert np.isnan(stable[~mask]).sum() >= (~mask).sum() - 2 * len(branch.special_points)
+    assert "flip" in styles
+    with pytest.raises(vi.errors.ParameterError, match="y = 'colour'"):
+        branch.plot(y="colour")
+    plt.close("all")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"parameter": "length", "bounds": (1, 2)}, "parameter = 'length'"),
+        ({"bounds": None}, "bounds = None"),
+        ({"bounds": (40, 60)}, "with the motion's 37 between them"),
+        ({"bounds": (60, 10)}, "with the motion's 37 between them"),
+        ({"bounds": (math.nan, 60)}, r"bounds\[0\] = nan"),
+        ({"bounds": 3}, "bounds = 3"),
+        ({"bounds": (10, 60), "max_points": 1}, "max_points = 1"),
+        ({"bounds": (10, 60), "longest_step": 0.0}, "longest_step = 0.0"),
+        ({"bounds": (10, 60), "longest_step": math.nan}, "longest_step = nan"),
+    ],
+)
+def test_bad_input(arguments, words):
+    with pytest.raises(vi.errors.VibroimpactError, match=words):
+        vi.branch(pair_motion(), **arguments)
+
+
+def test_bad_motion():
+    with pytest.raises(vi.errors.ParameterTypeError, match="motion = 3"):
+        vi.branch(3, bounds=(1, 2))
+    with pytest.raises(vi.errors.ParameterError, match="needs R1 = R2"):
+        vi.branch(triple_motion(), "restitution", (0.1, 0.9))
+
+
+def test_full_branch_says_so():
+    branch = vi.branch(pair_motion(), "clearance", (10, 60), max_points=15)
+    assert "full" in branch.ends
