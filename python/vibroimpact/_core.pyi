@@ -111,6 +111,13 @@ class _StatusText(Protocol):
     ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
+class _ConditionText(Protocol):
+    # name, detail
+    def __call__(
+        self, kind: int, index: int, side: int, symmetric: int, mirrored: int
+    ) -> tuple[NDArray[np.bytes_], NDArray[np.bytes_]]: ...
+
+@type_check_only
 class _RunNamelists(Protocol):
     # text, length, status
     def __call__(
@@ -428,6 +435,7 @@ linear_system: _LinearSystem
 impact_maps: _ImpactMaps
 sample: _Sample
 status_text: _StatusText
+condition_text: _ConditionText
 run_namelists: _RunNamelists
 read_namelist: _ReadNamelist
 simulate: _Simulate

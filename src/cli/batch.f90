@@ -2,40 +2,26 @@
 module vi_batch
    use vi_case, only: read_cases
    use vi_case_type, only: case_type
-   use vi_chain, only: equispaced_chain, periodic_chain
+   use vi_chain, only: equispaced_chain, exact_chain, periodic_chain
    use vi_files, only: make_folder, same_file, write_file
+   use vi_log, only: done, failed, log_type, say, writable, write_table, wrong
    use vi_motion, only: motion_type, yes
    use vi_pattern, only: side_letters
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
    use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
    use vi_report_chart, only: chart_lines
+   use vi_run_branch, only: run_branch
+   use vi_run_zone, only: run_zone
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
-   use vi_text, only: append, counted, is_result, line_type, lower, printable, whole
+   use vi_text, only: append, counted, is_result, line_type, lower, whole
    use vi_trajectory, only: simulate_case
    use vi_window, only: chart_window, map_type
    implicit none (type, external)
    private
 
-   public :: run_file
-
-   !> Exit statuses: all done; ran, but something failed or is not there; the input is wrong.
-   integer, parameter, public :: done = 0, failed = 1, wrong = 2
-
-   !> What is said while files run: a line for each case, and the names taken so far.
-   type, public :: log_type
-      !> The first character of a line is '-' for news and '!' for a fault.
-      type(line_type), allocatable :: lines(:)
-      !> File names of results, in lower case, with the place that took each.
-      type(line_type), allocatable :: names(:), places(:)
-      !> The tables (CSV) that were written.
-      type(line_type), allocatable :: results(:)
-      !> The worst so far: `done`, `failed` or `wrong`.
-      integer :: status = done
-   end type log_type
-
-   character(*), parameter :: writable = '; must be a folder and disk that can be written'
+   public :: done, failed, log_type, run_file, wrong
 
 contains
 
@@ -67,14 +53,20 @@ contains
       end if
       call make_folder(folder)
       do i = 1, size(cases)
-         if (cases(i)%kind == 'simulate') then
+         select case (cases(i)%kind)
+         case ('simulate')
             call run_simulation(cases(i), folder, log, written)
-         else if (cases(i)%kind == 'chart') then
+         case ('chart')
             call run_chart(cases(i), folder, log, written)
-         else
+         case ('zone')
+            call run_zone(cases(i), folder, log, written)
+         case ('branch')
+            call compute(cases(i), motions)
+            call run_branch(cases(i), motions, folder, log, written)
+         case default
             call compute(cases(i), motions)
             call write_results(cases(i), motions, folder, log, written)
-         end if
+         end select
          if (.not. written) return                     ! the next one would not be written either
       end do
    end subroutine run_file
@@ -99,16 +91,6 @@ contains
       end do
       call move_alloc(kept, cases)
    end subroutine keep
-
-   !> Adds a line to the log and remembers the worst status.
-   subroutine say(log, status, text)
-      type(log_type), intent(inout) :: log
-      integer, intent(in) :: status
-      character(*), intent(in) :: text
-
-      call append(log%lines, merge('-', '!', status == done)//printable(text))
-      log%status = max(log%status, status)
-   end subroutine say
 
    pure logical function ends_blank(path)
       character(*), intent(in) :: path
@@ -159,7 +141,7 @@ contains
       type(motion_type), allocatable, intent(out) :: motions(:)
       type(linear_system_type) :: system
 
-      if (case%kind == 'equispaced') then
+      if (case%motion_kind == 'equispaced') then
          allocate (motions(2))
          if (case%single) then
             call equispaced_in_single(case%osc, case%r, case%clearance, case%pattern%cycles, &
@@ -170,7 +152,10 @@ contains
          end if
       else
          allocate (motions(1))
-         if (case%single) then
+         if (case%motion_kind == 'exact') then
+            call exact_chain(case%osc, case%r, case%clearance, case%pattern, case%restitution, &
+               case%phases, system, motions(1))
+         else if (case%single) then
             call periodic_in_single(case%osc, case%r, case%pattern, case%restitution, case%phases, &
                case%acceptance, .true., motions(1))
          else
@@ -201,13 +186,8 @@ contains
          return
       end if
       call event_lines(case, events, state, status == stat%ok, lines)
-      call write_file(folder//'/'//case%name//'.csv', lines, message)
-      written = len(message) == 0
-      if (.not. written) then
-         call say(log, wrong, folder//'/'//case%name//'.csv: '//message//writable)
-         return
-      end if
-      call append(log%results, folder//'/'//case%name//'.csv')
+      call write_table(folder//'/'//case%name//'.csv', lines, log, written)
+      if (.not. written) return
       call say(log, done, case%name//': '//counted(count(events%kind == impact_event), &
          'impact')//', '//counted(count(events%kind == stick_event), 'rest'))
       if (status /= stat%ok) call say(log, failed, case%name//': cut short, max_events was reached')

@@ -1,13 +1,16 @@
 !> The cases of a namelist file, checked.
 !!
-!! Each `&motion` makes a case. It uses the `&system` before it, and the `&output` that follows
-!! it, if
-!! one does. The ranges are those of the Python package.
+!! Each `&motion`, `&simulate`, `&branch` and `&zone` makes a case. It uses the `&system` before it,
+!! and the `&output` that follows it, if one does. A `&branch` starts from the `&motion` before it; a
+!! `&motion` with a `&branch` right behind it is this start and nothing else. The ranges are those of
+!! the Python package.
 module vi_case
+   use vi_case_branch, only: take_branch, take_start
    use vi_case_chart, only: take_chart
    use vi_case_motion, only: take_motion
    use vi_case_simulation, only: take_simulation
    use vi_case_type, only: case_type
+   use vi_case_zone, only: take_zone
    use vi_keys, only: complain, forbid, given, makes_case, read_group
    use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist
@@ -42,7 +45,7 @@ contains
          allocate (cases(0))
          return
       end if
-      allocate (cases(count([(makes_case(groups(i)%name), i=1, size(groups))])))
+      allocate (cases(count([(is_case(groups(i:)), i=1, size(groups))])))
       allocate (raw)
       call blank(raw)
       n = 0
@@ -53,17 +56,21 @@ contains
          case ('system')
             call take_system(groups(i:), raw, line, message)
             has_system = .true.
-         case ('motion', 'simulate', 'chart')
-            n = n + 1
+         case ('motion', 'simulate', 'chart', 'branch', 'zone')
             if (.not. has_system) message = '&'//groups(i)%name//': no &system stands before it'
-            if (len(message) == 0) call take_case(path, n, groups(i:), size(cases), raw, cases(n), &
-               line, message)
+            if (len(message) == 0 .and. is_case(groups(i:))) then
+               n = n + 1
+               if (groups(i)%name == 'branch') call take_start(groups(:i), raw, cases(n), line, &
+                  message)
+               if (len(message) == 0) call take_case(path, n, groups(i:), size(cases), raw, &
+                  cases(n), line, message)
+            end if
          case ('output')
             if (.not. follows_case(groups(:i - 1))) message = &
-               '&output: no &motion, &simulate or &chart stands before it'
+               '&output: no &motion, &simulate, &chart, &branch or &zone stands before it'
          case default
-            message = '&'//groups(i)%name// &
-               ': is not a group; must be &system, &motion, &simulate, &chart or &output'
+            message = '&'//groups(i)%name//': is not a group; must be &system, &motion, &
+               &simulate, &chart, &branch, &zone or &output'
          end select
          if (len(message) > 0) exit
       end do
@@ -89,6 +96,10 @@ contains
          call take_motion(groups(1), raw, case, line, message)
       case ('simulate')
          call take_simulation(groups(1), raw, case, line, message)
+      case ('branch')
+         call take_branch(groups(1), raw, case, line, message)
+      case ('zone')
+         call take_zone(groups(1), raw, case, line, message)
       case default
          call take_chart(groups(1), raw, case, line, message)
       end select
@@ -113,12 +124,12 @@ contains
       character(:), allocatable, intent(inout) :: message
 
       if (.not. motion_follows(groups(2:))) message = '&system: no &motion, &
-         &simulate or &chart follows'
+         &simulate, &chart or &zone follows'
       if (len(message) == 0) call read_group(groups(1), raw, line, message)
       if (len(message) == 0) call check_system(groups(1), needs_r(groups(2:)), raw, line, message)
    end subroutine take_system
 
-   !> Whether a case of this system has one frequency ratio: a chart has a window of them.
+   !> Whether a case of this system has one frequency ratio: a chart and a zone have a window of them.
    pure logical function needs_r(rest)
       type(group_type), intent(in) :: rest(:)
       integer :: i
@@ -126,7 +137,8 @@ contains
       needs_r = .false.
       do i = 1, size(rest)
          if (rest(i)%name == 'system') return
-         needs_r = needs_r .or. (makes_case(rest(i)%name) .and. rest(i)%name /= 'chart')
+         needs_r = needs_r .or. (makes_case(rest(i)%name) .and. rest(i)%name /= 'chart' .and. &
+            rest(i)%name /= 'zone')
       end do
    end function needs_r
 
@@ -137,6 +149,15 @@ contains
       follows_case = .false.
       if (size(before) > 0) follows_case = makes_case(before(size(before))%name)
    end function follows_case
+
+   !> Whether a group is a case: not a &motion that is but the start of a &branch.
+   pure logical function is_case(groups)
+      !> The group, and all after it.
+      type(group_type), intent(in) :: groups(:)
+
+      is_case = makes_case(groups(1)%name)
+      if (groups(1)%name == 'motion' .and. size(groups) > 1) is_case = groups(2)%name /= 'branch'
+   end function is_case
 
    !> Whether the next group is &motion, or one whose name is wrong anyway.
    pure logical function motion_follows(rest)
@@ -170,7 +191,7 @@ contains
          call check_r(group, raw, line, message)
       else if (given(group, 'r')) then
          call forbid(group, 'r', line, message, &
-            'must be left out: it is not for a &chart, which has r_min and r_max')
+            'must be left out: it is not for a &chart or &zone, which has r_min and r_max')
       end if
       if (len(message) == 0) then
          if (is_blank(raw%restitution(2))) raw%restitution(2) = raw%restitution(1)

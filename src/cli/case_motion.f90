@@ -30,10 +30,11 @@ contains
       case%osc = oscillator_type(raw%xi, raw%mu, raw%restitution)
       case%r = raw%r
       case%kind = trim(lower(raw%kind))
+      case%motion_kind = case%kind
       case%single = lower(raw%precision) == 'single'
       case%acceptance = raw%acceptance
       case%clearance = raw%clearance
-      if (case%kind /= 'periodic' .and. case%kind /= 'equispaced') then
+      if (all(case%kind /= [character(10) :: 'periodic', 'equispaced', 'exact'])) then
          call complain(group, 'kind', line, message)
       else if (.not. (case%single .or. lower(raw%precision) == 'double')) then
          call complain(group, 'precision', line, message)
@@ -93,7 +94,10 @@ contains
          call complain(group, 'sides', line, message)
          return
       end if
-      if (given(group, 'clearance')) then
+      if (case%kind == 'exact') then
+         call check_exact(group, raw, case, line, message)
+         if (len(message) > 0) return
+      else if (given(group, 'clearance')) then
          call forbid(group, 'clearance', line, message, &
             'must be left out: it is not for kind = ''periodic'', which finds the clearance')
          return
@@ -125,6 +129,24 @@ contains
             case%osc%restitution(2))
       end if
    end subroutine take_periodic
+
+   !> An exact motion has a given clearance, and satisfies the equations to rounding.
+   subroutine check_exact(group, raw, case, line, message)
+      type(group_type), intent(in) :: group
+      type(raw_type), intent(in) :: raw
+      type(case_type), intent(in) :: case
+      integer, intent(inout) :: line
+      character(:), allocatable, intent(inout) :: message
+
+      if (.not. (raw%clearance >= 1.0e-12_wp .and. raw%clearance <= 1.0e12_wp)) then
+         call complain(group, 'clearance', line, message)
+      else if (case%single) then
+         call complain(group, 'precision', line, message, 'and ''double'' for kind = ''exact''')
+      else if (given(group, 'acceptance')) then
+         call forbid(group, 'acceptance', line, message, &
+            'must be left out: it is not for kind = ''exact'', which leaves no residual')
+      end if
+   end subroutine check_exact
 
    !> Phases in the given unit into the case, sorted and within the period.
    subroutine take_phases(group, key, values, unit, case, line, message)

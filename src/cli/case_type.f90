@@ -4,6 +4,7 @@ module vi_case_type
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
    use vi_window, only: window_type
+   use vi_zone, only: zone_request_type
    implicit none (type, external)
    private
 
@@ -11,8 +12,11 @@ module vi_case_type
       character(:), allocatable :: name
       type(oscillator_type) :: osc
       real(wp) :: r = 0
-      !> 'periodic' (phases given), 'equispaced' (clearance given), 'simulate' or 'chart'
+      !> 'periodic' (phases given), 'equispaced' (clearance given), 'exact' (clearance given, phases
+      !! guessed), 'simulate', 'chart', 'branch' or 'zone'
       character(:), allocatable :: kind
+      !> The kind of the motion, also of that which a branch starts from.
+      character(:), allocatable :: motion_kind
       type(pattern_type) :: pattern
       real(wp), allocatable :: phases(:), restitution(:)
       logical :: own_restitution = .false.
@@ -26,6 +30,13 @@ module vi_case_type
       integer :: max_events = 0
       !> Of a chart.
       type(window_type) :: window
+      !> Of a branch: the parameter and its bounds, longest step, most points each way.
+      character(:), allocatable :: parameter
+      real(wp) :: bounds(2) = 0, longest_step = 0
+      integer :: max_points = 0
+      !> Of a zone; which motions: 'yes', 'no' or 'both'.
+      type(zone_request_type) :: zone
+      character(:), allocatable :: symmetric
       !> Where the name was given, for messages.
       integer :: line = 0
    end type case_type

@@ -24,15 +24,20 @@ contains
       call append(lines, '#   xi = '//exact(case%osc%xi))
       call append(lines, '#   mu = '//exact(case%osc%mu))
       call append(lines, '#   restitution = '//list(case%osc%restitution))
-      if (case%kind /= 'chart') call append(lines, '#   r = '//exact(case%r))
+      if (all(case%kind /= [character(5) :: 'chart', 'zone'])) call append(lines, '#   r = ' &
+         //exact(case%r))
       call append(lines, '# /')
-      if (case%kind == 'simulate') then
+      select case (case%kind)
+      case ('simulate')
          call echo_simulation(case, lines)
-      else if (case%kind == 'chart') then
+      case ('chart')
          call echo_chart(case, lines)
-      else
+      case ('zone')
+         call echo_zone(case, lines)
+      case default
          call echo_motion(case, lines)
-      end if
+         if (case%kind == 'branch') call echo_branch(case, lines)
+      end select
       call append(lines, '# &output')
       call append(lines, '#   name = '''//case%name//'''')
       call append(lines, '#   format = '''//case%format//'''')
@@ -44,18 +49,19 @@ contains
       type(line_type), allocatable, intent(inout) :: lines(:)
 
       call append(lines, '# &motion')
-      call append(lines, '#   kind = '''//case%kind//'''')
+      call append(lines, '#   kind = '''//case%motion_kind//'''')
       call append(lines, '#   cycles = '//whole(case%pattern%cycles))
-      if (case%kind == 'equispaced') then
-         call append(lines, '#   clearance = '//exact(case%clearance))
-      else
+      if (case%motion_kind /= 'periodic') call append(lines, '#   clearance = ' &
+         //exact(case%clearance))
+      if (case%motion_kind /= 'equispaced') then
          call append(lines, '#   sides = '''//side_letters(case%pattern%sides)//'''')
          call append(lines, '#   phases = '//list(case%phases))
       end if
       if (case%own_restitution) call append(lines, '#   impact_restitution = ' &
          //list(case%restitution))
       call append(lines, '#   precision = '//trim(merge('''single''', '''double''', case%single)))
-      call append(lines, '#   acceptance = '//exact(case%acceptance))
+      if (case%motion_kind /= 'exact') call append(lines, '#   acceptance = ' &
+         //exact(case%acceptance))
       call append(lines, '# /')
    end subroutine echo_motion
 
@@ -101,6 +107,39 @@ contains
          call append(lines, '# /')
       end associate
    end subroutine echo_chart
+
+   pure subroutine echo_branch(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
+      call append(lines, '# &branch')
+      call append(lines, '#   parameter = '''//case%parameter//'''')
+      call append(lines, '#   low = '//exact(case%bounds(1)))
+      call append(lines, '#   high = '//exact(case%bounds(2)))
+      call append(lines, '#   longest_step = '//exact(case%longest_step))
+      call append(lines, '#   max_points = '//whole(case%max_points))
+      call append(lines, '# /')
+   end subroutine echo_branch
+
+   pure subroutine echo_zone(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
+      associate (zone => case%zone)
+         call append(lines, '# &zone')
+         call append(lines, '#   sides = '''//side_letters(case%pattern%sides)//'''')
+         call append(lines, '#   cycles = '//whole(case%pattern%cycles))
+         call append(lines, '#   symmetric = '''//case%symmetric//'''')
+         call append(lines, '#   r_min = '//exact(zone%r(1)))
+         call append(lines, '#   r_max = '//exact(zone%r(2)))
+         call append(lines, '#   clearance_min = '//exact(zone%clearance(1)))
+         call append(lines, '#   clearance_max = '//exact(zone%clearance(2)))
+         call append(lines, '#   lines = '//whole(zone%lines))
+         call append(lines, '#   guesses = '//whole(zone%guesses))
+         call append(lines, '#   max_points = '//whole(zone%points))
+         call append(lines, '# /')
+      end associate
+   end subroutine echo_zone
 
    pure function list(values) result(text)
       real(wp), intent(in) :: values(:)

@@ -1,5 +1,6 @@
 !> The keys of the namelist groups: what each takes, and reading them one at a time.
 module vi_keys
+   use vi_keys_studies, only: study_keys, wanted_of_study
    use vi_namelist, only: group_type
    use vi_raw, only: blank, blank_motion, most_letters, raw_type, read_value
    use vi_text, only: whole
@@ -17,7 +18,7 @@ contains
 
       select case (group//' '//key)
       case default
-         text = ''
+         text = wanted_of_study(group, key)
          if (group == 'chart') text = wanted_of_chart(key)
       case ('system xi')
          text = 'a number with 0 <= xi < 1'
@@ -28,7 +29,8 @@ contains
       case ('system r')
          text = 'a number with 1e-6 <= r <= 1e6'
       case ('motion kind')
-         text = '''periodic'' (phases given) or ''equispaced'' (clearance given)'
+         text = '''periodic'' (phases given), ''equispaced'' (clearance given) or ''exact'' &
+            &(clearance given, phases guessed)'
       case ('motion sides')
          text = 'letters R and L, one an impact, 2 to 1000 of them, each wall at least once'
       case ('motion cycles')
@@ -93,11 +95,11 @@ contains
       end select
    end function wanted_of_chart
 
-   !> Whether each group of this name is a case.
+   !> Whether a group of this name asks for a result.
    pure logical function makes_case(name)
       character(*), intent(in) :: name
 
-      makes_case = name == 'motion' .or. name == 'simulate' .or. name == 'chart'
+      makes_case = any(name == [character(8) :: 'motion', 'simulate', 'chart', 'branch', 'zone'])
    end function makes_case
 
    !> The keys of a group, for messages.
@@ -116,6 +118,8 @@ contains
       case ('chart')
          text = 'sides, cycles, r_min, r_max, r_points, clearance_min, clearance_max, &
             &clearance_points, spacing, symmetric, room, guesses, seeds'
+      case ('branch', 'zone')
+         text = study_keys(group)
       case default
          text = 'name, format'
       end select

@@ -2,16 +2,14 @@
 module vi_raw
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
+   use vi_raw_studies, only: blank_studies, raw_branch_type, raw_zone_type, read_branch, read_zone
+   use vi_room, only: most_impacts, most_letters
    use vi_window, only: window_type
    implicit none (type, external)
    private
 
-   public :: blank, blank_motion, is_blank, read_value
+   public :: blank, blank_motion, is_blank, most_impacts, most_letters, read_value
 
-   !> Impacts that a list of the namelist has room for.
-   integer, parameter, public :: most_impacts = 1000
-   !> Letters that a text of the namelist has room for; one longer is refused.
-   integer, parameter, public :: most_letters = most_impacts + 1
    !> A number that nobody can type stands for one that was not given.
    integer(int64), parameter :: not_given = int(z'7FF8C0DE0000C0DE', int64)
 
@@ -28,6 +26,8 @@ module vi_raw
       !> &chart
       type(window_type) :: window
       character(most_letters) :: spacing, symmetric
+      type(raw_branch_type) :: branch
+      type(raw_zone_type) :: zone
    end type raw_type
 
 contains
@@ -73,6 +73,7 @@ contains
       raw%window = window_type(nan, nan, nan, nan)
       raw%spacing = 'linear'
       raw%symmetric = 'both'
+      call blank_studies(nan, raw%branch, raw%zone)
    end subroutine blank_motion
 
    !> One assignment through the compiler's namelist input.
@@ -90,6 +91,10 @@ contains
          call read_simulate(text, raw, status)
       case ('chart')
          call read_chart(text, raw, status)
+      case ('branch')
+         call read_branch(text, raw%branch, status)
+      case ('zone')
+         call read_zone(text, raw%zone, status)
       case default
          call read_output(text, raw, status)
       end select

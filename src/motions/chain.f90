@@ -2,15 +2,20 @@
 module vi_chain
    use vi_assess, only: assess_flights, assess_linear
    use vi_equispaced, only: solve_equispaced
+   use vi_exact, only: exact_acceptance, setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
    use vi_periodic, only: linear_system_type, solve_periodic
+   use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: periodic_chain, equispaced_chain
+   public :: periodic_chain, equispaced_chain, exact_chain, refine
+
+   !> Newton iterations.
+   integer, parameter :: most_iterations = 50
 
 contains
 
@@ -51,5 +56,38 @@ contains
          if (flights) call assess_flights(motions(i))
       end do
    end subroutine equispaced_chain
+
+   !> The exact motion at a given clearance near guessed phases, with its verdicts.
+   !!
+   !! The linear equations for these phases give the rest of the guess.
+   pure subroutine exact_chain(osc, r, clearance, pattern, restitution, phases, system, motion)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, clearance
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: restitution(:), phases(:)
+      type(linear_system_type), intent(inout) :: system
+      type(motion_type), intent(inout) :: motion
+
+      call solve_periodic(osc, r, pattern, restitution, phases, system, motion)
+      if (motion%status == stat%ok) call refine(clearance, motion)
+   end subroutine exact_chain
+
+   !> The exact motion at a given clearance near another motion, with its verdicts.
+   pure subroutine refine(clearance, motion)
+      real(wp), intent(in) :: clearance
+      !> In: the guess. Out: the motion.
+      type(motion_type), intent(inout) :: motion
+      real(wp) :: x(size(motion%x)), theta(size(motion%x)), none(2*size(motion%x), 0)
+      type(setting_type) :: setting
+      integer :: iterations
+
+      x = motion%x*(clearance/motion%clearance)
+      theta = motion%phases + motion%tau
+      setting = setting_type(motion%osc, motion%r, 1.0_wp, clearance, motion%pattern, &
+         motion%restitution)
+      call solve_exact(setting, x, theta, most_iterations, none, motion, iterations)
+      call assess_linear(motion, exact_acceptance)
+      call assess_flights(motion)
+   end subroutine refine
 
 end module vi_chain

@@ -22,6 +22,9 @@ module vi_exact
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
+   !> Relative residual up to which an exact motion counts as consistent.
+   real(wp), parameter, public :: exact_acceptance = 1.0e-9_wp
+
    !> What is given of an exact motion.
    type, public :: setting_type
       type(oscillator_type) :: osc
@@ -234,7 +237,8 @@ contains
       call newton_equations(setting, [x, theta], residual, unused)
       motion%residual = norm2(residual)/max(setting%clearance, maxval(abs(motion%x_dot_after)), &
          maxval(abs(motion%z_dot_after)))
-      motion%status = merge(stat%ok, stat%no_convergence, motion%residual < 1.0e-9_wp)
+      motion%status = merge(stat%ok, stat%no_convergence, motion%residual &
+         < exact_acceptance)
    end subroutine finish
 
 end module vi_exact

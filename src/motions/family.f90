@@ -6,7 +6,7 @@ module vi_family
    implicit none (type, external)
    private
 
-   public :: new_family, image_of, kinship, whole_pattern, whole_unknowns
+   public :: can_be_symmetric, new_family, image_of, kinship, whole_pattern, whole_unknowns
 
    !> A way in which a motion can repeat itself within its period.
    type, public :: repetition_type
@@ -39,8 +39,7 @@ contains
 
       n = size(pattern%sides)
       half = n/2
-      mirrored = equal_walls .and. mod(n, 2) == 0 .and. mod(pattern%cycles, 2) == 1
-      if (mirrored) mirrored = all(cshift(pattern%sides, half) == -pattern%sides)
+      mirrored = equal_walls .and. mirrors_itself(pattern)
       possible = n <= most_impacts .and. (mirrored .or. .not. symmetric)
       count = 0
       allocate (repetitions(0))
@@ -66,6 +65,25 @@ contains
       deallocate (repetitions)
       allocate (repetitions(count), source=found(:count))
    end subroutine new_family
+
+   !> Whether a pattern has motions that are their own mirror image half a period later.
+   pure logical function can_be_symmetric(pattern, walls)
+      type(pattern_type), intent(in) :: pattern
+      !> R1, R2
+      real(wp), intent(in) :: walls(2)
+
+      can_be_symmetric = abs(walls(1) - walls(2)) <= 0 .and. mirrors_itself(pattern)
+   end function can_be_symmetric
+
+   !> Whether half a period later the walls are the opposite ones.
+   pure logical function mirrors_itself(pattern)
+      type(pattern_type), intent(in) :: pattern
+      integer :: n
+
+      n = size(pattern%sides)
+      mirrors_itself = mod(n, 2) == 0 .and. mod(pattern%cycles, 2) == 1
+      if (mirrors_itself) mirrors_itself = all(cshift(pattern%sides, n/2) == -pattern%sides)
+   end function mirrors_itself
 
    pure logical function is_prime(m)
       integer, intent(in) :: m

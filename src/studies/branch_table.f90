@@ -75,6 +75,7 @@ contains
             2*i - 3, most, half(i))
          reasons(i) = half(i)%reason
       end do
+      if (any(half%n == 0)) return                       ! the start is a singular point
       n = half(1)%n + half(2)%n - 1
       allocate (points(size(start), n))
       points(:, :half(1)%n) = half(1)%points(:, half(1)%n:1:-1)

@@ -11,11 +11,10 @@
 !! - `counts` (2, m, n): motions at the point before the last sweep, and now.
 module vi_flood
    use vi_assess, only: assess_flights, assess_linear
-   use vi_exact, only: setting_type, solve_exact
+   use vi_exact, only: exact_acceptance, setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_likeness, only: distance, is_repeated, is_symmetric, length_scale, same
    use vi_motion, only: motion_type, yes
-   use vi_points, only: exact_acceptance
    use vi_search, only: search_pattern
    use vi_status, only: stat
    implicit none (type, external)

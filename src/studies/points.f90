@@ -12,7 +12,7 @@ module vi_points
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: assess_flights, assess_linear
    use vi_chain, only: equispaced_chain, periodic_chain
-   use vi_exact, only: member, setting_type, solve_exact
+   use vi_exact, only: exact_acceptance, member, setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: oscillator_type
@@ -24,9 +24,6 @@ module vi_points
    private
 
    public :: periodic_points, equispaced_points, exact_point, member_point, recall
-
-   !> Relative residual up to which an exact motion counts as consistent.
-   real(wp), parameter, public :: exact_acceptance = 1.0e-9_wp
 
 contains
 

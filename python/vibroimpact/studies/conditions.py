@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from .. import _core
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 
@@ -45,12 +46,5 @@ def type_name(kind: int, index: int, symmetric: bool, mirrored: bool) -> str:
     `symmetric` tells that the family is one of symmetric motions, `mirrored` that the first way in which a
     member can repeat itself is as its own mirror image.
     """
-    if kind == FLIP and symmetric:
-        return "pitchfork"
-    if kind == REPETITION:
-        return "pitchfork" if mirrored and index == 1 else "flip"
-    names = {
-        FOLD: "fold", FLIP: "flip", NEIMARK_SACKER: "neimark_sacker", ZERO_APPROACH: "zero_approach",
-        GRAZING: "grazing", EDGE: "bound", REST_VANISHES: "rest_vanishes",
-    }  # fmt: skip
-    return names[kind]
+    name, _ = _core.condition_text(kind, index, 0, symmetric, mirrored)
+    return name.tobytes().decode().strip()

@@ -1,0 +1,64 @@
+!> The keys of &branch and &zone: what each takes.
+module vi_keys_studies
+   implicit none (type, external)
+   private
+
+   public :: study_keys, wanted_of_study
+
+contains
+
+   !> What a key takes; empty if the group has no such key.
+   pure function wanted_of_study(group, key) result(text)
+      character(*), intent(in) :: group, key
+      character(:), allocatable :: text
+
+      select case (group//' '//key)
+      case default
+         text = ''
+      case ('branch parameter')
+         text = '''r'', ''clearance'', ''xi'', ''mu'', ''R1'', ''R2'' or ''restitution'' (both walls)'
+      case ('branch low')
+         text = 'a number, at most the value that the motion has'
+      case ('branch high')
+         text = 'a number above low, at least the value that the motion has'
+      case ('branch longest_step')
+         text = 'a number with 1e-6 <= longest_step <= 1'
+      case ('branch max_points')
+         text = 'a whole number with 10 <= max_points <= 100000'
+      case ('zone sides')
+         text = 'letters R and L, one an impact, 2 to 24 of them, each wall at least once'
+      case ('zone cycles')
+         text = 'a whole number with 1 <= cycles <= 10000'
+      case ('zone symmetric')
+         text = '''yes'' (only motions that are their own mirror image), ''no'' (only others) or &
+            &''both'''
+      case ('zone r_min', 'zone r_max')
+         text = 'a number with 1e-6 <= '//key//' <= 1e6, and r_min below r_max'
+      case ('zone clearance_min', 'zone clearance_max')
+         text = 'a number with 1e-12 <= '//key//' <= 1e12, and clearance_min below clearance_max'
+      case ('zone lines')
+         text = 'a whole number with 5 <= lines <= 129'
+      case ('zone guesses')
+         text = 'a whole number with 0 <= guesses <= 100000'
+      case ('zone max_points')
+         text = 'a whole number with 100 <= max_points <= 200000'
+      end select
+   end function wanted_of_study
+
+   !> The keys of a group, for messages; empty for other groups.
+   pure function study_keys(group) result(text)
+      character(*), intent(in) :: group
+      character(:), allocatable :: text
+
+      select case (group)
+      case ('branch')
+         text = 'parameter, low, high, longest_step, max_points'
+      case ('zone')
+         text = 'sides, cycles, symmetric, r_min, r_max, clearance_min, clearance_max, lines, &
+            &guesses, max_points'
+      case default
+         text = ''
+      end select
+   end function study_keys
+
+end module vi_keys_studies

@@ -1,0 +1,120 @@
+!> Branches as CSV: one row a point.
+module vi_report_branch
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use vi_branch, only: end_bound, end_closed, end_full, end_repetition
+   use vi_branch_of, only: points_type
+   use vi_case_type, only: case_type
+   use vi_condition_names, only: condition_detail, condition_name
+   use vi_echo, only: echo
+   use vi_kinds, only: wp
+   use vi_report, only: verdict_word
+   use vi_text, only: append, exact, line_type, whole
+   implicit none (type, external)
+   private
+
+   public :: branch_lines, end_text, special_name
+
+contains
+
+   !> The points of all branches of a case, in order along each; header as in `csv_lines`.
+   pure subroutine branch_lines(case, branches, lines)
+      type(case_type), intent(in) :: case
+      type(points_type), intent(in) :: branches(:)
+      type(line_type), allocatable, intent(out) :: lines(:)
+      type(line_type), allocatable :: head(:)
+      character(:), allocatable :: columns
+      integer :: i, j, k, n
+
+      call echo(case, head)
+      do i = 1, size(branches)
+         call append(head, '# ! branch '//whole(i)//': first end: '// &
+            end_text(branches(i)%reasons(1))//'; last end: '//end_text(branches(i)%reasons(2)))
+      end do
+      columns = 'branch,point,r,clearance,xi,mu,R1,R2,consistent,admissible,stable,'// &
+         'multiplier_1_modulus,multiplier_2_modulus,multiplier_3_modulus,multiplier_4_modulus,'// &
+         'A,tau,residual,x_min,x_max,attenuation'
+      do j = 1, size(case%pattern%sides)
+         columns = columns//',phase_'//whole(j)
+      end do
+      do j = 1, size(case%pattern%sides)
+         columns = columns//',X_'//whole(j)
+      end do
+      call append(head, columns//',special,detail')
+      n = size(head)
+      allocate (lines(n + sum(branches%n)))
+      do i = 1, n
+         call move_alloc(head(i)%text, lines(i)%text)
+      end do
+      do i = 1, size(branches)
+         do k = 1, branches(i)%n
+            n = n + 1
+            lines(n)%text = whole(i)//','//whole(k)//row(branches(i), k)
+         end do
+      end do
+   end subroutine branch_lines
+
+   !> The columns of one point.
+   pure function row(branch, k) result(text)
+      type(points_type), intent(in) :: branch
+      integer, intent(in) :: k
+      character(:), allocatable :: text
+      integer :: i
+
+      text = numbers(branch%parameters(:, k))
+      do i = 1, 3
+         text = text//','//verdict_word(branch%verdicts(i, k))
+      end do
+      associate (s => branch%scalars(:, k), special => branch%special(:, k))
+         text = text//numbers(abs(branch%multipliers(:, k)))//numbers(s(2:))// &
+            numbers([max(-s(5), s(6))/s(2)])//numbers(branch%phases(:, k))// &
+            numbers(branch%impacts(:, 1, k))//','//special_name(branch, k)//','// &
+            condition_detail(special(1), special(2), special(3))
+      end associate
+   end function row
+
+   !> The type of a special point; empty for another point.
+   pure function special_name(branch, k) result(name)
+      type(points_type), intent(in) :: branch
+      integer, intent(in) :: k
+      character(:), allocatable :: name
+
+      name = ''
+      if (branch%special(1, k) > 0) name = condition_name(branch%special(1, k), &
+         branch%special(2, k), branch%symmetric, branch%mirrored)
+   end function special_name
+
+   pure function numbers(values) result(text)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(values)
+         if (ieee_is_nan(values(i))) then
+            text = text//',nan'
+         else
+            text = text//','//exact(values(i))
+         end if
+      end do
+   end function numbers
+
+   !> Why a branch ends.
+   pure function end_text(reason) result(text)
+      integer, intent(in) :: reason
+      character(:), allocatable :: text
+
+      select case (reason)
+      case (end_bound)
+         text = 'bound of the parameter'
+      case (end_repetition)
+         text = 'meets a motion that repeats itself'
+      case (end_closed)
+         text = 'closed'
+      case (end_full)
+         text = 'full'
+      case default
+         text = 'cannot be followed'
+      end select
+   end function end_text
+
+end module vi_report_branch

@@ -1,0 +1,71 @@
+!> Runs a case with a zone.
+module vi_run_zone
+   use vi_case_type, only: case_type
+   use vi_log, only: done, failed, log_type, say, write_table
+   use vi_pattern, only: side_letters
+   use vi_report_zone, only: incomplete, zone_lines
+   use vi_text, only: line_type, whole
+   use vi_zone_pieces, only: pieces_type, zone_pieces
+   implicit none (type, external)
+   private
+
+   public :: run_zone
+
+contains
+
+   !> Finds the zones of a case and writes their boundaries; a window without any is said to be so.
+   subroutine run_zone(case, folder, log, written)
+      type(case_type), intent(in) :: case
+      character(*), intent(in) :: folder
+      type(log_type), intent(inout) :: log
+      !> False if the result could not be written.
+      logical, intent(out) :: written
+      type(pieces_type) :: found
+      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: what
+
+      written = .true.
+      what = side_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
+      call zone_pieces(case%zone, case%symmetric == ['yes ', 'no  '] .or. case%symmetric &
+         == 'both', found)
+      if (found%motions == 0) then
+         call say(log, failed, case%name//': no motion '//what//' was found anywhere in the window')
+         return
+      else if (found%n == 0 .and. found%complete) then
+         call say(log, failed, case%name//': no zone: motions '//what// &
+            ' were found in the window, but none that is both stable and admissible')
+         return
+      end if
+      call zone_lines(case, found, lines)
+      call write_table(folder//'/'//case%name//'.csv', lines, log, written)
+      if (.not. written) return
+      call say(log, done, case%name//': '//what//', '//counted(found%loops, 'loop')//' in '// &
+         counted(found%n, 'piece')//kinds(found))
+      if (.not. found%complete) call say(log, failed, case%name//': '//incomplete)
+   end subroutine run_zone
+
+   !> The types of the pieces, each once.
+   pure function kinds(found) result(text)
+      type(pieces_type), intent(in) :: found
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, found%n
+         associate (name => found%pieces(i)%name)
+            if (index(text//',', ' '//name//',') > 0) cycle
+            text = text//trim(merge(':', ',', len(text) == 0))//' '//name
+         end associate
+      end do
+   end function kinds
+
+   pure function counted(number, thing) result(text)
+      integer, intent(in) :: number
+      character(*), intent(in) :: thing
+      character(:), allocatable :: text
+
+      text = whole(number)//' '//thing
+      if (number /= 1) text = text//'s'
+   end function counted
+
+end module vi_run_zone

@@ -1,0 +1,76 @@
+!> The branch of a motion, from its start to its table.
+module vi_branch_of
+   use vi_branch_table, only: branch_arrays, branch_request_type
+   use vi_family, only: can_be_symmetric
+   use vi_kinds, only: wp
+   use vi_motion, only: motion_type
+   use vi_orbit, only: by_left, by_right
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: branch_of, is_symmetric
+
+   !> The points of a branch; arrays as in vi_branch_table, points on the last axis.
+   type, public :: points_type
+      !> Whether the motions are their own mirror images, and whether those of the pattern could be
+      !! although these are not.
+      logical :: symmetric = .false., mirrored = .false.
+      integer :: n = 0
+      real(wp), allocatable :: parameters(:, :), phases(:, :), impacts(:, :, :), scalars(:, :)
+      complex(wp), allocatable :: multipliers(:, :)
+      integer, allocatable :: verdicts(:, :), codes(:), special(:, :)
+      !> Why it ends, at its first and at its last point.
+      integer :: reasons(2) = 0
+      integer :: status = stat%ok
+   end type points_type
+
+contains
+
+   !> Follows a motion both ways along a parameter.
+   pure subroutine branch_of(motion, parameter, tied, bounds, longest, most, points)
+      type(motion_type), intent(in) :: motion
+      !> Its place in the core; `tied`: R2 follows R1.
+      integer, intent(in) :: parameter
+      logical, intent(in) :: tied
+      real(wp), intent(in) :: bounds(2), longest
+      !> Most points each way.
+      integer, intent(in) :: most
+      type(points_type), intent(out) :: points
+      type(branch_request_type) :: request
+      integer :: n, room
+
+      associate (osc => motion%osc, p => points)
+         p%mirrored = can_be_symmetric(motion%pattern, osc%restitution)
+         p%symmetric = is_symmetric(motion) .and. (tied .or. .not. any(parameter == [by_right, &
+            by_left]))
+         p%mirrored = p%mirrored .and. .not. p%symmetric
+         request = branch_request_type(motion%pattern, p%symmetric, [motion%r, &
+            log(motion%clearance), osc%xi, osc%mu, osc%restitution], parameter, tied, bounds, &
+            longest)
+         n = size(motion%x)
+         room = 2*most
+         allocate (p%parameters(6, room), p%phases(n, room), p%impacts(n, 6, room), &
+            p%scalars(6, room), p%multipliers(4, room), p%verdicts(3, room), p%codes(room), &
+            p%special(3, room))
+         call branch_arrays(request, [motion%x/motion%clearance, motion%phases + motion%tau], &
+            p%parameters, p%phases, p%impacts, p%scalars, p%multipliers, p%verdicts, p%codes, &
+            p%special, p%n, p%reasons, p%status)
+      end associate
+   end subroutine branch_of
+
+   !> Whether a motion is its own mirror image half a period later, to 1e-6.
+   pure logical function is_symmetric(motion)
+      type(motion_type), intent(in) :: motion
+      real(wp), parameter :: pi = acos(-1.0_wp), near = 1.0e-6_wp
+      integer :: half
+
+      is_symmetric = can_be_symmetric(motion%pattern, motion%osc%restitution)
+      if (.not. is_symmetric) return
+      half = size(motion%x)/2
+      is_symmetric = all(abs(motion%phases(half + 1:) - motion%phases(:half) &
+         - pi*motion%pattern%cycles) < near) .and. &
+         all(abs(motion%x(half + 1:) + motion%x(:half)) < near*motion%clearance)
+   end function is_symmetric
+
+end module vi_branch_of

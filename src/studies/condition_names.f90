@@ -1,0 +1,66 @@
+!> The field's names for the conditions that bound the motions of a branch or a zone.
+module vi_condition_names
+   use vi_frame, only: edge, flip, fold, grazing, neimark_sacker, repetition, rest_vanishes, &
+      zero_approach
+   implicit none (type, external)
+   private
+
+   public :: condition_detail, condition_name
+
+   !> The parameters in their order in the core.
+   character(6), parameter :: parameters(6) = [character(6) :: 'r', 'd K/F0', 'xi', 'mu', 'R1', &
+      'R2']
+
+contains
+
+   !> The type of a condition that is zero.
+   pure function condition_name(kind, index, symmetric, mirrored) result(name)
+      integer, intent(in) :: kind, index
+      !> The family is one of symmetric motions.
+      logical, intent(in) :: symmetric
+      !> The first way in which a member can repeat itself is as its own mirror image.
+      logical, intent(in) :: mirrored
+      character(:), allocatable :: name
+
+      select case (kind)
+      case (fold)
+         name = 'fold'
+      case (flip)
+         name = trim(merge('pitchfork', 'flip     ', symmetric))
+      case (neimark_sacker)
+         name = 'neimark_sacker'
+      case (zero_approach)
+         name = 'zero_approach'
+      case (grazing)
+         name = 'grazing'
+      case (repetition)
+         name = trim(merge('pitchfork', 'flip     ', mirrored .and. index == 1))
+      case (edge)
+         name = 'bound'
+      case (rest_vanishes)
+         name = 'rest_vanishes'
+      case default
+         name = 'unknown'
+      end select
+   end function condition_name
+
+   !> Which flight touches which wall, which impact has no approach, which parameter is at a bound.
+   pure function condition_detail(kind, index, side) result(detail)
+      integer, intent(in) :: kind, index, side
+      character(:), allocatable :: detail
+      character(12) :: number
+
+      write (number, '(i0)') index
+      select case (kind)
+      case (grazing)
+         detail = 'flight '//trim(number)//' touches '//merge('R', 'L', side > 0)
+      case (zero_approach)
+         detail = 'impact '//trim(number)
+      case (edge)
+         detail = trim(merge('lowest ', 'highest', side > 0))//' '//trim(parameters(index))
+      case default
+         detail = ''
+      end select
+   end function condition_detail
+
+end module vi_condition_names

@@ -1,0 +1,125 @@
+!> Zones as lists of pieces: the runs of vertices along which one condition is zero.
+module vi_zone_pieces
+   use vi_condition_names, only: condition_detail, condition_name
+   use vi_family, only: can_be_symmetric
+   use vi_frame, only: edge
+   use vi_kinds, only: wp
+   use vi_loop, only: loop_type
+   use vi_zone, only: find_zone, zone_request_type, zone_type
+   implicit none (type, external)
+   private
+
+   public :: zone_pieces
+
+   !> One piece: its first and last vertices are corners, unless the whole loop is one piece.
+   type, public :: piece_type
+      character(:), allocatable :: name, detail
+      logical :: symmetric = .false.
+      !> The loop; 0 if that could not be closed.
+      integer :: loop = 0
+      !> (2, m): r, D
+      real(wp), allocatable :: vertices(:, :)
+      logical, allocatable :: corner(:)
+   end type piece_type
+
+   !> What was found.
+   type, public :: pieces_type
+      type(piece_type), allocatable :: pieces(:)
+      !> Pieces, loops that are closed, motions found on the lattice.
+      integer :: n = 0, loops = 0, motions = 0
+      !> Whether all boundaries that were found could be closed.
+      logical :: complete = .true.
+   end type pieces_type
+
+contains
+
+   !> The zones of a pattern: of symmetric motions, of the others, or of both, in this order.
+   pure subroutine zone_pieces(request, families, found)
+      type(zone_request_type), intent(in) :: request
+      !> Whether symmetric motions and whether others are wanted.
+      logical, intent(in) :: families(2)
+      type(pieces_type), intent(out) :: found
+      type(zone_request_type) :: one
+      type(zone_type) :: zone
+      real(wp) :: none(2 + 2*size(request%pattern%sides), 0)
+      logical :: possible
+      integer :: i, j, status
+
+      allocate (found%pieces(16))
+      possible = can_be_symmetric(request%pattern, request%osc%restitution)
+      one = request
+      do i = 1, 2
+         one%symmetric = i == 1
+         if (.not. families(i) .or. (one%symmetric .and. .not. possible)) cycle
+         call find_zone(one, none, zone, status)
+         found%motions = found%motions + zone%nodes
+         ! a full list of loops may have lost some
+         found%complete = found%complete .and. zone%untraced == 0 .and. zone%n < size(zone%loops)
+         do j = 1, zone%n
+            call split(zone, zone%loops(j), one%symmetric, possible .and. .not. one%symmetric, found)
+         end do
+      end do
+   end subroutine zone_pieces
+
+   !> Splits a loop at its corners, which are there twice.
+   pure subroutine split(zone, loop, symmetric, mirrored, found)
+      type(zone_type), intent(in) :: zone
+      type(loop_type), intent(in) :: loop
+      logical, intent(in) :: symmetric, mirrored
+      type(pieces_type), intent(inout) :: found
+      integer, allocatable :: starts(:), run(:)
+      integer :: i, j, m, number
+
+      if (loop%closed) found%loops = found%loops + 1
+      found%complete = found%complete .and. loop%closed
+      number = merge(found%loops, 0, loop%closed)
+      starts = [1, pack([(j, j=2, loop%n)], loop%corner(2:loop%n) .and. loop%corner(:loop%n - 1)), &
+         loop%n + 1]
+      m = size(starts) - 1
+      if (loop%closed .and. m > 1) then
+         ! the loop begins within a piece
+         run = [(j, j=starts(m), loop%n), (j, j=1, starts(2) - 1)]
+         m = m - 1
+      else
+         run = [(j, j=1, starts(2) - 1)]
+         if (loop%closed) run = [run, 1]
+      end if
+      do i = 1, m
+         if (i > 1) run = [(j, j=starts(i), starts(i + 1) - 1)]
+         call append(zone, loop, run, number, symmetric, mirrored, found)
+      end do
+   end subroutine split
+
+   pure subroutine append(zone, loop, run, number, symmetric, mirrored, found)
+      type(zone_type), intent(in) :: zone
+      type(loop_type), intent(in) :: loop
+      integer, intent(in) :: run(:), number
+      logical, intent(in) :: symmetric, mirrored
+      type(pieces_type), intent(inout) :: found
+      type(piece_type), allocatable :: longer(:)
+      integer :: j, m
+
+      if (found%n == size(found%pieces)) then
+         allocate (longer(2*found%n))
+         longer(:found%n) = found%pieces
+         call move_alloc(longer, found%pieces)
+      end if
+      found%n = found%n + 1
+      associate (piece => found%pieces(found%n), &
+         condition => loop%conditions(run(min(2, size(run)))))
+         piece%name = condition_name(condition%kind, condition%index, symmetric, mirrored)
+         if (condition%kind == edge) piece%name = 'window'
+         piece%detail = condition_detail(condition%kind, condition%index, condition%side)
+         piece%symmetric = symmetric
+         piece%loop = number
+         piece%corner = loop%corner(run)
+         allocate (piece%vertices(2, size(run)))
+         m = size(loop%points, 1) - 2
+         do j = 1, size(run)
+            piece%vertices(:, j) = zone%sheet%origin + zone%sheet%scale*loop%points(m + 1:, run(j))
+            piece%vertices(2, j) = exp(piece%vertices(2, j))
+         end do
+      end associate
+   end subroutine append
+
+end module vi_zone_pieces
