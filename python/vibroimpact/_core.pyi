@@ -115,7 +115,7 @@ class _ConditionText(Protocol):
     # name, detail
     def __call__(
         self, kind: int, index: int, side: int, symmetric: int, mirrored: int
-    ) -> tuple[NDArray[np.bytes_], NDArray[np.bytes_]]: ...
+    ) -> tuple[_Bytes, _Bytes]: ...
 
 @type_check_only
 class _RunNamelists(Protocol):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -11,17 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, checks
-from .errors import ParameterError
+from .errors import ParameterError, SingularError
 from .model import Oscillator, Pattern
 from .motion import Motion
+from .newton import exact
 from .solve import equispaced, periodic
+from .studies.branch import Branch, branch
+from .studies.zone import Zone, zone
 from .trajectory import Trajectory, simulate
 
 __all__ = ["RunLog", "run_namelists"]
 
 
 #: Kinds of cases.
-KINDS = ("periodic", "equispaced", "simulate")
+KINDS = ("periodic", "equispaced", "exact", "simulate", "branch", "zone")
 
 
 class Case(NamedTuple):
@@ -31,33 +35,69 @@ class Case(NamedTuple):
     ----------
     name : str
         Of the result.
-    kind : {"periodic", "equispaced", "simulate"}
+    kind : {"periodic", "equispaced", "exact", "simulate", "branch", "zone"}
     osc : Oscillator
-    r : float
+    r : float or None
+        A zone has a window of them.
     keys : dict
-        All other keys of its group, with the values of those that were missing.
+        All other keys of its groups, with the values of those that were missing; of a branch also
+        motion_kind, the kind of its &motion.
     """
 
     name: str
     kind: str
     osc: Oscillator
-    r: float
+    r: Any
     keys: dict[str, Any]
 
+    @property
+    def motion_kind(self) -> str:
+        """The kind of the motion, also of that which a branch starts from."""
+        kind: str = self.keys.get("motion_kind", self.kind)
+        return kind
+
     def motions(self) -> list[Motion]:
-        """The motions that a &motion case asks for, none if there is no such motion."""
+        """The motions that a &motion asks for, none if there is no such motion."""
         keys = self.keys
-        if self.kind == "equispaced":
+        if self.motion_kind == "equispaced":
             return equispaced(
                 self.osc, self.r, keys["clearance"], keys["cycles"], keys["precision"]
             )
         pattern = Pattern(keys["sides"], keys["cycles"])
-        return [
-            periodic(
-                self.osc, self.r, keys["phases"], pattern, keys.get("impact_restitution"),
-                keys["precision"], keys["acceptance"],
-            )
-        ]  # fmt: skip
+        motion = periodic(
+            self.osc, self.r, keys["phases"], pattern, keys.get("impact_restitution"),
+            keys["precision"], keys.get("acceptance", 1.0),
+        )  # fmt: skip
+        if self.motion_kind == "exact":
+            motion = exact(self.osc, self.r, keys["clearance"], motion)
+        return [motion]
+
+    def branches(self) -> list[Branch]:
+        """The branches that a &branch case asks for, one for each of its motions that can be followed."""
+        keys = self.keys
+        found = []
+        for motion in self.motions():
+            with contextlib.suppress(SingularError):
+                start = motion
+                if self.motion_kind != "exact":
+                    start = exact(self.osc, self.r, motion.clearance, motion)
+                found.append(
+                    branch(
+                        start, keys["parameter"], (keys["low"], keys["high"]), keys["longest_step"],
+                        keys["max_points"],
+                    )  # fmt: skip
+                )
+        return found
+
+    def zone(self) -> Zone:
+        """The zone that a &zone case asks for."""
+        keys = self.keys
+        return zone(
+            self.osc, Pattern(keys["sides"], keys["cycles"]), (keys["r_min"], keys["r_max"]),
+            (keys["clearance_min"], keys["clearance_max"]),
+            {"yes": True, "no": False, "both": None}[keys["symmetric"]], keys["lines"], keys["guesses"],
+            max_points=keys["max_points"],
+        )  # fmt: skip
 
     def trajectory(self) -> Trajectory:
         """The simulation that a &simulate case asks for."""
@@ -97,10 +137,11 @@ def run_namelists(
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion or &simulate, &output (see inputs/README.md), or earlier results.
+        Files with the groups &system, &motion, &simulate, &branch or &zone, &output (see
+        inputs/README.md), or earlier results.
     folder : path
         Made if it is not there.
-    only : {"periodic", "equispaced", "simulate"}, optional
+    only : {"periodic", "equispaced", "exact", "simulate", "branch", "zone"}, optional
         The one kind of cases to run; a file without any is then an input that is wrong.
 
     Returns
@@ -157,7 +198,9 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
         group, (key, equals, value) = line[2:3] == "&", line[2:].strip().partition(" = ")
         if group and key == "&system":
             cases.append({})
-        elif group and key in ("&motion", "&simulate"):
+        elif group and key == "&branch":
+            cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
+        elif group and key in ("&motion", "&simulate", "&zone"):
             cases[-1].setdefault("kind", key[1:])
         elif equals and not key.startswith("!"):
             cases[-1][key] = _value(value)
@@ -166,7 +209,7 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
 
 def _case(keys: dict[str, Any]) -> Case:
     name, kind, xi, mu, walls, r = (
-        keys.pop(key) for key in ("name", "kind", "xi", "mu", "restitution", "r")
+        keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r")
     )
     return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys)
 

@@ -99,7 +99,11 @@ def _points_of(file: str) -> list[Point | None]:
     """The points of the cases of a file; phases that are given have a clearance of their own."""
     points: list[Point | None] = []
     for case in read_namelist(file):
-        if case.kind != "periodic":
+        if case.kind == "zone":
+            raise ParameterError(
+                f"{file}: {case.name}: must be a &motion, &simulate or &branch; a &zone has no point to search at"
+            )
+        if case.motion_kind != "periodic":
             keys = case.keys
             points.append((case.osc, case.r, keys["clearance"], keys.get("load", 1.0)))
             continue

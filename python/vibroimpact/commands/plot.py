@@ -1,4 +1,4 @@
-"""`vibroimpact plot`: pictures of the motions and simulations of namelist files."""
+"""`vibroimpact plot`: pictures of the cases of namelist files."""
 
 from __future__ import annotations
 
@@ -9,13 +9,16 @@ from pathlib import Path
 
 from ..errors import ParameterError, SingularError
 from ..motion import Motion
-from ..run import read_namelist
+from ..run import Case, read_namelist
+from ..studies.branch import Branch
+from ..studies.zone import Zone
 from ..trajectory import Trajectory
 from . import PICTURES, add_files, add_folder, picture_writer
 
-HELP = "draw the motions and simulations of namelist files"
+HELP = "draw the cases of namelist files"
 DESCRIPTION = """Draw each motion and each simulation that namelist files ask for: time history, load,
-acceleration and phase portrait, in DIR/NAME.png (NAME_1, NAME_2 if a case has two motions)."""
+acceleration and phase portrait; each branch along its parameter; each zone in its window; in
+DIR/NAME.png (NAME_1, NAME_2 if a case has two motions or branches)."""
 EXAMPLE = "vibroimpact plot inputs/table1.nml -o results"
 
 
@@ -40,9 +43,11 @@ def run(options: argparse.Namespace) -> int:
     drawn: set[Path] = set()
     for file, case in cases:
         reason = "there is no such motion for these parameters"
-        things: Sequence[Motion | Trajectory] = ()
+        if case.kind == "zone":
+            reason = "there is no zone of stable, admissible motions in the window"
+        things: Sequence[Motion | Trajectory | Branch | Zone] = ()
         try:
-            things = [case.trajectory()] if case.kind == "simulate" else case.motions()
+            things = pictured(case)
         except SingularError as error:
             reason = str(error)
         if not things:
@@ -62,3 +67,13 @@ def run(options: argparse.Namespace) -> int:
             drawn.add(path)
             print(f"{case.name}: {save(thing.plot(), path)}")
     return status
+
+
+def pictured(case: Case) -> Sequence[Motion | Trajectory | Branch | Zone]:
+    """What is drawn of a case, each in a picture of its own."""
+    if case.kind == "zone":
+        zone = case.zone()
+        return [zone] if zone else []
+    if case.kind == "simulate":
+        return [case.trajectory()]
+    return case.branches() if case.kind == "branch" else case.motions()

@@ -1,0 +1,109 @@
+"""A case from options instead of a namelist file: it is written as one and read like any other."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..errors import ParameterError
+from ..run import Case, RunLog, read_namelist, run_namelists
+from . import PICTURES, add_files, add_folder
+
+#: Namelist groups with their keys; those with the value None are left out.
+Groups = Mapping[str, Mapping[str, Any]]
+
+
+def add_case(parser: argparse.ArgumentParser) -> None:
+    """Files, or the options that all cases have; the folder, and --plot."""
+    add_files(parser, "*")
+    add_folder(parser)
+    parser.add_argument("--xi", type=float, metavar="XI", help="damping ratio")
+    parser.add_argument("--mu", type=float, metavar="MU", help="mass ratio")
+    parser.add_argument(
+        "--restitution", type=float, nargs="+", metavar="R",
+        help="coefficient of restitution of both walls, or of the right one and the left one",
+    )  # fmt: skip
+    parser.add_argument("--sides", metavar="SIDES", help="walls of the impacts in order, as RRL")
+    parser.add_argument("--cycles", type=int, metavar="K", help="load cycles a period (default: 1)")
+    parser.add_argument(
+        "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
+        help=f"draw it, as {', '.join(PICTURES)} (default: {PICTURES[0]})",
+    )  # fmt: skip
+
+
+def run_cases(
+    options: argparse.Namespace, kind: str, groups: Groups, needed: Sequence[str], folder: str | Path
+) -> tuple[RunLog, list[Case]]:
+    """Run the cases of one kind of the files, or the one that the options name.
+
+    Parameters
+    ----------
+    options
+        As `add_case` and the command have them.
+    kind : str
+        The kind of cases, and the name of the result where options name the case.
+    groups
+        The namelist that the options make.
+    needed
+        Options without which they make none.
+    folder
+        For the results.
+
+    Returns
+    -------
+    RunLog
+    list of Case
+        Those of which a result was written.
+    """
+    with _files(options, kind, groups, needed) as (files, made):
+        log = run_namelists(files, folder, only=kind)
+    if made:  # nobody knows the file that the options were written to
+        lines = [(fault, re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)) for fault, line in log.lines]
+        log = log._replace(lines=lines)
+    return log, [case for path in log.results for case in read_namelist(path)]
+
+
+@contextmanager
+def _files(
+    options: argparse.Namespace, kind: str, groups: Groups, needed: Sequence[str]
+) -> Iterator[tuple[list[str], str]]:
+    """The files to run, and the one that is made of the options."""
+    apart = ("command", "files", "folder", "plot", "format")
+    given = [name for name, value in vars(options).items() if value is not None and name not in apart]
+    if options.files:
+        if given:
+            raise ParameterError(f"--{_word(given[0])}: must be left out beside a namelist file")
+        yield options.files, ""
+        return
+    for name in needed:
+        if name not in given:
+            raise ParameterError(
+                f"--{_word(name)}: must be given, or a namelist file instead of the options"
+            )
+    with tempfile.TemporaryDirectory() as place:
+        made = Path(place) / f"{kind}.nml"
+        made.write_text(_namelist(groups), encoding="utf-8")
+        yield [str(made)], str(made)
+
+
+def _word(name: str) -> str:
+    return name.replace("_", "-")
+
+
+def _namelist(groups: Groups) -> str:
+    """Groups as a namelist."""
+    lines = []
+    for group, keys in groups.items():
+        lines += [f"&{group}", *(f"{key} = {_value(x)}" for key, x in keys.items() if x is not None), "/"]
+    return "\n".join(lines) + "\n"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''").replace("\n", " ") + "'"
+    return ", ".join(map(repr, value)) if isinstance(value, list) else repr(value)
