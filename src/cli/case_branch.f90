@@ -23,6 +23,9 @@ module vi_case_branch
    real(wp), parameter :: least(7) = [1.0e-6_wp, 1.0e-12_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
    real(wp), parameter :: most(7) = [1.0e6_wp, 1.0e12_wp, nearest(1.0_wp, -1.0_wp), 1.0e6_wp, &
       1.0_wp, 1.0_wp, 1.0_wp]
+   character(26), parameter :: ranges(7) = [character(26) :: '1e-6 <= r <= 1e6', &
+      '1e-12 <= clearance <= 1e12', '0 <= xi < 1', '0 <= mu <= 1e6', '0 <= R1 <= 1', &
+      '0 <= R2 <= 1', '0 <= restitution <= 1']
 
 contains
 
@@ -101,12 +104,12 @@ contains
       real(wp) :: start(2)
 
       start = start_value(case, place)
-      associate (low => case%bounds(1), high => case%bounds(2), name => case%parameter, &
+      associate (low => case%bounds(1), high => case%bounds(2), &
          resonance => case%osc%xi <= 0)
          if (.not. (low >= least(place) .and. low <= start(1))) then
-            call complain(group, 'low', line, message, limits(name, place, start))
+            call complain(group, 'low', line, message, limits(place, start))
          else if (.not. (high <= most(place) .and. high >= start(2) .and. high > low)) then
-            call complain(group, 'high', line, message, limits(name, place, start))
+            call complain(group, 'high', line, message, limits(place, start))
          else if ((place == by_r .and. resonance .and. low <= 1 .and. high >= 1) .or. &
             (place == by_xi .and. low <= 0 .and. abs(case%r - 1) <= 0)) then
             call complain(group, 'low', line, message, &
@@ -116,15 +119,13 @@ contains
    end subroutine check_bounds
 
    !> What is allowed for the bounds of a parameter.
-   pure function limits(name, place, start) result(text)
-      character(*), intent(in) :: name
+   pure function limits(place, start) result(text)
       integer, intent(in) :: place
       real(wp), intent(in) :: start(2)
       character(:), allocatable :: text
 
-      text = shown(least(place), 'g0.6')//' <= '//name//trim(merge(' < ', ' <=', place == by_xi))//' ' &
-         //shown(merge(1.0_wp, most(place), place == by_xi), 'g0.6')
-      if (abs(start(1)) <= huge(1.0_wp)) text = text//', and the motion has '//name//' = ' &
+      text = trim(ranges(place))
+      if (start(1) <= start(2)) text = text//', and the motion has '//trim(names(place))//' = ' &
          //shown(start(1), 'g0.10')
    end function limits
 

@@ -52,6 +52,11 @@ contains
       call begin_walk(curve, none, point, along, 0.1_wp*stride%longest, now, good)
       if (.not. good) return
       call append(branch, now, condition_type())
+      if (on_bound(curve, now, way)) then
+         branch%special(1) = curve%frame%edges((3 + way)/2)
+         branch%reason = end_bound
+         return
+      end if
       before = now
       do while (branch%n + size(now%values) < most)
          call take_step(curve, none, stride, now, next, good)
@@ -75,6 +80,16 @@ contains
       branch%reason = end_full
    end subroutine follow_branch
 
+   !> Whether a walk begins on the bound of the parameter that lies its way.
+   pure logical function on_bound(curve, start, way)
+      type(curve_type), intent(in) :: curve
+      type(place_type), intent(in) :: start
+      integer, intent(in) :: way
+
+      ! the edges are the last two conditions: lowest, highest
+      on_bound = start%values(size(start%values) + (way - 1)/2) <= 1.0e-14_wp*curve%scale(1)
+   end function on_bound
+
    !> Appends the special points within a step, in order.
    pure subroutine note_special(curve, now, next, branch, done)
       type(curve_type), intent(in) :: curve
@@ -89,7 +104,8 @@ contains
       integer :: j
 
       done = .false.
-      crossed = now%values*next%values < 0
+      ! a start on a bound may lie outside by rounding: to come in is no event
+      crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= edge)
       do j = 1, size(crossed)
          if (.not. crossed(j)) cycle
          call locate(curve, none, now, next, j, found(j), share(j), good)

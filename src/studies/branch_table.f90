@@ -81,6 +81,7 @@ contains
       points(:, :half(1)%n) = half(1)%points(:, half(1)%n:1:-1)
       points(:, half(1)%n:) = half(2)%points(:, :half(2)%n)
       conditions = [half(1)%special(half(1)%n:2:-1), half(2)%special(:half(2)%n)]
+      if (half(1)%special(1)%kind > 0) conditions(half(1)%n) = half(1)%special(1)
       do i = 1, n
          call write_point(request, curve, points(:, i), parameters(:, i), phases(:, i), &
             impacts(:, :, i), scalars(:, i), multipliers(:, i), verdicts(:, i), codes(i))

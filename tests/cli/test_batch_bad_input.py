@@ -56,7 +56,8 @@ VALUES = [
 
 #: The same for keys that the complete case does not have: they replace `cycles`.
 KEYS = [
-    ("kind = 'chaotic'", "'periodic' (phases given) or 'equispaced'"),
+    ("kind = 'chaotic'", "'periodic' (phases given), 'equispaced'"),
+    ("kind = 'exact'", "&motion clearance: is missing"),
     ("kind = ''", "'periodic'"),
     ("kind = periodic", "'periodic'"),
     ("kind = 'periodic            x'", "'periodic'"),
