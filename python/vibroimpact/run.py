@@ -83,7 +83,10 @@ class Case(NamedTuple):
                     start = exact(self.osc, self.r, motion.clearance, motion)
                 found.append(
                     branch(
-                        start, keys["parameter"], (keys["low"], keys["high"]), keys["longest_step"],
+                        start,
+                        keys["parameter"],
+                        (keys["low"], keys["high"]),
+                        keys["longest_step"],
                         keys["max_points"],
                     )  # fmt: skip
                 )

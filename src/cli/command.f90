@@ -97,7 +97,7 @@ contains
       write (unit, '(a)') &
          'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
          '', &
-         'Computes the motions, simulations, branches and zones that the namelist files ask for', &
+         'Computes the motions, simulations, branches and zones that namelist files ask for', &
          'and writes each case to DIR/NAME.csv and, if it asks for a table, to DIR/NAME.txt (DIR is', &
          '"results" unless given). A result is itself an input that reproduces it. Groups:', &
          '&system, &motion, &simulate, &chart, &branch, &zone, &output; see inputs/README.md.', &

@@ -16,7 +16,8 @@ contains
       case default
          text = ''
       case ('branch parameter')
-         text = '''r'', ''clearance'', ''xi'', ''mu'', ''R1'', ''R2'' or ''restitution'' (both walls)'
+         text = '''r'', ''clearance'', ''xi'', ''mu'', ''R1'', ''R2'' or ''restitution'' (both &
+            &walls)'
       case ('branch low')
          text = 'a number, at most the value that the motion has'
       case ('branch high')

@@ -38,11 +38,14 @@ contains
       n = 0
       do i = 1, size(motions)
          start = motions(i)
-         if (start%status == stat%ok .and. case%motion_kind /= 'exact') &
+         if (start%status == stat%ok .and. case%motion_kind /= 'exact') then
             call refine(start%clearance, start)
+         end if
          if (start%status /= stat%ok) then
-            if (i == 1 .or. any(motions%status == stat%ok)) call say(log, failed, case%name &
-               //': '//status_text(start%status))
+            ! that there is neither of a pair is said once
+            if (i == 1 .or. any(motions%status == stat%ok)) then
+               call say(log, failed, case%name//': '//status_text(start%status))
+            end if
             cycle
          end if
          n = n + 1
@@ -59,10 +62,11 @@ contains
       if (.not. written) return
       do i = 1, n
          call say(log, done, case%name//': '//summary(branches(i)))
-         if (any(branches(i)%reasons == end_stuck) .or. any(branches(i)%reasons == end_full)) &
-            call say(log, failed, case%name//': cut short, branch '//whole(i)//': '// &
-            trim(merge('max_points was reached           ', 'it could not be followed further ', &
-            any(branches(i)%reasons == end_full))))
+         if (any(branches(i)%reasons == end_full)) then
+            call say(log, failed, case%name//': cut short, max_points was reached')
+         else if (any(branches(i)%reasons == end_stuck)) then
+            call say(log, failed, case%name//': cut short, the branch cannot be followed further')
+         end if
       end do
    end subroutine run_branch
 

@@ -56,7 +56,8 @@ contains
          ! a full list of loops may have lost some
          found%complete = found%complete .and. zone%untraced == 0 .and. zone%n < size(zone%loops)
          do j = 1, zone%n
-            call split(zone, zone%loops(j), one%symmetric, possible .and. .not. one%symmetric, found)
+            call split(zone, zone%loops(j), one%symmetric, possible .and. .not. one%symmetric, &
+               found)
          end do
       end do
    end subroutine zone_pieces

@@ -57,7 +57,6 @@ VALUES = [
 #: The same for keys that the complete case does not have: they replace `cycles`.
 KEYS = [
     ("kind = 'chaotic'", "'periodic' (phases given), 'equispaced'"),
-    ("kind = 'exact'", "&motion clearance: is missing"),
     ("kind = ''", "'periodic'"),
     ("kind = periodic", "'periodic'"),
     ("kind = 'periodic            x'", "'periodic'"),
@@ -101,7 +100,7 @@ FORMS = [
     ("subscript of a number", changed(2, "xi(1) = 0.1"), 2, "&system xi", "0 <= xi < 1"),
     ("resonance", changed(5, "r = 1").replace("xi = 0.005", "xi = 0"), 5, "&system r = 1",
      "differ from 1 when xi = 0"),
-    ("unknown group", PAIR + "&plot\n/\n", 3, "&plot", "&system, &motion, &simulate, &chart or &output"),
+    ("unknown group", PAIR + "&plot\n/\n", 3, "&plot", "&system, &motion, &simulate, &chart, &branch, &zone or &output"),
     ("no group name", "& system\n/\n", 1, "&", "must be"),
     ("no system", PAIR.splitlines()[1], 1, "&motion", "no &system"),
     ("no motion", SYSTEM, 1, "&system", "no &motion"),

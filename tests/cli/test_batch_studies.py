@@ -103,6 +103,7 @@ def test_results_are_those_of_the_api(path, batch, command, same_build):
                               ("r2", 0.5, 0.9), ("Restitution", 0.5, 0.9))],
     BRANCH.replace("kind = 'exact'", "kind = 'periodic'").replace("clearance = 37,", ""),
     BRANCH.replace("low = 10, high = 60", "low = 37, high = 60, longest_step = 0.01"),
+    BRANCH.replace("high = 60", "high = 37"),
     ZONE.replace("'no'", "'both', lines = 9, guesses = 40"),
     WALLS.replace("0.75", "0.75, 0.61") + "&zone sides = 'RRL', r_min = 0.8, r_max = 1.1, "
     "clearance_min = 2, clearance_max = 50 /\n"])  # fmt: skip
@@ -170,7 +171,7 @@ def test_budget_of_a_branch(batch):
     """Too few points: what there is is kept and marked, status 1."""
     done = batch.case(BRANCH.replace("high = 60", "high = 60, max_points = 15"))
     assert done.status == 1
-    assert done.faults == ["case: cut short, branch 1: max_points was reached"]
+    assert done.faults == ["case: cut short, max_points was reached"]
     text = (batch.cwd / "results/case.csv").read_text()
     assert "# ! branch 1: first end: full; last end: full\n" in text
     assert 3 < len(rows(batch.cwd / "results/case.csv")) < 30
@@ -180,9 +181,7 @@ def test_budget_of_a_zone(batch):
     """Too few vertices: the open boundary is kept with loop 0 and marked, status 1."""
     done = batch.case(ZONE.replace("'no'", "'no', max_points = 100"))
     assert done.status == 1
-    assert done.faults == [
-        "case: not complete: a boundary could not be followed until it closes"
-    ]
+    assert done.faults == ["case: not complete: a boundary could not be followed until it closes"]
     assert "# ! not complete" in (batch.cwd / "results/case.csv").read_text()
     assert "0" in {row["loop"] for row in rows(batch.cwd / "results/case.csv")}
 
@@ -281,6 +280,7 @@ def test_bad_zone(old, new, wanted, line, batch):
      "&branch: the &motion before it has precision = 'single'"),
     (BRANCH.replace("clearance = 37", "clearance = 37, acceptance = 0.1"), "&motion acceptance = 0.1: must be left"),
     (BRANCH.replace("clearance = 37", "clearance = 37, precision = 'single'"), "&motion precision = 'single'"),
+    (BRANCH.replace("clearance = 37,", ""), "&motion clearance: is missing; must be a number"),
     (BRANCH.replace("0.75", "0.75, 0.6").replace("'clearance'", "'restitution'"),
      "&branch parameter = 'restitution': must be 'r'"),
     (BRANCH.replace("xi = 0.005", "xi = 0").replace("'clearance', low = 10, high = 60", "'r', low = .9, high = 2"),
@@ -315,7 +315,18 @@ def test_result_that_cannot_be_written(batch):
         assert (batch.cwd / "results").read_bytes() == b"mine"
 
 
-POINT = ["--xi", "0.005", "--mu", "0.042", "--restitution", "0.75", "--r", "0.94", "--clearance", "37"]
+POINT = [
+    "--xi",
+    "0.005",
+    "--mu",
+    "0.042",
+    "--restitution",
+    "0.75",
+    "--r",
+    "0.94",
+    "--clearance",
+    "37",
+]
 ALONG_OPTIONS = [*POINT, "--sides", "RL", "--phases-over-pi", "0", "1.37", "--parameter", "clearance", "--bounds",
                  "10", "60"]  # fmt: skip
 WINDOW = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--sides", "RL", "--symmetric", "no",

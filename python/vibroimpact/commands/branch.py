@@ -32,7 +32,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--parameter", choices=CHOICES, help="what changes along the branch")
     parser.add_argument(
-        "--bounds", type=float, nargs=2, metavar=("LOW", "HIGH"), help="its lowest and highest value"
+        "--bounds",
+        type=float,
+        nargs=2,
+        metavar=("LOW", "HIGH"),
+        help="its lowest and highest value",
     )
     parser.add_argument(
         "--longest-step", type=float, metavar="S", help="in shares of the bounds (default: 0.05)"
@@ -62,9 +66,13 @@ def run(options: argparse.Namespace) -> int:
     needed = ("xi", "mu", "restitution", "r", "clearance", "parameter", "bounds")
     log, cases = run_cases(options, "branch", groups, needed, options.folder)
     tell(log)
-    for case in cases if save is not None else ():
+    for case in cases:
+        if save is None:
+            break
         branches = case.branches()
         for i, found in enumerate(branches, start=1):
             name = case.name if len(branches) == 1 else f"{case.name}_{i}"
-            print(f"{case.name}: {save(found.plot(), Path(options.folder) / f'{name}.{options.plot}')}")
+            print(
+                f"{case.name}: {save(found.plot(), Path(options.folder) / f'{name}.{options.plot}')}"
+            )
     return log.status

@@ -37,7 +37,11 @@ def add_case(parser: argparse.ArgumentParser) -> None:
 
 
 def run_cases(
-    options: argparse.Namespace, kind: str, groups: Groups, needed: Sequence[str], folder: str | Path
+    options: argparse.Namespace,
+    kind: str,
+    groups: Groups,
+    needed: Sequence[str],
+    folder: str | Path,
 ) -> tuple[RunLog, list[Case]]:
     """Run the cases of one kind of the files, or the one that the options name.
 
@@ -63,7 +67,9 @@ def run_cases(
     with _files(options, kind, groups, needed) as (files, made):
         log = run_namelists(files, folder, only=kind)
     if made:  # nobody knows the file that the options were written to
-        lines = [(fault, re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)) for fault, line in log.lines]
+        lines = [
+            (fault, re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)) for fault, line in log.lines
+        ]
         log = log._replace(lines=lines)
     return log, [case for path in log.results for case in read_namelist(path)]
 
@@ -74,7 +80,9 @@ def _files(
 ) -> Iterator[tuple[list[str], str]]:
     """The files to run, and the one that is made of the options."""
     apart = ("command", "files", "folder", "plot", "format")
-    given = [name for name, value in vars(options).items() if value is not None and name not in apart]
+    given = [
+        name for name, value in vars(options).items() if value is not None and name not in apart
+    ]
     if options.files:
         if given:
             raise ParameterError(f"--{_word(given[0])}: must be left out beside a namelist file")
@@ -99,7 +107,11 @@ def _namelist(groups: Groups) -> str:
     """Groups as a namelist."""
     lines = []
     for group, keys in groups.items():
-        lines += [f"&{group}", *(f"{key} = {_value(x)}" for key, x in keys.items() if x is not None), "/"]
+        lines += [
+            f"&{group}",
+            *(f"{key} = {_value(x)}" for key, x in keys.items() if x is not None),
+            "/",
+        ]
     return "\n".join(lines) + "\n"
 
 

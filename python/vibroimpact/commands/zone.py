@@ -41,7 +41,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     ):
         parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)
     parser.add_argument(
-        "--format", choices=("csv", "json"), default="csv", help="form of the results (default: csv)"
+        "--format",
+        choices=("csv", "json"),
+        default="csv",
+        help="form of the results (default: csv)",
     )
 
 
