@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, checks
+from .chart import chart
 from .errors import ParameterError, SingularError
 from .model import Oscillator, Pattern
 from .motion import Motion
@@ -25,7 +26,7 @@ __all__ = ["RunLog", "run_namelists"]
 
 
 #: Kinds of cases.
-KINDS = ("periodic", "equispaced", "exact", "simulate", "branch", "zone")
+KINDS = ("periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone")
 
 
 class Case(NamedTuple):
@@ -35,10 +36,10 @@ class Case(NamedTuple):
     ----------
     name : str
         Of the result.
-    kind : {"periodic", "equispaced", "exact", "simulate", "branch", "zone"}
+    kind : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone"}
     osc : Oscillator
     r : float or None
-        A zone has a window of them.
+        A chart and a zone have a window of them.
     keys : dict
         All other keys of its groups, with the values of those that were missing; of a branch also
         motion_kind, the kind of its &motion.
@@ -88,9 +89,21 @@ class Case(NamedTuple):
                         (keys["low"], keys["high"]),
                         keys["longest_step"],
                         keys["max_points"],
-                    )  # fmt: skip
+                    )
                 )
         return found
+
+    def chart(self) -> Any:
+        """The dataset of a chart that a &chart case asks for."""
+        keys = self.keys
+        axis = np.linspace if keys["spacing"] == "linear" else np.geomspace
+        return chart(
+            self.osc, Pattern(keys["sides"], keys["cycles"]),
+            np.linspace(keys["r_min"], keys["r_max"], keys["r_points"]),
+            axis(keys["clearance_min"], keys["clearance_max"], keys["clearance_points"]),
+            {"only": True, "none": False, "both": None}[keys["symmetric"]], room=keys["room"],
+            guesses=keys["guesses"], seeds=keys["seeds"],
+        )  # fmt: skip
 
     def zone(self) -> Zone:
         """The zone that a &zone case asks for."""
@@ -140,11 +153,11 @@ def run_namelists(
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion, &simulate, &branch or &zone, &output (see
-        inputs/README.md), or earlier results.
+        Files with the groups &system, &motion, &simulate, &chart, &branch or &zone,
+        &output (see inputs/README.md), or earlier results.
     folder : path
         Made if it is not there.
-    only : {"periodic", "equispaced", "exact", "simulate", "branch", "zone"}, optional
+    only : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone"}, optional
         The one kind of cases to run; a file without any is then an input that is wrong.
 
     Returns
@@ -203,7 +216,7 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
             cases.append({})
         elif group and key == "&branch":
             cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
-        elif group and key in ("&motion", "&simulate", "&zone"):
+        elif group and key in ("&motion", "&simulate", "&chart", "&zone"):
             cases[-1].setdefault("kind", key[1:])
         elif equals and not key.startswith("!"):
             cases[-1][key] = _value(value)

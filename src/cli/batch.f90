@@ -175,7 +175,6 @@ contains
       type(event_type), allocatable :: events(:)
       type(state_type) :: state
       type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: message
       integer :: status
 
       call simulate_case(new_drive(case%osc, case%r, case%load, case%clearance), case%start, &
@@ -202,7 +201,7 @@ contains
       logical, intent(out) :: written
       type(map_type) :: map
       type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: message, what
+      character(:), allocatable :: what
 
       call chart_window(case%osc, case%pattern, case%window, map)
       written = .true.
@@ -212,12 +211,8 @@ contains
          return
       end if
       call chart_lines(case, map, lines)
-      call write_file(folder//'/'//case%name//'.csv', lines, message)
-      written = len(message) == 0
-      if (.not. written) then
-         call say(log, wrong, folder//'/'//case%name//'.csv: '//message//writable)
-         return
-      end if
+      call write_table(folder//'/'//case%name//'.csv', lines, log, written)
+      if (.not. written) return
       call say(log, done, case%name//': '//whole(count(map%status == stat%ok))//' motions '// &
          what//' at '//whole(count(any(map%status == stat%ok, 1)))//' of '// &
          whole(size(map%status, 2)*size(map%status, 3))//' points, '// &

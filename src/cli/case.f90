@@ -129,7 +129,7 @@ contains
       if (len(message) == 0) call check_system(groups(1), needs_r(groups(2:)), raw, line, message)
    end subroutine take_system
 
-   !> Whether a case of this system has one frequency ratio: a chart and a zone have a window of them.
+   !> Whether a case of this system has one frequency ratio, and not a window of them.
    pure logical function needs_r(rest)
       type(group_type), intent(in) :: rest(:)
       integer :: i

@@ -7,7 +7,7 @@ module vi_case_zone
    use vi_namelist, only: group_type
    use vi_orbit, only: most_impacts
    use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: new_pattern
+   use vi_pattern, only: starred_pattern
    use vi_raw, only: raw_type
    use vi_text, only: lower
    use vi_zone, only: zone_request_type
@@ -31,12 +31,12 @@ contains
       case%kind = 'zone'
       associate (zone => raw%zone)
          case%symmetric = trim(lower(zone%symmetric))
-         case%pattern = new_pattern(trim(zone%sides), zone%cycles)
+         case%pattern = starred_pattern(trim(zone%sides), zone%cycles)
          case%zone = zone_request_type(case%osc, case%pattern, .false., [zone%r_min, zone%r_max], &
             [zone%clearance_min, zone%clearance_max], zone%lines, zone%guesses, zone%max_points)
-         n = len_trim(zone%sides)
+         n = size(case%pattern%sides)
          if (n < 2 .or. n > most_impacts .or. any(case%pattern%sides == 0) .or. &
-            abs(sum(case%pattern%sides)) == n) then
+            all(case%pattern%sides > 0) .or. all(case%pattern%sides < 0)) then
             call complain(group, 'sides', line, message)
          else if (zone%cycles < 1 .or. zone%cycles > 10000) then
             call complain(group, 'cycles', line, message)

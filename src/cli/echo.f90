@@ -2,7 +2,7 @@
 module vi_echo
    use vi_case_type, only: case_type
    use vi_kinds, only: wp
-   use vi_pattern, only: side_letters
+   use vi_pattern, only: side_letters, starred_letters
    use vi_text, only: append, exact, line_type, whole
    use vi_version, only: version
    implicit none (type, external)
@@ -127,7 +127,7 @@ contains
 
       associate (zone => case%zone)
          call append(lines, '# &zone')
-         call append(lines, '#   sides = '''//side_letters(case%pattern%sides)//'''')
+         call append(lines, '#   sides = '''//starred_letters(case%pattern%sides)//'''')
          call append(lines, '#   cycles = '//whole(case%pattern%cycles))
          call append(lines, '#   symmetric = '''//case%symmetric//'''')
          call append(lines, '#   r_min = '//exact(zone%r(1)))

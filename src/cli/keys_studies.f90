@@ -27,7 +27,8 @@ contains
       case ('branch max_points')
          text = 'a whole number with 10 <= max_points <= 100000'
       case ('zone sides')
-         text = 'letters R and L, one an impact, 2 to 24 of them, each wall at least once'
+         text = 'letters R and L, one an impact, 2 to 24 of them, each wall at least once; a &
+            &star after a letter for impacts that accumulate and end in rest'
       case ('zone cycles')
          text = 'a whole number with 1 <= cycles <= 10000'
       case ('zone symmetric')

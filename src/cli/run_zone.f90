@@ -2,9 +2,9 @@
 module vi_run_zone
    use vi_case_type, only: case_type
    use vi_log, only: done, failed, log_type, say, write_table
-   use vi_pattern, only: side_letters
+   use vi_pattern, only: starred_letters
    use vi_report_zone, only: incomplete, zone_lines
-   use vi_text, only: line_type, whole
+   use vi_text, only: counted, line_type, whole
    use vi_zone_pieces, only: pieces_type, zone_pieces
    implicit none (type, external)
    private
@@ -25,7 +25,7 @@ contains
       character(:), allocatable :: what
 
       written = .true.
-      what = side_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
+      what = starred_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
       call zone_pieces(case%zone, case%symmetric == ['yes ', 'no  '] .or. case%symmetric &
          == 'both', found)
       if (found%motions == 0) then
@@ -58,14 +58,5 @@ contains
          end associate
       end do
    end function kinds
-
-   pure function counted(number, thing) result(text)
-      integer, intent(in) :: number
-      character(*), intent(in) :: thing
-      character(:), allocatable :: text
-
-      text = whole(number)//' '//thing
-      if (number /= 1) text = text//'s'
-   end function counted
 
 end module vi_run_zone

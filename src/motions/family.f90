@@ -81,7 +81,8 @@ contains
       integer :: n
 
       n = size(pattern%sides)
-      mirrors_itself = mod(n, 2) == 0 .and. mod(pattern%cycles, 2) == 1
+      mirrors_itself = mod(n, 2) == 0 .and. mod(pattern%cycles, 2) == 1 .and. &
+         all(abs(pattern%sides) == 1)
       if (mirrors_itself) mirrors_itself = all(cshift(pattern%sides, n/2) == -pattern%sides)
    end function mirrors_itself
 

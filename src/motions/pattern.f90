@@ -4,7 +4,7 @@ module vi_pattern
    implicit none (type, external)
    private
 
-   public :: new_pattern, side_letters, default_restitution
+   public :: new_pattern, side_letters, default_restitution, starred_letters, starred_pattern
 
    type, public :: pattern_type
       !> Side s of each impact (n): +1 for the right wall, -1 for the left; y = s d/2 there.
@@ -46,6 +46,40 @@ contains
          letters(i:i) = merge('R', 'L', sides(i) > 0)
       end do
    end function side_letters
+
+   !> The pattern of letters R and L, a star after one for accumulation and rest (2, -2).
+   pure function starred_pattern(letters, cycles) result(pattern)
+      character(*), intent(in) :: letters
+      integer, intent(in) :: cycles
+      type(pattern_type) :: pattern
+      integer :: sides(len(letters)), i, n
+
+      pattern = new_pattern(letters, cycles)
+      n = 0
+      do i = 1, len(letters)
+         if (letters(i:i) == '*' .and. n > 0) then
+            if (abs(sides(n)) == 1) then
+               sides(n) = 2*sides(n)
+               cycle
+            end if
+         end if
+         n = n + 1
+         sides(n) = pattern%sides(i)
+      end do
+      pattern%sides = sides(:n)
+   end function starred_pattern
+
+   !> The letters of the sides, the inverse of `starred_pattern`.
+   pure function starred_letters(sides) result(letters)
+      integer, intent(in) :: sides(:)
+      character(:), allocatable :: letters
+      integer :: i
+
+      letters = ''
+      do i = 1, size(sides)
+         letters = letters//merge('R', 'L', sides(i) > 0)//repeat('*', abs(sides(i)) - 1)
+      end do
+   end function starred_letters
 
    !> The coefficient of restitution of each impact where the wall alone decides it.
    elemental real(wp) function default_restitution(side, right_value, &

@@ -105,6 +105,8 @@ def test_results_are_those_of_the_api(path, batch, command, same_build):
     BRANCH.replace("low = 10, high = 60", "low = 37, high = 60, longest_step = 0.01"),
     BRANCH.replace("high = 60", "high = 37"),
     ZONE.replace("'no'", "'both', lines = 9, guesses = 40"),
+    WALLS.replace("0.75", "0.75, 0.61") + "&zone sides = 'RL*', lines = 5, r_min = 0.8, r_max = 1.1, "
+    "clearance_min = 2, clearance_max = 50 /\n",
     WALLS.replace("0.75", "0.75, 0.61") + "&zone sides = 'RRL', r_min = 0.8, r_max = 1.1, "
     "clearance_min = 2, clearance_max = 50 /\n"])  # fmt: skip
 def test_other_cases_are_those_of_the_api(text, batch, same_build):
@@ -209,7 +211,8 @@ BAD_BRANCH = [
     *[("parameter = 'clearance'", f"parameter = {v}", "'r', 'clearance', 'xi'")
       for v in ("'q'", "''", "r", "'restitutio'", "'clearance x'")],
     ("parameter = 'clearance', ", "", "&branch parameter: is missing"),
-    *[("low = 10", f"low = {v}", "1e-12 <= clearance <= 1e12, and the motion has clearance = 37.0") for v in ("nan", "0", "-1", "1e-13", "38", "inf")],
+    *[("low = 10", f"low = {v}", "1e-12 <= clearance <= 1e12, and the motion has clearance = 37.0")
+      for v in ("nan", "0", "-1", "1e-13", "38", "inf")],
     ("low = 10", "low = 1, 2", "a number, at most"),
     ("low = 10, ", "", "&branch low: is missing"),
     *[("high = 60", f"high = {v}", "above low") for v in ("nan", "36.9", "5", "inf", "1e13", "x")],
@@ -237,7 +240,7 @@ def test_bad_branch(old, new, wanted, batch):
 
 BAD_ZONE = [
     *[("sides = 'RL'", f"sides = {v}", "2 to 24", 2)
-      for v in ("'R'", "'RR'", "''", "'RXL'", f"'{'RL' * 13}'", "RL")],
+      for v in ("'R'", "'RR'", "''", "'RXL'", "'*RL'", "'RL**'", "'R*'", f"'{'RL' * 13}'", "RL")],
     *[("'no'", v, "'yes'", 2) for v in ("'maybe'", "''", ".true.", "1")],
     *[("symmetric = 'no'", f"cycles = {v}", "cycles <= 10000", 2) for v in ("0", "10001", "1.5")],
     ("sides = 'RL', symmetric = 'no'", "sides = 'RRL', symmetric = 'yes'", "mirrors the first", 2),
@@ -278,7 +281,8 @@ def test_bad_zone(old, new, wanted, line, batch):
      "&branch: the &motion before it has impact_restitution; must be without"),
     (BRANCH.replace("kind = 'exact'", "kind = 'periodic'").replace("clearance = 37", "precision = 'single'"),
      "&branch: the &motion before it has precision = 'single'"),
-    (BRANCH.replace("clearance = 37", "clearance = 37, acceptance = 0.1"), "&motion acceptance = 0.1: must be left"),
+    (BRANCH.replace("clearance = 37", "clearance = 37, acceptance = 0.1"),
+     "&motion acceptance = 0.1: must be left"),
     (BRANCH.replace("clearance = 37", "clearance = 37, precision = 'single'"), "&motion precision = 'single'"),
     (BRANCH.replace("clearance = 37,", ""), "&motion clearance: is missing; must be a number"),
     (BRANCH.replace("0.75", "0.75, 0.6").replace("'clearance'", "'restitution'"),

@@ -11,9 +11,9 @@ from .options import add_case, run_cases
 from .run import tell
 
 HELP = "follow motions along a parameter"
-DESCRIPTION = """Follow exact motions along a parameter, through folds, for the &branch cases of namelist files or for the
-one that the options name: its motion has the sides and, about, the phases that are given; without
-them the equispaced motions are followed. The points are written to DIR/NAME.csv, bifurcations among
+DESCRIPTION = """Follow exact motions along a parameter, through folds, for the &branch cases of namelist
+files or for the one that the options name: its motion has the sides and, about, the phases that are
+given; without them the equispaced motions are followed. The points are written to DIR/NAME.csv, bifurcations among
 them; with --plot a picture stands beside them. NAME is "branch" for the case of the options."""
 EXAMPLE = (
     "vibroimpact branch --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --sides RL "

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from ..errors import ParameterError, SingularError
-from ..motion import Motion
+from ..plot.chart import draw_chart
 from ..run import Case, read_namelist
-from ..studies.branch import Branch
-from ..studies.zone import Zone
-from ..trajectory import Trajectory
 from . import PICTURES, add_files, add_folder, picture_writer
 
 HELP = "draw the cases of namelist files"
 DESCRIPTION = """Draw each motion and each simulation that namelist files ask for: time history, load,
-acceleration and phase portrait; each branch along its parameter; each zone in its window; in
+acceleration and phase portrait; each branch along its parameter; each chart and zone in its window; in
 DIR/NAME.png (NAME_1, NAME_2 if a case has two motions or branches)."""
 EXAMPLE = "vibroimpact plot inputs/table1.nml -o results"
 
@@ -45,16 +44,16 @@ def run(options: argparse.Namespace) -> int:
         reason = "there is no such motion for these parameters"
         if case.kind == "zone":
             reason = "there is no zone of stable, admissible motions in the window"
-        things: Sequence[Motion | Trajectory | Branch | Zone] = ()
+        drawings: Sequence[Callable[[], Any]] = ()
         try:
-            things = pictured(case)
+            drawings = pictured(case)
         except SingularError as error:
             reason = str(error)
-        if not things:
+        if not drawings:
             print(f"{case.name}: {reason}", file=sys.stderr)
             status = max(status, 1)
-        for i, thing in enumerate(things, start=1):
-            name = case.name if len(things) == 1 else f"{case.name}_{i}"
+        for i, draw in enumerate(drawings, start=1):
+            name = case.name if len(drawings) == 1 else f"{case.name}_{i}"
             path = Path(options.folder) / f"{name}.{options.format}"
             if path in drawn:
                 print(
@@ -65,15 +64,20 @@ def run(options: argparse.Namespace) -> int:
                 status = 2
                 continue
             drawn.add(path)
-            print(f"{case.name}: {save(thing.plot(), path)}")
+            print(f"{case.name}: {save(draw(), path)}")
     return status
 
 
-def pictured(case: Case) -> Sequence[Motion | Trajectory | Branch | Zone]:
-    """What is drawn of a case, each in a picture of its own."""
+def pictured(case: Case) -> Sequence[Callable[[], Any]]:
+    """What draws a case, each picture of its own."""
+    if case.kind == "chart":
+        data = case.chart()
+        return [partial(draw_chart, data)] if (data.status == 0).any() else []
     if case.kind == "zone":
         zone = case.zone()
-        return [zone] if zone else []
+        return [zone.plot] if zone else []
     if case.kind == "simulate":
-        return [case.trajectory()]
-    return case.branches() if case.kind == "branch" else case.motions()
+        return [case.trajectory().plot]
+    if case.kind == "branch":
+        return [branch.plot for branch in case.branches()]
+    return [motion.plot for motion in case.motions()]
