@@ -69,8 +69,8 @@ contains
             if (.not. follows_case(groups(:i - 1))) message = &
                '&output: no &motion, &simulate, &chart, &branch or &zone stands before it'
          case default
-            message = '&'//groups(i)%name//': is not a group; must be &system, &motion, &
-               &simulate, &chart, &branch, &zone or &output'
+            message = '&'//groups(i)%name//': is not a group; must be &system, '// &
+               '&motion, &simulate, &chart, &branch, &zone or &output'
          end select
          if (len(message) > 0) exit
       end do
@@ -123,8 +123,8 @@ contains
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
 
-      if (.not. motion_follows(groups(2:))) message = '&system: no &motion, &
-         &simulate, &chart or &zone follows'
+      if (.not. motion_follows(groups(2:))) message = '&system: no '// &
+         '&motion, &simulate, &chart or &zone follows'
       if (len(message) == 0) call read_group(groups(1), raw, line, message)
       if (len(message) == 0) call check_system(groups(1), needs_r(groups(2:)), raw, line, message)
    end subroutine take_system

@@ -48,19 +48,26 @@ contains
    pure function condition_detail(kind, index, side) result(detail)
       integer, intent(in) :: kind, index, side
       character(:), allocatable :: detail
-      character(12) :: number
 
-      write (number, '(i0)') index
       select case (kind)
       case (grazing)
-         detail = 'flight '//trim(number)//' touches '//merge('R', 'L', side > 0)
+         detail = 'flight '//digits(index)//' touches '//merge('R', 'L', side > 0)
       case (zero_approach)
-         detail = 'impact '//trim(number)
+         detail = 'impact '//digits(index)
       case (edge)
          detail = trim(merge('lowest ', 'highest', side > 0))//' '//trim(parameters(index))
       case default
          detail = ''
       end select
    end function condition_detail
+
+   !> A whole number below 100.
+   pure function digits(number) result(text)
+      integer, intent(in) :: number
+      character(:), allocatable :: text
+
+      text = achar(iachar('0') + mod(number, 10))
+      if (number >= 10) text = achar(iachar('0') + number/10)//text
+   end function digits
 
 end module vi_condition_names

@@ -275,7 +275,7 @@ def test_bad_zone(old, new, wanted, line, batch):
     (PAIR + "&output name = 'm' /\n" + SYSTEM + ALONG, "&branch: no &motion of this &system"),
     (ALONG, "&branch: no &system stands before it"),
     (ZONE.replace(WALLS, ""), "&zone: no &system stands before it"),
-    (SYSTEM + ZONE.replace(WALLS, ""), "&system r = 0.94: must be left out: it is not for a &zone"),
+    (SYSTEM + ZONE.replace(WALLS, ""), "&system r = 0.94: must be left out: it is not for a &chart or &zone"),
     (ZONE.replace("xi = 0.0114", "xi = 0"), "&zone r_min = 0.8: must be a number with 1e-6"),
     (BRANCH.replace("clearance = 37", "clearance = 37, impact_restitution = 2*0.5"),
      "&branch: the &motion before it has impact_restitution; must be without"),
