@@ -4,7 +4,7 @@ module vi_zone_pieces
    use vi_family, only: can_be_symmetric
    use vi_frame, only: edge
    use vi_kinds, only: wp
-   use vi_loop, only: loop_type
+   use vi_loop, only: begins, loop_type
    use vi_zone, only: find_zone, zone_request_type, zone_type
    implicit none (type, external)
    private
@@ -48,6 +48,8 @@ contains
       allocate (found%pieces(16))
       possible = can_be_symmetric(request%pattern, request%osc%restitution)
       one = request
+      ! simulation finds a motion with rest only inside its zone, which may be narrow
+      if (any(abs(one%pattern%sides) == 2)) one%lines = max(33, one%lines)
       do i = 1, 2
          one%symmetric = i == 1
          if (.not. families(i) .or. (one%symmetric .and. .not. possible)) cycle
@@ -62,7 +64,7 @@ contains
       end do
    end subroutine zone_pieces
 
-   !> Splits a loop at its corners, which are there twice.
+   !> Splits a loop at its corners, which are there twice: where a piece ends and where one begins.
    pure subroutine split(zone, loop, symmetric, mirrored, found)
       type(zone_type), intent(in) :: zone
       type(loop_type), intent(in) :: loop
@@ -74,16 +76,15 @@ contains
       if (loop%closed) found%loops = found%loops + 1
       found%complete = found%complete .and. loop%closed
       number = merge(found%loops, 0, loop%closed)
-      starts = [1, pack([(j, j=2, loop%n)], loop%corner(2:loop%n) .and. loop%corner(:loop%n - 1)), &
-         loop%n + 1]
+      starts = [1, pack([(j, j=2, loop%n)], loop%corner(2:loop%n) == begins), loop%n + 1]
       m = size(starts) - 1
-      if (loop%closed .and. m > 1) then
+      if (loop%closed .and. m > 1 .and. loop%corner(1) /= begins) then
          ! the loop begins within a piece
          run = [(j, j=starts(m), loop%n), (j, j=1, starts(2) - 1)]
          m = m - 1
       else
          run = [(j, j=1, starts(2) - 1)]
-         if (loop%closed) run = [run, 1]
+         if (loop%closed .and. m == 1) run = [run, 1]
       end if
       do i = 1, m
          if (i > 1) run = [(j, j=starts(i), starts(i + 1) - 1)]
@@ -113,7 +114,7 @@ contains
          piece%detail = condition_detail(condition%kind, condition%index, condition%side)
          piece%symmetric = symmetric
          piece%loop = number
-         piece%corner = loop%corner(run)
+         piece%corner = loop%corner(run) > 0
          allocate (piece%vertices(2, size(run)))
          m = size(loop%points, 1) - 2
          do j = 1, size(run)
