@@ -3,25 +3,13 @@
 !! As numbers: +1 and -1 for an impact on the right and the left wall, +2 and -2 for accumulation
 !! and rest there. As text: R, L, R* and L*.
 module vi_letters
+   use vi_pattern, only: starred_letters
    implicit none (type, external)
    private
 
-   public :: letters_text, standard_letters
+   public :: standard_letters
 
 contains
-
-   !> The text of some letters.
-   pure function letters_text(letters) result(text)
-      integer, intent(in) :: letters(:)
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ''
-      do i = 1, size(letters)
-         text = text//merge('R', 'L', letters(i) > 0)
-         if (abs(letters(i)) == 2) text = text//'*'
-      end do
-   end function letters_text
 
    !> The same pattern from the letter on, and mirrored if that is the same, whose text is last in
    !> the alphabet: the one name that all turns of a pattern share.
@@ -41,7 +29,7 @@ contains
       do k = 1, merge(2, 1, may_mirror)
          do j = 0, size(letters) - 1
             turned = merge(1, -1, k == 1)*cshift(letters, j)
-            if (.not. lgt(letters_text(turned), letters_text(standard))) cycle
+            if (.not. lgt(starred_letters(turned), starred_letters(standard))) cycle
             standard = turned
             shift = j
             mirrored = k == 2
