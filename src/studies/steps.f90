@@ -136,8 +136,10 @@ contains
       if (active < 2) return
       n = size(a)
       lengths = norm2(a(n - 1:))*norm2(b(n - 1:))
-      if (lengths > 1.0e-6_wp) turn = max(turn, asin(min(1.0_wp, &
-         abs(a(n - 1)*b(n) - a(n)*b(n - 1))/lengths)))
+      ! at a cusp of the projection the curve itself is smooth: where it hardly moves in the plane
+      ! its turn there counts for less
+      if (lengths > 1.0e-6_wp) turn = max(turn, min(1.0_wp, 10*sqrt(lengths))* &
+         asin(min(1.0_wp, abs(a(n - 1)*b(n) - a(n)*b(n - 1))/lengths)))
    end function turn_of
 
    !> Whether a condition may have been negative (or positive) for a moment within the last step.
