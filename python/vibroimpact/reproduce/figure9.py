@@ -44,7 +44,7 @@ def same_kind(motion: Motion, sides: str) -> bool:
     return sides in turned and motion.pattern.cycles == 1
 
 
-def reproduce(folder: Path) -> bool:
+def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure9.png and figure9.svg, write figure9.csv; True if all four kinds are there and stable."""
     from ..plot import draw, style
 

@@ -93,7 +93,7 @@ def printed_values() -> list[dict[str, str]]:
     return list(csv.DictReader(lines))
 
 
-def reproduce(folder: Path) -> bool:
+def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Print the comparison, write table1.txt and table1.csv; True if every entry is accounted for."""
     found = motions()
     computed = {name: entries(motion) for name, motion in found.items()}
