@@ -45,7 +45,10 @@ def zone(
         ax.plot(ring[:, 0], y, color=colour, lw=options.get("lw", 0.8), ls=options.get("ls", "-"))
     if strips:
         name = label or KINDS[kind][1]
-        ax.fill_between([], [], color=colour, alpha=0.5, lw=0, label=name)
+        if options.get("alpha", 1) == 0:
+            ax.plot([], [], color=colour, lw=0.8, ls=options.get("ls", "-"), label=name)
+        else:
+            ax.fill_between([], [], color=colour, alpha=0.5, lw=0, label=name)
 
 
 def bars(ax: Any, found: Sequence[Bar], kind: str, label: str = "") -> None:

@@ -13,6 +13,7 @@ from ..model import Oscillator, Pattern
 from ..solve import periodic_batch
 from . import canvas
 from .experiment import read_sweeps
+from .paper import KINDS
 from .scan import clearance, grid
 
 #: Frequency ratios of the curves; the experiment has bars at all of them.
@@ -56,8 +57,8 @@ def draw(osc: Oscillator, folder: Path, name: str, rig: str, resolution: float) 
         # a gap in the zone is a gap in the curve
         far = np.diff(np.log(one.load), prepend=np.log(one.load[:1])) > 0.1
         ax.plot(np.where(far, np.nan, one.attenuation), one.load, color=colour, label=f"$r$ = {one.r:g}")
-        seen = [x for x in holds[one.r] if x["kind"] not in ("irregular", "no impacts")]
-        two = [x for x in seen if x["kind"][0] == "2"]
+        seen = [x for x in holds[one.r] if x["kind"] in KINDS]
+        two = [x for x in seen if x["kind"] in ("2", "2e", "2u")]
         for chosen, marker, size in ((seen, ".", 2), (two, "o", 2.5)):
             values = [(x["attenuation"], x["load"]) for x in chosen]
             ax.plot(*np.array(values).reshape(-1, 2).T, marker, color=colour, ms=size, mew=0)

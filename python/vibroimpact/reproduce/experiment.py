@@ -25,7 +25,7 @@ from .paper import EQUAL, HOLD, LOADS, NATURAL_FREQUENCY, RATIOS, UNEQUAL, kind_
 #: Rigs by name.
 RIGS = {"equal": EQUAL, "unequal": UNEQUAL}
 #: Load levels, in units of `scale`.
-LEVELS = 48
+LEVELS = 52
 #: Load cycles within which a motion has to repeat, and how well its phases (radians).
 MOST_CYCLES, TOLERANCE = 4, 1e-3
 

@@ -14,7 +14,7 @@ from .scan import Strip, traced_zone
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
     """Zones of each pattern with rest that the experiment ended on; the paper had no theory for these."""
     found = seeds(read_sweeps(folder, "unequal"), UNEQUAL)
-    r, count = ratios(0.55, 1.5, 0.5 * resolution), max(40, round(200 * resolution))
+    r, count = ratios(0.55, 1.5, 0.7 * resolution), max(40, round(200 * resolution))
     return {
         sides: traced_zone(UNEQUAL, motions, r, count)
         for sides, motions in sorted(found.items(), key=lambda item: (len(item[0]), item[0]))

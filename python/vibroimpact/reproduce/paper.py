@@ -36,18 +36,19 @@ KINDS = {
 RATIOS = (0.60, 0.65, 0.70, 0.75, 0.80, 0.85, 0.90, 0.94, 0.96, 0.98, 1.00, 1.02, 1.04,
           1.06, 1.10, 1.15, 1.20, 1.25, 1.30, 1.35, 1.40, 1.45)  # fmt: skip
 #: F0/(dK) of the zones, in units of `scale`.
-LOADS = (0.03, 1.8)
+LOADS = (0.04, 3.5)
 
 
 def scale(r: Any) -> Any:
-    """About how F0/(dK) of the zones depends on r: as the stiffness against the load, with a floor at r = 1."""
-    return np.hypot(1 - np.square(r), 0.2)
+    """About how F0/(dK) of the zones depends on r; they are lowest near r = 0.975."""
+    return np.hypot(np.square(r) - 0.95, 0.04)
 
 
 def ratios(low: float, high: float, resolution: float = 1.0) -> NDArray[np.float64]:
-    """Frequency ratios of a figure: even, denser about 1, with those of the bars."""
-    count = max(8, round(110 * resolution))
-    parts = [np.linspace(low, high, count), np.linspace(0.94, 1.04, count // 2), RATIOS]
+    """Frequency ratios of a figure: even, denser about the dip of the zones, with those of the bars."""
+    count = max(9, round(110 * resolution))
+    near = np.geomspace(0.002, 0.2, count // 3)
+    parts = [np.linspace(low, high, count), 0.975 - near, 0.975 + near, RATIOS]
     joined = np.unique(np.round(np.concatenate(parts), 6))
     return joined[(joined >= low) & (joined <= high)]
 

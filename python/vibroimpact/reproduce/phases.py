@@ -15,7 +15,7 @@ from .paper import SADEK
 #: Frequency ratios of the curves; the text speaks of 0.999.
 CURVES = (0.90, 0.95, 0.98, 0.999, 1.02, 1.05, 1.10)
 #: Ratios of durations of the points B and B' (and A, A') drawn on the curve r = 0.999.
-POINTS = (0.60, 0.85)
+POINTS = (0.40, 0.85)
 
 
 class Curve(NamedTuple):

@@ -15,17 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..errors import SingularError
+from ..errors import VibroimpactError
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import exact
 from ..solve import periodic_batch
+from ..trajectory import Trajectory, simulate
 from .paper import LOADS, scale
 
 Array = NDArray[np.float64]
 Test = Callable[[Array, Array], NDArray[np.bool_]]
 #: Halvings of the step of a scan that close in on an edge.
 HALVINGS = 30
+#: How far apart, relatively, two intervals at successive r may be to belong to one thin zone.
+ROOM = 0.02
 
 
 class Strip(NamedTuple):
@@ -107,43 +110,64 @@ def traced_zone(
 ) -> list[Strip]:
     """Where the motions of the seeds' pattern are stable, spreading from the seeds over a grid."""
     points = grid(count)
+    seeds = list(seeds)
+    sides = seeds[0].pattern.sides if seeds else ""
 
-    def at(guess: Motion, i: int, p: float) -> Motion | None:
+    def at(guess: Motion | Trajectory, i: int, p: float) -> Motion | None:
         try:
             motion = exact(osc, float(r[i]), float(clearance(r[i], p)), guess)
-        except SingularError:
+        except VibroimpactError:
             return None
-        same = motion.pattern.sides == guess.pattern.sides
+        same = motion.pattern.sides == sides
         return motion if same and motion.admissible and motion.stable else None
 
-    known: dict[tuple[int, int], Motion | None] = {}
+    known: dict[tuple[int, int], Motion] = {}
+    tried: set[tuple[int, int]] = set()
     front = []
     for seed in seeds:
         i = int(np.argmin(abs(r - seed.r)))
         j = int(np.argmin(abs(clearance(r[i], points) - seed.clearance)))
-        front += [(seed, i, j), (seed, i, j + 1), (seed, i, j - 1)]
+        front += [(seed, i, j + k, True) for k in (1, -1, 0)]
     while front:
-        guess, i, j = front.pop()
-        if not (0 <= i < r.size and 0 <= j < count) or known.get((i, j)) is not None:
+        guess, i, j, near = front.pop()
+        if not (0 <= i < r.size and 0 <= j < count) or (i, j) in known:
             continue
-        motion = known[i, j] = at(guess, i, points[j])
+        # a guess from farther away is for thin zones, which may miss the same j in the next column
+        motion = at(guess, i, points[j]) if near or (i, j) not in tried else None
+        if motion is None and near and guess.pattern.has_rest and (i, j) not in tried:
+            motion = at(settled(guess, float(r[i]), float(clearance(r[i], points[j]))), i, points[j])
+        tried.add((i, j))
         if motion is not None:
-            front += [(motion, i + 1, j), (motion, i - 1, j), (motion, i, j + 1), (motion, i, j - 1)]
+            known[i, j] = motion
+            front += [(motion, i + step, j + k, k == 0) for step in (1, -1) for k in (2, -2, 1, -1, 0)]
+            front += [(motion, i, j + 1, True), (motion, i, j - 1, True)]
     rows, lows, highs = [], [], []
     for i in range(r.size):
-        inside = [known.get((i, j)) is not None for j in range(count)]
+        inside = [(i, j) in known for j in range(count)]
         for begin, end in runs(np.array(inside)):
             rows.append(i)
             for into, j, step in ((lows, begin, -1), (highs, end - 1, 1)):
                 motion, good, bad = known[i, j], points[j], points[j] + step * (points[1] - points[0])
                 for _ in range(HALVINGS // 3):
                     middle = 0.5 * (good + bad)
-                    nearer = at(motion, i, middle)  # type: ignore[arg-type]
+                    nearer = at(motion, i, middle)
                     motion, good, bad = (
                         (nearer, middle, bad) if nearer is not None else (motion, good, middle)
                     )
                 into.append(float(clearance(r[i], good)))
     return join(r, np.array(rows, dtype=int), np.array(lows), np.array(highs))
+
+
+def settled(motion: Motion, r: float, gap: float) -> Trajectory:
+    """Where a motion goes at other parameters: better than Newton's method for far steps of motions with rest."""
+    first = motion.events[0]
+    side = 0.5 if first["side"] == "R" else -0.5
+    unit = gap / motion.clearance
+    state = {
+        "t": first["phase"] / r, "x": unit * first["x"], "x_dot": unit * first["x_dot_after"],
+        "z": unit * first["x"] + side * gap, "z_dot": unit * first["z_dot_after"],
+    }  # fmt: skip
+    return simulate(motion.osc, r, gap, 4, state=state, discard=100)
 
 
 def edges(test: Test, r: Array, grid: Array) -> tuple[NDArray[np.intp], Array, Array]:
@@ -169,28 +193,29 @@ def runs(good: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def join(r: Array, rows: NDArray[np.intp], low: Array, high: Array) -> list[Strip]:
-    """Intervals at successive r that overlap, one to one, as strips."""
-    open_strips: list[list[tuple[int, float, float]]] = []
-    done: list[list[tuple[int, float, float]]] = []
+    """Intervals at successive r that meet, one to one, as strips."""
+    # in these units the zones are about level
+    floor, roof = np.log(low * scale(r[rows])), np.log(high * scale(r[rows]))
+    strips: list[list[int]] = []  # numbers of intervals
+
+    def overlap(strip: list[int], k: int) -> float:
+        """How much of interval k the strip meets if it goes on as it did."""
+        last, bottom, top = strip[-1], floor[strip[-1]], roof[strip[-1]]
+        if len(strip) > 1:
+            ahead = (r[rows[k]] - r[rows[last]]) / (r[rows[last]] - r[rows[strip[-2]]])
+            bottom, top = (
+                edge[last] + ahead * (edge[last] - edge[strip[-2]]) for edge in (floor, roof)
+            )
+        return float(min(top, roof[k]) - max(bottom, floor[k]) + ROOM)
+
     for i in range(r.size):
-        here = [(i, low[k], high[k]) for k in np.flatnonzero(rows == i)]
-        before = [strip for strip in open_strips if strip[-1][0] == i - 1]
-        done += [strip for strip in open_strips if strip[-1][0] != i - 1]
-        open_strips = []
-
-        def meet(one: tuple[int, float, float], other: tuple[int, float, float]) -> bool:
-            return one[1] < other[2] and other[1] < one[2]
-
-        taken = []
-        for strip in before:
-            partners = [item for item in here if meet(strip[-1], item)]
-            alone = len(partners) == 1 and sum(meet(s[-1], partners[0]) for s in before) == 1
-            if alone:
-                strip.append(partners[0])
-                taken.append(partners[0])
-                open_strips.append(strip)
-            else:
-                done.append(strip)
-        open_strips += [[item] for item in here if item not in taken]
-    strips = [np.array(strip).T for strip in done + open_strips]
-    return [Strip(r[i.astype(int)], lows, highs) for i, lows, highs in strips]
+        here = np.flatnonzero(rows == i).tolist()
+        before = [strip for strip in strips if rows[strip[-1]] == i - 1]
+        pairs = [(overlap(strip, k), n, k) for n, strip in enumerate(before) for k in here]
+        taken: set[int] = set()
+        for common, n, k in sorted(pairs, reverse=True):
+            if common > 0 and k not in taken and rows[before[n][-1]] == i - 1:
+                before[n].append(k)
+                taken.add(k)
+        strips += [[k] for k in here if k not in taken]
+    return [Strip(r[rows[strip]], low[strip], high[strip]) for strip in strips]
