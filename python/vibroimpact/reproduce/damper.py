@@ -14,7 +14,7 @@ from ..solve import periodic_batch
 from . import canvas
 from .experiment import read_sweeps
 from .paper import KINDS
-from .scan import clearance, grid
+from .scan import equispaced_zone
 
 #: Frequency ratios of the curves; the experiment has bars at all of them.
 CURVES = (0.94, 0.96, 0.98, 1.00, 1.02, 1.04, 1.06)
@@ -35,7 +35,12 @@ def curve(osc: Oscillator, r: float, resolution: float = 1.0) -> Curve:
     good = (pair.stable == 1) & (pair.admissible == 1)
     load, attenuation = 1 / pair.clearance[good], pair.attenuation[good]
     if osc.restitution[0] == osc.restitution[1]:
-        gap = clearance(r, grid(max(60, round(400 * resolution))))
+        count = max(60, round(400 * resolution))
+        zone = equispaced_zone(osc, np.array([r]), count)
+        # from edge to edge: the attenuation changes fast there
+        gap = np.concatenate(
+            [np.empty(0), *(np.geomspace(s.low[0], s.high[0], count) for s in zone)]
+        )
         _, scalars, _, verdicts, _ = _core.equispaced(
             osc.xi, osc.mu, osc.restitution, np.full_like(gap, r), gap, 1, 0.03, False, True
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import hashlib
 import io
@@ -69,8 +70,6 @@ TASKS |= {
 }
 TASKS["statements"] = Task("statements", tuple(TASKS), ("data/statements.json",), 5.0)
 TASKS["report"] = Task("report", tuple(TASKS), ("report.html",), 1.0)
-#: Modules that only tasks of their own name use; the others of this folder are common to all.
-_OWN = {task.module for task in TASKS.values()} - {"experiment"}
 
 
 class Done(NamedTuple):
@@ -98,17 +97,26 @@ def _digest(paths: Iterable[Path]) -> str:
     return total.hexdigest()
 
 
+def _imports(module: str, seen: set[str]) -> set[str]:
+    """The modules of this folder that a module uses, itself among them."""
+    if module not in seen:
+        seen.add(module)
+        source = (Path(__file__).parent / f"{module}.py").read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.ImportFrom) and node.level == 1:
+                for name in [node.module] if node.module else [x.name for x in node.names]:
+                    _imports(name, seen)
+    return seen
+
+
 @cache
 def _sources(module: str) -> str:
-    """Digest of the package's sources and compiled core that a module of this folder depends on."""
+    """Digest of what a module's results depend on: its sources, those of the package, the compiled core."""
     here = Path(__file__).parent
     package = {path for path in here.parent.rglob("*.py") if path.parent != here}
     package.discard(here.parent / "command.py")  # computes nothing
-    common = {path for path in here.glob("*") if path.is_file() and path.stem not in _OWN}
-    own = set(here.glob(f"{module}.*"))
-    if module in ("figure8a", "figure8b", "statements"):
-        own |= set(here.glob("figure*.py"))  # these share with other figures
-    return _digest({Path(_core.__file__), *package, *common, *own})
+    used = _imports(module, set()) - {"tasks"}
+    return _digest({Path(_core.__file__), *package, *(p for name in used for p in here.glob(f"{name}.*"))})
 
 
 def fingerprint(name: str, resolution: float) -> str:
@@ -121,6 +129,11 @@ def fingerprint(name: str, resolution: float) -> str:
 
 def _stamp(folder: Path, name: str) -> Path:
     return folder / "data" / f".{name}.done"
+
+
+def seconds(folder: Path, name: str) -> float:
+    """How long a finished task took."""
+    return float(json.loads(_stamp(folder, name).read_text(encoding="utf-8"))["seconds"])
 
 
 def recall(folder: Path, name: str, print_: str) -> Done | None:
