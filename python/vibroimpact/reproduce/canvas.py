@@ -19,12 +19,16 @@ from .scan import Strip
 LOAD, GAP = r"$F_0/(dK)$", r"$dK/F_0$"
 
 
-def sheet(columns: int = 1, height: float = 3.6, **options: Any) -> tuple[Any, Any]:
+def sheet(
+    columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any
+) -> tuple[Any, Any]:
     """A figure with axes side by side."""
     plt = style.pyplot()
     width = 5.0 if columns == 1 else style.TWO_COLUMNS
     with plt.rc_context(style.SETTINGS):
-        return plt.subplots(1, columns, figsize=(width, height), layout="constrained", **options)
+        return plt.subplots(
+            rows, columns, figsize=(width, height), layout="constrained", **options
+        )
 
 
 def legend(ax: Any, **options: Any) -> None:

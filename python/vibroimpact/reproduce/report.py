@@ -135,12 +135,12 @@ def reading(folder: Path) -> str:
 
 
 def timings(folder: Path) -> str:
-    """Seconds of each task on one processor."""
+    """Seconds of processor of each task."""
     parts = {f"holds of the rig with {rig} R": sum(seconds(folder, x) for x in names)
              for rig, names in SWEEPS.items()}  # fmt: skip
     parts |= {name: seconds(folder, name) for name in (*NAMES[:-1], "reading", "appendix", "statements")}
     parts["sum"] = sum(parts.values())
-    return grid(("Item", "seconds"), ((name, f"{x:.2f}") for name, x in parts.items()), numbers=1)
+    return grid(("Item", "seconds of one processor"), ((name, f"{x:.2f}") for name, x in parts.items()), numbers=1)
 
 
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:

@@ -98,7 +98,7 @@ def reproduce(
             print(done.said, end="")
             if name in wanted:
                 written = ", ".join(str(folder / output) for output in TASKS[name].outputs)
-                print(f"{name}: written in {done.seconds:.1f} s: {written}", flush=True)
+                print(f"{name}: written: {written}", flush=True)
             agree.append(done.agrees)
         else:
             print(f"{name}: {done}", file=sys.stderr)

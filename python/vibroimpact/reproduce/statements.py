@@ -19,7 +19,7 @@ from ..solve import periodic_batch
 from . import appendix, canvas, damper, table1
 from .digits import upper_boundary
 from .experiment import read_sweeps
-from .figure9 import PANELS, motions, same_kind
+from .figure9 import PANELS, motions, there
 from .paper import EQUAL, KINDS, MASRI, UNEQUAL
 from .phases import POINTS, curve
 from .scan import Array, Strip, clearance, equispaced_verdict, equispaced_zone, grid
@@ -220,7 +220,7 @@ def figure_9(folder: Path) -> list[Row]:
     rows = []
     for panel, motion in motions().items():
         caption, sides, r, gap = PANELS[panel]
-        good = same_kind(motion, sides) and motion.stable is True
+        good = there(motion, sides)
         rows.append(
             Row(f"Figure 9{panel}", caption, f"{sides} at r = {r:g}, F₀/(dK) = {1 / gap:.4g}: stable, max|λ| = "
                 f"{abs(complex(motion.multipliers[0])):.4f}", said(good)))  # fmt: skip

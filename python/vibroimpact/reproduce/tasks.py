@@ -73,7 +73,7 @@ TASKS["report"] = Task("report", tuple(TASKS), ("report.html",), 1.0)
 
 
 class Done(NamedTuple):
-    """A finished task: whether it agrees with the paper, what it said, and how long it took."""
+    """A finished task: whether it agrees with the paper, what it said, and its seconds of processor."""
 
     name: str
     agrees: bool
@@ -132,7 +132,7 @@ def _stamp(folder: Path, name: str) -> Path:
 
 
 def seconds(folder: Path, name: str) -> float:
-    """How long a finished task took."""
+    """Seconds of processor that a finished task took."""
     return float(json.loads(_stamp(folder, name).read_text(encoding="utf-8"))["seconds"])
 
 
@@ -150,7 +150,7 @@ def recall(folder: Path, name: str, print_: str) -> Done | None:
 
 def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
     """Do one task, write its outputs, and last of all its stamp."""
-    begin = time.perf_counter()
+    begin = time.process_time()
     task, said = TASKS[name], io.StringIO()
     with contextlib.redirect_stdout(said):
         if task.module == "experiment":
@@ -159,7 +159,7 @@ def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
             agrees = True
         else:
             agrees = import_module(f".{task.module}", __package__).reproduce(folder, resolution)
-    done = Done(name, bool(agrees), said.getvalue(), time.perf_counter() - begin)
+    done = Done(name, bool(agrees), said.getvalue(), time.process_time() - begin)
     outputs = {output: _digest([folder / output]) for output in task.outputs}
     stamp = {"fingerprint": print_, "outputs": outputs, **done._asdict()}
     write_text(_stamp(folder, name), json.dumps(stamp) + "\n")
