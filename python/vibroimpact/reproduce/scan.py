@@ -199,14 +199,12 @@ def join(r: Array, rows: NDArray[np.intp], low: Array, high: Array) -> list[Stri
     strips: list[list[int]] = []  # numbers of intervals
 
     def overlap(strip: list[int], k: int) -> float:
-        """How much of interval k the strip meets if it goes on as it did."""
-        last, bottom, top = strip[-1], floor[strip[-1]], roof[strip[-1]]
-        if len(strip) > 1:
-            ahead = (r[rows[k]] - r[rows[last]]) / (r[rows[last]] - r[rows[strip[-2]]])
-            bottom, top = (
-                edge[last] + ahead * (edge[last] - edge[strip[-2]]) for edge in (floor, roof)
-            )
-        return float(min(top, roof[k]) - max(bottom, floor[k]) + ROOM)
+        """How much of interval k the strip meets if it stays level, or moves on as one of its edges did."""
+        last, before = strip[-1], strip[-2:][0]
+        ahead = (r[rows[k]] - r[rows[last]]) / max(r[rows[last]] - r[rows[before]], 1e-300)
+        moves = [0.0, *(ahead * (edge[last] - edge[before]) for edge in (floor, roof))]
+        common = [min(roof[last] + m, roof[k]) - max(floor[last] + m, floor[k]) for m in moves]
+        return float(max(common)) + ROOM
 
     for i in range(r.size):
         here = np.flatnonzero(rows == i).tolist()
