@@ -111,6 +111,8 @@ def test_join_follows_slopes_and_splits():
     low, high = 0.8 * middle, 1.25 * middle
     (strip,) = scan.join(r, np.arange(6), low, high)
     np.testing.assert_array_equal(strip.high, high)
+    middle = np.exp(0.5 * r) / scan.scale(r)
+    low, high = 0.8 * middle, 1.25 * middle
     rows = np.array([0, 1, 2, 2, 3, 3])
     lows, highs = low[rows], high[rows]
     highs[[2, 4]], lows[[3, 5]] = 0.95 * middle[[2, 3]], 1.1 * middle[[2, 3]]

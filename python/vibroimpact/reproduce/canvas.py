@@ -37,20 +37,29 @@ def legend(ax: Any, **options: Any) -> None:
 
 
 def zone(
-    ax: Any, strips: Iterable[Strip], kind: str, label: str = "", *, inverse: bool = True, **options: Any
-) -> None:
-    """A zone as a band between its boundaries, over r; `inverse` draws F0/(dK)."""
-    colour = options.pop("color", KINDS[kind][0])
+    ax: Any, strips: Sequence[Strip], kind: str, label: str = "", *, inverse: bool = True,
+    traced: Any = None, **options: Any,
+) -> None:  # fmt: skip
+    """A zone as a band between its boundaries, over r; `inverse` draws F0/(dK).
+
+    Where all of its boundary was `traced` too, that is the line drawn.
+    """
+    colour, style_ = options.pop("color", KINDS[kind][0]), options.get("ls", "-")
+    alpha = options.get("alpha", 0.22)
+    lines = [strip.ring for strip in strips]
+    if traced and traced.complete:
+        pieces = [piece for piece in traced.boundary if piece.type != "window"]
+        lines = [np.stack([piece.r, piece.clearance], axis=1) for piece in pieces]
     for strip in strips:
         edges = (1 / strip.high, 1 / strip.low) if inverse else (strip.low, strip.high)
-        ax.fill_between(strip.r, *edges, color=colour, alpha=options.get("alpha", 0.22), lw=0)
-        ring = strip.ring
-        y = 1 / ring[:, 1] if inverse else ring[:, 1]
-        ax.plot(ring[:, 0], y, color=colour, lw=options.get("lw", 0.8), ls=options.get("ls", "-"))
-    if strips:
+        ax.fill_between(strip.r, *edges, color=colour, alpha=alpha, lw=0)
+    for line in lines:
+        y = 1 / line[:, 1] if inverse else line[:, 1]
+        ax.plot(line[:, 0], y, color=colour, lw=0.8, ls=style_)
+    if len(strips):
         name = label or KINDS[kind][1]
-        if options.get("alpha", 1) == 0:
-            ax.plot([], [], color=colour, lw=0.8, ls=options.get("ls", "-"), label=name)
+        if alpha == 0:
+            ax.plot([], [], color=colour, lw=0.8, ls=style_, label=name)
         else:
             ax.fill_between([], [], color=colour, alpha=0.5, lw=0, label=name)
 

@@ -11,6 +11,7 @@ from ..motion import Motion
 from . import canvas
 from .paper import MASRI, ratios
 from .scan import Strip, equispaced_zone, pair_zone, traced_zone
+from .traced import compared, outline
 
 #: Where three impacts are looked for, at d K/F0 just below the zone of two.
 LOOK = ((0.82, 7.0), (0.88, 10.0), (0.93, 23.0), (1.02, 20.0), (1.06, 10.0), (1.15, 4.5))
@@ -35,7 +36,12 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     found = zones(resolution)
     figure, ax = canvas.sheet(height=4.2)
     for kind, strips in found.items():
-        canvas.zone(ax, strips, kind, inverse=False)
+        sides = "RRL" if kind == "3" else "RL"
+        traced = outline(MASRI, sides, (0.8, 1.2), strips, {"2e": True, "2u": False}.get(kind))
+        canvas.zone(ax, strips, kind, inverse=False, traced=traced)
+        lowest = min(float(np.min(strip.low)) for strip in strips)
+        highest = max(float(np.max(strip.high)) for strip in strips)
+        print(f"Figure 3: zone {kind}: dK/F0 {lowest:.3g} to {highest:.4g}; {compared(traced, strips)}")
     ax.axhline(37, color="0.4", lw=0.7, ls=(0, (5, 3)))
     ax.annotate("$d = 37\\,F_0/K$ (Masri)", (0.803, 38), fontsize=6.5, color="0.3")
     ax.plot(0.94, 37, "k+", ms=6)
@@ -46,8 +52,4 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     canvas.legend(ax, loc="upper right")
     canvas.save(figure, folder, "figure3")
     canvas.table(folder, "figure3", canvas.STRIP_HEADER, canvas.strip_rows(found))
-    for kind, strips in found.items():
-        lowest = min(float(np.min(strip.low)) for strip in strips)
-        highest = max(float(np.max(strip.high)) for strip in strips)
-        print(f"Figure 3: zone {kind}: dK/F0 from {lowest:.3g} to {highest:.4g}, {len(strips)} pieces")
     return all(found.values())

@@ -10,6 +10,7 @@ from . import canvas
 from .experiment import bars, read_sweeps
 from .paper import EQUAL, ratios
 from .scan import Array, Strip, equispaced_zone
+from .traced import compared, outline
 
 
 def zones(r: Array, resolution: float = 1.0) -> dict[str, list[Strip]]:
@@ -23,7 +24,8 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     found = zones(ratios(0.55, 1.5, resolution), resolution)
     sweeps = read_sweeps(folder, "equal")
     figure, (ax, near) = canvas.sheet(2, width_ratios=(1.6, 1))
-    canvas.zone(ax, found["double"], "2e", "theory, double precision")
+    traced = outline(EQUAL, "RL", (0.55, 1.5), found["double"], symmetric=True)
+    canvas.zone(ax, found["double"], "2e", "theory, double precision", traced=traced)
     canvas.zone(ax, found["single"], "2e", "theory, single precision", color="k", alpha=0, ls=":")
     canvas.bars(ax, bars(sweeps, "2e"), "2e")
     canvas.axes_of_zones(ax)
@@ -42,5 +44,5 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     canvas.save(figure, folder, "figure6a")
     rows = canvas.strip_rows({**found, **{f"{name} near 1": close[name] for name in close}})
     canvas.table(folder, "figure6a", canvas.STRIP_HEADER, rows)
-    print(f"Figure 6a: {canvas.inside(sweeps, '2e', found['double'])}")
+    print(f"Figure 6a: {canvas.inside(sweeps, '2e', found['double'])}; {compared(traced, found['double'])}")
     return bool(found["double"] and found["single"])

@@ -8,6 +8,7 @@ from . import canvas
 from .experiment import bars, read_sweeps, seeds
 from .paper import EQUAL, ratios
 from .scan import Strip, traced_zone
+from .traced import compared, outline
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
@@ -29,7 +30,11 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     for kind in ("3", "4", "5"):
         names = [sides for sides in found if len(sides) == int(kind)]
         strips = [strip for sides in names for strip in found[sides]]
-        canvas.zone(ax, strips, kind, f"{kind} impacts/cycle ({', '.join(names)})")
+        for sides in names:
+            traced = outline(EQUAL, sides, (0.55, 1.5), found[sides])
+            title = f"{kind} impacts/cycle ({', '.join(names)})" if sides == names[0] else "_"
+            canvas.zone(ax, found[sides], kind, title, traced=traced)
+            print(f"Figure 7: {sides}: {compared(traced, found[sides])}")
         canvas.bars(ax, bars(sweeps, kind), kind)
         print(f"Figure 7: {', '.join(names)}: {canvas.inside(sweeps, kind, strips)}")
     canvas.axes_of_zones(ax)

@@ -9,6 +9,7 @@ from .experiment import bars, read_sweeps, seeds
 from .figure9 import PANELS
 from .paper import UNEQUAL, ratios
 from .scan import Strip, pair_zone, traced_zone
+from .traced import compared, outline
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
@@ -28,9 +29,10 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     sweeps = read_sweeps(folder, "unequal")
     figure, ax = canvas.sheet(height=4.0)
     for kind, strips in found.items():
-        canvas.zone(ax, strips, kind)
+        traced = outline(UNEQUAL, {"2": "RL", "3": "RLL"}[kind], (0.55, 1.5), strips)
+        canvas.zone(ax, strips, kind, traced=traced)
         canvas.bars(ax, bars(sweeps, kind), kind)
-        print(f"Figure 8a: {canvas.inside(sweeps, kind, strips)}")
+        print(f"Figure 8a: {canvas.inside(sweeps, kind, strips)}; {compared(traced, strips)}")
     for name in ("a", "b", "c"):
         _, _, r, clearance = PANELS[name]
         ax.plot(r, 1 / clearance, "k.", ms=4)

@@ -1,7 +1,6 @@
 """Figure 9: load and acceleration of the primary mass for four kinds of motion, unequal restitution.
 
-The paper shows oscilloscope traces at points whose parameters it does not give; here each kind is found at a
-point inside its zone by simulation, then as an exact motion.
+The paper does not give its points; here each kind is found at a point inside its zone by simulation, then exactly.
 """
 
 from __future__ import annotations
@@ -35,8 +34,7 @@ def motions() -> dict[str, Motion]:
 
 def there(motion: Motion, sides: str) -> bool:
     """Whether a motion is stable and has a pattern, whichever letter comes first."""
-    letters = motion.pattern.letters
-    turned = {"".join(letters[j:] + letters[:j]) for j in range(len(letters))}
+    turned = {"".join(motion.pattern.letters[j:] + motion.pattern.letters[:j]) for j in range(len(sides))}
     return sides in turned and motion.pattern.cycles == 1 and motion.stable is True
 
 
