@@ -12,7 +12,16 @@ import time
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.reproduce import appendix, captions, experiment, reading, run, scan, statements, tasks
+from vibroimpact.reproduce import (
+    appendix,
+    captions,
+    experiment,
+    reading,
+    run,
+    scan,
+    statements,
+    tasks,
+)
 from vibroimpact.reproduce.digits import upper_boundary
 from vibroimpact.reproduce.paper import EQUAL, MASRI, UNEQUAL, kind_of
 from vibroimpact.reproduce.phases import curve
@@ -56,7 +65,9 @@ def test_the_gap_ends_before_the_printed_end():
     assert stays(stable)
 
 
-@pytest.mark.parametrize(("r", "there"), [(0.99, False), (1.0, True), (1.05, True), (1.09, True), (1.1, False)])
+@pytest.mark.parametrize(
+    ("r", "there"), [(0.99, False), (1.0, True), (1.05, True), (1.09, True), (1.1, False)]
+)
 def test_equispaced_motions_on_masris_line(r, there):
     """On d K/F0 = 37 they go on past r = 1.04."""
     assert scan.equispaced_verdict(MASRI)(np.array([r]), np.array([37.0]))[0] == there
@@ -137,7 +148,9 @@ def test_thin_zone_at_resonance():
     assert 0.99 < largest < 1
 
 
-@pytest.mark.parametrize("row", appendix.study(), ids=lambda row: f"{row['motion']}: {row['corrected']}")
+@pytest.mark.parametrize(
+    "row", appendix.study(), ids=lambda row: f"{row['motion']}: {row['corrected']}"
+)
 def test_appendix(row):
     """Only with all three corrections are (A6), (A7) the derivative, and does det[P] keep its law."""
     if len(row["corrected"]) == 3:
@@ -240,7 +253,11 @@ def test_fingerprint_follows_sources(monkeypatch):
     tasks._sources.cache_clear()
     after = {name: tasks.fingerprint(name, 1.0) for name in names}
     tasks._sources.cache_clear()
-    assert {name for name in names if before[name] != after[name]} == {"figure4a", "figure4b", "report"}
+    assert {name for name in names if before[name] != after[name]} == {
+        "figure4a",
+        "figure4b",
+        "report",
+    }
 
 
 def test_needs_come_first():
@@ -330,7 +347,11 @@ def test_interrupt_leaves_whole_items(tmp_path):
     code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", code, "reproduce", "figure10a", "-o", str(tmp_path)]
     process = subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
     )
     while process.poll() is None and len(list(tmp_path.glob("data/.sweep*.done"))) < 2:
         time.sleep(0.05)

@@ -35,7 +35,11 @@ def maps(motion: Motion, corrected: Collection[str]) -> NDArray[np.float64]:
     result = np.empty((n, 4, 4))
     for i in range(n):
         after = motion.restitution[(i + 1) % n]
-        step, here, there = alpha[i + 1] - alpha[i], alpha[i] + motion.tau, alpha[i + 1] + motion.tau
+        step, here, there = (
+            alpha[i + 1] - alpha[i],
+            alpha[i] + motion.tau,
+            alpha[i + 1] + motion.tau,
+        )
         decay = math.exp(-xi * step / r)
         c1, c2 = decay * math.sin(eta * step / r), decay * math.cos(eta * step / r)  # (9), (10)
         c3, c4 = eta * c2 - xi * c1, -(eta * c1 + xi * c2)  # (A4)

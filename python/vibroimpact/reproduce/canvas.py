@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,16 +19,15 @@ from .scan import Strip
 LOAD, GAP = r"$F_0/(dK)$", r"$dK/F_0$"
 
 
-def sheet(
-    columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any
-) -> tuple[Any, Any]:
+def sheet(columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any) -> tuple[Any, Any]:
     """A figure with axes side by side."""
     plt = style.pyplot()
     width = 5.0 if columns == 1 else style.TWO_COLUMNS
     with plt.rc_context(style.SETTINGS):
-        return plt.subplots(
+        figure, axes = plt.subplots(
             rows, columns, figsize=(width, height), layout="constrained", **options
         )
+    return figure, axes
 
 
 def legend(ax: Any, **options: Any) -> None:
@@ -72,7 +71,9 @@ def bars(ax: Any, found: Sequence[Bar], kind: str, label: str = "") -> None:
     colour = KINDS[kind][0]
     ax.vlines(r, low, high, color=colour, lw=1.6)
     name = f"{label or KINDS[kind][1]}, experiment"
-    ax.plot(np.tile(r, 2), np.concatenate([low, high]), "_", color=colour, ms=4, mew=1.0, label=name)
+    ax.plot(
+        np.tile(r, 2), np.concatenate([low, high]), "_", color=colour, ms=4, mew=1.0, label=name
+    )
 
 
 def axes_of_zones(ax: Any, *, inverse: bool = True) -> None:
@@ -110,7 +111,7 @@ def table(folder: Path, name: str, header: Sequence[str], rows: Iterable[Sequenc
     write_text(folder / f"{name}.csv", text.getvalue())
 
 
-def strip_rows(zones: dict[str, Sequence[Strip]]) -> list[tuple[Any, ...]]:
+def strip_rows(zones: Mapping[str, Sequence[Strip]]) -> list[tuple[Any, ...]]:
     """Rows for `table`: zone, piece, r, low and high clearance."""
     return [
         (name, piece, float(r), float(low), float(high))

@@ -61,7 +61,9 @@ def draw(osc: Oscillator, folder: Path, name: str, rig: str, resolution: float) 
     for one, colour in zip(found, canvas.spectrum(len(found)), strict=True):
         # a gap in the zone is a gap in the curve
         far = np.diff(np.log(one.load), prepend=np.log(one.load[:1])) > 0.1
-        ax.plot(np.where(far, np.nan, one.attenuation), one.load, color=colour, label=f"$r$ = {one.r:g}")
+        ax.plot(
+            np.where(far, np.nan, one.attenuation), one.load, color=colour, label=f"$r$ = {one.r:g}"
+        )
         seen = [x for x in holds[one.r] if x["kind"] in KINDS]
         two = [x for x in seen if x["kind"] in ("2", "2e", "2u")]
         for chosen, marker, size in ((seen, ".", 2), (two, "o", 2.5)):

@@ -13,6 +13,8 @@ from ..model import Oscillator
 from ..plot.style import MissingExtraError
 
 DIGITS = 40
+#: From each impact to the other one.
+_TURNS = ((0, 1), (1, 0))
 
 
 def upper_boundary(osc: Oscillator, r: float | str) -> Any:
@@ -22,44 +24,61 @@ def upper_boundary(osc: Oscillator, r: float | str) -> Any:
     except ImportError:
         raise MissingExtraError("the 40-digit check needs mpmath: pip install mpmath") from None
     with mp.workdps(DIGITS):
-        xi, mu, walls = mpf(str(osc.xi)), mpf(str(osc.mu)), [mpf(str(x)) for x in osc.restitution]
-        ratio, eta = mpf(r), sqrt(1 - xi * xi)
-        phase = [mpf(0), pi + mpf(10) ** -15]
-        span = [(phase[1] - phase[0]) / ratio, (2 * pi - phase[1] + phase[0]) / ratio]
-        sides = [mpf(1) / 2, mpf(-1) / 2]
-        # unknowns: x_1, x_2, A cos(tau), A sin(tau), for d = 1
-        equations, rhs = matrix(4, 4), matrix(4, 1)
-        for i, j in ((0, 1), (1, 0)):
-            speed = (lambda k, m: _row({m: 1 / span[k], k: -1 / span[k]}, (sides[m] - sides[k]) / span[k]))
-            before, after = speed(j, i), speed(i, j)
-            x_dot = _sum((1 + mu) * walls[i] / (1 + walls[i]), before,
-                         (1 - mu * walls[i]) / (1 + walls[i]), after)  # (13)
-            x_dot_end = _sum((walls[j] - mu) / (1 + walls[j]), after,
-                             (1 + mu) / (1 + walls[j]), before)  # (28)
-            a, b = phase[i], phase[i] + span[i] * ratio
-            s, c = exp(-xi * span[i]) * sin(eta * span[i]), exp(-xi * span[i]) * cos(eta * span[i])
-            # free part: position p and velocity q just after impact i
-            p = _row({i: 1, 2: -sin(a), 3: -cos(a)}, 0)
-            q = _sum(1, x_dot, 1, _row({2: -ratio * cos(a), 3: ratio * sin(a)}, 0))
-            end = _sum(c + xi * s / eta, p, s / eta, q)
-            end_dot = _sum(-s / eta, p, c - xi * s / eta, q)
-            position = _sum(1, end, 1, _row({j: -1, 2: sin(b), 3: cos(b)}, 0))
-            velocity = _sum(1, _sum(1, end_dot, 1, _row({2: ratio * cos(b), 3: -ratio * sin(b)}, 0)),
-                            -1, x_dot_end)  # fmt: skip
-            for k, (coefficients, known) in enumerate((position, velocity)):
-                for column, value in enumerate(coefficients):
-                    equations[2 * i + k, column] = value
-                rhs[2 * i + k] = -known
-        solution = mp.lu_solve(equations, rhs)
+        xi, mu, (right, left) = (
+            mpf(str(osc.xi)),
+            mpf(str(osc.mu)),
+            (mpf(str(x)) for x in osc.restitution),
+        )
+        ratio, eta, walls, sides = (
+            mpf(r),
+            sqrt(1 - xi * xi),
+            (right, left),
+            (mpf(1) / 2, -mpf(1) / 2),
+        )
+        second = pi + mpf(10) ** -15
+        spans = second / ratio, (2 * pi - second) / ratio
+        # velocity of the free mass after each impact; the unknowns are x_1, x_2, A cos(tau), A sin(tau), for d = 1
+        speeds = [
+            _row({j: 1 / spans[i], i: -1 / spans[i]}, (sides[j] - sides[i]) / spans[i])
+            for i, j in _TURNS
+        ]
+        rows = []
+        for i, j in _TURNS:
+            x_dot = _sum(
+                (1 + mu) * walls[i] / (1 + walls[i]),
+                speeds[j],
+                (1 - mu * walls[i]) / (1 + walls[i]),
+                speeds[i],
+            )  # (13)
+            x_dot_end = _sum(
+                (walls[j] - mu) / (1 + walls[j]), speeds[i], (1 + mu) / (1 + walls[j]), speeds[j]
+            )  # (28)
+            begin = i * second
+            end, decay = begin + spans[i] * ratio, exp(-xi * spans[i])
+            s, c = decay * sin(eta * spans[i]), decay * cos(eta * spans[i])
+            # the free part of the motion just after impact i, and what is left of it at impact j
+            x, v = (
+                _row({i: 1, 2: -sin(begin), 3: -cos(begin)}),
+                _row({2: -ratio * cos(begin), 3: ratio * sin(begin)}),
+            )
+            v = _sum(1, v, 1, x_dot)
+            position, velocity = (
+                _sum(c + xi * s / eta, x, s / eta, v),
+                _sum(-s / eta, x, c - xi * s / eta, v),
+            )
+            velocity = _sum(1, velocity, -1, x_dot_end)
+            rows.append(_sum(1, position, 1, _row({j: -1, 2: sin(end), 3: cos(end)})))
+            rows.append(_sum(1, velocity, 1, _row({2: ratio * cos(end), 3: -ratio * sin(end)})))
+        solution = mp.lu_solve(matrix([row[:4] for row in rows]), matrix([-row[4] for row in rows]))
         amplitude = sqrt(solution[2] ** 2 + solution[3] ** 2)  # A/d
         return amplitude * sqrt((1 - ratio**2) ** 2 + (2 * xi * ratio) ** 2)
 
 
-def _row(coefficients: dict[int, Any], known: Any) -> tuple[list[Any], Any]:
+def _row(coefficients: dict[int, Any], known: Any = 0) -> list[Any]:
     """A linear expression in the four unknowns."""
-    return [coefficients.get(k, 0) for k in range(4)], known
+    return [*(coefficients.get(k, 0) for k in range(4)), known]
 
 
-def _sum(a: Any, one: Any, b: Any, other: Any) -> tuple[list[Any], Any]:
+def _sum(a: Any, one: list[Any], b: Any, other: list[Any]) -> list[Any]:
     """a times one expression plus b times another."""
-    return [a * x + b * y for x, y in zip(one[0], other[0], strict=True)], a * one[1] + b * other[1]
+    return [a * x + b * y for x, y in zip(one, other, strict=True)]

@@ -38,7 +38,9 @@ class Bar(NamedTuple):
     high: float
 
 
-def sweep(osc: Oscillator, r: float, count: int = LEVELS, hold: float = HOLD) -> list[dict[str, Any]]:
+def sweep(
+    osc: Oscillator, r: float, count: int = LEVELS, hold: float = HOLD
+) -> list[dict[str, Any]]:
     """What each hold ends on, load up then down.
 
     With the clearance as the unit of length the load amplitude is F0/(dK). If the free mass has come to stay

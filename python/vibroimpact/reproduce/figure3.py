@@ -27,7 +27,9 @@ def zones(resolution: float = 1.0) -> dict[str, list[Strip]]:
     return {
         "2e": equispaced_zone(MASRI, r, round(300 * resolution)),
         "2u": pair_zone(MASRI, r, round(1600 * resolution)),
-        "3": traced_zone(MASRI, [seed for seed in seeds if seed.stable], r, round(300 * resolution)),
+        "3": traced_zone(
+            MASRI, [seed for seed in seeds if seed.stable], r, round(300 * resolution)
+        ),
     }
 
 
@@ -41,13 +43,17 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         canvas.zone(ax, strips, kind, inverse=False, traced=traced)
         lowest = min(float(np.min(strip.low)) for strip in strips)
         highest = max(float(np.max(strip.high)) for strip in strips)
-        print(f"Figure 3: zone {kind}: dK/F0 {lowest:.3g} to {highest:.4g}; {compared(traced, strips)}")
+        print(
+            f"Figure 3: zone {kind}: dK/F0 {lowest:.3g} to {highest:.4g}; {compared(traced, strips)}"
+        )
     ax.axhline(37, color="0.4", lw=0.7, ls=(0, (5, 3)))
     ax.annotate("$d = 37\\,F_0/K$ (Masri)", (0.803, 38), fontsize=6.5, color="0.3")
     ax.plot(0.94, 37, "k+", ms=6)
     ax.annotate("Table 1", (0.937, 37.6), fontsize=6.5, ha="right", va="bottom")
     canvas.axes_of_zones(ax, inverse=False)
-    ax.set(xlim=(0.8, 1.2), ylim=(2, 150), title=r"$\xi = 0.005$, $\mu = 0.042$, $R_1 = R_2 = 0.75$")
+    ax.set(
+        xlim=(0.8, 1.2), ylim=(2, 150), title=r"$\xi = 0.005$, $\mu = 0.042$, $R_1 = R_2 = 0.75$"
+    )
     ax.title.set_fontsize(8)
     canvas.legend(ax, loc="upper right")
     canvas.save(figure, folder, "figure3")

@@ -35,7 +35,9 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     close = zones(np.unique(np.concatenate([1 - steps, 1 + steps])), resolution)
     for kind, colour, line in (("double", "#0072B2", "-"), ("single", "k", ":")):
         for strip in close[kind]:
-            near.plot(1e3 * (strip.r - 1), 1 / strip.low, color=colour, ls=line, label=f"{kind} precision")
+            near.plot(
+                1e3 * (strip.r - 1), 1 / strip.low, color=colour, ls=line, label=f"{kind} precision"
+            )
     canvas.axes_of_zones(near)
     near.set_yscale("linear")
     near.set(xlabel=r"$10^3\,(r - 1)$", title="upper boundary at $r = 1$")
@@ -44,5 +46,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     canvas.save(figure, folder, "figure6a")
     rows = canvas.strip_rows({**found, **{f"{name} near 1": close[name] for name in close}})
     canvas.table(folder, "figure6a", canvas.STRIP_HEADER, rows)
-    print(f"Figure 6a: {canvas.inside(sweeps, '2e', found['double'])}; {compared(traced, found['double'])}")
+    print(
+        f"Figure 6a: {canvas.inside(sweeps, '2e', found['double'])}; {compared(traced, found['double'])}"
+    )
     return bool(found["double"] and found["single"])

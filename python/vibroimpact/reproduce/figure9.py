@@ -34,7 +34,9 @@ def motions() -> dict[str, Motion]:
 
 def there(motion: Motion, sides: str) -> bool:
     """Whether a motion is stable and has a pattern, whichever letter comes first."""
-    turned = {"".join(motion.pattern.letters[j:] + motion.pattern.letters[:j]) for j in range(len(sides))}
+    turned = {
+        "".join(motion.pattern.letters[j:] + motion.pattern.letters[:j]) for j in range(len(sides))
+    }
     return sides in turned and motion.pattern.cycles == 1 and motion.stable is True
 
 

@@ -48,9 +48,10 @@ def ratios(low: float, high: float, resolution: float = 1.0) -> NDArray[np.float
     """Frequency ratios of a figure: even, denser about the dip of the zones, with those of the bars."""
     count = max(9, round(110 * resolution))
     near = np.geomspace(0.002, 0.2, count // 3)
-    parts = [np.linspace(low, high, count), 0.975 - near, 0.975 + near, RATIOS]
-    joined = np.unique(np.round(np.concatenate(parts), 6))
-    return joined[(joined >= low) & (joined <= high)]
+    even, bars = np.linspace(low, high, count), np.array(RATIOS)
+    joined = np.unique(np.round(np.concatenate([even, 0.975 - near, 0.975 + near, bars]), 6))
+    inside: NDArray[np.float64] = joined[(joined >= low) & (joined <= high)]
+    return inside
 
 
 def kind_of(sides: str, cycles: int, phases: Any = None, *, alike: bool = False) -> str:

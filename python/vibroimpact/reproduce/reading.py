@@ -49,8 +49,8 @@ def family(r: float, clearance: float, count: int) -> list[Motion]:
 def misread(motions: list[Motion], error: float, samples: int) -> dict[str, Any]:
     """What least squares says of motions whose phases are misread."""
     random = np.random.default_rng(1983)
-    accepted = {rule: 0 for rule in RULES}
-    wrong = {rule: 0 for rule in RULES}
+    accepted = dict.fromkeys(RULES, 0)
+    wrong = dict.fromkeys(RULES, 0)
     residuals, off = [], []
     for motion in motions:
         n = len(motion.pattern)

@@ -33,7 +33,9 @@ def grid(header: Sequence[str], rows: Iterable[Iterable[Any]], numbers: int = 99
     """A table that scrolls sideways where the window is narrow."""
     body = "\n".join(cells(row, numbers=numbers) for row in rows)
     head = cells(header, "th", numbers)
-    return f'<div class="scroll"><table><thead>{head}</thead><tbody>\n{body}\n</tbody></table></div>'
+    return (
+        f'<div class="scroll"><table><thead>{head}</thead><tbody>\n{body}\n</tbody></table></div>'
+    )
 
 
 def whole(text: str) -> str:
@@ -42,8 +44,10 @@ def whole(text: str) -> str:
 
 
 #: How names of the tables are set.
-SYMBOLS = (("alpha", "α"), ("lambda", "λ"), ("Omega ", "Ω"), ("Omega", "Ω"), ("tau", "τ"), (" pi xi", "πξ"),
-           ("/pi", "/π"), ("X'", "Ẋ"), ("Z'", "Ż"), ("_max", "<sub>max</sub>"), ("R1^2 R2^2", "R₁²R₂²"))  # fmt: skip
+SYMBOLS = (
+    ("alpha", "α"), ("lambda", "λ"), ("Omega ", "Ω"), ("Omega", "Ω"), ("tau", "τ"), (" pi xi", "πξ"),
+    ("/pi", "/π"), ("X'", "Ẋ"), ("Z'", "Ż"), ("R1^2 R2^2", "R₁²R₂²"),
+)  # fmt: skip
 
 
 def pretty(text: str) -> str:
@@ -100,17 +104,24 @@ def table_1(folder: Path) -> str:
             line += [value, f"<b>{row['printed']}{mark}</b>" if mark else row["printed"]]
         lines.append(line)
     header = ["", *(name for column in columns for name in (column, "printed"))]
-    notes = "".join(f"<p>* {pretty(q)}, {c}: {pretty(why)}.</p>" for (q, c), why in MISPRINTS.items())
+    notes = "".join(
+        f"<p>* {pretty(q)}, {c}: {pretty(why)}.</p>" for (q, c), why in MISPRINTS.items()
+    )
     return grid(header, lines, numbers=1) + notes
 
 
 def corrections(folder: Path) -> str:
     """The three corrections of (A6), (A7), and what each of them does."""
     rows = json.loads((folder / "data" / "appendix.json").read_text(encoding="utf-8"))
-    what = grid(("Correction", "printed", "has to be"), ([pretty(x) for x in c] for c in CORRECTIONS.values()))
+    what = grid(
+        ("Correction", "printed", "has to be"),
+        ([pretty(x) for x in c] for c in CORRECTIONS.values()),
+    )
     lines = []
     for row in rows:
-        left = [CORRECTIONS[name][0].split()[0] for name in CORRECTIONS if name not in row["corrected"]]
+        left = [
+            CORRECTIONS[name][0].split()[0] for name in CORRECTIONS if name not in row["corrected"]
+        ]
         said = "all three corrected" if not left else pretty(f"{', '.join(left)} as printed")
         moduli = ", ".join(f"{x:.4g}" if x > 1e-12 else "0" for x in row["multipliers"])
         determinant = row["determinant"] if abs(row["determinant"]) > 1e-12 else 0.0
@@ -138,18 +149,33 @@ def timings(folder: Path) -> str:
     """Seconds of processor of each task."""
     parts = {f"holds of the rig with {rig} R": sum(seconds(folder, x) for x in names)
              for rig, names in SWEEPS.items()}  # fmt: skip
-    parts |= {name: seconds(folder, name) for name in (*NAMES[:-1], "reading", "appendix", "statements")}
+    parts |= {
+        name: seconds(folder, name) for name in (*NAMES[:-1], "reading", "appendix", "statements")
+    }
     parts["sum"] = sum(parts.values())
-    return grid(("Item", "seconds of one processor"), ((name, f"{x:.2f}") for name, x in parts.items()), numbers=1)
+    return grid(
+        ("Item", "seconds of one processor"),
+        ((name, f"{x:.2f}") for name, x in parts.items()),
+        numbers=1,
+    )
 
 
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Write report.html."""
     style = (files(__package__) / "report.css").read_text(encoding="utf-8")
     figures = [name for name in NAMES if name in CAPTIONS]
-    links = {"statements": "Statements", "table1": "Table 1", "appendix": "(A6), (A7)", "reading": "3 % rule"}
+    links = {
+        "statements": "Statements",
+        "table1": "Table 1",
+        "appendix": "(A6), (A7)",
+        "reading": "3 % rule",
+    }
     links |= {name: CAPTIONS[name][0].split(":")[0] for name in figures} | {"timing": "Timing"}
-    rough = f"<p><b>Made at resolution {resolution:g}: a rough draft.</b></p>" if resolution != 1 else ""
+    rough = (
+        f"<p><b>Made at resolution {resolution:g}: a rough draft.</b></p>"
+        if resolution != 1
+        else ""
+    )
     text = "\n".join([
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
@@ -159,7 +185,8 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         f"(1983) 41–59, doi {DOI}, computed by vibroimpact {escape(version('vibroimpact'))}.</p>{rough}",
         "<nav>" + " ".join(f'<a href="#{key}">{name}</a>' for key, name in links.items()) + "</nav>",
         INTRODUCTION,
-        '<section id="statements"><h2>What the paper says, and what is found</h2>', statements(folder), "</section>",
+        '<section id="statements"><h2>What the paper says, and what is found</h2>',
+        statements(folder), "</section>",
         '<section id="table1"><h2>Table 1</h2>', table_1(folder), "</section>",
         '<section id="appendix"><h2>Three corrections to (A6) and (A7)</h2>', corrections(folder), "</section>",
         '<section id="reading"><h2>The rule of 3 %</h2>', READING, reading(folder), "</section>",

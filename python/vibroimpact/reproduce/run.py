@@ -80,11 +80,11 @@ def reproduce(
     prints = {name: fingerprint(name, resolution) for name in with_needs(wanted)}
     finished: dict[str, Done] = {}
     for name, print_ in prints.items():
-        done = recall(folder, name, print_)
-        if done is not None and all(need in finished for need in TASKS[name].needs):
-            finished[name] = done
+        known = recall(folder, name, print_)
+        if known is not None and all(need in finished for need in TASKS[name].needs):
+            finished[name] = known
             if name in wanted:
-                print(done.said, end="")
+                print(known.said, end="")
                 print(f"{name}: up to date")
     missing = {name: print_ for name, print_ in prints.items() if name not in finished}
     bar = Bar(missing, sys.stderr)
@@ -118,14 +118,18 @@ def _perform_all(
     def settle(name: str, future: Future[Done] | None) -> tuple[str, Done | str]:
         bar.left.pop(name, None)
         try:
-            return name, future.result() if future else perform(name, folder, resolution, missing[name])
+            return name, future.result() if future else perform(
+                name, folder, resolution, missing[name]
+            )
         except (VibroimpactError, OSError) as error:
             failed.add(name)
             return name, str(error)
 
     def ready() -> Iterator[str]:
         for name in list(waiting):
-            pending = [need for need in TASKS[name].needs if need in waiting or need in running_names]
+            pending = [
+                need for need in TASKS[name].needs if need in waiting or need in running_names
+            ]
             if not pending:
                 del waiting[name]
                 yield name

@@ -48,9 +48,7 @@ class Strip(NamedTuple):
         """Whether a point lies in the piece."""
         if not self.r[0] <= r <= self.r[-1]:
             return False
-        return bool(
-            np.interp(r, self.r, self.low) < clearance < np.interp(r, self.r, self.high)
-        )
+        return bool(np.interp(r, self.r, self.low) < clearance < np.interp(r, self.r, self.high))
 
 
 def equispaced_verdict(osc: Oscillator, precision: str = "double") -> Test:
@@ -91,7 +89,7 @@ def pair_zone(osc: Oscillator, r: Array, count: int = 1200) -> list[Strip]:
     # motions on walls alike come with their mirror image, whose second phase is 2 pi - alpha_2
     first = math.pi if osc.restitution[0] == osc.restitution[1] else 0.0
     step = (2 * math.pi - first) / count
-    grid = first + step * (np.arange(count) + 0.5)
+    grid = (first + step * (np.arange(count) + 0.5)).astype(np.float64)
 
     def motions(r: Array, second: Array) -> tuple[NDArray[np.bool_], Array]:
         found = periodic_batch(osc, r, [np.zeros_like(second), second], pair)
@@ -135,19 +133,29 @@ def traced_zone(
         # a guess from farther away is for thin zones, which may miss the same j in the next column
         motion = at(guess, i, points[j]) if near or (i, j) not in tried else None
         if motion is None and near and guess.pattern.has_rest and (i, j) not in tried:
-            motion = at(settled(guess, float(r[i]), float(clearance(r[i], points[j]))), i, points[j])
+            motion = at(
+                settled(guess, float(r[i]), float(clearance(r[i], points[j]))), i, points[j]
+            )
         tried.add((i, j))
         if motion is not None:
             known[i, j] = motion
-            front += [(motion, i + step, j + k, k == 0) for step in (1, -1) for k in (2, -2, 1, -1, 0)]
+            front += [
+                (motion, i + step, j + k, k == 0) for step in (1, -1) for k in (2, -2, 1, -1, 0)
+            ]
             front += [(motion, i, j + 1, True), (motion, i, j - 1, True)]
-    rows, lows, highs = [], [], []
+    rows: list[int] = []
+    lows: list[float] = []
+    highs: list[float] = []
     for i in range(r.size):
         inside = [(i, j) in known for j in range(count)]
         for begin, end in runs(np.array(inside)):
             rows.append(i)
             for into, j, step in ((lows, begin, -1), (highs, end - 1, 1)):
-                motion, good, bad = known[i, j], points[j], points[j] + step * (points[1] - points[0])
+                motion, good, bad = (
+                    known[i, j],
+                    points[j],
+                    points[j] + step * (points[1] - points[0]),
+                )
                 for _ in range(HALVINGS // 3):
                     middle = 0.5 * (good + bad)
                     nearer = at(motion, i, middle)

@@ -115,7 +115,13 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
             said = verdict(value, printed, MISPRINTS.get((name, column)))
             lines.append(_row(name, value, printed, beside[name] if beside else "", said))
             table.append(
-                [column, name, repr(float(value)) if isinstance(value, float) else value, printed, said]
+                [
+                    column,
+                    name,
+                    repr(float(value)) if isinstance(value, float) else value,
+                    printed,
+                    said,
+                ]
             )
     faults = sum(row[-1] == "DIFFERS" for row in table)
     misprints = sum(row[-1].startswith("misprint") for row in table)

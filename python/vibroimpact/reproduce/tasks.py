@@ -116,7 +116,9 @@ def _sources(module: str) -> str:
     package = {path for path in here.parent.rglob("*.py") if path.parent != here}
     package.discard(here.parent / "command.py")  # computes nothing
     used = _imports(module, set()) - {"tasks"}
-    return _digest({Path(_core.__file__), *package, *(p for name in used for p in here.glob(f"{name}.*"))})
+    return _digest(
+        {Path(_core.__file__), *package, *(p for name in used for p in here.glob(f"{name}.*"))}
+    )
 
 
 def fingerprint(name: str, resolution: float) -> str:
@@ -155,7 +157,9 @@ def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
     with contextlib.redirect_stdout(said):
         if task.module == "experiment":
             _, rig, r = name.split("_")
-            import_module(f".{task.module}", __package__).run_sweep(folder, rig, float(r), resolution)
+            import_module(f".{task.module}", __package__).run_sweep(
+                folder, rig, float(r), resolution
+            )
             agrees = True
         else:
             agrees = import_module(f".{task.module}", __package__).reproduce(folder, resolution)

@@ -15,7 +15,11 @@ from .scan import Strip
 
 
 def outline(
-    osc: Oscillator, sides: str, r: tuple[float, float], strips: Sequence[Strip], symmetric: bool | None = None
+    osc: Oscillator,
+    sides: str,
+    r: tuple[float, float],
+    strips: Sequence[Strip],
+    symmetric: bool | None = None,
 ) -> Any:
     """The Zone of a pattern about a scanned one; None where `zone` is not there or has no such zones."""
     find_zone = getattr(vibroimpact, "zone", None)
