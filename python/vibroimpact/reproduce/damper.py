@@ -66,13 +66,13 @@ def draw(osc: Oscillator, folder: Path, name: str, rig: str, resolution: float) 
         )
         seen = [x for x in holds[one.r] if x["kind"] in KINDS]
         two = [x for x in seen if x["kind"] in ("2", "2e", "2u")]
-        for chosen, marker, size in ((seen, ".", 2), (two, "o", 2.5)):
+        for chosen, marker, size in ((seen, ".", 3.5), (two, "o", 3)):
             values = [(x["attenuation"], x["load"]) for x in chosen]
             ax.plot(*np.array(values).reshape(-1, 2).T, marker, color=colour, ms=size, mew=0)
     ax.axvline(1, color="0.5", lw=0.7, ls=(0, (5, 3)))
     ax.set(yscale="log", xscale="log", xlabel=r"$X_{\max}/A$", ylabel=canvas.LOAD)
-    ax.plot([], [], "o", color="0.4", ms=2.5, mew=0, label="experiment, 2 impacts/cycle")
-    ax.plot([], [], ".", color="0.4", ms=2, mew=0, label="experiment, others")
+    ax.plot([], [], "o", color="0.4", ms=3, mew=0, label="experiment, 2 impacts/cycle")
+    ax.plot([], [], ".", color="0.4", ms=3.5, mew=0, label="experiment, others")
     canvas.legend(ax, loc="best")
     canvas.save(figure, folder, name)
     rows = [(one.r, *row) for one in found for row in zip(one.load, one.attenuation, strict=True)]

@@ -23,13 +23,11 @@ def zones(resolution: float = 1.0) -> dict[str, list[Strip]]:
     seeds: list[Motion] = []
     for at, clearance in LOOK:
         found = find(MASRI, at, clearance, max_impacts=3, max_cycles=1, guesses=24, states=6)
-        seeds += [motion for motion in map(turned, found) if motion.pattern.sides == "RRL"]
+        seeds += [m for m in map(turned, found) if m.stable and m.pattern.sides == "RRL"]
     return {
         "2e": equispaced_zone(MASRI, r, round(300 * resolution)),
         "2u": pair_zone(MASRI, r, round(1600 * resolution)),
-        "3": traced_zone(
-            MASRI, [seed for seed in seeds if seed.stable], r, round(300 * resolution)
-        ),
+        "3": traced_zone(MASRI, seeds, r, round(300 * resolution)),
     }
 
 
@@ -51,10 +49,8 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     ax.plot(0.94, 37, "k+", ms=6)
     ax.annotate("Table 1", (0.937, 37.6), fontsize=6.5, ha="right", va="bottom")
     canvas.axes_of_zones(ax, inverse=False)
-    ax.set(
-        xlim=(0.8, 1.2), ylim=(2, 150), title=r"$\xi = 0.005$, $\mu = 0.042$, $R_1 = R_2 = 0.75$"
-    )
-    ax.title.set_fontsize(8)
+    ax.set(xlim=(0.8, 1.2), ylim=(2, 150))
+    ax.set_title(r"$\xi = 0.005$, $\mu = 0.042$, $R_1 = R_2 = 0.75$", fontsize=8)
     canvas.legend(ax, loc="upper right")
     canvas.save(figure, folder, "figure3")
     canvas.table(folder, "figure3", canvas.STRIP_HEADER, canvas.strip_rows(found))

@@ -1,7 +1,4 @@
-"""Figure 9: load and acceleration of the primary mass for four kinds of motion, unequal restitution.
-
-The paper does not give its points; here each kind is found at a point inside its zone by simulation, then exactly.
-"""
+"""Figure 9: load and acceleration of the primary mass for four kinds of motion, at points chosen here."""
 
 from __future__ import annotations
 
@@ -21,11 +18,10 @@ PANELS = {
     "c": ("one impact on steel and many on tape", "RL*", 0.90, 6.0),
     "d": ("two impacts on steel and many on tape", "RRL*", 0.76, 1.0),
 }
-HEADER = ("panel", "sides", "r", "clearance", "events a cycle", "max|lambda|", "x_min", "x_max")
 
 
 def motions() -> dict[str, Motion]:
-    """The exact motion of each panel, from where a simulation from rest settles."""
+    """The exact motion of each panel, from where a simulation settles."""
     return {
         panel: exact(UNEQUAL, r, clearance, simulate(UNEQUAL, r, clearance, 8, discard=500))
         for panel, (_, _, r, clearance) in PANELS.items()
@@ -34,9 +30,8 @@ def motions() -> dict[str, Motion]:
 
 def there(motion: Motion, sides: str) -> bool:
     """Whether a motion is stable and has a pattern, whichever letter comes first."""
-    turned = {
-        "".join(motion.pattern.letters[j:] + motion.pattern.letters[:j]) for j in range(len(sides))
-    }
+    letters = motion.pattern.letters
+    turned = {"".join(letters[j:] + letters[:j]) for j in range(len(letters))}
     return sides in turned and motion.pattern.cycles == 1 and motion.stable is True
 
 
@@ -52,12 +47,12 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         load.set_xlabel("")
         acceleration.tick_params(labelbottom=True)
         load.set_title(f"({panel}) {caption}\n$r$ = {r:g}, $dK/F_0$ = {clearance:g}", fontsize=7)
-        largest = abs(complex(motion.multipliers[0]))
-        rows.append((panel, motion.pattern.sides, r, clearance, len(motion.events), largest,
-                     motion.x_min, motion.x_max))  # fmt: skip
+        numbers = (len(motion.events), abs(motion.multipliers[0]), motion.x_min, motion.x_max)
+        rows.append((panel, motion.pattern.sides, r, clearance, *numbers))
         said = "stable" if there(motion, sides) else "NOT FOUND"
         print(f"Figure 9{panel}: {caption}: {sides} at r = {r:g}, d K/F0 = {clearance:g}: {said}")
         good = good and there(motion, sides)
     canvas.save(figure, folder, "figure9")
-    canvas.table(folder, "figure9", HEADER, rows)
+    header = ["panel", "sides", "r", "clearance", "events a cycle", "max|lambda|", "x_min", "x_max"]
+    canvas.table(folder, "figure9", header, rows)
     return good

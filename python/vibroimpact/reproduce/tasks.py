@@ -48,28 +48,28 @@ def _figure(name: str, weight: float, rig: str = "") -> Task:
 
 #: Every task by name, each after those that it needs.
 TASKS: dict[str, Task] = {
-    name: Task("experiment", (), (f"data/{name}.json",), 0.8 if rig == "equal" else 1.6)
+    name: Task("experiment", (), (f"data/{name}.json",), 0.7 if rig == "equal" else 1.5)
     for rig, names in reversed(SWEEPS.items())
     for name in names
 }
 TASKS |= {
-    "table1": Task("table1", (), ("table1.txt", "table1.csv"), 0.3),
+    "table1": Task("table1", (), ("table1.txt", "table1.csv"), 0.1),
     "figure3": _figure("figure3", 4.0),
-    "figure4a": _figure("figure4a", 1.0),
-    "figure4b": _figure("figure4b", 1.0),
-    "figure6a": _figure("figure6a", 4.0, "equal"),
-    "figure6b": _figure("figure6b", 3.0, "equal"),
-    "figure7": _figure("figure7", 3.0, "equal"),
-    "figure8a": _figure("figure8a", 4.0, "unequal"),
-    "figure8b": _figure("figure8b", 4.0, "unequal"),
-    "figure9": _figure("figure9", 2.0),
-    "figure10a": _figure("figure10a", 1.5, "equal"),
-    "figure10b": _figure("figure10b", 1.5, "unequal"),
-    "reading": Task("reading", (), ("data/reading.json",), 2.0),
-    "appendix": Task("appendix", (), ("data/appendix.json",), 0.5),
+    "figure4a": _figure("figure4a", 0.8),
+    "figure4b": _figure("figure4b", 0.5),
+    "figure6a": _figure("figure6a", 2.0, "equal"),
+    "figure6b": _figure("figure6b", 2.0, "equal"),
+    "figure7": _figure("figure7", 2.5, "equal"),
+    "figure8a": _figure("figure8a", 3.5, "unequal"),
+    "figure8b": _figure("figure8b", 9.0, "unequal"),
+    "figure9": _figure("figure9", 1.0),
+    "figure10a": _figure("figure10a", 0.7, "equal"),
+    "figure10b": _figure("figure10b", 0.7, "unequal"),
+    "reading": Task("reading", (), ("data/reading.json",), 0.9),
+    "appendix": Task("appendix", (), ("data/appendix.json",), 0.1),
 }
-TASKS["statements"] = Task("statements", tuple(TASKS), ("data/statements.json",), 5.0)
-TASKS["report"] = Task("report", tuple(TASKS), ("report.html",), 1.0)
+TASKS["statements"] = Task("statements", tuple(TASKS), ("data/statements.json",), 3.0)
+TASKS["report"] = Task("report", tuple(TASKS), ("report.html",), 0.1)
 
 
 class Done(NamedTuple):
