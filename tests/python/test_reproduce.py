@@ -12,6 +12,7 @@ import time
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.find import mirror, turned
 from vibroimpact.reproduce import (
     appendix,
     captions,
@@ -170,6 +171,16 @@ def test_phases_read_without_error_are_consistent():
     assert row["wrong"] == [0.0, 0.0]
     assert row["clearance_off"] < 1e-10
     assert reading.misread(motions, 0.05, 20)["accepted"][0] < 1
+
+
+@pytest.mark.parametrize(
+    ("point", "sides"), list(zip(reading.POINTS, ("RRL", "RRLL", "RRRLL"), strict=True))
+)
+def test_patterns_are_found(point, sides):
+    """A search of all patterns at a point of Figure 7 finds three, four and five impacts a cycle stable."""
+    found = vi.find(EQUAL, *point, max_impacts=5, max_cycles=1, states=8)
+    stable = [motion for motion in found if motion.stable]
+    assert {max(m.pattern.sides, turned(mirror(m)).pattern.sides) for m in stable} == {sides}
 
 
 # experiment
