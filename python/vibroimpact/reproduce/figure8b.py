@@ -9,7 +9,6 @@ from .experiment import bars, read_sweeps, seeds
 from .figure9 import PANELS
 from .paper import UNEQUAL, ratios
 from .scan import Strip, traced_zone
-from .traced import compared, outline
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
@@ -30,10 +29,8 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     figure, ax = canvas.sheet(height=4.0)
     for (sides, strips), colour in zip(found.items(), canvas.spectrum(len(found)), strict=True):
         count = sides.count("R")
-        traced = outline(UNEQUAL, sides, (0.55, 1.5), strips)
         name = f"{sides}: {count} on steel, rest on tape"
-        canvas.zone(ax, strips, "rest", name, color=colour, traced=traced)
-        print(f"Figure 8b: {sides}: {compared(traced, strips)}")
+        canvas.zone(ax, strips, "rest", name, color=colour)
     canvas.bars(ax, bars(sweeps, "rest"), "rest")
     for name in ("c", "d"):
         _, _, r, clearance = PANELS[name]

@@ -50,6 +50,8 @@ def compared(found: Any, strips: Sequence[Strip]) -> str:
                 r += [at] * 4
                 gap += [low / 1.002, low * 1.002, high / 1.002, high * 1.002]
                 inside += [False, True, True, False]
+    if not r:
+        return f"too thin to compare ({kinds})"
     # outside one strip may be inside another one
     other = [any(s.contains(x, y) for s in strips) for x, y in zip(r, gap, strict=True)]
     known = np.array(inside, dtype=bool) | np.array(other, dtype=bool)
