@@ -93,7 +93,7 @@ def printed_values() -> list[dict[str, str]]:
     return list(csv.DictReader(lines))
 
 
-def reproduce(folder: Path) -> bool:
+def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Print the comparison, write table1.txt and table1.csv; True if every entry is accounted for."""
     found = motions()
     computed = {name: entries(motion) for name, motion in found.items()}
@@ -115,7 +115,13 @@ def reproduce(folder: Path) -> bool:
             said = verdict(value, printed, MISPRINTS.get((name, column)))
             lines.append(_row(name, value, printed, beside[name] if beside else "", said))
             table.append(
-                [column, name, repr(value) if isinstance(value, float) else value, printed, said]
+                [
+                    column,
+                    name,
+                    repr(float(value)) if isinstance(value, float) else value,
+                    printed,
+                    said,
+                ]
             )
     faults = sum(row[-1] == "DIFFERS" for row in table)
     misprints = sum(row[-1].startswith("misprint") for row in table)

@@ -1,0 +1,131 @@
+"""How the figures of zones are drawn and kept: zones as bands, experiments as bars, the numbers as a table."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..files import write_bytes, write_text
+from ..plot import style
+from .experiment import Bar
+from .paper import KINDS
+from .scan import Strip
+
+LOAD, GAP = r"$F_0/(dK)$", r"$dK/F_0$"
+
+
+def sheet(columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any) -> tuple[Any, Any]:
+    """A figure with axes side by side."""
+    plt = style.pyplot()
+    width = 5.0 if columns == 1 else style.TWO_COLUMNS
+    with plt.rc_context(style.SETTINGS):
+        figure, axes = plt.subplots(
+            rows, columns, figsize=(width, height), layout="constrained", **options
+        )
+    return figure, axes
+
+
+def legend(ax: Any, **options: Any) -> None:
+    """The names of what is drawn."""
+    ax.legend(**{"frameon": False, "fontsize": 6.5, "handlelength": 1.4, **options})
+
+
+def zone(
+    ax: Any, strips: Sequence[Strip], kind: str, label: str = "", *, inverse: bool = True,
+    traced: Any = None, **options: Any,
+) -> None:  # fmt: skip
+    """A zone as a band between its boundaries, over r; `inverse` draws F0/(dK).
+
+    Where all of its boundary was `traced` too, that is the line drawn.
+    """
+    colour, style_ = options.pop("color", KINDS[kind][0]), options.get("ls", "-")
+    alpha = options.get("alpha", 0.22)
+    lines = [strip.ring for strip in strips]
+    if traced and traced.complete:
+        pieces = [piece for piece in traced.boundary if piece.type != "window"]
+        lines = [np.stack([piece.r, piece.clearance], axis=1) for piece in pieces]
+    for strip in strips:
+        edges = (1 / strip.high, 1 / strip.low) if inverse else (strip.low, strip.high)
+        ax.fill_between(strip.r, *edges, color=colour, alpha=alpha, lw=0)
+    for line in lines:
+        y = 1 / line[:, 1] if inverse else line[:, 1]
+        ax.plot(line[:, 0], y, color=colour, lw=0.8, ls=style_)
+    if len(strips):
+        name = label or KINDS[kind][1]
+        if alpha == 0:
+            ax.plot([], [], color=colour, lw=0.8, ls=style_, label=name)
+        else:
+            ax.fill_between([], [], color=colour, alpha=0.5, lw=0, label=name)
+
+
+def bars(ax: Any, found: Sequence[Bar], kind: str, label: str = "") -> None:
+    """Loads at which the holds of an experiment ended on a kind, as vertical bars."""
+    if not found:
+        return
+    r, low, high = np.array(found).T
+    colour = KINDS[kind][0]
+    ax.vlines(r, low, high, color=colour, lw=1.6)
+    name = f"{label or KINDS[kind][1]}, experiment"
+    ax.plot(
+        np.tile(r, 2), np.concatenate([low, high]), "_", color=colour, ms=4, mew=1.0, label=name
+    )
+
+
+def axes_of_zones(ax: Any, *, inverse: bool = True) -> None:
+    """Labels and a logarithmic ordinate: the zones span two decades."""
+    ax.set_yscale("log")
+    ax.set_xlabel(r"frequency ratio $r = \Omega/\omega$")
+    ax.set_ylabel(LOAD if inverse else GAP)
+
+
+def save(figure: Any, folder: Path, name: str) -> None:
+    """Write a figure as PNG and SVG."""
+    plt = style.pyplot()
+    # nothing in the file that changes from run to run
+    with plt.rc_context({**style.SETTINGS, "svg.hashsalt": name}):
+        for kind, date in (("png", {}), ("svg", {"metadata": {"Date": None}})):
+            buffer = io.BytesIO()
+            figure.savefig(buffer, format=kind, dpi=160, **date)
+            write_bytes(folder / f"{name}.{kind}", buffer.getvalue())
+    plt.close(figure)
+
+
+def inside(sweeps: list[dict[str, Any]], kind: str, strips: Sequence[Strip]) -> str:
+    """How many of the holds that ended on a kind lie in its zone, in words."""
+    holds = [(s["r"], 1 / x["load"]) for s in sweeps for x in s["seen"] if x["kind"] == kind]
+    good = sum(any(strip.contains(*hold) for strip in strips) for hold in holds)
+    return f"{good} of {len(holds)} holds on {KINDS[kind][1]} lie in the zone"
+
+
+def table(folder: Path, name: str, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Write the numbers of a figure as CSV, in full precision."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows([float(x) if isinstance(x, np.floating) else x for x in row] for row in rows)
+    write_text(folder / f"{name}.csv", text.getvalue())
+
+
+def strip_rows(zones: Mapping[str, Sequence[Strip]]) -> list[tuple[Any, ...]]:
+    """Rows for `table`: zone, piece, r, low and high clearance."""
+    return [
+        (name, piece, float(r), float(low), float(high))
+        for name, strips in zones.items()
+        for piece, strip in enumerate(strips)
+        for r, low, high in zip(*strip, strict=True)
+    ]
+
+
+STRIP_HEADER = ("zone", "piece", "r", "clearance_low", "clearance_high")
+
+
+def spectrum(count: int) -> list[Any]:
+    """Colours in order, from dark to light, that stay apart in grey."""
+    from matplotlib import colormaps
+
+    return list(colormaps["viridis"](np.linspace(0.0, 0.88, count)))

@@ -1,0 +1,87 @@
+"""How far the impacts reduce the motion of the primary mass at constant r: what Figure 10 plots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..model import Oscillator, Pattern
+from ..solve import periodic_batch
+from . import canvas
+from .experiment import read_sweeps
+from .paper import KINDS
+from .scan import equispaced_zone
+
+#: Frequency ratios of the curves; the experiment has bars at all of them.
+CURVES = (0.94, 0.96, 0.98, 1.00, 1.02, 1.04, 1.06)
+
+
+class Curve(NamedTuple):
+    """Stable motions with two impacts a cycle at one r: F0/(dK) and max|X|/A."""
+
+    r: float
+    load: NDArray[np.float64]
+    attenuation: NDArray[np.float64]
+
+
+def curve(osc: Oscillator, r: float, resolution: float = 1.0) -> Curve:
+    """Equispaced and unequispaced ones, by load."""
+    second = np.linspace(0, 2 * np.pi, max(200, round(4000 * resolution)))[1:-1]
+    pair = periodic_batch(osc, r, [np.zeros_like(second), second], Pattern("RL"))
+    good = (pair.stable == 1) & (pair.admissible == 1)
+    load, attenuation = 1 / pair.clearance[good], pair.attenuation[good]
+    if osc.restitution[0] == osc.restitution[1]:
+        count = max(60, round(400 * resolution))
+        zone = equispaced_zone(osc, np.array([r]), count)
+        # from edge to edge: the attenuation changes fast there
+        gap = np.concatenate(
+            [np.empty(0), *(np.geomspace(s.low[0], s.high[0], count) for s in zone)]
+        )
+        _, scalars, _, verdicts, _ = _core.equispaced(
+            osc.xi, osc.mu, osc.restitution, np.full_like(gap, r), gap, 1, 0.03, False, True
+        )
+        both = (verdicts == 1).all(axis=0)
+        load = np.concatenate([load, 1 / scalars[0, both]])
+        attenuation = np.concatenate(
+            [attenuation, np.maximum(-scalars[4], scalars[5])[both] / scalars[1, both]]
+        )
+    order = np.argsort(load)
+    return Curve(r, load[order], attenuation[order])
+
+
+def draw(osc: Oscillator, folder: Path, name: str, rig: str, resolution: float) -> list[Curve]:
+    """Draw and write one part of Figure 10."""
+    found = [curve(osc, r, resolution) for r in CURVES]
+    holds = {sweep["r"]: sweep["seen"] for sweep in read_sweeps(folder, rig)}
+    figure, ax = canvas.sheet(height=4.2)
+    for one, colour in zip(found, canvas.spectrum(len(found)), strict=True):
+        # a gap in the zone is a gap in the curve
+        far = np.diff(np.log(one.load), prepend=np.log(one.load[:1])) > 0.1
+        ax.plot(
+            np.where(far, np.nan, one.attenuation), one.load, color=colour, label=f"$r$ = {one.r:g}"
+        )
+        seen = [x for x in holds[one.r] if x["kind"] in KINDS]
+        two = [x for x in seen if x["kind"] in ("2", "2e", "2u")]
+        for chosen, marker, size in ((seen, ".", 3.5), (two, "o", 3)):
+            values = [(x["attenuation"], x["load"]) for x in chosen]
+            ax.plot(*np.array(values).reshape(-1, 2).T, marker, color=colour, ms=size, mew=0)
+    ax.axvline(1, color="0.5", lw=0.7, ls=(0, (5, 3)))
+    ax.set(yscale="log", xscale="log", xlabel=r"$X_{\max}/A$", ylabel=canvas.LOAD)
+    ax.plot([], [], "o", color="0.4", ms=3, mew=0, label="experiment, 2 impacts/cycle")
+    ax.plot([], [], ".", color="0.4", ms=3.5, mew=0, label="experiment, others")
+    canvas.legend(ax, loc="best")
+    canvas.save(figure, folder, name)
+    rows = [(one.r, *row) for one in found for row in zip(one.load, one.attenuation, strict=True)]
+    canvas.table(folder, name, ("r", "load", "attenuation"), rows)
+    for one in found:
+        if one.load.size:
+            least = int(np.argmin(one.attenuation))
+            print(
+                f"{name}: r = {one.r:g}: least X_max/A = {one.attenuation[least]:.4f} at F0/(dK) = "
+                f"{one.load[least]:.4g}, largest {one.attenuation.max():.4f}"
+            )
+    return found

@@ -1,0 +1,45 @@
+"""Figure 8a: zones of two and three impacts a cycle, unequal coefficients of restitution."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from . import canvas
+from .experiment import bars, read_sweeps, seeds
+from .figure9 import PANELS
+from .paper import UNEQUAL, ratios
+from .scan import Strip, pair_zone, traced_zone
+from .traced import compared, outline
+
+
+def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
+    """Zones of two and of three impacts, the latter traced from what the experiment ended on."""
+    r = ratios(0.55, 1.5, resolution)
+    threes = [x for x in seeds(read_sweeps(folder, "unequal"), UNEQUAL).items() if len(x[0]) == 3]
+    plain = [motion for sides, motions in threes if "*" not in sides for motion in motions]
+    return {
+        "2": pair_zone(UNEQUAL, r, round(1600 * resolution)),
+        "3": traced_zone(UNEQUAL, plain, r, max(60, round(300 * resolution))),
+    }
+
+
+def reproduce(folder: Path, resolution: float = 1.0) -> bool:
+    """Draw figure8a.png and .svg, write figure8a.csv; True if both zones are there."""
+    found = zones(folder, resolution)
+    sweeps = read_sweeps(folder, "unequal")
+    figure, ax = canvas.sheet(height=4.0)
+    for kind, strips in found.items():
+        traced = outline(UNEQUAL, {"2": "RL", "3": "RLL"}[kind], (0.55, 1.5), strips)
+        canvas.zone(ax, strips, kind, traced=traced)
+        canvas.bars(ax, bars(sweeps, kind), kind)
+        print(f"Figure 8a: {canvas.inside(sweeps, kind, strips)}; {compared(traced, strips)}")
+    for name in ("a", "b", "c"):
+        _, _, r, clearance = PANELS[name]
+        ax.plot(r, 1 / clearance, "k.", ms=4)
+        ax.annotate(name, (r, 1 / clearance), textcoords="offset points", xytext=(3, 2), fontsize=8)
+    canvas.axes_of_zones(ax)
+    ax.set(xlim=(0.55, 1.5), ylim=(0.006, 1.5))
+    canvas.legend(ax, loc="lower right")
+    canvas.save(figure, folder, "figure8a")
+    canvas.table(folder, "figure8a", canvas.STRIP_HEADER, canvas.strip_rows(found))
+    return bool(found["2"] and found["3"])

@@ -1,0 +1,46 @@
+"""Figure 8b: zones of motions with completed accumulation and rest ("sliding-like"), unequal restitution."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from . import canvas
+from .experiment import bars, read_sweeps, seeds
+from .figure9 import PANELS
+from .paper import UNEQUAL, ratios
+from .scan import Strip, traced_zone
+
+
+def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
+    """Zones of each pattern with rest that the experiment ended on; the paper had no theory for these."""
+    found = seeds(read_sweeps(folder, "unequal"), UNEQUAL)
+    r, count = ratios(0.55, 1.5, 0.7 * resolution), max(40, round(200 * resolution))
+    return {
+        sides: traced_zone(UNEQUAL, motions, r, count)
+        for sides, motions in sorted(found.items(), key=lambda item: (len(item[0]), item[0]))
+        if sides.endswith("RL*") and set(sides[:-2]) == {"R"}
+    }
+
+
+def reproduce(folder: Path, resolution: float = 1.0) -> bool:
+    """Draw figure8b.png and .svg, write figure8b.csv; True if RL* (Figure 9c) is among them."""
+    found = zones(folder, resolution)
+    sweeps = read_sweeps(folder, "unequal")
+    figure, ax = canvas.sheet(height=4.0)
+    for (sides, strips), colour in zip(found.items(), canvas.spectrum(len(found)), strict=True):
+        count = sides.count("R")
+        name = f"{sides}: {count} on steel, rest on tape"
+        canvas.zone(ax, strips, "rest", name, color=colour)
+    canvas.bars(ax, bars(sweeps, "rest"), "rest")
+    for name in ("c", "d"):
+        _, _, r, clearance = PANELS[name]
+        ax.plot(r, 1 / clearance, "k.", ms=4)
+        ax.annotate(name, (r, 1 / clearance), textcoords="offset points", xytext=(3, 2), fontsize=8)
+    canvas.axes_of_zones(ax)
+    ax.set(xlim=(0.55, 1.5), ylim=(0.02, 2.5))
+    canvas.legend(ax, loc="lower right")
+    canvas.save(figure, folder, "figure8b")
+    canvas.table(folder, "figure8b", canvas.STRIP_HEADER, canvas.strip_rows(found))
+    strips = [strip for one in found.values() for strip in one]
+    print(f"Figure 8b: {', '.join(found)}: {canvas.inside(sweeps, 'rest', strips)}")
+    return "RL*" in found

@@ -1,0 +1,62 @@
+"""Two impacts with given phases at constant r, stability ignored: what Figure 4 plots against each other."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import Pattern
+from ..solve import periodic_batch
+from . import canvas
+from .paper import SADEK
+
+#: Frequency ratios of the curves; the text speaks of 0.999.
+CURVES = (0.90, 0.95, 0.98, 0.999, 1.02, 1.05, 1.10)
+#: Ratios of durations of the points B and B' (and A, A') drawn on the curve r = 0.999.
+POINTS = (0.40, 0.85)
+
+
+class Curve(NamedTuple):
+    """Motions at one r: ratio of the first duration to the second, d K/F0, sin(tau), admissible or not."""
+
+    r: float
+    ratio: NDArray[np.float64]
+    clearance: NDArray[np.float64]
+    sin_tau: NDArray[np.float64]
+    admissible: NDArray[np.bool_]
+
+
+def curve(r: float, ratio: NDArray[np.float64]) -> Curve:
+    """The motions RL whose first duration (right wall to left) is `ratio` times the second."""
+    second = 2 * np.pi * ratio / (1 + ratio)
+    found = periodic_batch(SADEK, r, [np.zeros_like(second), second], Pattern("RL"))
+    return Curve(r, ratio, found.clearance, np.sin(found.tau), found.admissible == 1)
+
+
+def curves(resolution: float = 1.0) -> list[Curve]:
+    """All curves of Figure 4."""
+    ratio = np.linspace(0.02, 0.999, max(40, round(800 * resolution)))
+    return [curve(r, ratio) for r in CURVES]
+
+
+def draw(ax: Any, found: list[Curve], column: str) -> None:
+    """A column of the curves against the ratio of durations; thin where a motion passes through a wall."""
+    colours = canvas.spectrum(len(found))
+    for one, colour in zip(found, colours, strict=True):
+        values = getattr(one, column)
+        ax.plot(values, one.ratio, color=colour, lw=0.5, ls=(0, (2, 2)))
+        ax.plot(np.where(one.admissible, values, np.nan), one.ratio, color=colour, lw=1.2,
+                label=f"$r$ = {one.r:g}")  # fmt: skip
+    ax.set_ylabel("ratio of durations")
+    ax.set_ylim(0, 1)
+    ax.set_title(r"$\xi = 0.004$, $\mu = 0.0484$, $R_1 = R_2 = 0.6$", fontsize=8)
+
+
+def mark(ax: Any, column: str, names: tuple[str, str]) -> None:
+    """The two points on r = 0.999 between which only the load changes."""
+    points = curve(0.999, np.array(POINTS))
+    for value, ratio, name in zip(getattr(points, column), points.ratio, names, strict=True):
+        ax.plot(value, ratio, "ko", ms=3, zorder=5)
+        ax.annotate(name, (value, ratio), textcoords="offset points", xytext=(5, -3), fontsize=8)

@@ -1,0 +1,198 @@
+"""One page with everything: figures, statements, misprints, corrections and timings, nothing from outside."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import json
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ..files import write_text
+from .appendix import CORRECTIONS
+from .captions import CAPTIONS, INTRODUCTION, READING
+from .table1 import MISPRINTS
+from .tasks import NAMES, SWEEPS, seconds
+
+DOI = "10.1016/0022-460X(83)90438-8"
+
+
+def cells(row: Iterable[Any], tag: str = "td", numbers: int = 99) -> str:
+    """A row of a table; cells from column `numbers` on are set as numbers."""
+    return "<tr>" + "".join(
+        f"<{tag}{' class=n' if i >= numbers else ''}>{item}</{tag}>" for i, item in enumerate(row)
+    ) + "</tr>"  # fmt: skip
+
+
+def grid(header: Sequence[str], rows: Iterable[Iterable[Any]], numbers: int = 99) -> str:
+    """A table that scrolls sideways where the window is narrow."""
+    body = "\n".join(cells(row, numbers=numbers) for row in rows)
+    head = cells(header, "th", numbers)
+    return (
+        f'<div class="scroll"><table><thead>{head}</thead><tbody>\n{body}\n</tbody></table></div>'
+    )
+
+
+def whole(text: str) -> str:
+    """A text on one line."""
+    return f'<span class="whole">{escape(text)}</span>'
+
+
+#: How names of the tables are set.
+SYMBOLS = (
+    ("alpha", "α"), ("lambda", "λ"), ("Omega ", "Ω"), ("Omega", "Ω"), ("tau", "τ"), (" pi xi", "πξ"),
+    ("/pi", "/π"), ("X'", "Ẋ"), ("Z'", "Ż"), ("R1^2 R2^2", "R₁²R₂²"),
+)  # fmt: skip
+
+
+def pretty(text: str) -> str:
+    """A text with symbols and subscripts."""
+    text = escape(text, quote=False)
+    for name, symbol in SYMBOLS:
+        text = text.replace(name, symbol)
+    return re.sub(r"_(\w+)", r"<sub>\1</sub>", text)
+
+
+def verdict(text: str) -> str:
+    """A verdict in its colour."""
+    kind = text.split()[0].lower().rstrip(":")
+    return f'<span class="{kind}">{escape(text)}</span>'
+
+
+def picture(folder: Path, name: str) -> str:
+    """A figure with its caption and what was said when it was made."""
+    title, text, wide = CAPTIONS[name]
+    image = base64.b64encode((folder / f"{name}.svg").read_bytes()).decode()
+    said = json.loads((folder / "data" / f".{name}.done").read_text(encoding="utf-8"))["said"]
+    return (
+        f'<section id="{name}"><h2>{title}</h2>\n<figure class="{"wide" if wide else "one"}">'
+        f'<img alt="{escape(title)}" src="data:image/svg+xml;base64,{image}">'
+        f"<figcaption>{text}</figcaption></figure>\n"
+        f"<details><summary>What the computation said</summary><pre>{escape(said)}</pre></details></section>"
+    )
+
+
+def statements(folder: Path) -> str:
+    """The statements of the paper with what is found."""
+    rows = json.loads((folder / "data" / "statements.json").read_text(encoding="utf-8"))
+    lines = [
+        (whole(x["where"]), pretty(x["statement"]), pretty(x["found"]), verdict(x["verdict"]))
+        for x in rows
+    ]  # fmt: skip
+    return grid(("Where", "What the paper says", "What is found here", "Verdict"), lines)
+
+
+def table_1(folder: Path) -> str:
+    """Table 1, printed beside computed, and its misprints."""
+    with (folder / "table1.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    columns = list(dict.fromkeys(row["column"] for row in rows))
+    at = {(row["column"], row["quantity"]): row for row in rows}
+    lines = []
+    for quantity in dict.fromkeys(row["quantity"] for row in rows):
+        line = [pretty(quantity)]
+        for column in columns:
+            row = at[column, quantity]
+            value = row["computed"]
+            value = value if value.isalpha() else f"{float(value):.4f}"
+            mark = " *" if row["verdict"].startswith("misprint") else ""
+            line += [value, f"<b>{row['printed']}{mark}</b>" if mark else row["printed"]]
+        lines.append(line)
+    header = ["", *(name for column in columns for name in (column, "printed"))]
+    notes = "".join(
+        f"<p>* {pretty(q)}, {c}: {pretty(why)}.</p>" for (q, c), why in MISPRINTS.items()
+    )
+    return grid(header, lines, numbers=1) + notes
+
+
+def corrections(folder: Path) -> str:
+    """The three corrections of (A6), (A7), and what each of them does."""
+    rows = json.loads((folder / "data" / "appendix.json").read_text(encoding="utf-8"))
+    what = grid(
+        ("Correction", "printed", "has to be"),
+        ([pretty(x) for x in c] for c in CORRECTIONS.values()),
+    )
+    lines = []
+    for row in rows:
+        left = [
+            CORRECTIONS[name][0].split()[0] for name in CORRECTIONS if name not in row["corrected"]
+        ]
+        said = "all three corrected" if not left else pretty(f"{', '.join(left)} as printed")
+        moduli = ", ".join(f"{x:.4g}" if x > 1e-12 else "0" for x in row["multipliers"])
+        determinant = row["determinant"] if abs(row["determinant"]) > 1e-12 else 0.0
+        lines.append((whole(row["motion"]), said, moduli, f"{determinant:.6g}", f"{row['law']:.6g}",
+                      f"{row['largest_error']:.0e}"))  # fmt: skip
+    header = ("Motion", "", "|λ|", "det[P]", "law", "error of P<sub>i</sub>")
+    return what + grid(header, lines, numbers=2)
+
+
+def reading(folder: Path) -> str:
+    """How phases that are misread fare under the rule of 3 %."""
+    rows = json.loads((folder / "data" / "reading.json").read_text(encoding="utf-8"))
+    lines = [
+        (whole(f"{len(x['sides'])} ({x['sides']}, r = {x['r']:g})"), f"{x['error']:g}", f"{x['milliseconds']:.2f}",
+         " – ".join(f"{100 * q:.1f}" for q in (x["residual"][0], x["residual"][2])),
+         f"{100 * x['accepted'][0]:.0f}", f"{100 * x['wrong'][0]:.1f}", f"{100 * x['accepted'][1]:.0f}",
+         f"{100 * x['wrong'][1]:.1f}", f"{100 * x['clearance_off']:.1f}") for x in rows
+    ]  # fmt: skip
+    header = ("Impacts/cycle", "misread by (rad)", "(ms)", "residual, % (5–95 %)", "3 % takes, %", "wrong, %",
+              "1.5 % takes, %", "wrong, %", "error of dK/F₀, %")  # fmt: skip
+    return grid(header, lines, numbers=1)
+
+
+def timings(folder: Path) -> str:
+    """Seconds of processor of each task."""
+    parts = {f"holds of the rig with {rig} R": sum(seconds(folder, x) for x in names)
+             for rig, names in SWEEPS.items()}  # fmt: skip
+    parts |= {
+        name: seconds(folder, name) for name in (*NAMES[:-1], "reading", "appendix", "statements")
+    }
+    parts["sum"] = sum(parts.values())
+    return grid(
+        ("Item", "seconds of one processor"),
+        ((name, f"{x:.2f}") for name, x in parts.items()),
+        numbers=1,
+    )
+
+
+def reproduce(folder: Path, resolution: float = 1.0) -> bool:
+    """Write report.html."""
+    style = (files(__package__) / "report.css").read_text(encoding="utf-8")
+    figures = [name for name in NAMES if name in CAPTIONS]
+    links = {
+        "statements": "Statements",
+        "table1": "Table 1",
+        "appendix": "(A6), (A7)",
+        "reading": "3 % rule",
+    }
+    links |= {name: CAPTIONS[name][0].split(":")[0] for name in figures} | {"timing": "Timing"}
+    rough = (
+        f"<p><b>Made at resolution {resolution:g}: a rough draft.</b></p>"
+        if resolution != 1
+        else ""
+    )
+    text = "\n".join([
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>Stable periodic vibroimpacts, recomputed</title>\n<style>\n{style}</style></head><body>",
+        "<h1>Stable periodic vibroimpacts of an oscillator, recomputed</h1>",
+        f'<p class="lead">Every table and figure of N. Popplewell, C. N. Bapat and K. McLachlan, J. Sound Vib. 87 '
+        f"(1983) 41–59, doi {DOI}, computed by vibroimpact {escape(version('vibroimpact'))}.</p>{rough}",
+        "<nav>" + " ".join(f'<a href="#{key}">{name}</a>' for key, name in links.items()) + "</nav>",
+        INTRODUCTION,
+        '<section id="statements"><h2>What the paper says, and what is found</h2>',
+        statements(folder), "</section>",
+        '<section id="table1"><h2>Table 1</h2>', table_1(folder), "</section>",
+        '<section id="appendix"><h2>Three corrections to (A6) and (A7)</h2>', corrections(folder), "</section>",
+        '<section id="reading"><h2>The rule of 3 %</h2>', READING, reading(folder), "</section>",
+        *(picture(folder, name) for name in figures),
+        '<section id="timing"><h2>Timing</h2>', timings(folder), "</section>",
+        "</body></html>\n",
+    ])  # fmt: skip
+    write_text(folder / "report.html", text)
+    return True

@@ -1,0 +1,174 @@
+"""Do the tasks that are wanted and not yet done, several at a time, with a bar that tells the time left."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from pathlib import Path
+from typing import TextIO
+
+from ..errors import ParameterError, VibroimpactError
+from .tasks import NAMES, TASKS, Done, fingerprint, perform, recall, with_needs
+
+
+class Bar:
+    """A line on a terminal: how much is done, and about how long the rest takes."""
+
+    def __init__(self, names: Iterable[str], stream: TextIO) -> None:
+        self.left = {name: TASKS[name].weight for name in names}
+        self.whole = sum(self.left.values()) or 1.0
+        self.stream, self.begin = stream, time.monotonic()
+        self.shown = bool(self.left) and stream.isatty()
+
+    def draw(self) -> None:
+        """Draw the line anew."""
+        if not self.shown:
+            return
+        share = 1 - sum(self.left.values()) / self.whole
+        passed = time.monotonic() - self.begin
+        time_left = f"{passed * (1 / share - 1):.0f} s left" if share > 0.03 else "..."
+        cells = round(30 * share)
+        line = f"[{'#' * cells}{'.' * (30 - cells)}] {share:4.0%}  {time_left}"
+        self.stream.write(f"\r{line}\x1b[K")
+        self.stream.flush()
+
+    def clear(self) -> None:
+        """Take the line away."""
+        if self.shown:
+            self.stream.write("\r\x1b[K")
+            self.stream.flush()
+
+
+def reproduce(
+    names: Iterable[str] = (),
+    folder: str | Path = "results",
+    resolution: float = 1.0,
+    workers: int | None = None,
+) -> int:
+    """Recompute the named items (all, if none is named) and write them to a folder.
+
+    What is there already, made by this version from the same sources, is kept. Items run in processes of
+    their own (started by "spawn": a script that calls this needs ``if __name__ == "__main__":``).
+
+    Parameters
+    ----------
+    names : iterable of str
+        Some of `NAMES`.
+    folder : path
+        Made if it is not there.
+    resolution : float
+        Below 1 for coarser grids, fewer load levels and shorter holds.
+    workers : int, optional
+        Processes; default: one for each processor. With 1 all is done in this process.
+
+    Returns
+    -------
+    int
+        0 if everything agrees with the paper or is explained, 1 if something differs or failed.
+    """
+    wanted = list(names) or list(NAMES)
+    for name in wanted:
+        if name not in NAMES:
+            raise ParameterError(f"NAME = {name!r}: must be one of {', '.join(NAMES)}")
+    folder = Path(folder)
+    (folder / "data").mkdir(parents=True, exist_ok=True)
+    prints = {name: fingerprint(name, resolution) for name in with_needs(wanted)}
+    finished: dict[str, Done] = {}
+    for name, print_ in prints.items():
+        known = recall(folder, name, print_)
+        if known is not None and all(need in finished for need in TASKS[name].needs):
+            finished[name] = known
+            if name in wanted:
+                print(known.said, end="")
+                print(f"{name}: up to date")
+    missing = {name: print_ for name, print_ in prints.items() if name not in finished}
+    bar = Bar(missing, sys.stderr)
+    agree = [done.agrees for done in finished.values()]
+    if workers is None:
+        workers = min(len(missing), len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity")
+                      else os.cpu_count() or 1)  # fmt: skip
+    for name, done in _perform_all(missing, folder, resolution, max(1, workers), bar):
+        bar.clear()
+        if isinstance(done, Done):
+            print(done.said, end="")
+            if name in wanted:
+                written = ", ".join(str(folder / output) for output in TASKS[name].outputs)
+                print(f"{name}: written: {written}", flush=True)
+            agree.append(done.agrees)
+        else:
+            print(f"{name}: {done}", file=sys.stderr)
+            agree.append(False)
+        bar.draw()
+    bar.clear()
+    return 0 if all(agree) else 1
+
+
+def _perform_all(
+    missing: dict[str, str], folder: Path, resolution: float, workers: int, bar: Bar
+) -> Iterator[tuple[str, Done | str]]:
+    """Do tasks as soon as what they need is there; a failure fails what needs it, and nothing else."""
+    waiting = dict(missing)
+    failed: set[str] = set()
+
+    def settle(name: str, future: Future[Done] | None) -> tuple[str, Done | str]:
+        bar.left.pop(name, None)
+        try:
+            return name, future.result() if future else perform(
+                name, folder, resolution, missing[name]
+            )
+        except (VibroimpactError, OSError) as error:
+            failed.add(name)
+            return name, str(error)
+
+    def ready() -> Iterator[str]:
+        for name in list(waiting):
+            pending = [
+                need for need in TASKS[name].needs if need in waiting or need in running_names
+            ]
+            if not pending:
+                del waiting[name]
+                yield name
+
+    running_names: set[str] = set()
+    if workers == 1:
+        for name in list(missing):
+            bar.draw()
+            if failed & set(TASKS[name].needs):
+                failed.add(name)
+                yield name, "left out: something that it needs failed"
+            else:
+                yield settle(name, None)
+        return
+    context = multiprocessing.get_context("spawn")
+    # Ctrl-C is for this process: what is being done is finished, and what is finished is whole
+    with ProcessPoolExecutor(workers, context, _ignore_interrupt) as pool:
+        running: dict[Future[Done], str] = {}
+        try:
+            while waiting or running:
+                for name in ready():
+                    if failed & set(TASKS[name].needs):
+                        failed.add(name)
+                        bar.left.pop(name, None)
+                        yield name, "left out: something that it needs failed"
+                        continue
+                    future = pool.submit(perform, name, folder, resolution, missing[name])
+                    running[future] = name
+                    running_names.add(name)
+                done, _ = wait(running, timeout=0.5, return_when=FIRST_COMPLETED)
+                for future in done:
+                    name = running.pop(future)
+                    running_names.discard(name)
+                    yield settle(name, future)
+                bar.draw()
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def _ignore_interrupt() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

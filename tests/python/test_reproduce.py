@@ -1,0 +1,379 @@
+"""The recomputed paper: independent routes to its zones, its statements, and how results are kept."""
+
+import json
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.find import mirror, turned
+from vibroimpact.reproduce import (
+    appendix,
+    captions,
+    experiment,
+    reading,
+    run,
+    scan,
+    statements,
+    tasks,
+)
+from vibroimpact.reproduce.digits import upper_boundary
+from vibroimpact.reproduce.paper import EQUAL, MASRI, UNEQUAL, kind_of
+from vibroimpact.reproduce.phases import curve
+
+RATIOS = np.array([0.7, 0.9, 1.0, 1.1, 1.3])
+ROUGH = 0.1
+
+
+def perturbed(motion):
+    """A state a little off a motion, just after its first impact."""
+    x = 1.001 * float(motion.X[0])
+    return {
+        "t": motion.load_phase / motion.r, "x": x, "x_dot": float(motion.X_dot_after[0]),
+        "z": x + 0.4999 * motion.clearance, "z_dot": float(motion.Z_dot_after[0]),
+    }  # fmt: skip
+
+
+def stays(motion):
+    """Whether a simulation from near a motion returns to it."""
+    run = vi.simulate(
+        motion.osc, motion.r, motion.clearance, 4, state=perturbed(motion), discard=4000
+    )
+    impacts = run.events[run.events["kind"] == "impact"]
+    here = impacts["x"][impacts["side"] == "R"]
+    return bool(here.size >= 3 and np.allclose(here, motion.X[0], rtol=1e-4))
+
+
+# zones by scanning
+
+
+def test_no_equispaced_motion_in_the_gap():
+    """No equispaced motion is stable for 0.962 < r < 0.981 with Figure 3's parameters."""
+    assert scan.equispaced_zone(MASRI, np.linspace(0.962, 0.9805, 38), 400) == []
+
+
+def test_the_gap_ends_before_the_printed_end():
+    """The paper has the gap up to r = 0.985; simulation confirms a stable equispaced motion at 0.984."""
+    (strip,) = scan.equispaced_zone(MASRI, np.array([0.984]), 400)
+    pair = vi.equispaced(MASRI, 0.984, math.sqrt(strip.low[0] * strip.high[0]))
+    (stable,) = [motion for motion in pair if motion.stable]
+    assert stays(stable)
+
+
+@pytest.mark.parametrize(
+    ("r", "there"), [(0.99, False), (1.0, True), (1.05, True), (1.09, True), (1.1, False)]
+)
+def test_equispaced_motions_on_masris_line(r, there):
+    """On d K/F0 = 37 they go on past r = 1.04."""
+    assert scan.equispaced_verdict(MASRI)(np.array([r]), np.array([37.0]))[0] == there
+
+
+@pytest.mark.parametrize("edge", ["low", "high"])
+def test_edges_of_the_equispaced_zone_by_simulation(edge):
+    """Just inside, a simulation returns to the equispaced motion; just outside it does not."""
+    for strip in scan.equispaced_zone(EQUAL, RATIOS, 120):
+        for r, gap in zip(strip.r, getattr(strip, edge), strict=True):
+            out = 0.98 if edge == "low" else 1.02
+            assert any(stays(m) for m in vi.equispaced(EQUAL, r, gap / out))
+            assert not any(stays(m) for m in vi.equispaced(EQUAL, r, gap * out))
+
+
+def test_upper_boundary_to_forty_digits():
+    """Multipliers in double precision and the symmetry-breaking limit in 40 digits give one boundary."""
+    r = np.array([0.7, 0.97, 1 - 1e-7, 1.0, 1 + 1e-7, 1.3])
+    exact = [float(upper_boundary(EQUAL, float(x))) for x in r]
+    np.testing.assert_allclose(statements.upper(r, "double"), exact, rtol=1e-9)
+    np.testing.assert_allclose(statements.upper(r, "single"), exact, rtol=1e-4)
+
+
+def test_both_zones_of_two_impacts_meet():
+    """The unequispaced zone, by phases, begins where the equispaced one, by its closed form, ends."""
+    equal = scan.equispaced_zone(EQUAL, RATIOS, 120)
+    unequal = scan.pair_zone(EQUAL, RATIOS, 400)
+    low = {r: a for strip in equal for r, a in zip(strip.r, strip.low, strict=True)}
+    high = {r: b for strip in unequal for r, b in zip(strip.r, strip.high, strict=True)}
+    for r in RATIOS:
+        assert high[r] == pytest.approx(low[r], rel=1e-4)
+
+
+def test_traced_zone_is_the_scanned_one():
+    """Newton's method over a grid and the linear problem over all phases give the same zone."""
+    r = np.linspace(1.08, 1.12, 5)
+    (scanned,) = [s for s in scan.pair_zone(UNEQUAL, r, 800) if s.high[0] > 20]
+    state = {"t": 0.0, "x": 0.0, "x_dot": 0.0, "z": 0.0, "z_dot": 7.0}
+    seed = vi.exact(UNEQUAL, 1.1, 20.0, vi.simulate(UNEQUAL, 1.1, 20.0, 8, state, discard=800))
+    (traced,) = scan.traced_zone(UNEQUAL, [seed], r, 60)
+    np.testing.assert_allclose(traced.low, scanned.low, rtol=1e-3)
+    np.testing.assert_allclose(traced.high, scanned.high, rtol=1e-3)
+    assert traced.contains(1.1, 20.0)
+    assert not traced.contains(1.1, 1.01 * float(traced.high[2]))
+    assert not traced.contains(1.2, 20.0)
+
+
+def test_join_follows_slopes_and_splits():
+    """Intervals that rise fast stay one strip; where one becomes two, a new one begins."""
+    r = np.linspace(1.0, 1.5, 6)
+    middle = np.exp(3.0 * r) / scan.scale(r)
+    low, high = 0.8 * middle, 1.25 * middle
+    (strip,) = scan.join(r, np.arange(6), low, high)
+    np.testing.assert_array_equal(strip.high, high)
+    middle = np.exp(0.5 * r) / scan.scale(r)
+    low, high = 0.8 * middle, 1.25 * middle
+    rows = np.array([0, 1, 2, 2, 3, 3])
+    lows, highs = low[rows], high[rows]
+    highs[[2, 4]], lows[[3, 5]] = 0.95 * middle[[2, 3]], 1.1 * middle[[2, 3]]
+    assert sorted(s.r.size for s in scan.join(r, rows, lows, highs)) == [2, 4]
+    assert scan.join(r, np.array([], dtype=int), np.array([]), np.array([])) == []
+
+
+# statements
+
+
+def test_tau_depends_on_the_load():
+    """Figure 4: at r = 0.999, of two motions the one with more load has another tau."""
+    two = curve(0.999, np.array([0.4, 0.85]))
+    assert two.clearance[0] < two.clearance[1]
+    assert abs(two.sin_tau[0] - two.sin_tau[1]) > 0.1
+
+
+def test_thin_zone_at_resonance():
+    """Figure 3: at r = 1 the unequispaced zone is thin, and its largest multiplier comes close to 1."""
+    width, (_, largest) = statements.near_one()
+    assert 0 < width < 0.02
+    assert 0.99 < largest < 1
+
+
+@pytest.mark.parametrize(
+    "row", appendix.study(), ids=lambda row: f"{row['motion']}: {row['corrected']}"
+)
+def test_appendix(row):
+    """Only with all three corrections are (A6), (A7) the derivative, and does det[P] keep its law."""
+    if len(row["corrected"]) == 3:
+        assert row["largest_error"] < 1e-13
+        assert row["determinant"] == pytest.approx(row["law"], rel=1e-10)
+    else:
+        assert row["largest_error"] > 0.1
+        assert row["determinant"] != pytest.approx(row["law"], rel=0.1)
+
+
+def test_phases_read_without_error_are_consistent():
+    """With exact phases the overdetermined equations hold to rounding, and no verdict is wrong."""
+    motions = reading.family(0.90, 8.0, 4)
+    row = reading.misread(motions, 0.0, 2)
+    assert row["residual"][2] < 1e-12
+    assert row["accepted"] == [1.0, 1.0]
+    assert row["wrong"] == [0.0, 0.0]
+    assert row["clearance_off"] < 1e-10
+    assert reading.misread(motions, 0.05, 20)["accepted"][0] < 1
+
+
+@pytest.mark.parametrize(
+    ("point", "sides"), list(zip(reading.POINTS, ("RRL", "RRLL", "RRRLL"), strict=True))
+)
+def test_patterns_are_found(point, sides):
+    """A search of all patterns at a point of Figure 7 finds three, four and five impacts a cycle stable."""
+    found = vi.find(EQUAL, *point, max_impacts=5, max_cycles=1, states=8)
+    stable = [motion for motion in found if motion.stable]
+    assert {max(m.pattern.sides, turned(mirror(m)).pattern.sides) for m in stable} == {sides}
+
+
+# experiment
+
+
+def test_sweep_ends_on_motions_of_the_zone():
+    """A rising and falling load at r = 1.1: equispaced holds lie in the equispaced zone."""
+    seen = experiment.sweep(EQUAL, 1.1, 9, 30.0)
+    assert [item["direction"] for item in seen] == ["up"] * 9 + ["down"] * 9
+    assert seen[8]["load"] == seen[9]["load"] > seen[0]["load"]
+    (strip,) = scan.equispaced_zone(EQUAL, np.array([1.1]), 120)
+    holds = [item for item in seen if item["kind"] == "2e"]
+    assert len(holds) >= 4
+    for item in holds:
+        assert strip.low[0] < 1 / item["load"] < strip.high[0]
+        gap = 1 / item["load"]
+        (motion,) = [m for m in vi.equispaced(EQUAL, 1.1, gap) if m.stable]
+        assert item["attenuation"] == pytest.approx(motion.attenuation, rel=1e-3)
+
+
+def test_bars_join_successive_holds():
+    """A bar is a run of holds of one kind in one direction."""
+    kinds = ["2e", "2e", "3", "2e"]
+    seen = [
+        {"direction": d, "kind": kind, "load": load}
+        for d, order in (("up", (0, 1, 2, 3)), ("down", (3, 2, 1, 0)))
+        for load, kind in ((float(i), kinds[i]) for i in order)
+    ]
+    found = experiment.bars([{"r": 1.0, "seen": seen}], "2e")
+    assert [(bar.low, bar.high) for bar in found] == [(0, 1), (3, 3), (3, 3), (0, 1)]
+
+
+def test_kinds():
+    """Motions are called what the paper calls them."""
+    assert kind_of("RL", 1, [0, math.pi], alike=True) == "2e"
+    assert kind_of("LR", 1, [1, 5], alike=True) == "2u"
+    assert kind_of("RL", 1, [0, math.pi]) == "2"
+    assert kind_of("RRLL", 1) == "4"
+    assert kind_of("RLRL", 2) == "4/2"
+    assert kind_of("RL*", 1) == "rest"
+
+
+# how results are kept
+
+
+def state_of(folder):
+    """Modification times of all files."""
+    return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+
+
+def test_only_what_changed_is_done_again(tmp_path, capsys):
+    """A second run does nothing; a damaged or missing output and another resolution are redone."""
+    names = ["table1", "figure4a"]
+    assert run.reproduce(names, tmp_path, ROUGH, workers=1) == 0
+    first = state_of(tmp_path)
+    capsys.readouterr()
+    assert run.reproduce(names, tmp_path, ROUGH, workers=1) == 0
+    assert state_of(tmp_path) == first
+    assert capsys.readouterr().out.count("up to date") == 2
+
+    (tmp_path / "figure4a.csv").unlink()
+    (tmp_path / "table1.txt").write_text("damaged", encoding="utf-8")
+    assert run.reproduce(names, tmp_path, ROUGH, workers=1) == 0
+    assert "up to date" not in capsys.readouterr().out
+    assert "damaged" not in (tmp_path / "table1.txt").read_text(encoding="utf-8")
+
+    assert run.reproduce(["figure4a"], tmp_path, 2 * ROUGH, workers=1) == 0
+    assert "figure4a: written" in capsys.readouterr().out
+
+
+def test_fingerprint_follows_sources(monkeypatch):
+    """It changes with a module that is used, and with nothing else."""
+    names = ("table1", "figure4a", "figure4b", "figure7", "report")
+    before = {name: tasks.fingerprint(name, 1.0) for name in names}
+    digest = tasks._digest
+
+    def touched(paths):
+        return digest(paths) + ("+" if any(path.name == "phases.py" for path in paths) else "")
+
+    monkeypatch.setattr(tasks, "_digest", touched)
+    tasks._sources.cache_clear()
+    after = {name: tasks.fingerprint(name, 1.0) for name in names}
+    tasks._sources.cache_clear()
+    assert {name for name in names if before[name] != after[name]} == {
+        "figure4a",
+        "figure4b",
+        "report",
+    }
+
+
+def test_needs_come_first():
+    """Every task stands after what it needs, and what is named brings its needs along."""
+    order = list(tasks.TASKS)
+    for name, task in tasks.TASKS.items():
+        assert all(order.index(need) < order.index(name) for need in task.needs)
+    assert tasks.with_needs(["table1"]) == ["table1"]
+    assert set(tasks.with_needs(["figure7"])) == {"figure7", *tasks.SWEEPS["equal"]}
+    assert set(tasks.with_needs(["report"])) == set(order)
+    assert set(captions.CAPTIONS) == {name for name in tasks.NAMES if name.startswith("figure")}
+
+
+def test_unknown_name_gives_the_list(tmp_path):
+    """The error names what there is."""
+    with pytest.raises(vi.errors.ParameterError, match=r"figure5.*table1, figure3, figure4a"):
+        run.reproduce(["figure5"], tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_failure_fails_what_needs_it_and_nothing_else(tmp_path, monkeypatch, capsys):
+    """Without matplotlib there is no Figure 4a, but there is Table 1."""
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    assert run.reproduce(["table1", "figure4a"], tmp_path, ROUGH, workers=1) == 1
+    assert "matplotlib" in capsys.readouterr().err
+    assert (tmp_path / "table1.csv").exists()
+    assert not (tmp_path / "figure4a.csv").exists()
+
+
+class Terminal:
+    """A stream that says it is a terminal, or not."""
+
+    def __init__(self, is_one):
+        self.text, self.isatty = "", lambda: is_one
+
+    def write(self, text):
+        self.text += text
+
+    def flush(self):
+        pass
+
+
+def test_bar_is_for_terminals():
+    """It shows the share done and the time left, and nothing elsewhere."""
+    for is_one in (True, False):
+        stream = Terminal(is_one)
+        bar = run.Bar(["table1", "figure3"], stream)
+        bar.left.pop("figure3")
+        bar.draw()
+        assert bool(re.search(r"#+\.+\] +9\d%  \d+ s left", stream.text)) == is_one
+        bar.clear()
+        assert stream.text.endswith("\r\x1b[K") == is_one
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Everything, at a rough resolution, by the command's own route: two processes."""
+    folder = tmp_path_factory.mktemp("results")
+    assert run.reproduce((), folder, ROUGH, workers=2) in (0, 1)
+    return folder
+
+
+def test_everything_is_there(whole):
+    """All outputs of all tasks, and no temporary file."""
+    for task in tasks.TASKS.values():
+        for output in task.outputs:
+            assert (whole / output).stat().st_size > 0
+    assert not list(whole.rglob("*.part"))
+
+
+def test_report_stands_alone(whole):
+    """The page refers to nothing outside itself, and holds every figure and statement."""
+    text = (whole / "report.html").read_text(encoding="utf-8")
+    outside = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?(?!data:|#)([^"\')>\s]+)', text)
+    assert outside == []
+    assert not re.search(r"https?://|<script|@import", text)
+    assert text.count("<img ") == sum(name.startswith("figure") for name in tasks.NAMES)
+    assert text.count('src="data:image/svg+xml;base64,') == text.count("<img ")
+    for row in json.loads((whole / "data" / "statements.json").read_text(encoding="utf-8")):
+        assert row["verdict"] in ("agrees", "differs", "cannot be checked")
+        assert row["found"]
+    assert text.count("<section") == text.count("</section>")
+
+
+def test_interrupt_leaves_whole_items(tmp_path):
+    """Ctrl-C ends with status 1; what is stamped as done is whole, and is not done again."""
+    code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", code, "reproduce", "figure10a", "-o", str(tmp_path)]
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    while process.poll() is None and len(list(tmp_path.glob("data/.sweep*.done"))) < 2:
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all processes
+    _, said = process.communicate()
+    assert process.returncode == 1
+    assert "interrupted" in said
+    assert "Traceback" not in said
+    assert not list(tmp_path.rglob("*.part"))
+    stamps = list(tmp_path.glob("data/.sweep*.done"))
+    assert 2 <= len(stamps) < len(tasks.SWEEPS["equal"])
+    for stamp in stamps:
+        name = stamp.name.removeprefix(".").removesuffix(".done")
+        assert tasks.recall(tmp_path, name, tasks.fingerprint(name, 1.0)) is not None
