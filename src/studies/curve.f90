@@ -77,11 +77,12 @@ contains
       real(wp), intent(in), optional :: normal(:)
       real(wp) :: matrix(size(point), size(point)), step(size(point)), moved
       real(wp) :: start(size(point))
-      logical :: regular
+      logical :: regular, simulated
       integer :: i
 
       start = point
       iterations = 0
+      simulated = curve%frame%resting .and. any(conditions%kind <= neimark_sacker)
       do i = 1, most_iterations
          call equations(curve, conditions, point, step, matrix)
          if (present(normal)) then
@@ -93,8 +94,9 @@ contains
          moved = maxval(abs(step))
          if (.not. moved < 0.5_wp) return
          point = point - step
-         ! the matrix is right to 1e-8 or better: what is left after this step is below rounding
-         if (moved < 1.0e-8_wp) then
+         ! the matrix is right to 1e-8 or better: what is left after this step is below rounding; the
+         ! multipliers of a simulated map are differences, and so less sharp
+         if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated)) then
             iterations = i
             return
          end if
@@ -181,18 +183,23 @@ contains
       real(wp), intent(in) :: point(:)
       real(wp), intent(out) :: value, slope(:)
       real(wp) :: moved(size(point)), h
-      integer :: j
+      integer :: i, j
 
-      ! the derivative of a simulated map is a difference itself, and so less smooth
+      value = at(point)
       h = 1.0e-6_wp
       if (curve%frame%resting) h = merge(1.0e-4_wp, 1.0e-7_wp, condition%kind <= neimark_sacker)
-      value = at(point)
-      do j = 1, size(point)
-         moved = point
-         moved(j) = point(j) + h
-         slope(j) = at(moved)
-         moved(j) = point(j) - h
-         slope(j) = (slope(j) - at(moved))/(2*h)
+      ! the derivative of a simulated map is a difference itself, and so less smooth; near the end
+      ! of a family with rest only a shorter step stays on its side
+      do i = 1, merge(3, 1, h > 1.0e-5_wp)
+         do j = 1, size(point)
+            moved = point
+            moved(j) = point(j) + h
+            slope(j) = at(moved)
+            moved(j) = point(j) - h
+            slope(j) = (slope(j) - at(moved))/(2*h)
+         end do
+         if (all(abs(slope) <= huge(h))) return
+         h = 0.1_wp*h
       end do
    contains
       pure real(wp) function at(place)

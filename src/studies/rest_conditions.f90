@@ -47,7 +47,7 @@ contains
       value = ieee_value(1.0_wp, ieee_quiet_nan)
       if (condition%kind <= 3) then
          three = rest_stability(frame, unknowns, c)
-         value = three(condition%kind)
+         if (any(three > -1)) value = three(condition%kind)
          return
       end if
       call rest_period(frame%rest, unknowns, c, period)
@@ -85,7 +85,8 @@ contains
       rest_left = duration**1.7_wp - least_rest**1.7_wp
    end function rest_left
 
-   !> det(I - J), det(I + J) and 1 - det J of the map of the plane of releases.
+   !> det(I - J), det(I + J) and 1 - det J of the map of the plane of releases; all -1 where a
+   !! neighbour has other letters.
    pure function rest_stability(frame, unknowns, c) result(values)
       type(frame_type), intent(in) :: frame
       real(wp), intent(in) :: unknowns(:), c(:)
