@@ -114,7 +114,7 @@ contains
       end do
    end subroutine list_sheets
 
-   !> Adds a pattern in standard order that is not there yet: its symmetric motions, then the others.
+   !> Adds a pattern in standard order that is not there yet: symmetric motions, then the others.
    pure subroutine add_sheets(osc, pattern, sheets)
       type(oscillator_type), intent(in) :: osc
       type(pattern_type), intent(in) :: pattern

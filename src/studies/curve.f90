@@ -94,8 +94,8 @@ contains
          moved = maxval(abs(step))
          if (.not. moved < 0.5_wp) return
          point = point - step
-         ! the matrix is right to 1e-8 or better: what is left after this step is below rounding; the
-         ! multipliers of a simulated map are differences, and so less sharp
+         ! the matrix is right to 1e-8 or better: what is left after this step is below rounding;
+         ! the multipliers of a simulated map are differences, and so less sharp
          if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated)) then
             iterations = i
             return

@@ -111,7 +111,7 @@ contains
          next%values, now%came, next%came) .and. .not. same_condition(active, next%conditions))
    end function passes_two
 
-   !> A loop that turns where it has turned before is closed there; what was before is no part of it.
+   !> A loop that turns where it has turned before is closed; what was before is no part of it.
    pure subroutine close_at_corner(curve, loop)
       type(curve_type), intent(in) :: curve
       type(loop_type), intent(inout) :: loop

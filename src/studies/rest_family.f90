@@ -255,9 +255,9 @@ contains
       unknowns = 0
       found = .false.
       do i = size(events), 1, -1
-         if (events(i)%kind /= release_event .or. events(i)%side /= sign(1, family%letters(n))) cycle
+         found = events(i)%kind == release_event .and. events(i)%side == sign(1, family%letters(n))
+         if (.not. found) cycle
          unknowns = [events(i)%phase, events(i)%x_dot_after/clearance]
-         found = .true.
          return
       end do
    end subroutine last_release

@@ -182,7 +182,8 @@ contains
 
       ! a touch is known best where it is one
       extra(1) = to%conditions(which)
-      if (any(extra(1)%kind == [grazing, rest_vanishes]) .and. from%values(which) < to%values(which)) then
+      if (any(extra(1)%kind == [grazing, rest_vanishes]) .and. &
+         from%values(which) < to%values(which)) then
          extra(1) = from%conditions(which)
       end if
       low = from

@@ -1,7 +1,7 @@
 !> Which periodic motions simulations settle on, over a window.
 !!
-!! A simulation that repeats itself after some cycles gives a guess; Newton's method makes the motion
-!! exact, and only a stable, admissible one counts.
+!! A simulation that repeats itself after some cycles gives a guess; Newton's method makes the
+!! motion exact, and only a stable, admissible one counts.
 module vi_survey
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_conditions, only: all_conditions
@@ -14,8 +14,8 @@ module vi_survey
    use vi_oscillator, only: left, oscillator_type, right
    use vi_pattern, only: pattern_type
    use vi_rest_family, only: new_rest_family
-   use vi_simulate, only: drive_type, event_type, impact_event, new_drive, release_event, simulate, &
-      state_type, stick_event
+   use vi_simulate, only: drive_type, event_type, impact_event, new_drive, release_event, &
+      simulate, state_type, stick_event
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -172,7 +172,7 @@ contains
                reading%letters(n) = 2*events(i)%side
                reading%last(n) = i
                run_length = 0
-            case (release_event)
+            case default                                                      ! a release
                if (n > 0) reading%last(n) = i
                run_length = 0
             end select
@@ -214,8 +214,8 @@ contains
 
       n = reading%n
       allocate (attractor%letters(n))
-      call standard_letters(reading%letters(:n), abs(osc%restitution(1) - osc%restitution(2)) <= 0, &
-         attractor%letters, shift, mirrored)
+      call standard_letters(reading%letters(:n), abs(osc%restitution(1) - osc%restitution(2)) &
+         <= 0, attractor%letters, shift, mirrored)
       side = merge(-1, 1, mirrored)
       order = cshift([(i, i=1, n)], shift)
       attractor%cycles = cycles

@@ -62,9 +62,9 @@ contains
       integer, intent(out) :: status
       type(net_type) :: net
       real(wp) :: q(2)
-      integer, allocatable :: open(:)
+      integer, allocatable :: unclosed(:)
       logical :: closed
-      integer :: i, n_open
+      integer :: i, n_unclosed
 
       call make_sheet(request, zone%sheet, status)
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
@@ -79,16 +79,16 @@ contains
       zone%nodes = net%n
       zone%steps = net%steps
       ! what cannot be closed from one place often can be from another
-      allocate (open(net%n_borders))
-      n_open = 0
+      allocate (unclosed(net%n_borders))
+      n_unclosed = 0
       do i = 1, net%n_borders
          call trace_border(net%borders(i), request%points, .false., zone, closed)
          if (closed) cycle
-         n_open = n_open + 1
-         open(n_open) = i
+         n_unclosed = n_unclosed + 1
+         unclosed(n_unclosed) = i
       end do
-      do i = 1, n_open
-         call trace_border(net%borders(open(i)), request%points, .true., zone, closed)
+      do i = 1, n_unclosed
+         call trace_border(net%borders(unclosed(i)), request%points, .true., zone, closed)
       end do
    end subroutine find_zone
 

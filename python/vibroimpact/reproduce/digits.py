@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..model import Oscillator
-from ..plot.style import MissingExtraError
+from ..errors import MissingExtraError
 
 DIGITS = 40
 #: From each impact to the other one.

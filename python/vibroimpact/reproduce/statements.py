@@ -14,7 +14,7 @@ import numpy as np
 from .. import _core
 from ..files import write_text
 from ..model import Oscillator, Pattern
-from ..plot.style import MissingExtraError
+from ..errors import MissingExtraError
 from ..solve import periodic_batch
 from . import appendix, canvas, damper, table1
 from .digits import upper_boundary

@@ -77,7 +77,11 @@ class Atlas:
         """Write the atlas as JSON: rings with typed pieces, in the manner of GeoJSON."""
         data = {
             "type": "Atlas",
-            "osc": {"xi": self.osc.xi, "mu": self.osc.mu, "restitution": list(self.osc.restitution)},
+            "osc": {
+                "xi": self.osc.xi,
+                "mu": self.osc.mu,
+                "restitution": list(self.osc.restitution),
+            },
             "window": {"r": list(self.r), "clearance": list(self.clearance)},
             "zones": [zone.to_dict() for zone in self.zones],
             "attractors": [plain(item) for item in self.attractors],
@@ -92,7 +96,9 @@ class Atlas:
         if not isinstance(data, dict) or data.get("type") != "Atlas":
             raise ParameterError(f"path = {str(path)!r}: must be a file that Atlas.save wrote")
         osc = Oscillator(
-            xi=data["osc"]["xi"], mu=data["osc"]["mu"], restitution=tuple(data["osc"]["restitution"])
+            xi=data["osc"]["xi"],
+            mu=data["osc"]["mu"],
+            restitution=tuple(data["osc"]["restitution"]),
         )
         lists = (
             [Attractor(item[0], item[1], Pattern(*item[2])) for item in data[name]]
@@ -192,7 +198,9 @@ def atlas(
     checks.instance(osc, "osc", Oscillator)
     window = (span(r, "r"), span(clearance, "clearance"))
     if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
-        raise ParameterError(f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)")
+        raise ParameterError(
+            f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)"
+        )
     max_impacts = checks.integer(max_impacts, "max_impacts", 2, 8)
     max_cycles = checks.integer(max_cycles, "max_cycles", 1, 4)
     survey = checks.integer(survey, "survey", 0, 10**6)
@@ -218,12 +226,22 @@ def atlas(
     def trace(family: tuple[Pattern, bool], finer: int = 1) -> Zone:
         pattern, symmetric = family
         seeds = [
-            seed for seed, item in zip(guesses_of, attractors, strict=True) if item.pattern == pattern
+            seed
+            for seed, item in zip(guesses_of, attractors, strict=True)
+            if item.pattern == pattern
         ]
         table = np.array(seeds).reshape(len(seeds), 2 + 2 * len(pattern)).T
         lattice = min(129, finer * (lines - 1) + 1)
         return assemble(
-            osc, pattern, window, symmetric, [symmetric], lattice, guesses, np.asfortranarray(table), 20_000
+            osc,
+            pattern,
+            window,
+            symmetric,
+            [symmetric],
+            lattice,
+            guesses,
+            np.asfortranarray(table),
+            20_000,
         )
 
     zones: dict[tuple[Pattern, bool], Zone] = {}
@@ -236,7 +254,11 @@ def atlas(
         found = [zone for zone in zones.values() if zone]
         draft = Atlas(osc, *window, found, attractors, [])
         return Atlas(
-            osc, *window, found, attractors, [item for item in attractors if not draft.explains(item)]
+            osc,
+            *window,
+            found,
+            attractors,
+            [item for item in attractors if not draft.explains(item)],
         )
 
     first = result()

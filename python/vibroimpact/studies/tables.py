@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..plot.style import MissingExtraError
+from ..errors import MissingExtraError
 
 
 def xarray() -> Any:

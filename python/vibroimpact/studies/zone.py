@@ -326,7 +326,12 @@ def rest_seed(motion: Motion) -> _Array:
     events = motion.events
     release = events[(events["kind"] == "release") & (events["side"] == side)][-1]
     column = np.zeros(2 + 2 * len(motion.pattern))
-    column[:4] = motion.r, motion.clearance, release["phase"], release["x_dot_after"] / motion.clearance
+    column[:4] = (
+        motion.r,
+        motion.clearance,
+        release["phase"],
+        release["x_dot_after"] / motion.clearance,
+    )
     return column
 
 
