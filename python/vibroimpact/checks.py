@@ -26,6 +26,7 @@ RANGES: dict[str, tuple[float, float, bool]] = {
     "acceptance": (0.0, 1.0, True),
     "load": (0.0, 1e12, True),
     "cycles_simulated": (0.0, 1e9, True),
+    "longest_step": (1e-6, 1.0, True),
 }
 MAX_IMPACTS = 1000
 MAX_CYCLES = 10_000

@@ -29,7 +29,7 @@ contains
       type(raw_zone_type), intent(out) :: zone
 
       branch = raw_branch_type('', not_given, not_given, 0.05_wp, 4000)
-      zone = raw_zone_type('', 'both', not_given, not_given, not_given, not_given, 1, 17, 24, 20000)
+      zone = raw_zone_type('', 'both', not_given, not_given, not_given, not_given, 1, 17, 12, 20000)
    end subroutine blank_studies
 
    subroutine read_branch(text, raw, status)

@@ -1,5 +1,6 @@
 """Branches and zones in namelists: the real program against the API, and against closed forms."""
 
+import inspect
 import json
 
 import numpy as np
@@ -115,6 +116,19 @@ def test_other_cases_are_those_of_the_api(text, batch, same_build):
     assert (done.status, done.err) == (0, b"")
     (case,) = read_namelist(batch.cwd / "case.nml")
     compare(batch.cwd / "results/case.csv", case)
+
+
+def test_defaults_are_those_of_the_api(tmp_path):
+    """What a namelist leaves out is what a call leaves out."""
+    (branch,) = read_namelist(write(tmp_path / "branch.nml", BRANCH))
+    (zone,) = read_namelist(write(tmp_path / "zone.nml", ZONE.replace("symmetric = 'no'", "")))
+    given = {name: item.default for name, item in inspect.signature(vi.branch).parameters.items()}
+    assert {name: branch.keys[name] for name in ("longest_step", "max_points")}.items() <= given.items()
+    given = {name: item.default for name, item in inspect.signature(vi.zone).parameters.items()}
+    names = ("lines", "guesses", "max_points")
+    assert {name: zone.keys[name] for name in names}.items() <= given.items()
+    assert (zone.keys["symmetric"], given["symmetric"]) == ("both", None)
+    assert zone.keys["cycles"] == vi.Pattern("RL").cycles
 
 
 def test_exact_motion(batch, same_build):

@@ -332,6 +332,37 @@ def test_bad_motion():
         vi.branch(triple_motion(), "restitution", (0.1, 0.9))
 
 
+def test_motion_with_restitution_of_its_own():
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    motion = vi.periodic(osc, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"), restitution=(0.75, 0.7))
+    with pytest.raises(vi.errors.ParameterError, match=r"motion.restitution = \[0.75, 0.7\]"):
+        vi.branch(motion, "clearance", (10, 60))
+
+
+@pytest.mark.parametrize(("name", "xi", "r", "bounds"), [
+    ("r", 0.0, 0.94, (0.9, 1.1)), ("xi", 0.005, 1.0, (0.0, 0.01))])  # fmt: skip
+def test_bounds_round_a_resonance_without_damping(name, xi, r, bounds):
+    osc = vi.Oscillator(xi=xi, mu=0.042, restitution=0.75)
+    motion = vi.periodic(osc, r, [0, 1.37 * math.pi], vi.Pattern("RL"))
+    with pytest.raises(vi.errors.ParameterError, match="resonance without damping"):
+        vi.branch(motion, name, bounds)
+
+
+@pytest.mark.parametrize("step", [0.0, -1.0, math.nan, 2.0])
+def test_bad_longest_step(step):
+    with pytest.raises(vi.errors.ParameterError, match=r"longest_step = .*: must be a number"):
+        vi.branch(pair_motion(), "clearance", (10, 60), longest_step=step)
+
+
+@pytest.mark.parametrize("bounds", [(37, 60), (10, 37)])
+def test_branch_that_starts_on_a_bound(bounds):
+    """It stays between the bounds, and both ends say so."""
+    branch = vi.branch(pair_motion(), "clearance", bounds)
+    assert branch.ends == ("bound of the parameter", "bound of the parameter")
+    assert [point.type for point in branch.special_points[:: len(branch.special_points) - 1]] == ["bound"] * 2
+    assert (branch.clearance.min(), branch.clearance.max()) == pytest.approx(bounds, rel=1e-12)
+
+
 def test_full_branch_says_so():
     branch = vi.branch(pair_motion(), "clearance", (10, 60), max_points=15)
     assert "full" in branch.ends

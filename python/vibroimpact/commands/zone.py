@@ -36,7 +36,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         )
     for name, wanted in (
         ("lines", "lattice lines each way (default: 17)"),
-        ("guesses", "guesses for motions at each of 16 nodes (default: 24)"),
+        ("guesses", "guesses for motions at every second node each way (default: 12)"),
         ("max-points", "most vertices of a loop (default: 20000)"),
     ):
         parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)

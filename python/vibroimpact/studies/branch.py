@@ -296,8 +296,13 @@ def branch(
         raise ParameterError(
             f"motion.load = {motion.load!r}: must be 1; scale the clearance instead"
         )
-    max_points = checks.integer(max_points, "max_points", 10, 10**6)
+    longest_step = checks.number(longest_step, "longest_step")
+    max_points = checks.integer(max_points, "max_points", 10, 10**5)
     right, left = motion.osc.restitution
+    if not np.array_equal(motion.restitution, np.where(motion.pattern.signs > 0, right, left)):
+        raise ParameterError(
+            f"motion.restitution = {motion.restitution.tolist()!r}: must be that of the walls"
+        )
     if parameter == "restitution" and right != left:
         raise ParameterError(
             f"parameter = 'restitution': needs R1 = R2, not {right!r} and {left!r}"
@@ -307,6 +312,12 @@ def branch(
         "R1": right, "R2": left, "restitution": right,
     }[parameter]  # fmt: skip
     low, high = ordered_bounds(bounds, parameter, start)
+    if (parameter == "r" and motion.osc.xi == 0 and low <= 1 <= high) or (
+        parameter == "xi" and low == 0 and motion.r == 1
+    ):
+        raise ParameterError(
+            f"bounds = ({low!r}, {high!r}): must not contain r = 1 with xi = 0 (resonance without damping)"
+        )
     symmetric = is_symmetric(motion) and parameter not in ("R1", "R2")
     tied = parameter == "restitution"
     which = PARAMETERS.index("R1" if tied else parameter) + 1
