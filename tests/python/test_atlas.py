@@ -119,7 +119,9 @@ def test_rest_vanishes_at_the_boundary():
     """Just inside the motion with rest exists and rests briefly; just outside it is gone."""
     zone = vi.zone(UNEQUAL, vi.Pattern("RL*"), (0.84, 0.94), (4, 8))
     start = vi.exact(UNEQUAL, 0.9, 5.74, vi.simulate(UNEQUAL, 0.9, 5.74, 8, discard=150))
-    column = np.concatenate([piece.clearance for piece in zone.boundary if piece.type == "rest_vanishes"])
+    column = np.concatenate(
+        [piece.clearance for piece in zone.boundary if piece.type == "rest_vanishes"]
+    )
     r = np.concatenate([piece.r for piece in zone.boundary if piece.type == "rest_vanishes"])
     upper = np.flatnonzero(column > 5.74)
     edge = float(np.interp(0.9, *(np.array(sorted(zip(r[upper], column[upper], strict=True))).T)))

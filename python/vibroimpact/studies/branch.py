@@ -297,6 +297,10 @@ def branch(
             f"motion.load = {motion.load!r}: must be 1; scale the clearance instead"
         )
     max_points = checks.integer(max_points, "max_points", 10, 10**6)
+    wanted = "a number with 1e-5 <= longest_step <= 1"
+    longest_step = checks.to_float(longest_step, "longest_step", wanted)
+    if not 1e-5 <= longest_step <= 1:
+        raise ParameterError(f"longest_step = {longest_step!r}: must be {wanted}")
     right, left = motion.osc.restitution
     if parameter == "restitution" and right != left:
         raise ParameterError(
