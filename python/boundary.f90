@@ -125,17 +125,17 @@ subroutine status_text(code, text, length)
 end subroutine status_text
 
 !> The type of a condition that is zero, and its detail, with blanks after them.
-subroutine condition_text(kind, index, side, symmetric, mirrored, name, detail)
+subroutine condition_text(kind, place, side, symmetric, mirrored, name, detail)
    use, intrinsic :: iso_c_binding, only: c_char, c_int
    use vi_condition_names, only: condition_detail, condition_name
    implicit none (type, external)
-   integer(c_int), intent(in) :: kind, index, side, symmetric, mirrored
+   integer(c_int), intent(in) :: kind, place, side, symmetric, mirrored
    character(kind=c_char), intent(out) :: name(16), detail(32)
    character(16) :: word
    character(32) :: words
 
-   word = condition_name(kind, index, symmetric /= 0, mirrored /= 0)
-   words = condition_detail(kind, index, side)
+   word = condition_name(kind, place, symmetric /= 0, mirrored /= 0)
+   words = condition_detail(kind, place, side)
    name = transfer(word, name)
    detail = transfer(words, detail)
 end subroutine condition_text

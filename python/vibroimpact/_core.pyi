@@ -114,7 +114,7 @@ class _StatusText(Protocol):
 class _ConditionText(Protocol):
     # name, detail
     def __call__(
-        self, kind: int, index: int, side: int, symmetric: int, mirrored: int
+        self, kind: int, place: int, side: int, symmetric: int, mirrored: int
     ) -> tuple[_Bytes, _Bytes]: ...
 
 @type_check_only

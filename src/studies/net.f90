@@ -256,6 +256,8 @@ contains
          border%condition = best%conditions(which)
          border%inside(3 - direction) = other
          border%inside(direction) = merge(now%point(n + 1), next%point(n + 1), inside)
+         ! on an edge of the window it would lie on the loop
+         border%inside = max(1.0e-6_wp, min(1 - 1.0e-6_wp, border%inside))
       end associate
    end subroutine note_border
 

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-
 import vibroimpact as vi
 from vibroimpact.newton import last_period
 from vibroimpact.studies.atlas import standard
@@ -70,7 +69,7 @@ def test_file_gives_back_the_same_atlas(atlas, tmp_path):
 def test_file_of_another_kind_is_refused(tmp_path):
     path = tmp_path / "other.json"
     path.write_text("[1, 2]")
-    with pytest.raises(vi.errors.ParameterError, match="Atlas.save"):
+    with pytest.raises(vi.errors.ParameterError, match=r"Atlas\.save"):
         vi.Atlas.load(path)
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..model import Oscillator
 from ..errors import MissingExtraError
+from ..model import Oscillator
 
 DIGITS = 40
 #: From each impact to the other one.

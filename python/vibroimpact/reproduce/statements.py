@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import _core
+from ..errors import MissingExtraError
 from ..files import write_text
 from ..model import Oscillator, Pattern
-from ..errors import MissingExtraError
 from ..solve import periodic_batch
 from . import appendix, canvas, damper, table1
 from .digits import upper_boundary

@@ -398,7 +398,8 @@ def letter_codes(pattern: Pattern) -> NDArray[np.int32]:
 
 
 def one_family(
-    osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool, lines: int, guesses: int, seeds: _Array, max_points: int,
+    osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool, lines: int, guesses: int,
+    seeds: _Array, max_points: int,
 ) -> tuple[list[Piece], list[_Array], bool, NDArray[np.int32]]:  # fmt: skip
     """Pieces, rings, completeness and work of the symmetric or the other motions."""
     # simulation finds a motion with rest only inside its zone, which may be narrow

@@ -1,0 +1,244 @@
+"""Zones: against routes that know nothing of their boundaries, laws on the boundaries, bad input."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from scipy.optimize import brentq
+from vibroimpact.newton import newton
+from vibroimpact.studies.conditions import is_symmetric
+from vibroimpact.studies.geometry import signed_area
+
+FIGURE6 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+FIGURE8 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+WINDOW = ((0.8, 1.2), (2, 200))
+CASES = [
+    (FIGURE6, "RL", True), (FIGURE6, "RL", False), (FIGURE6, "RRL", False), (FIGURE6, "RRLL", True),
+    (FIGURE6, "RRLL", False), (FIGURE6, "RRRL", False), (FIGURE8, "RL", False), (FIGURE8, "RLL", False),
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=CASES, ids=lambda c: f"{c[1]}-{c[2]}-{c[0].restitution[1]}")
+def case(request):
+    osc, sides, symmetric = request.param
+    return vi.zone(osc, vi.Pattern(sides), *WINDOW, symmetric=symmetric)
+
+
+@pytest.fixture(scope="module")
+def equispaced():
+    return vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=True)
+
+
+def random_points(count, seed):
+    random = np.random.default_rng(seed)
+    return random.uniform(*WINDOW[0], count), np.exp(random.uniform(*np.log(WINDOW[1]), count))
+
+
+def distance(zone, r, clearance):
+    """To the nearest vertex of a boundary, the window being the unit square."""
+    scale = np.array([np.ptp(zone.r), np.ptp(np.log(zone.clearance))])
+    place = np.array([r, math.log(clearance)])
+    rings = [np.c_[ring[:, 0], np.log(ring[:, 1])] for ring in zone.loops]
+    return min((np.abs((ring - place) / scale).max(axis=1).min() for ring in rings), default=1.0)
+
+
+def motion_at(zone, piece, j):
+    """The exact motion of a vertex."""
+    return newton(
+        zone.osc, piece.r[j], piece.clearance[j], 1.0, zone.pattern,
+        piece.x[:, j] * piece.clearance[j], piece.theta[:, j],
+    )  # fmt: skip
+
+
+def test_equispaced_zone_against_the_closed_form(equispaced):
+    """10,000 points: the pair's own verdicts, away from the boundary."""
+    r, clearance = random_points(10_000, 1)
+    inside = equispaced.contains(r, clearance)
+    wrong = []
+    for a, b, answer in zip(r.tolist(), clearance.tolist(), inside.tolist(), strict=True):
+        pair = vi.equispaced(FIGURE6, a, b)
+        if any(m.stable and m.admissible for m in pair) != answer:
+            wrong.append((a, b))
+    assert 500 < inside.sum() < 9500
+    # a wrong answer is one within the distance of the polygon from the curve
+    assert all(distance(equispaced, *place) < 1e-6 for place in wrong), wrong
+
+
+def test_zones_against_a_search(case):
+    """Where a search finds a stable, admissible motion of the kind, and where it does not."""
+    r, clearance = random_points(60, 2)
+    for a, b in zip(r.tolist(), clearance.tolist(), strict=True):
+        from vibroimpact import _core
+
+        columns, n, _ = _core.search_pattern(
+            case.osc.xi, case.osc.mu, case.osc.restitution, a, 1.0, b, 1, case.pattern.signs, 64, 64
+        )
+        count = len(case.pattern)
+        found = False
+        for column in columns[:, :n].T:
+            try:
+                motion = newton(case.osc, a, b, 1.0, case.pattern, column[:count], column[count:])
+            except vi.errors.SingularError:
+                continue
+            if motion.stable and motion.admissible and is_symmetric(motion) == case.symmetric:
+                found = True
+        assert bool(case.contains(a, b)) == found or distance(case, a, b) < 1e-6, (a, b)
+
+
+def test_vertices_meet_their_condition(case):
+    """The defining multiplier or speed of each piece, by the other code."""
+    assert case.complete
+    for piece in case.boundary:
+        for j in range(0, len(piece), max(1, len(piece) // 5)):
+            if piece.type not in ("fold", "flip", "neimark_sacker"):
+                continue
+            try:
+                multipliers = motion_at(case, piece, j).multipliers
+            except vi.errors.SingularError:  # at a fold Newton's method need not converge
+                continue
+            if piece.type == "flip":
+                assert np.abs(multipliers + 1).min() < 1e-7
+            elif piece.type == "neimark_sacker":
+                # near a double multiplier 1 the modulus is a root of what is known
+                turning = np.abs(multipliers.imag) > 1e-2
+                if turning.any():
+                    # moduli change by up to 1e3 per unit of r
+                    assert np.abs(np.abs(multipliers[turning]) - 1).min() < 1e-6
+
+
+def test_pieces_join_in_closed_rings(case):
+    for loop, ring in enumerate(case.loops):
+        pieces = [p for p in case.boundary if p.loop == loop]
+        for one, other in zip(pieces, pieces[1:] + pieces[:1], strict=True):
+            assert abs(one.r[-1] - other.r[0]) < 1e-9
+            assert abs(one.clearance[-1] / other.clearance[0] - 1) < 1e-9
+        assert len(ring) > 3
+        assert np.isfinite(ring).all()
+        assert signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])]) != 0
+    assert case.area > 0
+
+
+def test_pitchfork_pieces_are_the_pitchfork_of_the_equispaced_motion():
+    """The end of the unsymmetric motions, by the multiplier 1 of the closed form."""
+    zone = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=False)
+    pieces = [p for p in zone.boundary if p.type == "pitchfork"]
+    assert pieces
+    for piece in pieces:
+        for r, clearance in zip(piece.r[::5], piece.clearance[::5], strict=True):
+            pair = vi.equispaced(FIGURE6, float(r), float(clearance))
+            assert min(np.abs(m.multipliers - 1).min() for m in pair) < 1e-7
+
+
+def test_boundary_against_bisection(equispaced):
+    """The leading multiplier of the closed form crosses the circle where the boundary is."""
+    checked = 0
+    for r in (0.9, 1.05, 1.15):
+        grid = np.geomspace(2.1, 190, 400)
+
+        def stable(clearance, r=r):
+            return max(
+                (1 - np.abs(m.multipliers).max() for m in vi.equispaced(FIGURE6, r, clearance)
+                 if m.admissible), default=-1.0,
+            )  # fmt: skip
+
+        values = [stable(c) for c in grid]
+        for low, high, a, b in zip(grid, grid[1:], values, values[1:], strict=False):
+            if a * b < 0 and min(a, b) > -0.5:
+                edge = brentq(stable, low, high, xtol=1e-12)
+                assert bool(equispaced.contains(r, edge * (1 + 1e-6))) == (b > 0)
+                assert bool(equispaced.contains(r, edge * (1 - 1e-6))) == (a > 0)
+                checked += 1
+    assert checked >= 2
+
+
+def test_mirror_images_have_the_same_zone():
+    one, other = (vi.zone(FIGURE6, vi.Pattern(s), *WINDOW) for s in ("RRL", "LLR"))
+    assert abs(one.area - other.area) < 1e-6 * one.area
+    r, clearance = random_points(2000, 3)
+    np.testing.assert_array_equal(one.contains(r, clearance), other.contains(r, clearance))
+
+
+def test_exchanged_walls_exchange_the_zones():
+    swapped = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.61, 0.75))
+    one = vi.zone(FIGURE8, vi.Pattern("RLL"), *WINDOW)
+    other = vi.zone(swapped, vi.Pattern("RRL"), *WINDOW)
+    r, clearance = random_points(2000, 4)
+    np.testing.assert_array_equal(one.contains(r, clearance), other.contains(r, clearance))
+
+
+def test_impact_without_restitution_ends_where_rest_begins():
+    """R = 0: on the boundary the masses part with no acceleration."""
+    osc = vi.Oscillator(xi=0.019, mu=0.0114, restitution=(0.0, 0.22))
+    zone = vi.zone(osc, vi.Pattern("RL"), (1.15, 2.28), (0.64, 2.32))
+    pieces = [p for p in zone.boundary if p.type == "rest_vanishes"]
+    assert pieces
+    for piece in pieces:
+        motion = motion_at(zone, piece, len(piece) // 2)
+        times = np.array([0.0, 1e-4, 2e-4])
+        speed = motion.sample(times).X_dot
+        assert abs(speed[1] - speed[0]) < 1e-6 * motion.clearance
+
+
+def test_nothing_is_stable_without_loss():
+    osc = vi.Oscillator(xi=0.0, mu=0.03, restitution=1.0)
+    zone = vi.zone(osc, vi.Pattern("RL"), (1.1, 2.0), (1, 10))
+    assert not zone
+    assert zone.complete
+
+
+def test_file_and_repetition(case):
+    again = vi.Zone.from_dict(json.loads(json.dumps(case.to_dict())))
+    assert again.to_dict() == case.to_dict()
+    twice = vi.zone(case.osc, case.pattern, *WINDOW, symmetric=case.symmetric)
+    assert json.dumps(twice.to_dict()) == json.dumps(case.to_dict())
+
+
+def test_count_and_shapes(equispaced):
+    assert equispaced.contains(1.04, [25.0, 3.0]).tolist() == [True, False]
+    assert equispaced.count([[1.04], [0.5]], [25.0, np.nan, -1.0]).tolist() == [[1, 0, 0], [0] * 3]
+
+
+def test_budget_is_told():
+    zone = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=True, max_points=100)
+    assert not zone.complete
+    assert "NOT complete" in repr(zone)
+
+
+def test_plot_draws_the_pieces(equispaced):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    ax = equispaced.plot(inverse=True)
+    lines = [line.get_xydata() for line in ax.get_lines()]
+    for piece in equispaced.boundary:
+        if piece.type != "window":
+            data = np.c_[piece.r, 1 / piece.clearance]
+            assert any(item.shape == data.shape and np.array_equal(item, data) for item in lines)
+    plt.close("all")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"r": (1.2, 0.8)}, r"r = \(1.2, 0.8\)"),
+        ({"r": (1.0, 1.0)}, r"r = \(1.0, 1.0\)"),
+        ({"r": (math.nan, 1.0)}, r"r\[0\] = nan"),
+        ({"clearance": 3.0}, "clearance = 3.0"),
+        ({"pattern": vi.Pattern("RRL"), "symmetric": True}, "symmetric = True"),
+        ({"lines": 4}, "lines = 4"),
+        ({"guesses": -1}, "guesses = -1"),
+        ({"max_points": 5}, "max_points = 5"),
+        ({"pattern": vi.Pattern("RL" * 13)}, "26 impacts"),
+        ({"seeds": [3]}, r"seeds\[0\] = 3"),
+    ],
+)
+def test_bad_input(arguments, words):
+    given = {"pattern": vi.Pattern("RL"), "r": WINDOW[0], "clearance": WINDOW[1], **arguments}
+    with pytest.raises(vi.errors.VibroimpactError, match=words):
+        vi.zone(FIGURE6, **given)
+
+
+def test_seed_of_another_pattern():
+    seed = vi.equispaced(FIGURE6, 1.04, 25.0)[0]
+    with pytest.raises(vi.errors.ParameterError, match=r"seeds\[0\].pattern"):
+        vi.zone(FIGURE6, vi.Pattern("RRL"), *WINDOW, seeds=[seed])
