@@ -132,3 +132,19 @@ def test_rest_vanishes_at_the_boundary():
     assert 0 < rest[0] < 0.1
     with pytest.raises(vi.errors.VibroimpactError):
         vi.exact(UNEQUAL, 0.9, edge * (1 + 1e-3), motion)
+
+
+@pytest.mark.parametrize(
+    ("sides", "symmetric", "window"),
+    [("RL", True, (4, 150)), ("RL", False, (4, 90)), ("RRL", False, (4, 60))],
+)
+def test_zones_fit_over_the_chart(sides, symmetric, window):
+    """A chart computes point by point, a zone follows its boundary: both tell the same story."""
+    pytest.importorskip("xarray")
+    r, clearance = np.linspace(0.9, 1.1, 9), np.geomspace(*window, 11)
+    pattern = vi.Pattern(sides)
+    chart = vi.chart(EQUAL, pattern, r=r, clearance=clearance, symmetric=symmetric)
+    zone = vi.zone(EQUAL, pattern, (0.85, 1.15), (2, 200), symmetric=symmetric)
+    stable = ((chart.stable == 1) & (chart.admissible == 1)).any("motion")
+    np.testing.assert_array_equal(stable, zone.contains(*np.meshgrid(r, clearance)))
+    assert 5 < int(stable.sum()) < stable.size
