@@ -369,7 +369,9 @@ def test_branch_that_starts_on_a_bound(bounds):
     """It stays between the bounds, and both ends say so."""
     branch = vi.branch(pair_motion(), "clearance", bounds)
     assert branch.ends == ("bound of the parameter", "bound of the parameter")
-    assert [point.type for point in branch.special_points[:: len(branch.special_points) - 1]] == ["bound"] * 2
+    assert [point.type for point in branch.special_points[:: len(branch.special_points) - 1]] == [
+        "bound"
+    ] * 2
     assert (branch.clearance.min(), branch.clearance.max()) == pytest.approx(bounds, rel=1e-12)
 
 
