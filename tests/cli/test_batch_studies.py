@@ -123,7 +123,9 @@ def test_defaults_are_those_of_the_api(tmp_path):
     (branch,) = read_namelist(write(tmp_path / "branch.nml", BRANCH))
     (zone,) = read_namelist(write(tmp_path / "zone.nml", ZONE.replace("symmetric = 'no'", "")))
     given = {name: item.default for name, item in inspect.signature(vi.branch).parameters.items()}
-    assert {name: branch.keys[name] for name in ("longest_step", "max_points")}.items() <= given.items()
+    assert {
+        name: branch.keys[name] for name in ("longest_step", "max_points")
+    }.items() <= given.items()
     given = {name: item.default for name, item in inspect.signature(vi.zone).parameters.items()}
     names = ("lines", "guesses", "max_points")
     assert {name: zone.keys[name] for name in names}.items() <= given.items()

@@ -116,7 +116,7 @@ def ends_at_a_wall(motion, point):
     """Whether the touch is an end of the flight: there the approach speed is zero as well."""
     i = [point.impact, (point.impact + 1) % len(motion.pattern)]
     approach = np.abs(motion.Z_dot_before[i] - motion.X_dot_before[i]).min()
-    return approach < 1e-4 * np.abs(motion.Z_dot_before).max()
+    return approach < 1e-6 * motion.clearance
 
 
 def touch(motion, point):
@@ -373,7 +373,9 @@ def test_branch_that_starts_on_a_bound(bounds):
     """It stays between the bounds, and both ends say so."""
     branch = vi.branch(pair_motion(), "clearance", bounds)
     assert branch.ends == ("bound of the parameter", "bound of the parameter")
-    assert [point.type for point in branch.special_points[:: len(branch.special_points) - 1]] == ["bound"] * 2
+    assert [point.type for point in branch.special_points[:: len(branch.special_points) - 1]] == [
+        "bound"
+    ] * 2
     assert (branch.clearance.min(), branch.clearance.max()) == pytest.approx(bounds, rel=1e-12)
 
 
