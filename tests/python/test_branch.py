@@ -109,7 +109,7 @@ def test_special_points_are_where_they_should_be(path):
         elif point.type == "zero_approach":
             i = point.impact
             approach = motion.Z_dot_before[i] - motion.X_dot_before[i]
-            assert abs(approach) < 1e-10 * np.abs(motion.Z_dot_before).max()
+            assert abs(approach) < 1e-10 * motion.clearance
 
 
 def ends_at_a_wall(motion, point):
