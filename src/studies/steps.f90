@@ -21,7 +21,7 @@ module vi_steps
 
    !> How far and how sharply turning steps may be.
    type, public :: stride_type
-      real(wp) :: longest = 0.05_wp, shortest = 1.0e-6_wp, turn = 0.2_wp, leap = 2.0e-4_wp
+      real(wp) :: longest = 0.05_wp, shortest = 1.0e-7_wp, turn = 0.2_wp, leap = 2.0e-4_wp
    end type stride_type
 
 contains
@@ -85,7 +85,7 @@ contains
             call tangent_at(curve, conditions, to%point, from%tangent, to%tangent, good)
             if (good) then
                turn = turn_of(from%tangent, to%tangent, size(curve%active))
-               good = turn < merge(0.5_wp, stride%turn, leaps)
+               good = turn < merge(0.5_wp, stride%turn, leaps) .or. step <= 64*stride%shortest
             end if
          end if
          if (good) exit

@@ -212,7 +212,7 @@ contains
          zone%untraced = zone%untraced + 1
          return
       end if
-      call trace_loop(zone%sheet, stride_type(longest=0.03_wp, turn=0.15_wp), border%point, &
+      call trace_loop(zone%sheet, stride_type(longest=0.02_wp, turn=0.15_wp), border%point, &
          border%condition, most, loop)
       zone%points = zone%points + loop%n
       closed = loop%closed

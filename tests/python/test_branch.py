@@ -54,7 +54,11 @@ def test_determinant_along_the_branch(path):
     product = np.prod(branch.multipliers, axis=0)
     # a multiplier of 1e6 beside one of 1e-6 leaves this much of their product
     largest = np.abs(branch.multipliers).max(axis=0)
-    assert np.all(np.abs(product - wanted) < 1e-11 * wanted * (1 + largest**2))
+    # (none is left where an approach speed is zero)
+    good = largest < 1e4
+    assert good.sum() > len(branch) // 3
+    error = np.abs(product - wanted)[good]
+    assert np.all(error < 1e-11 * (wanted * (1 + largest**2))[good])
 
 
 def test_residual_along_the_branch(path):
@@ -105,14 +109,14 @@ def test_special_points_are_where_they_should_be(path):
         elif point.type == "zero_approach":
             i = point.impact
             approach = motion.Z_dot_before[i] - motion.X_dot_before[i]
-            assert abs(approach) < 1e-10 * np.abs(motion.Z_dot_before).max()
+            assert abs(approach) < 1e-10 * motion.clearance
 
 
 def ends_at_a_wall(motion, point):
-    """Whether the touch is the end of the flight: there the approach speed is zero as well."""
-    i = (point.impact + 1) % len(motion.pattern)
-    approach = abs(motion.Z_dot_before[i] - motion.X_dot_before[i])
-    return approach < 1e-6 * np.abs(motion.Z_dot_before).max()
+    """Whether the touch is an end of the flight: there the approach speed is zero as well."""
+    i = [point.impact, (point.impact + 1) % len(motion.pattern)]
+    approach = np.abs(motion.Z_dot_before[i] - motion.X_dot_before[i]).min()
+    return approach < 1e-6 * motion.clearance
 
 
 def touch(motion, point):

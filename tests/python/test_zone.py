@@ -101,7 +101,9 @@ def test_vertices_meet_their_condition(case):
             if piece.type == "flip":
                 assert np.abs(multipliers + 1).min() < 1e-7
             elif piece.type == "neimark_sacker":
-                # near a double multiplier 1 the modulus is a root of what is known
+                # near a double multiplier the modulus is a root of what is known
+                if min(np.abs(multipliers - 1).min(), np.abs(multipliers + 1).min()) < 0.05:
+                    continue
                 turning = np.abs(multipliers.imag) > 1e-2
                 if turning.any():
                     # moduli change by up to 1e3 per unit of r

@@ -15,6 +15,7 @@ from ..model import Oscillator, Pattern
 from ..motion import VERDICT, Motion
 from ..solve import frozen, raise_status
 from .conditions import (
+    EDGE,
     GRAZING,
     PARAMETERS,
     REPETITION,
@@ -362,7 +363,7 @@ def branch(
                     here.r,
                     here.clearance,
                     here,
-                    index - 1 if kind not in (REPETITION,) and index <= n_family else -1,
+                    index - 1 if kind not in (EDGE, REPETITION) and index <= n_family else -1,
                     ("R" if side > 0 else "L") if kind == GRAZING else "",
                 )
             )
