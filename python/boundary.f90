@@ -153,7 +153,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, text, len
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n_paths, n_folder, room
-   character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder), only(8)
+   character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder), only(16)
    character(kind=c_char), intent(out) :: text(room)
    integer(c_int), intent(out) :: length, status
    type(log_type) :: log
@@ -161,7 +161,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, text, len
    character(n_paths) :: all_paths
    character(n_folder) :: one_folder
    character(:), allocatable :: said
-   character(8) :: kind
+   character(16) :: kind
    integer :: i
 
    all_paths = transfer(paths, all_paths)

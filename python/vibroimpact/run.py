@@ -190,7 +190,7 @@ def run_namelists(
     text, length, status = _core.run_namelists(
         _characters(b"\n".join(files)),
         _characters(target),
-        _characters(kind.ljust(8).encode()),
+        _characters(kind.ljust(16).encode()),
         room,
     )
     said = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]

@@ -26,12 +26,12 @@ module vi_status
       integer :: no_motion = 7
       !> The list of events is full; calling again goes on.
       integer :: more_events = 8
-      !> Rounding leaves too few digits.
-      integer :: lost_digits = 11
-      !> Newton's method did not converge.
-      integer :: no_convergence = 10
       !> A search for the next event took more steps than it may.
       integer :: budget = 9
+      !> Newton's method did not converge.
+      integer :: no_convergence = 10
+      !> Rounding leaves too few digits.
+      integer :: lost_digits = 11
       !> A point of a chart that was stopped before it came to this point.
       integer :: not_computed = 12
    end type status_codes
