@@ -6,7 +6,7 @@ module vi_family
    implicit none (type, external)
    private
 
-   public :: can_be_symmetric, new_family, image_of, kinship, whole_pattern, whole_unknowns
+   public :: can_be_symmetric, new_family, image_of, kinship, whole_unknowns
 
    !> A way in which a motion can repeat itself within its period.
    type, public :: repetition_type
@@ -140,15 +140,5 @@ contains
          whole = unknowns
       end if
    end function whole_unknowns
-
-   !> All sides of a family's pattern.
-   pure function whole_pattern(family) result(pattern)
-      type(family_type), intent(in) :: family
-      type(pattern_type) :: pattern
-
-      pattern%cycles = family%cycles
-      pattern%sides = family%sides
-      if (family%mirror) pattern%sides = [family%sides, -family%sides]
-   end function whole_pattern
 
 end module vi_family

@@ -51,9 +51,9 @@ contains
 
       select case (kind)
       case (grazing)
-         detail = 'flight '//digits(index)//' touches '//merge('R', 'L', side > 0)
+         detail = 'flight '//number_text(index)//' touches '//merge('R', 'L', side > 0)
       case (zero_approach)
-         detail = 'impact '//digits(index)
+         detail = 'impact '//number_text(index)
       case (edge)
          detail = trim(merge('lowest ', 'highest', side > 0))//' '//trim(parameters(index))
       case default
@@ -62,12 +62,12 @@ contains
    end function condition_detail
 
    !> A whole number below 100.
-   pure function digits(number) result(text)
+   pure function number_text(number) result(text)
       integer, intent(in) :: number
       character(:), allocatable :: text
 
       text = achar(iachar('0') + mod(number, 10))
       if (number >= 10) text = achar(iachar('0') + number/10)//text
-   end function digits
+   end function number_text
 
 end module vi_condition_names

@@ -55,7 +55,7 @@ contains
       type(rest_family_type) :: family
 
       family%turned = findloc(abs(letters) == 2, .true., dim=1, back=.true.)
-      family%letters = cshift(letters, family%turned)
+      allocate (family%letters(size(letters)), source=cshift(letters, family%turned))
       family%cycles = cycles
    end function new_rest_family
 

@@ -201,7 +201,8 @@ def test_find_where_there_is_nothing(tool):
 
 def test_plot_draws_every_case(tool):
     """One picture a motion or simulation."""
-    done = tool("plot", *map(str, INPUTS[:4]), "--format", "svg", "-o", "out")
+    inputs = [str(ROOT / "inputs" / name) for name in ("figure6.nml", "figure7.nml")]
+    done = tool("plot", *inputs, "--format", "svg", "-o", "out")
     assert (done.status, done.err) == (0, b"")
     names = {"figure6a_equispaced_1", "figure6a_equispaced_2", "figure7_three", "figure7_five"}
     found = contents(tool.cwd / "out")
