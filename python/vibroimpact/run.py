@@ -18,6 +18,7 @@ from .errors import ParameterError, SingularError
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .newton import exact
+from .progress import INTERVAL
 from .solve import equispaced, periodic
 from .studies.atlas import Atlas, atlas
 from .studies.branch import Branch, branch
@@ -120,7 +121,15 @@ class Case(NamedTuple):
     def atlas(self, progress: Callable[[float, str], None] | None = None) -> Atlas:
         """The atlas that an &atlas case asks for."""
         keys = self.keys
-        limits = ("max_impacts", "max_cycles", "survey", "settling", "lines", "guesses", "max_points")
+        limits = (
+            "max_impacts",
+            "max_cycles",
+            "survey",
+            "settling",
+            "lines",
+            "guesses",
+            "max_points",
+        )
         return atlas(
             self.osc, (keys["r_min"], keys["r_max"]), (keys["clearance_min"], keys["clearance_max"]),
             **{name: keys[name] for name in limits}, progress=progress,
@@ -211,7 +220,7 @@ def run_namelists(
     else:
         with ThreadPoolExecutor(1) as pool:
             running = pool.submit(_core.run_namelists, *arguments)
-            while wait([running], 0.2).not_done:
+            while wait([running], INTERVAL).not_done:
                 progress(float(tally[0] / max(1, tally[1])))
         text, length, status = running.result()
     said = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]

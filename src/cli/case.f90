@@ -1,9 +1,9 @@
 !> The cases of a namelist file, checked.
 !!
 !! Each `&motion`, `&simulate`, `&chart`, `&branch`, `&zone` and `&atlas` makes a case. It uses the
-!! `&system` before it, and the `&output` that follows it, if one does. A `&branch` starts from the `&motion` before
-!! it; a `&motion` with a `&branch` right behind it is this start and nothing else. The ranges are
-!! those of the Python package.
+!! `&system` before it, and the `&output` that follows it, if one does. A `&branch` starts from the
+!! `&motion` before it; a `&motion` with a `&branch` right behind it is this start and nothing else.
+!! The ranges are those of the Python package.
 module vi_case
    use vi_case_atlas, only: take_atlas
    use vi_case_branch, only: take_branch, take_start

@@ -99,7 +99,8 @@ contains
          '', &
          'Computes the motions, simulations, charts, branches, zones and atlases that namelist', &
          'files ask for and writes each case to DIR/NAME.csv and, if it asks for a table, to', &
-         'DIR/NAME.txt (DIR is "results" unless given). A result is itself an input that reproduces it.', &
+         'DIR/NAME.txt (DIR is "results" unless given). A result is itself an input that', &
+         'reproduces it.', &
          'Groups: &system, &motion, &simulate, &chart, &branch, &zone, &atlas, &output; see', &
          'inputs/README.md.', &
          '', &

@@ -84,9 +84,9 @@ def compare_atlas(path, atlas):
         (zone.pattern.sides, str(zone.pattern.cycles), words[zone.symmetric]): zone
         for zone in atlas.zones if zone.boundary
     }  # fmt: skip
-    assert list(dict.fromkeys((row["sides"], row["cycles"], row["symmetric"]) for row in table)) == [
-        *wanted
-    ]
+    assert list(
+        dict.fromkeys((row["sides"], row["cycles"], row["symmetric"]) for row in table)
+    ) == [*wanted]
     for name, zone in wanted.items():
         compare_zone(
             [row for row in table if (row["sides"], row["cycles"], row["symmetric"]) == name], zone
@@ -239,8 +239,8 @@ def test_budget_of_a_zone(batch):
     assert "0" in {row["loop"] for row in rows(batch.cwd / "results/case.csv")}
 
 
-def test_lost_attractor(batch, same_build):
-    """A lattice too coarse for a zone with few vertices: the attractors in it are named, status 1."""
+def test_lost_attractor(batch, tool, same_build):
+    """Too few vertices for a zone: the attractors in it are named, status 1, by every program alike."""
     done = batch.case(ATLAS.replace("survey = 12", "survey = 12, max_points = 100"))
     assert done.status == 1
     assert b"attractors surveyed" in done.out
@@ -249,6 +249,7 @@ def test_lost_attractor(batch, same_build):
     (case,) = read_namelist(batch.cwd / "case.nml")
     atlas = case.atlas()
     assert atlas.unexplained
+    assert tool("atlas", "case.nml", "--format", "json", "-o", "json") == done
     compare_atlas(batch.cwd / "results/case.csv", atlas)
     assert batch("results/case.csv", "-o", "again").status == 1
     assert contents(batch.cwd / "again") == contents(batch.cwd / "results")
@@ -338,7 +339,8 @@ def test_bad_zone(old, new, wanted, line, batch):
 
 
 BAD_ATLAS = [
-    *[("max_impacts = 2", f"max_impacts = {v}", "2 <= max_impacts <= 8", 2) for v in ("1", "9", "2.5", "x")],
+    *[("max_impacts = 2", f"max_impacts = {v}", "2 <= max_impacts <= 8", 2)
+      for v in ("1", "9", "2.5", "x")],
     *[("max_impacts = 2", f"max_cycles = {v}", "1 <= max_cycles <= 4", 2) for v in ("0", "5", "nan")],
     *[("survey = 12", f"survey = {v}", "0 <= survey <= 1000000", 2) for v in ("-1", "1000001", "1e3")],
     *[("survey = 12", f"settling = {v}", "1 <= settling <= 1000000", 2) for v in ("0", "1000001")],
@@ -436,8 +438,8 @@ ALONG_OPTIONS = [*POINT, "--sides", "RL", "--phases-over-pi", "0", "1.37", "--pa
                  "10", "60"]  # fmt: skip
 WINDOW = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--sides", "RL", "--symmetric", "no",
           "--r", ".8", "1.2", "--clearance", "2", "200"]  # fmt: skip
-ATLAS_OPTIONS = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--r", "1", "1.1", "--clearance", "20", "60",
-                 "--max-impacts", "2", "--survey", "12"]  # fmt: skip
+ATLAS_OPTIONS = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--r", "1", "1.1",
+                 "--clearance", "20", "60", "--max-impacts", "2", "--survey", "12"]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "text", "options"), [
@@ -470,15 +472,16 @@ def test_atlas_as_json(tool):
     """The JSON is what Atlas.save writes, and its zones those of the table."""
     done = tool("atlas", *ATLAS_OPTIONS, "--format", "json")
     assert (done.status, done.err) == (0, b"")
-    assert done.out == b"atlas: 2 zones, 7 attractors surveyed\n"
     assert list(contents(tool.cwd / "results")) == ["atlas.json"]
-    assert tool("atlas", *ATLAS_OPTIONS).status == 0
+    assert tool("atlas", *ATLAS_OPTIONS) == done
     compare_atlas(tool.cwd / "results/atlas.csv", vi.Atlas.load(tool.cwd / "results/atlas.json"))
 
 
 def test_atlas_of_nothing_as_json(tool):
-    """Said in one line, status 1, nothing written."""
-    done = tool("atlas", *ATLAS_OPTIONS, "--clearance", "1e6", "2e6", "--format", "json", "--plot")
+    """Said in one line, the same as of a table; status 1, nothing written."""
+    nothing = ["atlas", *ATLAS_OPTIONS, "--clearance", "1e6", "2e6"]
+    done = tool(*nothing, "--format", "json", "--plot")
+    assert tool(*nothing) == done
     assert (done.status, done.out, len(done.faults)) == (1, b"", 1)
     assert done.faults[0].startswith("atlas: no zone: neither search nor survey found")
     assert list(contents(tool.cwd)) == []

@@ -37,7 +37,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_case(parser, with_pattern=False)
     for name, wanted in OWN.items():
         parser.add_argument(f"--{name.replace('_', '-')}", type=int, metavar="N", help=wanted)
-    add_window(parser)
+    add_window(parser, guesses=24)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -73,23 +73,31 @@ def run(options: argparse.Namespace) -> int:
 
 
 def tell_atlas(name: str, atlas: Atlas) -> int:
-    """Print what was found, faults to standard error; gives the exit status."""
+    """Print what was found in the words of the compiled program, and give the exit status."""
     faults = [
         f"{zone.pattern.sides}/{zone.pattern.cycles} not complete: a boundary could not be followed until it "
         "closes" for zone in atlas.zones if not zone.complete
     ]  # fmt: skip
+    surveyed = counted(len(atlas.attractors), "attractor")
     if atlas.unexplained:
-        lost = dict.fromkeys(f"{i.pattern.sides}/{i.pattern.cycles}" for i in atlas.unexplained)
+        lost = [f"{item.pattern.sides}/{item.pattern.cycles}" for item in atlas.unexplained]
         faults.append(
-            f"{len(atlas.unexplained)} of {len(atlas.attractors)} attractors in no zone of the pattern: "
-            + ", ".join(lost)
+            f"{len(lost)} of {surveyed} in no zone of the pattern: {', '.join(dict.fromkeys(lost))}"
         )
-    if atlas.zones:
-        print(f"{name}: {len(atlas.zones)} zones, {len(atlas.attractors)} attractors surveyed")
-    elif not faults:
+    if atlas.zones or faults:
+        loops = [len(zone.loops) for zone in atlas.zones if zone]
+        print(
+            f"{name}: {counted(len(loops), 'zone')}, {counted(sum(loops), 'loop')}, {surveyed} surveyed"
+        )
+    else:
         faults.append(
             "no zone: neither search nor survey found a stable, admissible motion within the limits in the window"
         )
     for fault in faults:
         print(f"{name}: {fault}", file=sys.stderr)
     return 1 if faults else 0
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"

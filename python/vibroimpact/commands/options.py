@@ -29,7 +29,9 @@ def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None
         help="coefficient of restitution of both walls, or of the right one and the left one",
     )  # fmt: skip
     if with_pattern:
-        parser.add_argument("--sides", metavar="SIDES", help="walls of the impacts in order, as RRL")
+        parser.add_argument(
+            "--sides", metavar="SIDES", help="walls of the impacts in order, as RRL"
+        )
         parser.add_argument(
             "--cycles", type=int, metavar="K", help="load cycles a period (default: 1)"
         )
@@ -39,7 +41,7 @@ def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None
     )  # fmt: skip
 
 
-def add_window(parser: argparse.ArgumentParser) -> None:
+def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
     """The window of a zone or an atlas, how it is searched, and the form of the results."""
     for name, wanted in (("r", "frequency ratios"), ("clearance", "d K/F0")):
         parser.add_argument(
@@ -47,7 +49,7 @@ def add_window(parser: argparse.ArgumentParser) -> None:
         )
     for name, wanted in (
         ("lines", "lattice lines each way (default: 17)"),
-        ("guesses", "guesses for motions at every second node each way (default: 24)"),
+        ("guesses", f"guesses for motions at every second node each way (default: {guesses})"),
         ("max-points", "most vertices of a loop (default: 20000)"),
     ):
         parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)

@@ -30,7 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--symmetric", choices=("yes", "no", "both"),
         help="only motions that are their own mirror image, only others, or both (default)",
     )  # fmt: skip
-    add_window(parser)
+    add_window(parser, guesses=12)
 
 
 def run(options: argparse.Namespace) -> int:
