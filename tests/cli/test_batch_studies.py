@@ -1,8 +1,13 @@
 """Branches, zones and atlases in namelists: the real program against the API, and against closed forms."""
 
+import contextlib
+import importlib
 import inspect
 import json
+import os
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -375,7 +380,8 @@ def test_bad_atlas(old, new, wanted, line, batch):
     (PAIR + "&output name = 'm' /\n" + SYSTEM + ALONG, "&branch: no &motion of this &system"),
     (ALONG, "&branch: no &system stands before it"),
     (ZONE.replace(WALLS, ""), "&zone: no &system stands before it"),
-    (SYSTEM + ZONE.replace(WALLS, ""), "&system r = 0.94: must be left out: it is not for a &chart, &zone or &atlas"),
+    (SYSTEM + ZONE.replace(WALLS, ""),
+     "&system r = 0.94: must be left out: it is not for a &chart, &zone or &atlas"),
     (ATLAS.replace(WALLS, ""), "&atlas: no &system stands before it"),
     (SYSTEM + ATLAS.replace(WALLS, ""), "&system r = 0.94: must be left out: it is not for a &chart, &zone"),
     (ATLAS.replace("xi = 0.0114", "xi = 0"), "&atlas r_min = 1.0: must be a number with 1e-6"),
@@ -449,7 +455,7 @@ def test_options_are_a_namelist(name, text, options, tool):
     write(tool.cwd / f"{name}.nml", text)
     assert tool(name, f"{name}.nml", "-o", "file").status == 0
     done = tool(name, *options, "--plot", "svg")
-    assert (done.status, done.err) == (0, b"")
+    assert (done.status, done.err) == (0, b"")  # and no bar, where there is no terminal
     found = contents(tool.cwd / "results")
     assert sorted(found) == [f"{name}.csv", f"{name}.svg"]
     assert found[f"{name}.csv"] == contents(tool.cwd / "file")[f"{name}.csv"]
@@ -485,6 +491,48 @@ def test_atlas_of_nothing_as_json(tool):
     assert (done.status, done.out, len(done.faults)) == (1, b"", 1)
     assert done.faults[0].startswith("atlas: no zone: neither search nor survey found")
     assert list(contents(tool.cwd)) == []
+
+
+def test_progress_of_an_atlas(tmp_path, monkeypatch):
+    """What is told of the work while it runs goes from nothing to all, and changes no result."""
+    write(tmp_path / "case.nml", ATLAS)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.run"), "INTERVAL", 0.0)
+    shares = []
+    told = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "told", progress=shares.append)
+    assert shares
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] <= shares[-1] <= 1
+    plain = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "plain")
+    assert (told.status, told.lines) == (plain.status, plain.lines)
+    assert contents(tmp_path / "told") == contents(tmp_path / "plain")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+@pytest.mark.parametrize("form", ["csv", "json"])
+def test_bar_on_a_terminal(form, tool):
+    """There the command shows how far it is and how much time is left, and wipes it off at the end."""
+    write(
+        tool.cwd / "sitecustomize.py",
+        "import vibroimpact.progress as p, vibroimpact.run as r\n"
+        "p.PATIENCE = p.INTERVAL = r.INTERVAL = 0.0\n",
+    )
+    ours, theirs = os.openpty()
+    words = [find_command(), "atlas", *ATLAS_OPTIONS, "--max-impacts", "3", "--format", form]
+    environment = {**os.environ, "PYTHONPATH": str(tool.cwd)}
+    with subprocess.Popen(
+        words, cwd=tool.cwd, stderr=theirs, stdout=subprocess.PIPE, env=environment
+    ) as run:
+        os.close(theirs)
+        said = b""
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while part := os.read(ours, 4096):
+                said += part
+    os.close(ours)
+    assert run.returncode == 0
+    assert b"\ratlas [" in said
+    assert b" s left " in said
+    assert b"\n" not in said
+    assert said.endswith(b" \r")
 
 
 def test_equispaced_pair_by_options(tool):

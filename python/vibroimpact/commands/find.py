@@ -102,7 +102,7 @@ def _points_of(file: str) -> list[Point | None]:
         if case.kind in ("chart", "zone", "atlas"):
             raise ParameterError(
                 f"{file}: {case.name}: must be a &motion, &simulate or &branch; "
-                f"a &{case.kind} has no point to search at"
+                f"&{case.kind} has no point to search at"
             )
         if case.motion_kind != "periodic":
             keys = case.keys
