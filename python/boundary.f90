@@ -146,7 +146,8 @@ end subroutine condition_text
 !! written.
 !! `only` names the kind of cases to run (blank: all). `text` has room for `room` bytes; `length`
 !! tells how many were wanted.
-subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, text, length, status)
+subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, tally, text, length, &
+   status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int
    use vi_batch, only: log_type, run_file
    use vi_text, only: append, join, line_type, split
@@ -154,6 +155,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, text, len
    !f2py threadsafe
    integer(c_int), intent(in) :: n_paths, n_folder, room
    character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder), only(16)
+   integer(c_int), intent(inout) :: tally(2)
    character(kind=c_char), intent(out) :: text(room)
    integer(c_int), intent(out) :: length, status
    type(log_type) :: log
@@ -169,7 +171,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, text, len
    kind = transfer(only, kind)
    allocate (files, source=split(all_paths, achar(10)))
    do i = 1, size(files)
-      call run_file(files(i)%text, one_folder, log, trim(kind))
+      call run_file(files(i)%text, one_folder, log, trim(kind), tally)
    end do
    do i = 1, size(log%results)
       call append(log%lines, '>'//log%results(i)%text)
@@ -537,6 +539,39 @@ subroutine finish_chart(n_impacts, keep, m, n, xi, mu, walls, r, clearance, cycl
       r, clearance, threads, unknowns, ranks, found, phases, impacts, scalars, multipliers, &
       verdicts, status)
 end subroutine finish_chart
+
+!> A polygon along a closed loop of a zone; `inside` is a point of the zone beside it.
+!!
+!! Nothing is written if `room` is too small for the `n_ring` points.
+subroutine dense_ring(n, vertices, r, clearance, inside, room, ring, n_ring)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_rings, only: run => dense_ring
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, room
+   real(c_double), intent(in) :: vertices(5, n), r(2), clearance(2), inside(2)
+   real(c_double), intent(out) :: ring(2, room)
+   integer(c_int), intent(out) :: n_ring
+   real(c_double), allocatable :: points(:, :)
+
+   call run(vertices, r, clearance, inside, points)
+   n_ring = size(points, 2)
+   ring = 0
+   if (n_ring <= room) ring(:, :n_ring) = points
+end subroutine dense_ring
+
+!> How often a polygon goes round points, counter-clockwise in the plane (r, log D).
+subroutine winding(n, m, ring, points, turns)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_rings, only: run => winding
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m
+   real(c_double), intent(in) :: ring(2, n), points(2, m)
+   integer(c_int), intent(out) :: turns(m)
+
+   turns = run(ring, points)
+end subroutine winding
 
 !> What simulations over a window settle on: letters in standard order, cycles (0: nothing).
 subroutine survey(m, most_letters, xi, mu, walls, r, clearance, settling, most_cycles, threads, &

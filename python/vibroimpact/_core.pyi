@@ -126,6 +126,7 @@ class _RunNamelists(Protocol):
         folder: ArrayLike,
         only: ArrayLike,
         room: int,
+        tally: _Integer,
         n_paths: int = ...,
         n_folder: int = ...,
     ) -> tuple[_Bytes, int, int]: ...
@@ -411,6 +412,26 @@ class _FinishChart(Protocol):
     ) -> tuple[_Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
+class _DenseRing(Protocol):
+    # ring, n_ring
+    def __call__(
+        self,
+        vertices: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        inside: ArrayLike,
+        room: int,
+        n: int = ...,
+    ) -> tuple[_Real, int]: ...
+
+@type_check_only
+class _Winding(Protocol):
+    # turns
+    def __call__(
+        self, ring: ArrayLike, points: ArrayLike, n: int = ..., m: int = ...
+    ) -> _Integer: ...
+
+@type_check_only
 class _Survey(Protocol):
     # points, letters, cycles, unknowns
     def __call__(
@@ -452,4 +473,6 @@ equispaced_chart: _EquispacedChart
 seed_flood: _SeedFlood
 sweep_flood: _SweepFlood
 finish_chart: _FinishChart
+dense_ring: _DenseRing
+winding: _Winding
 survey: _Survey

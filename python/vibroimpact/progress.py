@@ -24,18 +24,20 @@ class Progress:
 
     def __exit__(self, *error: object) -> None:
         if self.shown:
-            print("\r" + " " * (len(self.label) + WIDTH + 40) + "\r", end="", file=sys.stderr)
+            print("\r" + " " * (len(self.label) + WIDTH + 70) + "\r", end="", file=sys.stderr)
 
     def show(self, share: float, note: str = "") -> None:
-        """Draw the bar for a share of the work between 0 and 1."""
+        """Draw the bar for a share of the work between 0 and 1, with the time that is left at this pace."""
         now = time.monotonic()
         if not self.wanted or now - self.begin < PATIENCE or now - self.last < INTERVAL:
             return
         self.last = now
         self.shown = True
         bar = "#" * int(WIDTH * min(1.0, share))
+        spent = now - self.begin
+        left = f", about {spent * (1 / share - 1):.0f} s left" if 0 < share < 1 else ""
         print(
-            f"\r{self.label} [{bar:<{WIDTH}}] {now - self.begin:.0f} s {note:<20}",
+            f"\r{self.label} [{bar:<{WIDTH}}] {spent:.0f} s{left} {note:<30}",
             end="",
             file=sys.stderr,
             flush=True,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,7 +18,9 @@ from .errors import ParameterError, SingularError
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .newton import exact
+from .progress import INTERVAL
 from .solve import equispaced, periodic
+from .studies.atlas import Atlas, atlas
 from .studies.branch import Branch, branch
 from .studies.zone import Zone, zone
 from .trajectory import Trajectory, simulate
@@ -26,7 +29,7 @@ __all__ = ["RunLog", "run_namelists"]
 
 
 #: Kinds of cases.
-KINDS = ("periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone")
+KINDS = ("periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas")
 
 
 class Case(NamedTuple):
@@ -36,10 +39,10 @@ class Case(NamedTuple):
     ----------
     name : str
         Of the result.
-    kind : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone"}
+    kind : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas"}
     osc : Oscillator
     r : float or None
-        A chart and a zone have a window of them.
+        A chart, a zone and an atlas have a window of them.
     keys : dict
         All other keys of its groups, with the values of those that were missing; of a branch also
         motion_kind, the kind of its &motion.
@@ -115,6 +118,23 @@ class Case(NamedTuple):
             max_points=keys["max_points"],
         )  # fmt: skip
 
+    def atlas(self, progress: Callable[[float, str], None] | None = None) -> Atlas:
+        """The atlas that an &atlas case asks for."""
+        keys = self.keys
+        limits = (
+            "max_impacts",
+            "max_cycles",
+            "survey",
+            "settling",
+            "lines",
+            "guesses",
+            "max_points",
+        )
+        return atlas(
+            self.osc, (keys["r_min"], keys["r_max"]), (keys["clearance_min"], keys["clearance_max"]),
+            **{name: keys[name] for name in limits}, progress=progress,
+        )  # fmt: skip
+
     def trajectory(self) -> Trajectory:
         """The simulation that a &simulate case asks for."""
         keys = self.keys
@@ -147,18 +167,21 @@ def run_namelists(
     paths: Iterable[str | os.PathLike[str]],
     folder: str | os.PathLike[str] = "results",
     only: str | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> RunLog:
     """Run namelist files and write one result a case into a folder.
 
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion, &simulate, &chart, &branch or &zone,
+        Files with the groups &system, &motion, &simulate, &chart, &branch, &zone or &atlas,
         &output (see inputs/README.md), or earlier results.
     folder : path
         Made if it is not there.
-    only : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone"}, optional
+    only : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas"}, optional
         The one kind of cases to run; a file without any is then an input that is wrong.
+    progress : callable, optional
+        Called a few times a second with the share that is done of the atlases begun.
 
     Returns
     -------
@@ -187,12 +210,19 @@ def run_namelists(
     # a case takes at least 20 characters of namelist and says at most a few hundred
     size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
     room = 4096 + (len(files) + size // 20) * (800 + 2 * len(target) + max(map(len, files)))
-    text, length, status = _core.run_namelists(
-        _characters(b"\n".join(files)),
-        _characters(target),
-        _characters(kind.ljust(16).encode()),
-        room,
-    )
+    # the core keeps it up to date while it runs: work done and work in sight
+    tally = np.zeros(2, dtype=np.int32)
+    arguments = (
+        _characters(b"\n".join(files)), _characters(target), _characters(kind.ljust(16).encode()), room, tally,
+    )  # fmt: skip
+    if progress is None:
+        text, length, status = _core.run_namelists(*arguments)
+    else:
+        with ThreadPoolExecutor(1) as pool:
+            running = pool.submit(_core.run_namelists, *arguments)
+            while wait([running], INTERVAL).not_done:
+                progress(float(tally[0] / max(1, tally[1])))
+        text, length, status = running.result()
     said = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]
     lines = [(line.startswith("!"), line[1:]) for line in said if line[0] in "-!"]
     return RunLog(lines, int(status), [Path(line[1:]) for line in said if line[0] == ">"])
@@ -216,7 +246,7 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
             cases.append({})
         elif group and key == "&branch":
             cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
-        elif group and key in ("&motion", "&simulate", "&chart", "&zone"):
+        elif group and key in ("&motion", "&simulate", "&chart", "&zone", "&atlas"):
             cases[-1].setdefault("kind", key[1:])
         elif equals and not key.startswith("!"):
             cases[-1][key] = _value(value)

@@ -11,6 +11,7 @@ module vi_batch
    use vi_precision, only: equispaced_in_single, periodic_in_single
    use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
    use vi_report_chart, only: chart_lines
+   use vi_run_atlas, only: run_atlas
    use vi_run_branch, only: run_branch
    use vi_run_zone, only: run_zone
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
@@ -26,13 +27,15 @@ module vi_batch
 contains
 
    !> Runs all cases of one file; nothing runs unless the whole file is right.
-   subroutine run_file(path, folder, log, only)
+   subroutine run_file(path, folder, log, only, tally)
       character(*), intent(in) :: path
       !> Where results go; made if it is not there.
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> The one kind of cases that is run; without it, or if it is empty, all are.
       character(*), intent(in), optional :: only
+      !> Work done and work in sight, of atlases.
+      integer, intent(inout), optional :: tally(2)
       type(case_type), allocatable :: cases(:)
       type(motion_type), allocatable :: motions(:)
       character(:), allocatable :: message
@@ -60,6 +63,8 @@ contains
             call run_chart(cases(i), folder, log, written)
          case ('zone')
             call run_zone(cases(i), folder, log, written)
+         case ('atlas')
+            call run_atlas(cases(i), folder, log, written, tally)
          case ('branch')
             call compute(cases(i), motions)
             call run_branch(cases(i), motions, folder, log, written)

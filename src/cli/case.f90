@@ -1,10 +1,11 @@
 !> The cases of a namelist file, checked.
 !!
-!! Each `&motion`, `&simulate`, `&branch` and `&zone` makes a case. It uses the `&system` before
-!! it, and the `&output` that follows it, if one does. A `&branch` starts from the `&motion` before
-!! it; a `&motion` with a `&branch` right behind it is this start and nothing else. The ranges are
-!! those of the Python package.
+!! Each `&motion`, `&simulate`, `&chart`, `&branch`, `&zone` and `&atlas` makes a case. It uses the
+!! `&system` before it, and the `&output` that follows it, if one does. A `&branch` starts from the
+!! `&motion` before it; a `&motion` with a `&branch` right behind it is this start and nothing else.
+!! The ranges are those of the Python package.
 module vi_case
+   use vi_case_atlas, only: take_atlas
    use vi_case_branch, only: take_branch, take_start
    use vi_case_chart, only: take_chart
    use vi_case_motion, only: take_motion
@@ -56,7 +57,7 @@ contains
          case ('system')
             call take_system(groups(i:), raw, line, message)
             has_system = .true.
-         case ('motion', 'simulate', 'chart', 'branch', 'zone')
+         case ('motion', 'simulate', 'chart', 'branch', 'zone', 'atlas')
             if (.not. has_system) message = '&'//groups(i)%name//': no &system stands before it'
             if (len(message) == 0 .and. is_case(groups(i:))) then
                n = n + 1
@@ -67,10 +68,10 @@ contains
             end if
          case ('output')
             if (.not. follows_case(groups(:i - 1))) message = &
-               '&output: no &motion, &simulate, &chart, &branch or &zone stands before it'
+               '&output: no &motion, &simulate, &chart, &branch, &zone or &atlas stands before it'
          case default
             message = '&'//groups(i)%name//': is not a group; must be &system, '// &
-               '&motion, &simulate, &chart, &branch, &zone or &output'
+               '&motion, &simulate, &chart, &branch, &zone, &atlas or &output'
          end select
          if (len(message) > 0) exit
       end do
@@ -100,6 +101,8 @@ contains
          call take_branch(groups(1), raw, case, line, message)
       case ('zone')
          call take_zone(groups(1), raw, case, line, message)
+      case ('atlas')
+         call take_atlas(groups(1), raw, case, line, message)
       case default
          call take_chart(groups(1), raw, case, line, message)
       end select
@@ -124,7 +127,7 @@ contains
       character(:), allocatable, intent(inout) :: message
 
       if (.not. motion_follows(groups(2:))) message = '&system: no '// &
-         '&motion, &simulate, &chart or &zone follows'
+         '&motion, &simulate, &chart, &zone or &atlas follows'
       if (len(message) == 0) call read_group(groups(1), raw, line, message)
       if (len(message) == 0) call check_system(groups(1), needs_r(groups(2:)), raw, line, message)
    end subroutine take_system
@@ -137,8 +140,8 @@ contains
       needs_r = .false.
       do i = 1, size(rest)
          if (rest(i)%name == 'system') return
-         needs_r = needs_r .or. (makes_case(rest(i)%name) .and. rest(i)%name /= 'chart' .and. &
-            rest(i)%name /= 'zone')
+         needs_r = needs_r .or. (makes_case(rest(i)%name) .and. &
+            all(rest(i)%name /= [character(5) :: 'chart', 'zone', 'atlas']))
       end do
    end function needs_r
 
@@ -191,7 +194,7 @@ contains
          call check_r(group, raw, line, message)
       else if (given(group, 'r')) then
          call forbid(group, 'r', line, message, &
-            'must be left out: it is not for a &chart or &zone, which has r_min and r_max')
+            'must be left out: it is not for a &chart, &zone or &atlas, which has r_min and r_max')
       end if
       if (len(message) == 0) then
          if (is_blank(raw%restitution(2))) raw%restitution(2) = raw%restitution(1)

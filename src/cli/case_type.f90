@@ -1,5 +1,6 @@
 !> A case: everything that one computation of the batch program needs.
 module vi_case_type
+   use vi_atlas, only: atlas_request_type
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
@@ -13,7 +14,7 @@ module vi_case_type
       type(oscillator_type) :: osc
       real(wp) :: r = 0
       !> 'periodic' (phases given), 'equispaced' (clearance given), 'exact' (clearance given, phases
-      !! guessed), 'simulate', 'chart', 'branch' or 'zone'
+      !! guessed), 'simulate', 'chart', 'branch', 'zone' or 'atlas'
       character(:), allocatable :: kind
       !> The kind of the motion, also of that which a branch starts from.
       character(:), allocatable :: motion_kind
@@ -37,6 +38,8 @@ module vi_case_type
       !> Of a zone; which motions: 'yes', 'no' or 'both'.
       type(zone_request_type) :: zone
       character(:), allocatable :: symmetric
+      !> Of an atlas.
+      type(atlas_request_type) :: atlas
       !> Where the name was given, for messages.
       integer :: line = 0
    end type case_type

@@ -14,7 +14,7 @@ module vi_case_zone
    implicit none (type, external)
    private
 
-   public :: take_zone
+   public :: check_window, take_zone
 
 contains
 
@@ -52,6 +52,7 @@ contains
       end associate
    end subroutine take_zone
 
+   !> Checks the window and the limits of the search in `case%zone`.
    subroutine check_window(group, case, line, message)
       type(group_type), intent(in) :: group
       type(case_type), intent(in) :: case

@@ -97,10 +97,11 @@ contains
       write (unit, '(a)') &
          'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
          '', &
-         'Computes the motions, simulations, charts, branches and zones that namelist files ask', &
-         'for and writes each case to DIR/NAME.csv and, if it asks for a table, to DIR/NAME.txt', &
-         '(DIR is "results" unless given). A result is itself an input that reproduces it.', &
-         'Groups: &system, &motion, &simulate, &chart, &branch, &zone, &output; see', &
+         'Computes the motions, simulations, charts, branches, zones and atlases that namelist', &
+         'files ask for and writes each case to DIR/NAME.csv and, if it asks for a table, to', &
+         'DIR/NAME.txt (DIR is "results" unless given). A result is itself an input that', &
+         'reproduces it.', &
+         'Groups: &system, &motion, &simulate, &chart, &branch, &zone, &atlas, &output; see', &
          'inputs/README.md.', &
          '', &
          'example: vibroimpact-batch inputs/table1.nml -o results', &

@@ -24,8 +24,8 @@ contains
       call append(lines, '#   xi = '//exact(case%osc%xi))
       call append(lines, '#   mu = '//exact(case%osc%mu))
       call append(lines, '#   restitution = '//list(case%osc%restitution))
-      if (all(case%kind /= [character(5) :: 'chart', 'zone'])) call append(lines, '#   r = ' &
-         //exact(case%r))
+      if (all(case%kind /= [character(5) :: 'chart', 'zone', 'atlas'])) call append(lines, &
+         '#   r = '//exact(case%r))
       call append(lines, '# /')
       select case (case%kind)
       case ('simulate')
@@ -34,6 +34,8 @@ contains
          call echo_chart(case, lines)
       case ('zone')
          call echo_zone(case, lines)
+      case ('atlas')
+         call echo_atlas(case, lines)
       case default
          call echo_motion(case, lines)
          if (case%kind == 'branch') call echo_branch(case, lines)
@@ -125,11 +127,31 @@ contains
       type(case_type), intent(in) :: case
       type(line_type), allocatable, intent(inout) :: lines(:)
 
+      call append(lines, '# &zone')
+      call append(lines, '#   sides = '''//starred_letters(case%pattern%sides)//'''')
+      call append(lines, '#   cycles = '//whole(case%pattern%cycles))
+      call append(lines, '#   symmetric = '''//case%symmetric//'''')
+      call echo_zone_window(case, lines)
+   end subroutine echo_zone
+
+   pure subroutine echo_atlas(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
+      call append(lines, '# &atlas')
+      call append(lines, '#   max_impacts = '//whole(case%atlas%max_impacts))
+      call append(lines, '#   max_cycles = '//whole(case%atlas%max_cycles))
+      call append(lines, '#   survey = '//whole(case%atlas%survey))
+      call append(lines, '#   settling = '//whole(case%atlas%settling))
+      call echo_zone_window(case, lines)
+   end subroutine echo_atlas
+
+   !> What &zone and &atlas have in common: the window and the limits of the search.
+   pure subroutine echo_zone_window(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
       associate (zone => case%zone)
-         call append(lines, '# &zone')
-         call append(lines, '#   sides = '''//starred_letters(case%pattern%sides)//'''')
-         call append(lines, '#   cycles = '//whole(case%pattern%cycles))
-         call append(lines, '#   symmetric = '''//case%symmetric//'''')
          call append(lines, '#   r_min = '//exact(zone%r(1)))
          call append(lines, '#   r_max = '//exact(zone%r(2)))
          call append(lines, '#   clearance_min = '//exact(zone%clearance(1)))
@@ -139,7 +161,7 @@ contains
          call append(lines, '#   max_points = '//whole(zone%points))
          call append(lines, '# /')
       end associate
-   end subroutine echo_zone
+   end subroutine echo_zone_window
 
    pure function list(values) result(text)
       real(wp), intent(in) :: values(:)

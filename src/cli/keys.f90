@@ -99,7 +99,8 @@ contains
    pure logical function makes_case(name)
       character(*), intent(in) :: name
 
-      makes_case = any(name == [character(8) :: 'motion', 'simulate', 'chart', 'branch', 'zone'])
+      makes_case = any(name == [character(8) :: 'motion', 'simulate', 'chart', 'branch', 'zone', &
+         'atlas'])
    end function makes_case
 
    !> The keys of a group, for messages.
@@ -118,7 +119,7 @@ contains
       case ('chart')
          text = 'sides, cycles, r_min, r_max, r_points, clearance_min, clearance_max, &
             &clearance_points, spacing, symmetric, room, guesses, seeds'
-      case ('branch', 'zone')
+      case ('branch', 'zone', 'atlas')
          text = study_keys(group)
       case default
          text = 'name, format'

@@ -1,4 +1,4 @@
-!> The keys of &branch and &zone: what each takes.
+!> The keys of &branch, &zone and &atlas: what each takes.
 module vi_keys_studies
    implicit none (type, external)
    private
@@ -34,16 +34,25 @@ contains
       case ('zone symmetric')
          text = '''yes'' (only motions that are their own mirror image), ''no'' (only others) or &
             &''both'''
-      case ('zone r_min', 'zone r_max')
+      case ('zone r_min', 'zone r_max', 'atlas r_min', 'atlas r_max')
          text = 'a number with 1e-6 <= '//key//' <= 1e6, and r_min below r_max'
-      case ('zone clearance_min', 'zone clearance_max')
+      case ('zone clearance_min', 'zone clearance_max', 'atlas clearance_min', &
+         'atlas clearance_max')
          text = 'a number with 1e-12 <= '//key//' <= 1e12, and clearance_min below clearance_max'
-      case ('zone lines')
+      case ('zone lines', 'atlas lines')
          text = 'a whole number with 5 <= lines <= 129'
-      case ('zone guesses')
+      case ('zone guesses', 'atlas guesses')
          text = 'a whole number with 0 <= guesses <= 100000'
-      case ('zone max_points')
+      case ('zone max_points', 'atlas max_points')
          text = 'a whole number with 100 <= max_points <= 200000'
+      case ('atlas max_impacts')
+         text = 'a whole number with 2 <= max_impacts <= 8'
+      case ('atlas max_cycles')
+         text = 'a whole number with 1 <= max_cycles <= 4'
+      case ('atlas survey')
+         text = 'a whole number with 0 <= survey <= 1000000'
+      case ('atlas settling')
+         text = 'a whole number with 1 <= settling <= 1000000'
       end select
    end function wanted_of_study
 
@@ -58,6 +67,9 @@ contains
       case ('zone')
          text = 'sides, cycles, symmetric, r_min, r_max, clearance_min, clearance_max, lines, &
             &guesses, max_points'
+      case ('atlas')
+         text = 'r_min, r_max, clearance_min, clearance_max, max_impacts, max_cycles, survey, &
+            &settling, lines, guesses, max_points'
       case default
          text = ''
       end select

@@ -2,7 +2,8 @@
 module vi_raw
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
-   use vi_raw_studies, only: blank_studies, raw_branch_type, raw_zone_type, read_branch, read_zone
+   use vi_raw_studies, only: blank_studies, raw_atlas_type, raw_branch_type, raw_zone_type, &
+      read_atlas, read_branch, read_zone
    use vi_room, only: most_impacts, most_letters
    use vi_window, only: window_type
    implicit none (type, external)
@@ -28,6 +29,7 @@ module vi_raw
       character(most_letters) :: spacing, symmetric
       type(raw_branch_type) :: branch
       type(raw_zone_type) :: zone
+      type(raw_atlas_type) :: atlas
    end type raw_type
 
 contains
@@ -73,7 +75,7 @@ contains
       raw%window = window_type(nan, nan, nan, nan)
       raw%spacing = 'linear'
       raw%symmetric = 'both'
-      call blank_studies(nan, raw%branch, raw%zone)
+      call blank_studies(nan, raw%branch, raw%zone, raw%atlas)
    end subroutine blank_motion
 
    !> One assignment through the compiler's namelist input.
@@ -95,6 +97,8 @@ contains
          call read_branch(text, raw%branch, status)
       case ('zone')
          call read_zone(text, raw%zone, status)
+      case ('atlas')
+         call read_atlas(text, raw%atlas, status)
       case default
          call read_output(text, raw, status)
       end select

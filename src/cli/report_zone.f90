@@ -7,7 +7,7 @@ module vi_report_zone
    implicit none (type, external)
    private
 
-   public :: zone_lines
+   public :: truth, zone_lines
 
    character(*), parameter, public :: incomplete = &
       'not complete: a boundary could not be followed until it closes'

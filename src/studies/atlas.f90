@@ -11,6 +11,7 @@ module vi_atlas
    use vi_pattern, only: pattern_type
    use vi_survey, only: attractor_type, survey
    use vi_zone, only: find_zone, zone_request_type, zone_type
+   use vi_zone_table, only: count_zone
    implicit none (type, external)
    private
 
@@ -42,43 +43,72 @@ module vi_atlas
 contains
 
    !> All zones in a window.
-   subroutine find_atlas(request, atlas)
+   subroutine find_atlas(request, atlas, tally)
       type(atlas_request_type), intent(in) :: request
       type(atlas_type), intent(out) :: atlas
+      !> Work done and work in sight, kept up to date for who looks at it meanwhile.
+      integer, intent(inout), optional :: tally(2)
       logical, allocatable :: again(:)
       integer :: i, j
 
-      allocate (atlas%attractors(request%survey))
-      call survey(request%osc, request%r, request%clearance, request%settling, &
-         request%max_impacts, request%max_cycles, request%threads, atlas%attractors)
-      atlas%attractors = pack(atlas%attractors, atlas%attractors%found)
+      call survey_window(request, atlas%attractors)
       call list_sheets(request, atlas)
       allocate (again(size(atlas%sheets)), source=.true.)
-      call trace_sheets(request, atlas, again, 1)
-      atlas%explained = [(explains(atlas, atlas%attractors(i)), i=1, size(atlas%attractors))]
+      call trace_sheets(request, atlas, again, 1, tally)
+      call explain(request, atlas)
+      again = .false.
       do j = 1, size(atlas%sheets)
-         again(j) = any([(.not. atlas%explained(i) .and. same_pattern(atlas%sheets(j)%pattern, &
-            pattern_of(atlas%attractors(i))), i=1, size(atlas%attractors))])
+         do i = 1, size(atlas%attractors)
+            again(j) = again(j) .or. (.not. atlas%explained(i) .and. &
+               is_of(atlas%attractors(i), atlas%sheets(j)%pattern))
+         end do
       end do
-      call trace_sheets(request, atlas, again, 2)
-      atlas%explained = [(explains(atlas, atlas%attractors(i)), i=1, size(atlas%attractors))]
+      if (.not. any(again)) return
+      call trace_sheets(request, atlas, again, 2, tally)
+      call explain(request, atlas)
    end subroutine find_atlas
 
+   !> The attractors within the limits.
+   subroutine survey_window(request, attractors)
+      type(atlas_request_type), intent(in) :: request
+      type(attractor_type), allocatable, intent(out) :: attractors(:)
+      type(attractor_type), allocatable :: every(:)
+      integer :: i, n
+
+      allocate (every(request%survey))
+      call survey(request%osc, request%r, request%clearance, request%settling, &
+         request%max_impacts, request%max_cycles, request%threads, every)
+      allocate (attractors(count(every%found)))
+      n = 0
+      do i = 1, size(every)
+         if (.not. every(i)%found) cycle
+         n = n + 1
+         attractors(n) = every(i)
+      end do
+   end subroutine survey_window
+
    !> Finds the zones of some sheets, one task each.
-   subroutine trace_sheets(request, atlas, wanted, finer)
+   subroutine trace_sheets(request, atlas, wanted, finer, tally)
       type(atlas_request_type), intent(in) :: request
       type(atlas_type), intent(inout) :: atlas
       logical, intent(in) :: wanted(:)
       !> Times as many lattice lines.
       integer, intent(in) :: finer
+      integer, intent(inout), optional :: tally(2)
       integer :: j, status
 
+      if (present(tally)) tally(2) = tally(2) + count(wanted)
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status)
       do j = 1, size(atlas%sheets)
-         if (wanted(j)) call find_zone(zone_request_type(request%osc, atlas%sheets(j)%pattern, &
+         if (.not. wanted(j)) cycle
+         ! a sheet without motions has an empty zone, whatever the status
+         call find_zone(zone_request_type(request%osc, atlas%sheets(j)%pattern, &
             atlas%sheets(j)%symmetric, request%r, request%clearance, &
             lattice(request, atlas%sheets(j)%pattern, finer), request%guesses, request%points), &
             seeds_of(atlas, atlas%sheets(j)%pattern), atlas%sheets(j)%zone, status)
+         if (.not. present(tally)) cycle
+         !$omp atomic update
+         tally(1) = tally(1) + 1
       end do
       !$omp end parallel do
    end subroutine trace_sheets
@@ -93,7 +123,7 @@ contains
       if (any(abs(pattern%sides) == 2)) lattice = max(lattice, 33)
    end function lattice
 
-   !> All patterns up to the limits, and those with rest that the survey met.
+   !> All patterns up to the limits, shortest first, and those with rest that the survey met.
    pure subroutine list_sheets(request, atlas)
       type(atlas_request_type), intent(in) :: request
       type(atlas_type), intent(inout) :: atlas
@@ -101,7 +131,7 @@ contains
 
       allocate (atlas%sheets(0))
       do n = 2, request%max_impacts
-         do bits = 1, 2**n - 2
+         do bits = 2**n - 2, 1, -1
             letters(:n) = [(merge(1, -1, btest(bits, n - i)), i=1, n)]
             do cycles = 1, request%max_cycles
                call add_sheets(request%osc, pattern_type(letters(:n), cycles), atlas%sheets)
@@ -130,7 +160,7 @@ contains
       do i = 1, n
          if (same_pattern(sheets(i)%pattern, pattern)) return
       end do
-      symmetric = all(abs(pattern%sides) == 1) .and. can_be_symmetric(pattern, osc%restitution)
+      symmetric = can_be_symmetric(pattern, osc%restitution)
       more = merge(2, 1, symmetric)
       allocate (longer(n + more))
       longer(:n) = sheets
@@ -153,69 +183,49 @@ contains
       type(atlas_type), intent(in) :: atlas
       type(pattern_type), intent(in) :: pattern
       real(wp), allocatable :: seeds(:, :)
-      logical :: wanted(size(atlas%attractors))
       integer :: i, m
 
-      wanted = [(same_pattern(pattern, pattern_of(atlas%attractors(i))), i=1, size(wanted))]
-      allocate (seeds(2 + 2*size(pattern%sides), count(wanted)))
-      m = 0
-      do i = 1, size(wanted)
-         if (.not. wanted(i)) cycle
-         m = m + 1
-         seeds(:, m) = [atlas%attractors(i)%r, atlas%attractors(i)%clearance, &
-            atlas%attractors(i)%unknowns]
-      end do
-   end function seeds_of
-
-   pure function pattern_of(attractor) result(pattern)
-      type(attractor_type), intent(in) :: attractor
-      type(pattern_type) :: pattern
-
-      pattern = pattern_type(attractor%letters, attractor%cycles)
-   end function pattern_of
-
-   !> Whether an attractor lies in a zone of its pattern.
-   pure logical function explains(atlas, attractor)
-      type(atlas_type), intent(in) :: atlas
-      type(attractor_type), intent(in) :: attractor
-      integer :: i, j, turns
-
-      explains = .false.
-      do j = 1, size(atlas%sheets)
-         if (.not. same_pattern(atlas%sheets(j)%pattern, pattern_of(attractor))) cycle
-         turns = 0
-         associate (zone => atlas%sheets(j)%zone)
-            do i = 1, zone%n
-               if (zone%loops(i)%closed) turns = turns + abs(winding(zone, i, &
-                  ([attractor%r, log(attractor%clearance)] - zone%sheet%origin)/zone%sheet%scale))
-            end do
-         end associate
-         ! a hole goes round once more
-         explains = mod(turns, 2) == 1
-         if (explains) return
-      end do
-   end function explains
-
-   !> How often a loop goes round a point of the unit square.
-   pure integer function winding(zone, i, q)
-      type(zone_type), intent(in) :: zone
-      integer, intent(in) :: i
-      real(wp), intent(in) :: q(2)
-      real(wp) :: a(2), b(2), side
-      integer :: j, m
-
-      winding = 0
-      associate (loop => zone%loops(i))
-         m = size(loop%points, 1) - 2
-         do j = 1, loop%n
-            a = loop%points(m + 1:, j)
-            b = loop%points(m + 1:, merge(1, j + 1, j == loop%n))
-            if ((a(2) <= q(2)) .eqv. (b(2) <= q(2))) cycle
-            side = (b(1) - a(1))*(q(2) - a(2)) - (q(1) - a(1))*(b(2) - a(2))
-            if (a(2) <= q(2) .and. side > 0) winding = winding + 1
-            if (a(2) > q(2) .and. side < 0) winding = winding - 1
+      associate (items => atlas%attractors)
+         allocate (seeds(2 + 2*size(pattern%sides), count([(is_of(items(i), pattern), &
+            i=1, size(items))])))
+         m = 0
+         do i = 1, size(items)
+            if (.not. is_of(items(i), pattern)) cycle
+            m = m + 1
+            seeds(:, m) = [items(i)%r, items(i)%clearance, items(i)%unknowns]
          end do
       end associate
-   end function winding
+   end function seeds_of
+
+   pure logical function is_of(attractor, pattern)
+      type(attractor_type), intent(in) :: attractor
+      type(pattern_type), intent(in) :: pattern
+
+      is_of = attractor%cycles == pattern%cycles .and. &
+         size(attractor%letters) == size(pattern%sides)
+      if (is_of) is_of = all(attractor%letters == pattern%sides)
+   end function is_of
+
+   !> Finds out which attractors lie in a zone of their pattern, of its symmetric motions or others.
+   pure subroutine explain(request, atlas)
+      type(atlas_request_type), intent(in) :: request
+      type(atlas_type), intent(inout) :: atlas
+      integer, allocatable :: mine(:)
+      integer :: i, j
+
+      associate (items => atlas%attractors)
+         if (.not. allocated(atlas%explained)) allocate (atlas%explained(size(items)))
+         atlas%explained = .false.
+         do j = 1, size(atlas%sheets)
+            mine = pack([(i, i=1, size(items))], &
+               [(is_of(items(i), atlas%sheets(j)%pattern), i=1, size(items))])
+            if (size(mine) == 0) cycle
+            atlas%explained(mine) = atlas%explained(mine) .or. count_zone(atlas%sheets(j)%zone, &
+               request%r, request%clearance, &
+               reshape([(items(mine(i))%r, items(mine(i))%clearance, i=1, size(mine))], &
+               [2, size(mine)])) > 0
+         end do
+      end associate
+   end subroutine explain
 
 end module vi_atlas

@@ -14,6 +14,7 @@ module vi_zone
    use vi_pattern, only: pattern_type
    use vi_rest_family, only: new_rest_family
    use vi_seeds, only: motions_at, part_of
+   use vi_settle, only: settle
    use vi_status, only: stat
    use vi_steps, only: stride_type
    implicit none (type, external)
@@ -89,6 +90,9 @@ contains
       end do
       do i = 1, n_unclosed
          call trace_border(net%borders(unclosed(i)), request%points, .true., zone, closed)
+      end do
+      do i = 1, zone%n
+         call settle(zone%sheet, zone%loops(i))
       end do
    end subroutine find_zone
 
@@ -227,7 +231,11 @@ contains
       begin%condition = loop%conditions(1)
       if (is_known(begin, zone)) return
       zone%n = zone%n + 1
-      zone%loops(zone%n) = loop
+      associate (kept => zone%loops(zone%n), n => loop%n)
+         ! without the room that is left
+         kept = loop_type(loop%points(:, :n), loop%tangents(:, :n), loop%conditions(:n), &
+            loop%corner(:n), n, loop%closed)
+      end associate
       zone%inside(:, zone%n) = border%inside
    end subroutine trace_border
 

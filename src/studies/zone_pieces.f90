@@ -4,14 +4,12 @@ module vi_zone_pieces
    use vi_family, only: can_be_symmetric
    use vi_frame, only: edge
    use vi_kinds, only: wp
-   use vi_loop, only: begins
-   use vi_status, only: stat
-   use vi_zone, only: zone_request_type
-   use vi_zone_table, only: zone_arrays
+   use vi_loop, only: begins, loop_type
+   use vi_zone, only: find_zone, zone_request_type, zone_type
    implicit none (type, external)
    private
 
-   public :: zone_pieces
+   public :: add_pieces, zone_pieces
 
    !> One piece: its first and last vertices are corners, unless the whole loop is one piece.
    type, public :: piece_type
@@ -33,9 +31,6 @@ module vi_zone_pieces
       logical :: complete = .true.
    end type pieces_type
 
-   !> Room for vertices and loops of one family.
-   integer, parameter :: room = 200000, loop_room = 400
-
 contains
 
    !> The zones of a pattern: of symmetric motions, of the others, or of both, in this order.
@@ -45,14 +40,11 @@ contains
       logical, intent(in) :: families(2)
       type(pieces_type), intent(out) :: found
       type(zone_request_type) :: one
+      type(zone_type) :: zone
       real(wp) :: none(2 + 2*size(request%pattern%sides), 0)
-      real(wp), allocatable :: vertices(:, :), unknowns(:, :), inside(:, :)
-      integer, allocatable :: labels(:, :), loops(:, :)
       logical :: possible
-      integer :: i, j, n, n_loops, first, work(3), status
+      integer :: i, status
 
-      allocate (found%pieces(16), vertices(5, room), unknowns(size(none, 1) - 2, room), &
-         inside(2, loop_room), labels(4, room), loops(2, loop_room))
       possible = can_be_symmetric(request%pattern, request%osc%restitution)
       one = request
       ! simulation finds a motion with rest only inside its zone, which may be narrow
@@ -60,56 +52,64 @@ contains
       do i = 1, 2
          one%symmetric = i == 1
          if (.not. families(i) .or. (one%symmetric .and. .not. possible)) cycle
-         call zone_arrays(one, none, vertices, unknowns, labels, n, loops, inside, n_loops, work, &
-            status)
-         found%motions = found%motions + work(1)
-         found%complete = found%complete .and. status /= stat%more_events .and. work(3) == 0
-         first = 1
-         do j = 1, n_loops
-            n = first + loops(1, j) - 1
-            call split(vertices(:2, first:n), labels(:, first:n), loops(2, j) == 1, &
-               one%symmetric, possible .and. .not. one%symmetric, found)
-            first = n + 1
-         end do
+         call find_zone(one, none, zone, status)
+         call add_pieces(zone, one%symmetric, possible .and. .not. one%symmetric, found)
       end do
    end subroutine zone_pieces
 
+   !> Adds the pieces of one family.
+   pure subroutine add_pieces(zone, symmetric, mirrored, found)
+      type(zone_type), intent(in) :: zone
+      !> The motions are their own mirror images; they are not, but others of the pattern are.
+      logical, intent(in) :: symmetric, mirrored
+      type(pieces_type), intent(inout) :: found
+      integer :: j
+
+      if (.not. allocated(found%pieces)) allocate (found%pieces(16))
+      found%motions = found%motions + zone%nodes
+      ! a full list of loops may have lost some
+      found%complete = found%complete .and. zone%untraced == 0 .and. zone%n < size(zone%loops)
+      do j = 1, zone%n
+         call split(zone, zone%loops(j), symmetric, mirrored, found)
+      end do
+   end subroutine add_pieces
+
    !> Splits a loop at its corners, which are there twice: where a piece ends and where one begins.
-   pure subroutine split(vertices, labels, closed, symmetric, mirrored, found)
-      real(wp), intent(in) :: vertices(:, :)
-      integer, intent(in) :: labels(:, :)
-      logical, intent(in) :: closed, symmetric, mirrored
+   pure subroutine split(zone, loop, symmetric, mirrored, found)
+      type(zone_type), intent(in) :: zone
+      type(loop_type), intent(in) :: loop
+      logical, intent(in) :: symmetric, mirrored
       type(pieces_type), intent(inout) :: found
       integer, allocatable :: starts(:), run(:)
-      integer :: i, j, m, n
+      integer :: i, j, m, number
 
-      n = size(labels, 2)
-      if (closed) found%loops = found%loops + 1
-      found%complete = found%complete .and. closed
-      starts = [1, pack([(j, j=2, n)], labels(4, 2:) == begins), n + 1]
+      if (loop%closed) found%loops = found%loops + 1
+      found%complete = found%complete .and. loop%closed
+      number = merge(found%loops, 0, loop%closed)
+      starts = [1, pack([(j, j=2, loop%n)], loop%corner(2:loop%n) == begins), loop%n + 1]
       m = size(starts) - 1
-      if (closed .and. m > 1 .and. labels(4, 1) /= begins) then
+      if (loop%closed .and. m > 1 .and. loop%corner(1) /= begins) then
          ! the loop begins within a piece
-         run = [(j, j=starts(m), n), (j, j=1, starts(2) - 1)]
+         run = [(j, j=starts(m), loop%n), (j, j=1, starts(2) - 1)]
          m = m - 1
       else
          run = [(j, j=1, starts(2) - 1)]
-         if (closed .and. m == 1) run = [run, 1]
+         if (loop%closed .and. m == 1) run = [run, 1]
       end if
       do i = 1, m
          if (i > 1) run = [(j, j=starts(i), starts(i + 1) - 1)]
-         call append(vertices(:, run), labels(:, run), merge(found%loops, 0, closed), symmetric, &
-            mirrored, found)
+         call append(zone, loop, run, number, symmetric, mirrored, found)
       end do
    end subroutine split
 
-   pure subroutine append(vertices, labels, loop, symmetric, mirrored, found)
-      real(wp), intent(in) :: vertices(:, :)
-      integer, intent(in) :: labels(:, :), loop
+   pure subroutine append(zone, loop, run, number, symmetric, mirrored, found)
+      type(zone_type), intent(in) :: zone
+      type(loop_type), intent(in) :: loop
+      integer, intent(in) :: run(:), number
       logical, intent(in) :: symmetric, mirrored
       type(pieces_type), intent(inout) :: found
       type(piece_type), allocatable :: longer(:)
-      integer :: label(4)
+      integer :: j, m
 
       if (found%n == size(found%pieces)) then
          allocate (longer(2*found%n))
@@ -117,15 +117,20 @@ contains
          call move_alloc(longer, found%pieces)
       end if
       found%n = found%n + 1
-      label = labels(:, min(2, size(labels, 2)))
-      associate (piece => found%pieces(found%n))
-         piece%name = condition_name(label(1), label(2), symmetric, mirrored)
-         if (label(1) == edge) piece%name = 'window'
-         piece%detail = condition_detail(label(1), label(2), label(3))
+      associate (piece => found%pieces(found%n), &
+         condition => loop%conditions(run(min(2, size(run)))))
+         piece%name = condition_name(condition%kind, condition%index, symmetric, mirrored)
+         if (condition%kind == edge) piece%name = 'window'
+         piece%detail = condition_detail(condition%kind, condition%index, condition%side)
          piece%symmetric = symmetric
-         piece%loop = loop
-         piece%vertices = vertices
-         piece%corner = labels(4, :) > 0
+         piece%loop = number
+         piece%corner = loop%corner(run) > 0
+         allocate (piece%vertices(2, size(run)))
+         m = size(loop%points, 1) - 2
+         do j = 1, size(run)
+            piece%vertices(:, j) = zone%sheet%origin + zone%sheet%scale*loop%points(m + 1:, run(j))
+            piece%vertices(2, j) = exp(piece%vertices(2, j))
+         end do
       end associate
    end subroutine append
 

@@ -1,16 +1,17 @@
 !> Zones as plain arrays: the vertices of all loops, one after the other.
 module vi_zone_table
-   use vi_curve, only: correct, curve_type
+   use vi_curve, only: curve_type
    use vi_family, only: whole_unknowns
-   use vi_frame, only: condition_type, edge, frame_type, repetition, wrap_phases
+   use vi_frame, only: frame_type, wrap_phases
    use vi_kinds, only: wp
-   use vi_loop, only: begins, ends, loop_type
+   use vi_loop, only: loop_type
+   use vi_rings, only: dense_ring, winding
    use vi_status, only: stat
    use vi_zone, only: find_zone, zone_request_type, zone_type
    implicit none (type, external)
    private
 
-   public :: zone_arrays
+   public :: count_zone, zone_arrays
 
 contains
 
@@ -60,9 +61,7 @@ contains
             end if
             n_loops = n_loops + 1
             loops(:, n_loops) = [loop%n, merge(1, 0, loop%closed)]
-            inside(:, n_loops) = sheet%origin + sheet%scale*zone%inside(:, i)
-            inside(2, n_loops) = exp(inside(2, n_loops))
-            call settle(sheet, loop)
+            inside(:, n_loops) = inside_of(zone, i)
             call write_loop(sheet, loop, vertices(:, n + 1:n + loop%n), &
                unknowns(:, n + 1:n + loop%n), labels(:, n + 1:n + loop%n))
             n = n + loop%n
@@ -78,11 +77,8 @@ contains
       integer :: j, m
 
       m = size(loop%points, 1) - 2
+      vertices = vertices_of(sheet, loop)
       do j = 1, loop%n
-         vertices(:2, j) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
-         vertices(2, j) = exp(vertices(2, j))
-         vertices(3:4, j) = sheet%scale*loop%tangents(m + 1:, j)
-         vertices(5, j) = arc(sheet%frame, loop, j)
          if (sheet%frame%resting) then
             unknowns(:m, j) = loop%points(:m, j)
          else
@@ -93,38 +89,51 @@ contains
       end do
    end subroutine write_loop
 
-   !> Moves the vertices that are a distance from a motion that repeats itself onto that motion.
-   !!
-   !! The parameters go with the square of the distance, so those at the distance and at half of it
-   !! tell where they lead.
-   pure subroutine settle(sheet, loop)
+   !> (5, n): r, D, the derivatives of r and log D by the length of the curve, length to the next.
+   pure function vertices_of(sheet, loop) result(vertices)
       type(curve_type), intent(in) :: sheet
-      type(loop_type), intent(inout) :: loop
-      type(condition_type) :: half
-      real(wp) :: near(size(loop%points, 1))
-      integer :: j, twin, m, iterations
+      type(loop_type), intent(in) :: loop
+      real(wp) :: vertices(5, loop%n)
+      integer :: j, m
 
-      m = size(near) - 2
+      m = size(loop%points, 1) - 2
       do j = 1, loop%n
-         half = loop%conditions(j)
-         if (half%kind /= repetition) cycle
-         half%bound = 0.5_wp*half%bound
-         near = loop%points(:, j)
-         twin = j
-         if (loop%corner(j) == ends) twin = modulo(j, loop%n) + 1
-         if (loop%corner(j) == begins) twin = modulo(j - 2, loop%n) + 1
-         if (loop%conditions(twin)%kind == edge) then
-            call correct(sheet, [half, loop%conditions(twin)], near, iterations)
-         else
-            call correct(sheet, [half], near, iterations, loop%tangents(:, j))
-         end if
-         if (iterations == 0) cycle
-         near(:m) = 2*near(:m) - loop%points(:m, j)
-         near(m + 1:) = (4*near(m + 1:) - loop%points(m + 1:, j))/3
-         loop%points(:, j) = near
-         loop%points(:, twin) = near
+         vertices(:2, j) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
+         vertices(2, j) = exp(vertices(2, j))
+         vertices(3:4, j) = sheet%scale*loop%tangents(m + 1:, j)
+         vertices(5, j) = arc(sheet%frame, loop, j)
       end do
-   end subroutine settle
+   end function vertices_of
+
+   !> A point inside, beside a loop: r, D.
+   pure function inside_of(zone, i) result(point)
+      type(zone_type), intent(in) :: zone
+      integer, intent(in) :: i
+      real(wp) :: point(2)
+
+      point = zone%sheet%origin + zone%sheet%scale*zone%inside(:, i)
+      point(2) = exp(point(2))
+   end function inside_of
+
+   !> How many stable, admissible motions there are at points.
+   pure function count_zone(zone, r, clearance, points) result(counts)
+      type(zone_type), intent(in) :: zone
+      !> The window.
+      real(wp), intent(in) :: r(2), clearance(2)
+      !> (2, m): r, D
+      real(wp), intent(in) :: points(:, :)
+      integer :: counts(size(points, 2))
+      real(wp), allocatable :: ring(:, :)
+      integer :: i
+
+      counts = 0
+      do i = 1, zone%n
+         if (.not. zone%loops(i)%closed) cycle
+         call dense_ring(vertices_of(zone%sheet, zone%loops(i)), r, clearance, inside_of(zone, i), &
+            ring)
+         counts = counts + winding(ring, points)
+      end do
+   end function count_zone
 
    !> Length of a loop from a vertex to the next, to fourth order.
    pure real(wp) function arc(frame, loop, j) result(length)

@@ -1,7 +1,13 @@
-"""Branches and zones in namelists: the real program against the API, and against closed forms."""
+"""Branches, zones and atlases in namelists: the real program against the API, and against closed forms."""
 
+import contextlib
+import importlib
 import inspect
 import json
+import os
+import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -18,10 +24,15 @@ ZONE = f"""{WALLS}&zone sides = 'RL', symmetric = 'no'
   clearance_min = 2, clearance_max = 200
 /
 """
+ATLAS = f"""{WALLS}&atlas max_impacts = 2, survey = 12
+  r_min = 1.0, r_max = 1.1
+  clearance_min = 20, clearance_max = 60
+/
+"""
 PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
 STUDIES = sorted(
     path for path in (ROOT / "inputs").glob("*.nml")
-    if any(group in path.read_text() for group in ("&branch", "&zone"))
+    if any(group in path.read_text() for group in ("&branch", "&zone", "&atlas"))
 )  # fmt: skip
 
 
@@ -70,8 +81,34 @@ def compare_zone(table, zone):
         assert column(part, "clearance").tolist() == piece.clearance.tolist()
 
 
+def compare_atlas(path, atlas):
+    """The zones of the table are those of the API's, in this order; lost attractors are in its header."""
+    table = rows(path)
+    words = {True: "true", False: "false"}
+    wanted = {
+        (zone.pattern.sides, str(zone.pattern.cycles), words[zone.symmetric]): zone
+        for zone in atlas.zones if zone.boundary
+    }  # fmt: skip
+    assert list(
+        dict.fromkeys((row["sides"], row["cycles"], row["symmetric"]) for row in table)
+    ) == [*wanted]
+    for name, zone in wanted.items():
+        compare_zone(
+            [row for row in table if (row["sides"], row["cycles"], row["symmetric"]) == name], zone
+        )
+    lost = [line for line in path.read_text().split("\n") if "in no zone" in line]
+    assert len(lost) == len(atlas.unexplained)
+    for line, item in zip(lost, atlas.unexplained, strict=True):
+        place = re.search(r": (\S+)/(\d+) at r = (\S+), clearance = (\S+)$", line).groups()
+        assert (place[0], int(place[1])) == (item.pattern.sides, item.pattern.cycles)
+        assert (float(place[2]), float(place[3])) == (item.r, item.clearance)
+
+
 def compare(path, case):
     """The result of a case has the digits of the API."""
+    if case.kind == "atlas":
+        compare_atlas(path, case.atlas())
+        return
     table = rows(path)
     if case.kind == "zone":
         compare_zone(table, case.zone())
@@ -109,7 +146,10 @@ def test_results_are_those_of_the_api(path, batch, command, same_build):
     WALLS.replace("0.75", "0.75, 0.61") + "&zone sides = 'RL*', lines = 5, r_min = 0.8, r_max = 1.1, "
     "clearance_min = 2, clearance_max = 50 /\n",
     WALLS.replace("0.75", "0.75, 0.61") + "&zone sides = 'RRL', r_min = 0.8, r_max = 1.1, "
-    "clearance_min = 2, clearance_max = 50 /\n"])  # fmt: skip
+    "clearance_min = 2, clearance_max = 50 /\n",
+    ATLAS.replace("max_impacts = 2", "max_impacts = 4, max_cycles = 2, settling = 200, lines = 9, guesses = 6"),
+    ATLAS.replace("0.75", "0.75, 0.61").replace("1.0,", "0.84,").replace("1.1", "0.94").replace("60", "8")
+    .replace("20", "4")])  # fmt: skip
 def test_other_cases_are_those_of_the_api(text, batch, same_build):
     """Every parameter; a motion whose clearance follows from its phases; both families; unequal walls."""
     done = batch.case(text)
@@ -204,7 +244,25 @@ def test_budget_of_a_zone(batch):
     assert "0" in {row["loop"] for row in rows(batch.cwd / "results/case.csv")}
 
 
+def test_lost_attractor(batch, tool, same_build):
+    """Too few vertices for a zone: the attractors in it are named, status 1, by every program alike."""
+    done = batch.case(ATLAS.replace("survey = 12", "survey = 12, max_points = 100"))
+    assert done.status == 1
+    assert b"attractors surveyed" in done.out
+    assert done.faults[-1].startswith("case: ")
+    assert "in no zone of the pattern: RL/1" in done.faults[-1]
+    (case,) = read_namelist(batch.cwd / "case.nml")
+    atlas = case.atlas()
+    assert atlas.unexplained
+    assert tool("atlas", "case.nml", "--format", "json", "-o", "json") == done
+    compare_atlas(batch.cwd / "results/case.csv", atlas)
+    assert batch("results/case.csv", "-o", "again").status == 1
+    assert contents(batch.cwd / "again") == contents(batch.cwd / "results")
+
+
 @pytest.mark.parametrize(("text", "said"), [
+    (ATLAS.replace("min = 20", "min = 1e6").replace("max = 60", "max = 2e6"),
+     "case: no zone: neither search nor survey found a stable, admissible motion within the limits"),
     (ZONE.replace("clearance_min = 2, clearance_max = 200", "clearance_min = 1e6, clearance_max = 2e6"),
      "case: no motion RL/1 was found anywhere in the window"),
     (ZONE.replace("'no'", "'yes'").replace("0.8", "0.79").replace("1.2", "0.8")
@@ -285,13 +343,48 @@ def test_bad_zone(old, new, wanted, line, batch):
     assert list(contents(batch.cwd)) == ["case.nml"]
 
 
+BAD_ATLAS = [
+    *[("max_impacts = 2", f"max_impacts = {v}", "2 <= max_impacts <= 8", 2)
+      for v in ("1", "9", "2.5", "x")],
+    *[("max_impacts = 2", f"max_cycles = {v}", "1 <= max_cycles <= 4", 2) for v in ("0", "5", "nan")],
+    *[("survey = 12", f"survey = {v}", "0 <= survey <= 1000000", 2) for v in ("-1", "1000001", "1e3")],
+    *[("survey = 12", f"settling = {v}", "1 <= settling <= 1000000", 2) for v in ("0", "1000001")],
+    *[("r_min = 1.0", f"r_min = {v}", "r_min <= 1e6", 3) for v in ("nan", "0", "inf")],
+    *[("r_max = 1.1", f"r_max = {v}", "r_min below r_max", 3) for v in ("1", "0.5", "nan")],
+    *[("clearance_min = 20", f"clearance_min = {v}", "clearance_min <= 1e12", 4) for v in ("nan", "0")],
+    *[("clearance_max = 60", f"clearance_max = {v}", "clearance_min below clearance_max", 4)
+      for v in ("20", "inf")],
+    *[("survey = 12", f"lines = {v}", "5 <= lines <= 129", 2) for v in ("4", "130")],
+    *[("survey = 12", f"guesses = {v}", "guesses <= 100000", 2) for v in ("-1", "100001")],
+    *[("survey = 12", f"max_points = {v}", "max_points <= 200000", 2) for v in ("99", "200001")],
+    ("survey = 12", "survey = 12, survey = 3", "was given before", 2),
+    ("survey = 12", "sides = 'RL'", "is not a key of &atlas; must be one of r_min", 2),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_ATLAS)
+def test_bad_atlas(old, new, wanted, line, batch):
+    """As for &branch."""
+    text = ATLAS.replace(old, new)
+    assert text != ATLAS
+    done = batch.case(text)
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    assert done.faults[0].startswith(f"case.nml:{line}: &atlas ")
+    assert wanted in done.faults[0]
+    assert list(contents(batch.cwd)) == ["case.nml"]
+
+
 @pytest.mark.parametrize(("text", "message"), [
     (WALLS + "&branch parameter = 'r' /\n", "&system r: is missing"),
     (SYSTEM + ALONG, "&branch: no &motion of this &system stands before it"),
     (PAIR + "&output name = 'm' /\n" + SYSTEM + ALONG, "&branch: no &motion of this &system"),
     (ALONG, "&branch: no &system stands before it"),
     (ZONE.replace(WALLS, ""), "&zone: no &system stands before it"),
-    (SYSTEM + ZONE.replace(WALLS, ""), "&system r = 0.94: must be left out: it is not for a &chart or &zone"),
+    (SYSTEM + ZONE.replace(WALLS, ""),
+     "&system r = 0.94: must be left out: it is not for a &chart, &zone or &atlas"),
+    (ATLAS.replace(WALLS, ""), "&atlas: no &system stands before it"),
+    (SYSTEM + ATLAS.replace(WALLS, ""), "&system r = 0.94: must be left out: it is not for a &chart, &zone"),
+    (ATLAS.replace("xi = 0.0114", "xi = 0"), "&atlas r_min = 1.0: must be a number with 1e-6"),
     (ZONE.replace("xi = 0.0114", "xi = 0"), "&zone r_min = 0.8: must be a number with 1e-6"),
     (BRANCH.replace("clearance = 37", "clearance = 37, impact_restitution = 2*0.5"),
      "&branch: the &motion before it has impact_restitution; must be without"),
@@ -327,7 +420,7 @@ def test_bounds_without_the_motion_of_given_phases(batch):
 def test_result_that_cannot_be_written(batch):
     """A file where the folder should be: status 2, and the file is as it was."""
     write(batch.cwd / "results", "mine")
-    for text in (BRANCH, ZONE):
+    for text in (BRANCH, ZONE, ATLAS):
         done = batch.case(text)
         assert (done.status, len(done.faults)) == (2, 1)
         assert "must be a folder and disk that can be written" in done.faults[0]
@@ -351,16 +444,18 @@ ALONG_OPTIONS = [*POINT, "--sides", "RL", "--phases-over-pi", "0", "1.37", "--pa
                  "10", "60"]  # fmt: skip
 WINDOW = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--sides", "RL", "--symmetric", "no",
           "--r", ".8", "1.2", "--clearance", "2", "200"]  # fmt: skip
+ATLAS_OPTIONS = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--r", "1", "1.1",
+                 "--clearance", "20", "60", "--max-impacts", "2", "--survey", "12"]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "text", "options"), [
-    ("branch", BRANCH, ALONG_OPTIONS), ("zone", ZONE, WINDOW)])  # fmt: skip
+    ("branch", BRANCH, ALONG_OPTIONS), ("zone", ZONE, WINDOW), ("atlas", ATLAS, ATLAS_OPTIONS)])  # fmt: skip
 def test_options_are_a_namelist(name, text, options, tool):
     """The options give the bytes of the same case in a file; --plot draws it."""
     write(tool.cwd / f"{name}.nml", text)
     assert tool(name, f"{name}.nml", "-o", "file").status == 0
     done = tool(name, *options, "--plot", "svg")
-    assert (done.status, done.err) == (0, b"")
+    assert (done.status, done.err) == (0, b"")  # and no bar, where there is no terminal
     found = contents(tool.cwd / "results")
     assert sorted(found) == [f"{name}.csv", f"{name}.svg"]
     assert found[f"{name}.csv"] == contents(tool.cwd / "file")[f"{name}.csv"]
@@ -379,6 +474,67 @@ def test_zone_as_json(tool):
     assert data == json.loads(json.dumps(zone.to_dict()))
 
 
+def test_atlas_as_json(tool):
+    """The JSON is what Atlas.save writes, and its zones those of the table."""
+    done = tool("atlas", *ATLAS_OPTIONS, "--format", "json")
+    assert (done.status, done.err) == (0, b"")
+    assert list(contents(tool.cwd / "results")) == ["atlas.json"]
+    assert tool("atlas", *ATLAS_OPTIONS) == done
+    compare_atlas(tool.cwd / "results/atlas.csv", vi.Atlas.load(tool.cwd / "results/atlas.json"))
+
+
+def test_atlas_of_nothing_as_json(tool):
+    """Said in one line, the same as of a table; status 1, nothing written."""
+    nothing = ["atlas", *ATLAS_OPTIONS, "--clearance", "1e6", "2e6"]
+    done = tool(*nothing, "--format", "json", "--plot")
+    assert tool(*nothing) == done
+    assert (done.status, done.out, len(done.faults)) == (1, b"", 1)
+    assert done.faults[0].startswith("atlas: no zone: neither search nor survey found")
+    assert list(contents(tool.cwd)) == []
+
+
+def test_progress_of_an_atlas(tmp_path, monkeypatch):
+    """What is told of the work while it runs goes from nothing to all, and changes no result."""
+    write(tmp_path / "case.nml", ATLAS)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.run"), "INTERVAL", 0.0)
+    shares = []
+    told = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "told", progress=shares.append)
+    assert shares
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] <= shares[-1] <= 1
+    plain = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "plain")
+    assert (told.status, told.lines) == (plain.status, plain.lines)
+    assert contents(tmp_path / "told") == contents(tmp_path / "plain")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+@pytest.mark.parametrize("form", ["csv", "json"])
+def test_bar_on_a_terminal(form, tool):
+    """There the command shows how far it is and how much time is left, and wipes it off at the end."""
+    write(
+        tool.cwd / "sitecustomize.py",
+        "import vibroimpact.progress as p, vibroimpact.run as r\n"
+        "p.PATIENCE = p.INTERVAL = r.INTERVAL = 0.0\n",
+    )
+    ours, theirs = os.openpty()
+    words = [find_command(), "atlas", *ATLAS_OPTIONS, "--max-impacts", "3", "--format", form]
+    environment = {**os.environ, "PYTHONPATH": str(tool.cwd)}
+    with subprocess.Popen(
+        words, cwd=tool.cwd, stderr=theirs, stdout=subprocess.PIPE, env=environment
+    ) as run:
+        os.close(theirs)
+        said = b""
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while part := os.read(ours, 4096):
+                said += part
+    os.close(ours)
+    assert run.returncode == 0
+    assert b"\ratlas [" in said
+    assert b" s left " in said
+    assert b"\n" not in said
+    assert said.endswith(b" \r")
+
+
 def test_equispaced_pair_by_options(tool):
     """Without phases both equispaced motions are followed."""
     options = [*POINT, "--parameter", "r", "--bounds", "0.93", "0.95"]
@@ -392,6 +548,13 @@ def test_equispaced_pair_by_options(tool):
     (["zone", *WINDOW[2:]], "vibroimpact zone: --xi: must be given, or a namelist file"),
     (["zone", "case.nml", "--xi", "0.1"], "vibroimpact zone: --xi: must be left out beside a namelist file"),
     (["zone", "case.nml"], "case.nml: must hold a group &zone; there is none"),
+    *[(["atlas", *ATLAS_OPTIONS, "--max-impacts", "9", "--format", form], said)
+      for form, said in (("csv", "&atlas max_impacts = 9: must be a whole number with 2 <= max_impacts <= 8"),
+                         ("json", "vibroimpact atlas: &atlas max_impacts = 9: must be a whole number"))],
+    (["atlas", *ATLAS_OPTIONS[2:]], "vibroimpact atlas: --xi: must be given, or a namelist file"),
+    (["atlas", "case.nml"], "case.nml: must hold a group &atlas; there is none"),
+    (["atlas", "case.nml", "--format", "json"],
+     "vibroimpact atlas: case.nml: must hold a group &atlas; there is none"),
     (["branch", *ALONG_OPTIONS[:-1], "nan"], "&branch high = nan: must be a number above low"),
     (["branch", *ALONG_OPTIONS[:-3]], "vibroimpact branch: --bounds: must be given"),
     (["branch", *POINT, "--sides", "R'L", "--parameter", "r", "--bounds", ".9", "1"],

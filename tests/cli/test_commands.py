@@ -51,7 +51,8 @@ def test_cases_are_those_that_run(path, tmp_path):
             for key in ("time", "x", "z_dot_after"):
                 assert [float(row[key]) for row in table] == events[key].tolist()
             continue
-        if case.kind in ("chart", "branch", "zone"):  # test_batch_chart.py, test_batch_studies.py
+        # test_batch_chart.py, test_batch_studies.py
+        if case.kind in ("chart", "branch", "zone", "atlas"):
             continue
         table, found = motions(results[case.name]), case.motions()
         assert len(table) == len(found)
@@ -204,7 +205,13 @@ def test_plot_draws_every_case(tool):
     inputs = [str(ROOT / "inputs" / name) for name in ("figure6.nml", "figure7.nml")]
     done = tool("plot", *inputs, "--format", "svg", "-o", "out")
     assert (done.status, done.err) == (0, b"")
-    names = {"figure6a_equispaced_1", "figure6a_equispaced_2", "figure7_three", "figure7_five"}
+    names = {
+        "atlas",
+        "figure6a_equispaced_1",
+        "figure6a_equispaced_2",
+        "figure7_three",
+        "figure7_five",
+    }
     found = contents(tool.cwd / "out")
     assert {f"{name}.svg" for name in names} <= set(found)
     assert all(picture.startswith(MAGIC["svg"]) for picture in found.values())

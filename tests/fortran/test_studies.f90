@@ -5,6 +5,7 @@ program test_studies
    use random_numbers, only: draw_integer, draw_log, random_type
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
       random_phases, random_sides, scale_of
+   use studies_atlas, only: test_atlas, test_rings
    use vi_assess, only: paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_kinds, only: wp
@@ -33,6 +34,8 @@ program test_studies
    call test_failed_point()
    call test_recall()
    call test_single()
+   call test_rings()
+   call test_atlas()
    call finish()
 
 contains

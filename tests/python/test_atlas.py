@@ -89,6 +89,7 @@ def test_threads_do_not_change_the_answer():
         ({"max_impacts": 1}, "max_impacts"),
         ({"max_cycles": 99}, "max_cycles"),
         ({"survey": -1}, "survey"),
+        ({"max_points": 99}, "max_points"),
     ],
 )
 def test_bad_input_is_named(arguments, name):

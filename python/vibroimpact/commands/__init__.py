@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 #: In the order of the help text.
-NAMES = ("run", "simulate", "find", "branch", "zone", "plot", "reproduce")
+NAMES = ("run", "simulate", "find", "branch", "zone", "atlas", "plot", "reproduce")
 
 #: Formats of pictures, the first one if none is named.
 PICTURES = ("png", "svg", "pdf")

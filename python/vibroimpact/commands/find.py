@@ -99,10 +99,10 @@ def _points_of(file: str) -> list[Point | None]:
     """The points of the cases of a file; phases that are given have a clearance of their own."""
     points: list[Point | None] = []
     for case in read_namelist(file):
-        if case.kind in ("chart", "zone"):
+        if case.kind in ("chart", "zone", "atlas"):
             raise ParameterError(
                 f"{file}: {case.name}: must be a &motion, &simulate or &branch; "
-                f"a &{case.kind} has no point to search at"
+                f"&{case.kind} has no point to search at"
             )
         if case.motion_kind != "periodic":
             keys = case.keys

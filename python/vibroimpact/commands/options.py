@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from . import PICTURES, add_files, add_folder
 Groups = Mapping[str, Mapping[str, Any]]
 
 
-def add_case(parser: argparse.ArgumentParser) -> None:
+def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None:
     """Files, or the options that all cases have; the folder, and --plot."""
     add_files(parser, "*")
     add_folder(parser)
@@ -28,12 +28,49 @@ def add_case(parser: argparse.ArgumentParser) -> None:
         "--restitution", type=float, nargs="+", metavar="R",
         help="coefficient of restitution of both walls, or of the right one and the left one",
     )  # fmt: skip
-    parser.add_argument("--sides", metavar="SIDES", help="walls of the impacts in order, as RRL")
-    parser.add_argument("--cycles", type=int, metavar="K", help="load cycles a period (default: 1)")
+    if with_pattern:
+        parser.add_argument(
+            "--sides", metavar="SIDES", help="walls of the impacts in order, as RRL"
+        )
+        parser.add_argument(
+            "--cycles", type=int, metavar="K", help="load cycles a period (default: 1)"
+        )
     parser.add_argument(
         "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
         help=f"draw it, as {', '.join(PICTURES)} (default: {PICTURES[0]})",
     )  # fmt: skip
+
+
+def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
+    """The window of a zone or an atlas, how it is searched, and the form of the results."""
+    for name, wanted in (("r", "frequency ratios"), ("clearance", "d K/F0")):
+        parser.add_argument(
+            f"--{name}", type=float, nargs=2, metavar=("LOW", "HIGH"), help=f"the window: {wanted}"
+        )
+    for name, wanted in (
+        ("lines", "lattice lines each way (default: 17)"),
+        ("guesses", f"guesses for motions at every second node each way (default: {guesses})"),
+        ("max-points", "most vertices of a loop (default: 20000)"),
+    ):
+        parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)
+    parser.add_argument(
+        "--format",
+        choices=("csv", "json"),
+        default="csv",
+        help="form of the results (default: csv)",
+    )
+
+
+def window_groups(options: argparse.Namespace, group: str, own: Sequence[str]) -> Groups:
+    """The namelist of a zone or an atlas with some keys of its own."""
+    r, clearance = options.r or (None, None), options.clearance or (None, None)
+    return {
+        "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution")},
+        group: {
+            "r_min": r[0], "r_max": r[1], "clearance_min": clearance[0], "clearance_max": clearance[1],
+            **{name: getattr(options, name) for name in (*own, "lines", "guesses", "max_points")},
+        },
+    }  # fmt: skip
 
 
 def run_cases(
@@ -42,6 +79,7 @@ def run_cases(
     groups: Groups,
     needed: Sequence[str],
     folder: str | Path,
+    progress: Callable[[float], None] | None = None,
 ) -> tuple[RunLog, list[Case]]:
     """Run the cases of one kind of the files, or the one that the options name.
 
@@ -57,6 +95,8 @@ def run_cases(
         Options without which they make none.
     folder
         For the results.
+    progress
+        As of `run_namelists`.
 
     Returns
     -------
@@ -65,13 +105,37 @@ def run_cases(
         Those of which a result was written.
     """
     with _files(options, kind, groups, needed) as (files, made):
-        log = run_namelists(files, folder, only=kind)
-    if made:  # nobody knows the file that the options were written to
-        lines = [
-            (fault, re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)) for fault, line in log.lines
-        ]
-        log = log._replace(lines=lines)
+        log = run_namelists(files, folder, only=kind, progress=progress)
+    log = log._replace(lines=[(fault, _anonymous(line, made)) for fault, line in log.lines])
     return log, [case for path in log.results for case in read_namelist(path)]
+
+
+def read_cases(
+    options: argparse.Namespace, kind: str, groups: Groups, needed: Sequence[str]
+) -> list[Case]:
+    """The cases of one kind of the files, or the one that the options name, without running them."""
+    cases: dict[str, Case] = {}
+    with _files(options, kind, groups, needed) as (files, made):
+        for file in files:
+            try:
+                found = [case for case in read_namelist(file) if case.kind == kind]
+            except ParameterError as error:
+                raise ParameterError(_anonymous(str(error), made)) from None
+            if not found:
+                raise ParameterError(f"{file}: must hold a group &{kind}; there is none")
+            for case in found:
+                if case.name.lower() in cases:
+                    raise ParameterError(
+                        f"{file}: &output name = {case.name!r}: is already the name of another case; must be "
+                        "another"
+                    )
+                cases[case.name.lower()] = case
+    return list(cases.values())
+
+
+def _anonymous(line: str, made: str) -> str:
+    """A message without the file that the options were written to, which nobody knows."""
+    return re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line) if made else line
 
 
 @contextmanager

@@ -11,12 +11,13 @@ from typing import Any
 
 from ..errors import ParameterError, SingularError
 from ..plot.chart import draw_chart
+from ..progress import Progress
 from ..run import Case, read_namelist
 from . import PICTURES, add_files, add_folder, picture_writer
 
 HELP = "draw the cases of namelist files"
 DESCRIPTION = """Draw each motion and each simulation that namelist files ask for: time history, load,
-acceleration and phase portrait; each branch along its parameter; each chart and zone in its window; in
+acceleration and phase portrait; each branch along its parameter; each chart, zone and atlas in its window; in
 DIR/NAME.png (NAME_1, NAME_2 if a case has two motions or branches)."""
 EXAMPLE = "vibroimpact plot inputs/table1.nml -o results"
 
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     drawn: set[Path] = set()
     for file, case in cases:
         reason = "there is no such motion for these parameters"
-        if case.kind == "zone":
+        if case.kind in ("zone", "atlas"):
             reason = "there is no zone of stable, admissible motions in the window"
         drawings: Sequence[Callable[[], Any]] = ()
         try:
@@ -76,6 +77,10 @@ def pictured(case: Case) -> Sequence[Callable[[], Any]]:
     if case.kind == "zone":
         zone = case.zone()
         return [zone.plot] if zone else []
+    if case.kind == "atlas":
+        with Progress(case.name) as bar:
+            atlas = case.atlas(bar.show)
+        return [atlas.plot] if atlas.zones else []
     if case.kind == "simulate":
         return [case.trajectory().plot]
     if case.kind == "branch":

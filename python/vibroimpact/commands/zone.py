@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..files import write_bytes
 from . import picture_writer
-from .options import add_case, run_cases
+from .options import add_case, add_window, run_cases, window_groups
 from .run import tell
 
 HELP = "find where the motions of a pattern are stable"
@@ -30,36 +30,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--symmetric", choices=("yes", "no", "both"),
         help="only motions that are their own mirror image, only others, or both (default)",
     )  # fmt: skip
-    for name, wanted in (("r", "frequency ratios"), ("clearance", "d K/F0")):
-        parser.add_argument(
-            f"--{name}", type=float, nargs=2, metavar=("LOW", "HIGH"), help=f"the window: {wanted}"
-        )
-    for name, wanted in (
-        ("lines", "lattice lines each way (default: 17)"),
-        ("guesses", "guesses for motions at every second node each way (default: 12)"),
-        ("max-points", "most vertices of a loop (default: 20000)"),
-    ):
-        parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)
-    parser.add_argument(
-        "--format",
-        choices=("csv", "json"),
-        default="csv",
-        help="form of the results (default: csv)",
-    )
+    add_window(parser, guesses=12)
 
 
 def run(options: argparse.Namespace) -> int:
     """Find the zones, write and draw them."""
     save = picture_writer() if options.plot else None
-    r, clearance = options.r or (None, None), options.clearance or (None, None)
-    groups = {
-        "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution")},
-        "zone": {
-            "r_min": r[0], "r_max": r[1], "clearance_min": clearance[0], "clearance_max": clearance[1],
-            **{name: getattr(options, name)
-               for name in ("sides", "cycles", "symmetric", "lines", "guesses", "max_points")},
-        },
-    }  # fmt: skip
+    groups = window_groups(options, "zone", ("sides", "cycles", "symmetric"))
     needed = ("xi", "mu", "restitution", "sides", "r", "clearance")
     folder = Path(options.folder)
     with tempfile.TemporaryDirectory() as place:

@@ -19,7 +19,7 @@ from ..files import write_text
 from ..find import side_patterns
 from ..model import Oscillator, Pattern
 from .conditions import can_be_symmetric
-from .zone import Window, Zone, assemble, span
+from .zone import ROOM, Window, Zone, assemble, span
 
 __all__ = ["Atlas", "Attractor", "atlas"]
 
@@ -46,7 +46,8 @@ class Atlas:
     r, clearance : (float, float)
         The window.
     zones : list of Zone
-        One for each pattern that has one; motions that are their own mirror image in a zone of their own.
+        One for each pattern that has one, in the order of the search (also where only a boundary was found
+        that could not be closed); motions that are their own mirror image in a zone of their own.
         With R1 = R2 a pattern stands for its mirror image too, whose zone is the same.
     attractors : list of Attractor
         What the survey by simulation settled on, within the limits of impacts and cycles.
@@ -155,6 +156,7 @@ def atlas(
     settling: int = 400,
     lines: int = 17,
     guesses: int = 24,
+    max_points: int = 20_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Atlas:
@@ -176,7 +178,7 @@ def atlas(
         Points of the window at which simulations are let settle.
     settling : int
         Load cycles simulated at each before its attractor is looked at.
-    lines, guesses : int
+    lines, guesses, max_points : int
         As in `zone`.
     threads : int, optional
         Default: one for each processor. The answer does not depend on it.
@@ -207,6 +209,7 @@ def atlas(
     settling = checks.integer(settling, "settling", 1, 10**6)
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
+    max_points = checks.integer(max_points, "max_points", 100, ROOM)
     workers = checks.integer(threads or os.cpu_count() or 1, "threads", 1, 1024)
     tell = progress or (lambda share, what: None)
     tell(0.0, "survey by simulation")
@@ -214,8 +217,8 @@ def atlas(
         osc, window, survey, settling, max_impacts, max_cycles, workers
     )
     mirrored = osc.restitution[0] == osc.restitution[1]
+    # in the order of the core's find_atlas, which does the same for namelists
     patterns = list(side_patterns(max_impacts, max_cycles, mirrored=mirrored))
-    patterns = [standard(pattern, osc) for pattern in patterns]
     patterns += [item.pattern for item in attractors if item.pattern.has_rest]
     families = [
         (pattern, symmetric)
@@ -241,7 +244,7 @@ def atlas(
             lattice,
             guesses,
             np.asfortranarray(table),
-            20_000,
+            max_points,
         )
 
     zones: dict[tuple[Pattern, bool], Zone] = {}
@@ -251,7 +254,7 @@ def atlas(
             tell((i + 1) / (len(families) + 1), f"zone of {family[0].sides}/{family[0].cycles}")
 
     def result() -> Atlas:
-        found = [zone for zone in zones.values() if zone]
+        found = [zone for zone in zones.values() if zone or not zone.complete]
         draft = Atlas(osc, *window, found, attractors, [])
         return Atlas(
             osc,

@@ -2,45 +2,27 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
+
 _Array = NDArray[np.float64]
-#: Farthest that a polygon may lie from its curve, the window being the unit square.
-SAG = 1e-7
 
 
 def dense_ring(
-    vertices: _Array, window: tuple[tuple[float, float], tuple[float, float]], closed: bool = True
+    vertices: _Array, window: tuple[tuple[float, float], tuple[float, float]], inside: _Array
 ) -> _Array:
-    """A ring of (r, D) from vertices r, D, derivatives of r and log D by length, length to the next.
+    """A ring of (r, D) along a closed loop, counter-clockwise around a zone and clockwise around a hole.
 
-    Between two vertices the curve is the cubic with these derivatives; the polygon follows it to `SAG`.
+    The polygon is within 1e-7 of the curve, the window being the unit square. Rows of `vertices` are r, D,
+    derivatives of r and log D by length, length to the next; `inside` is a point of the zone beside the loop.
     """
-    low = np.array([window[0][0], math.log(window[1][0])])
-    scale = np.array([window[0][1], math.log(window[1][1])]) - low
-    place = (np.c_[vertices[0], np.log(vertices[1])] - low) / scale
-    slope = vertices[2:4].T / scale
-    parts = []
-    count = len(place) if closed else len(place) - 1
-    for i in range(count):
-        j = (i + 1) % len(place)
-        length = vertices[4, i]
-        if not length > 0:
-            continue
-        a, b = length * slope[i], length * slope[j]
-        chord = place[j] - place[i]
-        sag = max(np.abs(a - chord).max(), np.abs(b - chord).max()) / 4
-        t = np.linspace(0, 1, 1 + max(1, math.ceil(math.sqrt(sag / SAG))))[:-1, None]
-        parts.append(place[i] + t * (a + t * (3 * chord - 2 * a - b + t * (a + b - 2 * chord))))
-    if not closed:
-        parts.append(place[-1:])
-    if not parts:
-        parts = [place]
-    points = low + scale * np.concatenate(parts)
-    return np.column_stack([points[:, 0], np.exp(points[:, 1])])
+    room = 32 * vertices.shape[1]
+    ring, count = _core.dense_ring(vertices, *window, inside, room)
+    if count > room:
+        ring, count = _core.dense_ring(vertices, *window, inside, count)
+    return np.ascontiguousarray(ring[:, :count].T)
 
 
 def signed_area(ring: _Array) -> float:
@@ -50,19 +32,5 @@ def signed_area(ring: _Array) -> float:
 
 
 def winding(ring: _Array, points: _Array) -> NDArray[np.int64]:
-    """How often a polygon goes round points (M, 2), counter-clockwise."""
-    following = np.roll(ring, -1, axis=0)
-    lower = np.minimum(ring[:, 1], following[:, 1])
-    upper = np.maximum(ring[:, 1], following[:, 1])
-    result = np.zeros(len(points), dtype=np.int64)
-    inside = (
-        (points >= ring.min(axis=0)) & (points <= ring.max(axis=0)) & np.isfinite(points)
-    ).all(axis=1)
-    for i in np.flatnonzero(inside).tolist():
-        x, y = points[i]
-        edges = np.flatnonzero((lower <= y) & (y < upper))
-        a, b = ring[edges], following[edges]
-        left = (b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (x - a[:, 0]) * (b[:, 1] - a[:, 1])
-        up = b[:, 1] > a[:, 1]
-        result[i] = np.count_nonzero(up & (left > 0)) - np.count_nonzero(~up & (left < 0))
-    return result
+    """How often a polygon of (r, D) goes round points (M, 2), counter-clockwise in the plane (r, log D)."""
+    return _core.winding(ring.T, points.T).astype(np.int64)

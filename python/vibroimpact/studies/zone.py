@@ -139,11 +139,10 @@ class Zone:
             checks.real_array(r, "r", "real numbers"),
             checks.real_array(clearance, "clearance", "real numbers"),
         )
-        with np.errstate(divide="ignore", invalid="ignore"):
-            points = np.stack([r.ravel(), np.log(clearance.ravel())], axis=1)
+        points = np.stack([r.ravel(), clearance.ravel()], axis=1)
         total = np.zeros(len(points), dtype=np.int64)
         for ring in self.loops:
-            total += winding(np.c_[ring[:, 0], np.log(ring[:, 1])], points)
+            total += winding(ring, points)
         return total.reshape(r.shape)
 
     @property
@@ -418,17 +417,8 @@ def one_family(
         here = slice(first, first + count)
         first += count
         complete = complete and closed == 1
-        ring = dense_ring(vertices[:, here], window, closed == 1)
-        outside = np.log(inside[1, i])
         if closed:
-            area = signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])])
-            around = winding(
-                np.c_[ring[:, 0], np.log(ring[:, 1])], np.array([[inside[0, i], outside]])
-            )
-            # counter-clockwise around the zone; a hole does not go round the point inside
-            if (area > 0) != bool(around[0]):
-                ring = ring[::-1]
-            rings.append(ring)
+            rings.append(dense_ring(vertices[:, here], window, inside[:, i]))
         number = len(rings) - 1 if closed else -1
         pieces.extend(
             split_pieces(

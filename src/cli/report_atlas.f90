@@ -1,0 +1,85 @@
+!> Atlases as CSV: one row a vertex.
+module vi_report_atlas
+   use vi_atlas, only: atlas_type
+   use vi_case_type, only: case_type
+   use vi_echo, only: echo
+   use vi_pattern, only: starred_letters
+   use vi_report_zone, only: incomplete, truth
+   use vi_text, only: append, exact, line_type, whole
+   use vi_zone_pieces, only: pieces_type
+   implicit none (type, external)
+   private
+
+   public :: atlas_lines, pattern_text
+
+contains
+
+   !> The vertices of all pieces of all zones; header as in `csv_lines`, with what is missing.
+   pure subroutine atlas_lines(case, atlas, found, lines)
+      type(case_type), intent(in) :: case
+      type(atlas_type), intent(in) :: atlas
+      !> The pieces of each sheet.
+      type(pieces_type), intent(in) :: found(:)
+      type(line_type), allocatable, intent(out) :: lines(:)
+      type(line_type), allocatable :: head(:)
+      integer :: i, j, n
+
+      call echo(case, head)
+      do j = 1, size(found)
+         if (.not. found(j)%complete) call append(head, '# ! '// &
+            pattern_text(atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//': '// &
+            incomplete//' (its loop is 0)')
+      end do
+      do i = 1, size(atlas%attractors)
+         if (atlas%explained(i)) cycle
+         associate (item => atlas%attractors(i))
+            call append(head, '# ! in no zone of its pattern: '//pattern_text(item%letters, &
+               item%cycles)//' at r = '//exact(item%r)//', clearance = '//exact(item%clearance))
+         end associate
+      end do
+      call append(head, 'sides,cycles,symmetric,loop,piece,type,detail,r,clearance,corner')
+      n = size(head)
+      allocate (lines(n + sum([((size(found(j)%pieces(i)%corner), i=1, found(j)%n), &
+         j=1, size(found))])))
+      do i = 1, n
+         call move_alloc(head(i)%text, lines(i)%text)
+      end do
+      do j = 1, size(found)
+         associate (pattern => atlas%sheets(j)%pattern)
+            call write_sheet(starred_letters(pattern%sides)//','//whole(pattern%cycles)//','// &
+               truth(atlas%sheets(j)%symmetric)//',', found(j), lines, n)
+         end associate
+      end do
+   end subroutine atlas_lines
+
+   pure subroutine write_sheet(name, found, lines, n)
+      !> What all rows begin with.
+      character(*), intent(in) :: name
+      type(pieces_type), intent(in) :: found
+      type(line_type), intent(inout) :: lines(:)
+      !> Lines written so far.
+      integer, intent(inout) :: n
+      character(:), allocatable :: start
+      integer :: i, j
+
+      do i = 1, found%n
+         associate (piece => found%pieces(i))
+            start = name//whole(piece%loop)//','//whole(i)//','//piece%name//','//piece%detail//','
+            do j = 1, size(piece%corner)
+               n = n + 1
+               lines(n)%text = start//exact(piece%vertices(1, j))//','// &
+                  exact(piece%vertices(2, j))//','//truth(piece%corner(j))
+            end do
+         end associate
+      end do
+   end subroutine write_sheet
+
+   !> Short name of a pattern: RRL/1.
+   pure function pattern_text(sides, cycles) result(text)
+      integer, intent(in) :: sides(:), cycles
+      character(:), allocatable :: text
+
+      text = starred_letters(sides)//'/'//whole(cycles)
+   end function pattern_text
+
+end module vi_report_atlas

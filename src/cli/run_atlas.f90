@@ -1,0 +1,76 @@
+!> Runs a case with an atlas.
+module vi_run_atlas
+   use vi_atlas, only: atlas_type, find_atlas
+   use vi_case_type, only: case_type
+   use vi_family, only: can_be_symmetric
+   use vi_log, only: done, failed, log_type, say, write_table
+   use vi_report_atlas, only: atlas_lines, pattern_text
+   use vi_report_zone, only: incomplete
+   use vi_text, only: counted, line_type, whole
+   use vi_zone_pieces, only: add_pieces, pieces_type
+   implicit none (type, external)
+   private
+
+   public :: run_atlas
+
+contains
+
+   !> Finds all zones in a window and writes their boundaries; says which attractors lie in none.
+   subroutine run_atlas(case, folder, log, written, tally)
+      type(case_type), intent(in) :: case
+      character(*), intent(in) :: folder
+      type(log_type), intent(inout) :: log
+      !> False if the result could not be written.
+      logical, intent(out) :: written
+      !> Work done and work in sight.
+      integer, intent(inout), optional :: tally(2)
+      type(atlas_type) :: atlas
+      type(pieces_type), allocatable :: found(:)
+      type(line_type), allocatable :: lines(:)
+      integer :: j, lost
+
+      written = .true.
+      call find_atlas(case%atlas, atlas, tally)
+      allocate (found(size(atlas%sheets)))
+      do j = 1, size(found)
+         associate (sheet => atlas%sheets(j))
+            call add_pieces(sheet%zone, sheet%symmetric, .not. sheet%symmetric .and. &
+               can_be_symmetric(sheet%pattern, case%osc%restitution), found(j))
+         end associate
+      end do
+      lost = count(.not. atlas%explained)
+      if (all(found%n == 0) .and. all(found%complete) .and. lost == 0) then
+         call say(log, failed, case%name//': no zone: neither search nor survey found a stable, &
+            &admissible motion within the limits in the window')
+         return
+      end if
+      call atlas_lines(case, atlas, found, lines)
+      call write_table(folder//'/'//case%name//'.csv', lines, log, written)
+      if (.not. written) return
+      call say(log, done, case%name//': '//counted(count(found%loops > 0), 'zone')//', '// &
+         counted(sum(found%loops), 'loop')//', '//counted(size(atlas%explained), 'attractor')// &
+         ' surveyed')
+      do j = 1, size(found)
+         if (.not. found(j)%complete) call say(log, failed, case%name//': '//pattern_text( &
+            atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//' '//incomplete)
+      end do
+      if (lost > 0) call say(log, failed, case%name//': '//whole(lost)//' of '//counted( &
+         size(atlas%explained), 'attractor')//' in no zone of the pattern:'//names(atlas))
+   end subroutine run_atlas
+
+   !> The patterns of attractors in no zone, each once.
+   pure function names(atlas) result(text)
+      type(atlas_type), intent(in) :: atlas
+      character(:), allocatable :: text, name
+      integer :: i
+
+      text = ''
+      do i = 1, size(atlas%attractors)
+         if (atlas%explained(i)) cycle
+         name = ' '//pattern_text(atlas%attractors(i)%letters, atlas%attractors(i)%cycles)
+         if (index(text//',', name//',') > 0) cycle
+         text = text//trim(merge(',', ' ', len(text) > 0))//name
+      end do
+   end function names
+
+end module vi_run_atlas

@@ -1,0 +1,84 @@
+!> Rings against the circle they follow; atlases against the laws of a survey and of threads.
+module studies_atlas
+   use checks, only: check
+   use vi_atlas, only: atlas_request_type, atlas_type, find_atlas
+   use vi_kinds, only: wp
+   use vi_oscillator, only: oscillator_type
+   use vi_rings, only: dense_ring, winding
+   implicit none (type, external)
+   private
+
+   public :: test_atlas, test_rings
+
+contains
+
+   !> A circle in the plane (r, log D) from a few vertices, either way round: a zone, and a hole.
+   subroutine test_rings()
+      integer, parameter :: m = 24
+      real(wp), parameter :: pi = acos(-1.0_wp), radius = 0.3_wp
+      real(wp) :: vertices(5, m), points(2, 4), distance(2)
+      real(wp), allocatable :: ring(:, :)
+      integer :: i, way
+
+      points = reshape([1.0_wp, 10.0_wp, 1.0_wp + 0.29_wp, 10.0_wp, 1.0_wp + 0.31_wp, 10.0_wp, &
+         1.0_wp, 10*exp(0.31_wp)], [2, 4])
+      do way = -1, 1, 2
+         do i = 1, m
+            associate (angle => way*2*pi*(i - 0.5_wp)/m)
+               vertices(:, i) = [1 + radius*cos(angle), 10*exp(radius*sin(angle)), &
+                  -way*sin(angle), way*cos(angle), 2*pi*radius/m]
+            end associate
+         end do
+         ! the window has side 1
+         call dense_ring(vertices, [0.5_wp, 1.5_wp], 10*exp([-0.5_wp, 0.5_wp]), points(:, 2), ring)
+         do i = 1, size(ring, 2)
+            distance = [ring(1, i) - 1, log(ring(2, i)/10)]
+            call check(abs(norm2(distance) - radius) < 1.0e-4_wp*radius, 'a ring follows its curve')
+         end do
+         call check(size(ring, 2) > 10*m, 'a ring is dense')
+         call check(all(winding(ring, points) == [1, 1, 0, 0]), 'a zone is inside its ring')
+         call dense_ring(vertices, [0.5_wp, 1.5_wp], 10*exp([-0.5_wp, 0.5_wp]), points(:, 3), ring)
+         call check(all(winding(ring, points) == [-1, -1, 0, 0]), 'a hole goes round the other way')
+      end do
+   end subroutine test_rings
+
+   !> What simulations settle on lies in the zones, whatever the number of threads.
+   subroutine test_atlas()
+      type(atlas_request_type) :: request
+      type(atlas_type) :: one, two
+      integer :: tally(2), i, j
+
+      request = atlas_request_type(oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.75_wp]), &
+         [1.0_wp, 1.1_wp], [20.0_wp, 60.0_wp], max_impacts=3, survey=30, guesses=6)
+      tally = 0
+      call find_atlas(request, one, tally)
+      call check(tally(1) == size(one%sheets) .and. tally(2) == tally(1), 'all sheets are counted')
+      call check(size(one%attractors) > 10 .and. all(one%explained), 'attractors lie in zones')
+      call check(size(one%sheets) == 3, 'up to three impacts: RL of two kinds, RRL')
+      call check(one%sheets(1)%symmetric .and. .not. one%sheets(2)%symmetric, &
+         'symmetric motions first')
+      request%threads = 2
+      call find_atlas(request, two)
+      do j = 1, size(one%sheets)
+         associate (a => one%sheets(j)%zone, b => two%sheets(j)%zone)
+            call check(a%n == b%n .and. a%n > 0, 'threads find the same loops')
+            do i = 1, min(a%n, b%n)
+               call check(a%loops(i)%n == b%loops(i)%n, 'threads trace the same vertices')
+               if (a%loops(i)%n == b%loops(i)%n) call check(all(abs(a%loops(i)%points - &
+                  b%loops(i)%points) <= 0), 'to the last bit')
+            end do
+         end associate
+      end do
+      ! without search and without survey there is nothing to begin with
+      request%survey = 0
+      request%guesses = 0
+      call find_atlas(request, two)
+      call check(size(two%attractors) == 0 .and. all([(two%sheets(j)%zone%n == 0, j=1, 3)]), &
+         'nothing comes from nothing')
+      ! seeds of the survey alone lead to the zones that they lie in
+      request%survey = 30
+      call find_atlas(request, two)
+      call check(all(two%explained), 'attractors are seeds')
+   end subroutine test_atlas
+
+end module studies_atlas
