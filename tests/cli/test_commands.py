@@ -202,7 +202,7 @@ def test_find_where_there_is_nothing(tool):
 
 def test_plot_draws_every_case(tool):
     """One picture a motion or simulation."""
-    inputs = [str(ROOT / "inputs" / name) for name in ("figure6.nml", "figure7.nml")]
+    inputs = [str(ROOT / "inputs" / name) for name in ("atlas.nml", "figure6.nml", "figure7.nml")]
     done = tool("plot", *inputs, "--format", "svg", "-o", "out")
     assert (done.status, done.err) == (0, b"")
     names = {
