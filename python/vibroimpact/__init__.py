@@ -12,7 +12,9 @@ from .newton import exact
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
 from .studies.atlas import Atlas, Attractor, atlas
+from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
 from .studies.branch import Branch, SpecialPoint, branch
+from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
@@ -21,13 +23,16 @@ __version__ = _version("vibroimpact")
 __all__ = [
     "Atlas",
     "Attractor",
+    "BifurcationDiagram",
     "Branch",
     "Bundle",
     "FoundMotions",
+    "Lyapunov",
     "Motion",
     "Motions",
     "Oscillator",
     "Pattern",
+    "PeriodicWindow",
     "Piece",
     "RunLog",
     "Sample",
@@ -38,6 +43,7 @@ __all__ = [
     "Zone",
     "ZoneSearch",
     "atlas",
+    "bifurcation_diagram",
     "branch",
     "chart",
     "equispaced",
@@ -45,6 +51,7 @@ __all__ = [
     "exact",
     "find",
     "linear_system",
+    "lyapunov",
     "periodic",
     "periodic_batch",
     "run_namelists",
