@@ -12,6 +12,7 @@ from .newton import exact
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
 from .studies.atlas import Atlas, Attractor, atlas
+from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
 from .studies.branch import Branch, SpecialPoint, branch
 from .studies.lyapunov import Lyapunov, lyapunov
@@ -23,6 +24,8 @@ __version__ = _version("vibroimpact")
 __all__ = [
     "Atlas",
     "Attractor",
+    "BasinAttractor",
+    "Basins",
     "BifurcationDiagram",
     "Branch",
     "Bundle",
@@ -43,6 +46,7 @@ __all__ = [
     "Zone",
     "ZoneSearch",
     "atlas",
+    "basins",
     "bifurcation_diagram",
     "branch",
     "chart",

@@ -34,3 +34,40 @@ def signed_area(ring: _Array) -> float:
 def winding(ring: _Array, points: _Array) -> NDArray[np.int64]:
     """How often a polygon of (r, D) goes round points (M, 2), counter-clockwise in the plane (r, log D)."""
     return _core.winding(ring.T, points.T).astype(np.int64)
+    """How often a polygon goes round points (M, 2), counter-clockwise."""
+    following = np.roll(ring, -1, axis=0)
+    lower = np.minimum(ring[:, 1], following[:, 1])
+    upper = np.maximum(ring[:, 1], following[:, 1])
+    result = np.zeros(len(points), dtype=np.int64)
+    inside = (
+        (points >= ring.min(axis=0)) & (points <= ring.max(axis=0)) & np.isfinite(points)
+    ).all(axis=1)
+    for i in np.flatnonzero(inside).tolist():
+        x, y = points[i]
+        edges = np.flatnonzero((lower <= y) & (y < upper))
+        a, b = ring[edges], following[edges]
+        left = (b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (x - a[:, 0]) * (b[:, 1] - a[:, 1])
+        up = b[:, 1] > a[:, 1]
+        result[i] = np.count_nonzero(up & (left > 0)) - np.count_nonzero(~up & (left < 0))
+    return result
+def distance_to_other(inside: NDArray[np.bool_], first: float, second: float) -> NDArray[np.float64]:
+    """Distance of each point of a lattice to the nearest one that is not inside, or beyond its edge.
+    Along the first axis distances are counted up and down; along the second the lower envelope of
+    parabolas is the exact answer.
+    """
+    padded = np.pad(inside, 1)
+    n, m = padded.shape
+    away = np.where(padded, np.inf, 0.0)
+    for i in range(1, n):
+        away[i] = np.minimum(away[i], away[i - 1] + first)
+    for i in range(n - 2, -1, -1):
+        away[i] = np.minimum(away[i], away[i + 1] + first)
+    best = np.full((n, m), np.inf)
+    for step in range(m):
+        shift = (step * second) ** 2
+        if step:
+            best[:, step:] = np.minimum(best[:, step:], away[:, :-step] ** 2 + shift)
+            best[:, :-step] = np.minimum(best[:, :-step], away[:, step:] ** 2 + shift)
+        else:
+            best = away**2
+    return np.sqrt(best)[1:-1, 1:-1]
