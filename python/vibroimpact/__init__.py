@@ -16,6 +16,7 @@ from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
 from .studies.branch import Branch, SpecialPoint, branch
 from .studies.lyapunov import Lyapunov, lyapunov
+from .studies.response import Response, response
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
@@ -37,6 +38,7 @@ __all__ = [
     "Pattern",
     "PeriodicWindow",
     "Piece",
+    "Response",
     "RunLog",
     "Sample",
     "Search",
@@ -58,6 +60,7 @@ __all__ = [
     "lyapunov",
     "periodic",
     "periodic_batch",
+    "response",
     "run_namelists",
     "simulate",
     "simulate_bundle",

@@ -6,16 +6,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import ParameterError
 from . import style
 from .branch import SYMBOLS
 
 if TYPE_CHECKING:
+    from ..studies.basins import Basins
     from ..studies.bifurcation import BifurcationDiagram
     from ..studies.lyapunov import Lyapunov
+    from ..studies.response import Response
 
 #: Marker of each wall: no two differ by colour alone.
 WALLS = (("R", ".", style.PRIMARY), ("L", "x", style.FREE))
 
+AREAS = (
+    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
+)  # fmt: skip
+COORDINATES = {
+    "x": "$XK/F_0$", "x_dot": r"$\dot XK/(\omega F_0)$", "y": "$YK/F_0$",
+    "z_dot": r"$\dot ZK/(\omega F_0)$", "t": r"$\omega t$",
+}  # fmt: skip
 QUANTITIES = {
     "phase": "load phase of the impacts", "x": "$XK/F_0$ at the impacts",
     "x_dot_before": r"$\dot X_b K/(\omega F_0)$", "x_dot_after": r"$\dot X_a K/(\omega F_0)$",
@@ -80,4 +90,45 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
     ax.set_xlabel(SYMBOLS[diagram.parameter])
     ax.set_ylabel(QUANTITIES[quantity])
     ax.legend(markerscale=3)
+    return ax
+
+
+def draw_basins(basins: Basins, ax: Any = None) -> Any:
+    """The plane of initial states, a colour an attractor; grey is not decided."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    if basins.axes is None:
+        raise ParameterError("plot: needs states on a plane; these are a list (give plane=)")
+    ax = axes(ax, style.ONE_COLUMN + 1.2, 3.2)
+    n = len(basins.attractors)
+    colors = ["0.7", *(AREAS[i % len(AREAS)] for i in range(n))]
+    first, second = basins.axes
+    ax.pcolormesh(
+        first.values, second.values, basins.labels.T, cmap=ListedColormap(colors),
+        norm=BoundaryNorm(np.arange(-1.5, n), n + 1), shading="nearest", rasterized=True,
+    )  # fmt: skip
+    ax.set_xlabel(COORDINATES[first.name])
+    ax.set_ylabel(COORDINATES[second.name])
+    names = zip(basins.attractors, basins.fractions, colors[1:], strict=True)
+    patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in names]
+    ax.legend(handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=6)
+    return ax
+
+
+def draw_response(response: Response, ax: Any = None) -> Any:
+    """max|X|/A along r: each attractor a dot, and the envelopes over those that coexist."""
+    ax = axes(ax)
+    every = response.attenuation
+    r = np.broadcast_to(response.r[:, None], every.shape)
+    for mask, marker, color, name in (
+        (response.cycles > 0, ".", style.PRIMARY, "periodic"),
+        (response.cycles == 0, "x", style.FREE, "not periodic"),
+    ):
+        ax.plot(r[mask], every[mask], marker, ms=2, mew=0.4, color=color, label=name)
+    ax.plot(response.r, response.highest, "-", color="k", lw=0.8, label="greatest")
+    ax.plot(response.r, response.lowest, "--", color="k", lw=0.8, label="least")
+    ax.set_xlabel(SYMBOLS["r"])
+    ax.set_ylabel(SYMBOLS["attenuation"])
+    ax.legend()
     return ax

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core, checks
 from ..errors import ParameterError
 from ..model import Oscillator
-from ..motion import Motion
-from ..trajectory import TWO_PI
 from .catalogue import BasinAttractor, Catalogue
 from .geometry import distance_to_other
 from .settling import scale, thread_count
@@ -211,13 +209,15 @@ def basins(
 
     Examples
     --------
-    The two unequispaced motions of Table 1's point are mirror images, and another pair is there beside them:
+    The unequispaced motion of Table 1's point and its mirror image take most of this plane:
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> result = vi.basins(osc, 0.94, 37.0, (("x", -30, 30, 20), ("x_dot", -30, 30, 20)))
-    >>> [item.name for item in result.attractors]
-    []
+    >>> result.attractors
+    [<periodic attractor RL/1 (1)>, <periodic attractor RL/1 (2)>, ...]
+    >>> bool(abs(result.fractions[0] - 0.43) < 0.1)
+    True
     """
     checks.instance(osc, "osc", Oscillator)
     r = checks.frequency_ratio(r, osc.xi)

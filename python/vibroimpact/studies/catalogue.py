@@ -12,16 +12,19 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model import Oscillator
 from ..motion import Motion
-from ..trajectory import TWO_PI
+from ..trajectory import TWO_PI, simulate
 from .lyapunov import Lyapunov, lyapunov
 from .settling import as_state, column, motion_at, settle_chains
 
 _Array = NDArray[np.float64]
 _Labels = NDArray[np.int32]
-#: Rounds in which motions that were not known are added.
-ROUNDS = 6
+#: Rounds in which motions that were not known are added; they go on while they decide a share at least,
+#: as when transients are long.
+ROUNDS, LIVELY = 16, 0.02
 #: Load cycles after which a largest Lyapunov exponent is told from 0, and those before it.
 EXPONENT_CYCLES, EXPONENT_DISCARD = 4000, 500
+#: States that are described at a time, and impacts that are kept of each.
+BLOCK, IMPACTS = 2000, 200
 #: Least largest exponent of chaos per load cycle.
 CHAOTIC = 2e-3
 
@@ -69,6 +72,8 @@ class Catalogue:
         self.osc, self.r, self.clearance, self.load = osc, r, clearance, load
         self.max_cycles, self.threads = max_cycles, threads
         self.attractors: list[BasinAttractor] = []
+        #: Of attractors that are not periodic: their numbers, and coarse cells of their impacts.
+        self.places: list[tuple[int, set[tuple[int, ...]]]] = []
 
     def label(self, starts: _Array, cycles: int, probes: int) -> tuple[_Labels, int]:
         """The attractor of each state (5, m), and how many events were simulated to tell."""
@@ -87,9 +92,10 @@ class Catalogue:
             known = len(self.attractors)
             if not open_ones.size:
                 break
+            lively = (~still).sum() > LIVELY * still.size
             some = np.unique(np.linspace(0, open_ones.size - 1, min(2 * probes, open_ones.size)).astype(int))
             self.discover(ends[:, some], 0)
-            if len(self.attractors) == known:
+            if len(self.attractors) == known and not lively:
                 break
         if open_ones.size:
             labels[open_ones] = self.describe(ends)
@@ -101,7 +107,7 @@ class Catalogue:
             column(self.osc, self.r, self.clearance)[:, None, None], starts.shape[1], axis=2
         )
         return settle_chains(
-            parameters, self.load, starts, settling, 2 * self.max_cycles + 1, 600, self.threads
+            parameters, self.load, starts, settling, 2 * self.max_cycles + 1, IMPACTS, self.threads
         )
 
     def discover(self, starts: _Array, settling: int) -> None:
@@ -154,9 +160,14 @@ class Catalogue:
 
     def describe(self, ends: _Array) -> _Labels:
         """The attractors of states that come to no known motion: what they are."""
+        known: dict[Any, int] = {}
+        blocks = np.array_split(np.arange(ends.shape[1]), -(-ends.shape[1] // BLOCK))
+        return np.concatenate([self.describe_block(ends[:, block], known) for block in blocks])
+
+    def describe_block(self, ends: _Array, known: dict[Any, int]) -> _Labels:
+        """The same of some states; `known` are the numbers of what was met before."""
         settled = self.settle(ends, 0)
         labels = np.full(ends.shape[1], -1, dtype=np.int32)
-        known: dict[Any, int] = {}
         for j in range(labels.size):
             if settled.status[0, j] != 0:
                 continue
@@ -182,26 +193,31 @@ class Catalogue:
 
     def tell_apart(self, settled: Any, members: NDArray[np.intp], labels: _Labels) -> None:
         """Groups trajectories that are not periodic by the places of their impacts."""
-        places: list[set[tuple[int, ...]]] = []
-        numbers: list[int] = []
         for j in members.tolist():
             n = int(settled.found[0, j])
-            cells = cells_of(settled.values[:, :n, 0, j], settled.sides[:n, 0, j], self.clearance)
-            shares = [len(cells & group) / max(1, len(cells)) for group in places]
+            values, right = settled.values[:, :n, 0, j], settled.sides[:n, 0, j] > 0
+            cells = cells_of(values[1], values[2], right, self.clearance)
+            shares = [len(cells & group) / max(1, len(cells)) for _, group in self.places]
             best = int(np.argmax(shares)) if shares else -1
             if best >= 0 and shares[best] > 0.5:
-                places[best] |= cells
-                labels[j] = numbers[best]
+                labels[j] = self.places[best][0]
                 continue
             state = as_state(settled.ends[:, 0, j], self.clearance)
+            run = simulate(
+                self.osc, self.r, self.clearance, EXPONENT_CYCLES, state=state, load=self.load
+            )
+            hits = run.events[run.events["kind"] == "impact"]
+            cells = cells_of(hits["phase"], hits["x"], hits["side"] == "R", self.clearance)
             result = lyapunov(
                 self.osc, self.r, self.clearance, EXPONENT_CYCLES, state, self.load, EXPONENT_DISCARD,
                 threads=self.threads,
             )
-            kind = "chaotic" if float(result.per_cycle[0]) > CHAOTIC else "quasi-periodic"
-            places.append(cells)
-            numbers.append(len(self.attractors))
-            labels[j] = numbers[-1]
+            largest = float(result.per_cycle[0])
+            if not largest > -CHAOTIC:
+                continue  # a transient that has ended meanwhile
+            kind = "chaotic" if largest > CHAOTIC else "quasi-periodic"
+            labels[j] = len(self.attractors)
+            self.places.append((len(self.attractors), cells))
             self.attractors.append(BasinAttractor(kind, kind, None, state, result))
 
     def by_share(self, labels: _Labels) -> tuple[NDArray[np.intp], list[BasinAttractor]]:
@@ -221,11 +237,12 @@ class Catalogue:
         return place, numbered
 
 
-def cells_of(values: _Array, sides: _Labels, clearance: float) -> set[tuple[int, ...]]:
+def cells_of(
+    phase: _Array, x: _Array, right: NDArray[np.bool_], clearance: float
+) -> set[tuple[int, ...]]:
     """Coarse cells (side, phase, x) of some impacts."""
-    phase = np.floor(values[1] * (24 / TWO_PI)).astype(int)
-    x = np.floor(values[2] * (24 / clearance)).astype(int)
-    return set(zip(sides.tolist(), phase.tolist(), x.tolist(), strict=True))
+    columns = (right, np.floor(phase * (24 / TWO_PI)), np.floor(x * (24 / clearance)))
+    return set(zip(*(column.astype(int).tolist() for column in columns), strict=True))
 
 
 def same(a: Motion, b: Motion) -> bool:
