@@ -604,7 +604,8 @@ subroutine survey(m, most_letters, xi, mu, walls, r, clearance, settling, most_c
    end do
 end subroutine survey
 
-!> Lyapunov exponents (per unit of time) at m points, by batches; `ranks` of them are finite.
+!> Lyapunov exponents (per unit of time) at m points, of all batches and of each; `ranks`
+!! of them are finite.
 subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, discard, cycles, &
    batches, threads, exponents, ranks, counts, errors, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
@@ -614,7 +615,7 @@ subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, disc
    !f2py threadsafe
    integer(c_int), intent(in) :: m, contacts(3, m), discard, cycles, batches, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r(m), load(m), clearance(m), states(7, m)
-   real(c_double), intent(out) :: exponents(4, batches, m), errors(m)
+   real(c_double), intent(out) :: exponents(4, batches + 1, m), errors(m)
    integer(c_int), intent(out) :: ranks(m), counts(2, m), status(m)
 
    call lyapunov_points(oscillator_type(xi, mu, walls), r, load, clearance, states, contacts, &
@@ -640,8 +641,10 @@ subroutine settle_chains(links, chains, parameters, load, starts, settling, keep
       periods, extremes, ends, status)
 end subroutine settle_chains
 
-!> To which of n known motions m states go (0: none); `middles` are the states of one event of each,
-!! (x, x', z', alpha) of an impact or (v, alpha) of a release, rows of `kinds` side, release, cycles.
+!> To which of n known motions m states go (0: none).
+!!
+!! `middles` are the states of one event of each motion, (x, x', z', alpha) of an impact or (v,
+!! alpha) of a release; rows of `kinds` are side, release, cycles.
 subroutine basins(n, m, xi, mu, walls, r, load, clearance, kinds, middles, starts, cycles, &
    threads, labels, impacts, ends, radii, contractions)
    use, intrinsic :: iso_c_binding, only: c_double, c_int

@@ -1,4 +1,4 @@
-!> To which attractor an initial state goes: simulated until it is in a neighbourhood of a known one.
+!> To which attractor a state goes: simulated until it is in a neighbourhood of a known one.
 module vi_attractor_basin
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_target, only: difference, target_type

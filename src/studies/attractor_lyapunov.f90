@@ -55,7 +55,7 @@ contains
       !> Load cycles before the first batch, and in each batch.
       integer, intent(in) :: discard, cycles
       integer, intent(in) :: threads
-      !> (4, batches, m): per unit of time.
+      !> (4, 1 + batches, m): per unit of time, first of all batches together.
       real(wp), intent(out) :: exponents(:, :, :)
       !> (m): how many exponents are finite.
       integer, intent(out) :: ranks(:)
@@ -88,9 +88,10 @@ contains
       type(state_type) :: state, final
       type(event_type) :: events(chunk)
       type(tangent_type) :: tangent
-      integer(int64) :: last
+      integer(int64) :: first, last
       integer :: n, batch, i
-      real(wp) :: sums(4), time
+      real(wp) :: done
+      real(wp) :: sums(5, 2)
 
       exponents = 0
       state = start
@@ -99,47 +100,50 @@ contains
          call simulate(drive, state, last, start%phase, events, n, final, status)
          if (status /= stat%more_events) exit
       end do
-      do batch = 0, size(exponents, 2)
+      first = last + cycles
+      sums = 0
+      do batch = 1, size(exponents, 2)
          if (status /= stat%ok) exit
          last = last + cycles
-         sums = 0
-         time = 0
+         sums(:, 2) = 0
          do
             call simulate(drive, state, last, start%phase, events, n, final, status)
             do i = 1, n
-               call carry(drive, events(i), last, start%phase, cycles, tangent, sums, time)
+               done = real(events(i)%cycle - first, wp) + (events(i)%phase - start%phase)/two_pi
+               call carry(drive, events(i), [bump(done/(cycles*(size(exponents, 2) - 1))), &
+                  bump((done + cycles)/cycles - (batch - 1))], tangent, sums)
             end do
             if (status /= stat%more_events) exit
          end do
-         if (batch == 0) then
+         if (batch == 1) then
+            ! the first batch is not counted: the directions settle
             tangent%counts = 0
             tangent%difference = 0
             tangent%time = 0
             cycle
          end if
-         if (.not. time > 0) then
+         if (.not. sums(5, 2) > 0) then
             if (status == stat%ok) status = stat%no_motion
             exit
          end if
-         exponents(:, batch) = sums/time
+         exponents(:, batch) = sums(:4, 2)/sums(5, 2)
       end do
+      if (status == stat%ok) exponents(:, 1) = sums(:4, 1)/sums(5, 1)
       rank = tangent%rank
       counts = tangent%counts
       error = abs(tangent%difference)/max(tangent%time, tiny(1.0_wp))
    end subroutine lyapunov
 
    !> Carries the directions on to an event and adds what they grow by.
-   pure subroutine carry(drive, event, last, last_phase, cycles, tangent, sums, time)
+   pure subroutine carry(drive, event, weights, tangent, sums)
       type(drive_type), intent(in) :: drive
       type(event_type), intent(in) :: event
-      !> End of the batch and its length.
-      integer(int64), intent(in) :: last
-      real(wp), intent(in) :: last_phase
-      integer, intent(in) :: cycles
+      !> In the average of all batches together, and of this one.
+      real(wp), intent(in) :: weights(2)
       type(tangent_type), intent(inout) :: tangent
-      !> Weighted sums of the logarithms and of the time.
-      real(wp), intent(inout) :: sums(4), time
-      real(wp) :: p(4, 4), lengths(4), weight
+      !> (.., average): weighted sums of the four logarithms and of the time.
+      real(wp), intent(inout) :: sums(5, 2)
+      real(wp) :: p(4, 4), lengths(4)
       logical :: regular
       integer :: j
 
@@ -154,14 +158,13 @@ contains
          tangent%q = matmul(p, tangent%q)
          call orthonormalise(tangent%q, lengths)
          if (event%kind == release_event) tangent%rank = min(tangent%rank, 2)
-         if (event%kind == impact_event .and. .not. restitution_at(drive, event) > 0) &
+         if (event%kind == impact_event .and. .not. restitution_at(drive, event) > 0) then
             tangent%rank = min(tangent%rank, 3)
-         weight = bump(1 - (real(last - event%cycle, wp) + (last_phase - event%phase)/two_pi)/ &
-            cycles)
+         end if
          do j = 1, tangent%rank
-            sums(j) = sums(j) + weight*log(max(lengths(j), tiny(1.0_wp)))
+            sums(j, :) = sums(j, :) + weights*log(max(lengths(j), tiny(1.0_wp)))
          end do
-         time = time + weight*lapse(drive, tangent%event, event)
+         sums(5, :) = sums(5, :) + weights*lapse(drive, tangent%event, event)
          call compare(drive, event, lengths, tangent)
       end if
       tangent%time = tangent%time + lapse(drive, tangent%event, event)

@@ -1,9 +1,9 @@
 !> Neighbourhoods of periodic motions from which everything goes to the motion.
 !!
-!! In the norm of M = sum of (P'/g)^n (P/g)^n, with g between the spectral radius of the derivative P
-!! over a period and 1, P contracts by g at least. A ball of that norm is a neighbourhood if the map
-!! itself, not only P, brings all of many states spread over it nearer to the middle, with as many
-!! events on the way; half of the largest such radius found is what decides.
+!! In the norm of M = sum of (P'/g)^n (P/g)^n, with g between the spectral radius of the derivative
+!! P over a period and 1, P contracts by g at least. A ball of that norm is a neighbourhood if the
+!! map itself, not only P, brings all of many states spread over it nearer to the middle, with as
+!! many events on the way; half of the largest such radius found is what decides.
 module vi_attractor_neighbourhood
    use vi_attractor_target, only: difference, over_period, period_derivative, target_type
    use vi_drive, only: drive_type, event_type, new_drive, two_pi

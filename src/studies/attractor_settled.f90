@@ -10,7 +10,7 @@ module vi_attractor_settled
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
-   use vi_trajectory, only: extreme_positions, store_events
+   use vi_trajectory, only: extreme_positions, later, store_events
    implicit none (type, external)
    private
 
@@ -118,13 +118,15 @@ contains
       total = 0
       state%cycle = 0
       last(0) = state
-      call advance(drive, state, last(0), settling, settled%events, n, total, settled%status)
+      ! states are compared at a phase that the start has nothing to do with: not at an impact
+      call advance(drive, state, last(0), settling + 0.6180339887_wp, settled%events, n, total, &
+         settled%status)
       first = 1
       n = 0
       do i = 1, keep
          if (settled%status /= stat%ok) exit
          last(i) = last(i - 1)
-         call advance(drive, state, last(i), 1, settled%events(first(i - 1):), n, total, &
+         call advance(drive, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, total, &
             settled%status)
          first(i) = first(i - 1) + n
       end do
@@ -149,7 +151,7 @@ contains
       type(drive_type), intent(in) :: drive
       !> Where the last flight or rest began, and the end from which the cycles count.
       type(state_type), intent(inout) :: state, final
-      integer, intent(in) :: cycles
+      real(wp), intent(in) :: cycles
       type(event_type), intent(inout) :: events(:)
       integer, intent(out) :: n
       integer, intent(inout) :: total
@@ -157,13 +159,12 @@ contains
       integer(int64) :: cycle
       real(wp) :: phase
 
-      cycle = final%cycle + cycles
-      phase = final%phase
+      call later(final, cycles, cycle, phase)
       do
          call simulate(drive, state, cycle, phase, events, n, final, status)
          total = total + n
          if (status /= stat%more_events .or. total > most_events) exit
-         if (cycles == 1) exit
+         if (.not. cycles > 1) exit
       end do
    end subroutine advance
 

@@ -82,7 +82,9 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
     for window in diagram.windows:
         level = 1.02 + 0.05 * diagram.runs.index(window.run)
         if window.run in ("up", "down") and window.high - window.low > 0.03 * longest:
-            ax.plot([window.low, window.high], [level] * 2, "k-", lw=0.8, transform=above, clip_on=False)
+            ax.plot(
+                [window.low, window.high], [level] * 2, "k-", lw=0.8, transform=above, clip_on=False
+            )
             ax.text(
                 (window.low + window.high) / 2, level, f"{window.label} {window.run}", ha="center",
                 va="bottom", fontsize=6, transform=above,

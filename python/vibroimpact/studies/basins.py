@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core, checks
+from .. import checks
 from ..errors import ParameterError
 from ..model import Oscillator
 from .catalogue import BasinAttractor, Catalogue
@@ -70,7 +70,10 @@ class Basins:
     @property
     def fractions(self) -> _Array:
         """Share of the states that go to each attractor."""
-        return np.bincount(self.labels[self.labels >= 0], minlength=len(self.attractors)) / self.labels.size
+        return (
+            np.bincount(self.labels[self.labels >= 0], minlength=len(self.attractors))
+            / self.labels.size
+        )
 
     @property
     def standard_error(self) -> _Array:
@@ -111,17 +114,18 @@ class Basins:
         The radius is to the nearest state with another end, or to the edge of the plane: at least what is
         told but for one cell. For a damper: how far a state may be off and still come to that motion.
         """
-        self._need_plane("integrity")
-        first, second = self.axes or ()
+        first, second = self._need_plane("integrity")
         checks.integer(attractor, "attractor", 0, len(self.attractors) - 1)
         cell = [(axis.high - axis.low) / (axis.n - 1) for axis in (first, second)]
         distance = distance_to_other(self.labels == attractor, cell[0], cell[1])
         i, j = np.unravel_index(int(np.argmax(distance)), distance.shape)
         return float(distance[i, j]), (float(first.values[i]), float(second.values[j]))
 
-    def _need_plane(self, name: str) -> None:
+    def _need_plane(self, name: str) -> tuple[Axis, Axis]:
+        """The axes, or an error."""
         if self.axes is None:
             raise ParameterError(f"{name}: needs states on a plane; these are a list (give plane=)")
+        return self.axes
 
     def to_xarray(self) -> Any:
         """Labels over the plane or the list, fractions over the attractors (extra `data`)."""
@@ -152,7 +156,8 @@ class Basins:
 
     def __repr__(self) -> str:
         shares = ", ".join(
-            f"{item.name} {share:.1%}" for item, share in zip(self.attractors, self.fractions, strict=True)
+            f"{item.name} {share:.1%}"
+            for item, share in zip(self.attractors, self.fractions, strict=True)
         )
         left = int((self.labels < 0).sum())
         return f"<Basins of {self.labels.size} states: {shares}{f'; {left} not decided' if left else ''}>"
@@ -293,7 +298,9 @@ def _random_states(n: int, size: float, clearance: float, seed: int) -> _Array:
 def _check_states(starts: _Array, clearance: float) -> None:
     """States must be finite and between the walls."""
     if starts.ndim != 2 or starts.shape[0] != 5 or starts.shape[1] == 0:
-        raise ParameterError(f"states of shape {starts.shape}: must be (5, M): t, x, x_dot, z, z_dot")
+        raise ParameterError(
+            f"states of shape {starts.shape}: must be (5, M): t, x, x_dot, z, z_dot"
+        )
     if not np.isfinite(starts).all():
         raise ParameterError("states: must be finite")
     outside = np.abs(starts[3] - starts[1]) > 0.5 * clearance * (1 + 1e-9)

@@ -115,12 +115,13 @@ class BifurcationDiagram:
         """
         reach = np.maximum(-self.x_min, self.x_max)
         different: NDArray[np.bool_] = np.ptp(reach, axis=0) > 1e-3 * reach.max(axis=0)
-        return different & (self.cycles > 0).any(axis=0) | (self.labels != self.labels[0]).any(axis=0)
+        labels = (self.labels != self.labels[0]).any(axis=0)
+        return np.asarray(different & (self.cycles > 0).any(axis=0) | labels)
 
     def column(self, quantity: str) -> _Array:
         """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass."""
         if quantity == "approach":
-            return np.abs(self.points["z_dot_before"] - self.points["x_dot_before"])
+            return np.asarray(np.abs(self.points["z_dot_before"] - self.points["x_dot_before"]))
         if quantity not in COLUMNS:
             raise ParameterError(
                 f"quantity = {quantity!r}: must be one of {', '.join((*COLUMNS, 'approach'))}"
@@ -134,7 +135,16 @@ class BifurcationDiagram:
         over = ("run", self.parameter)
         data: dict[str, Any] = {
             name: (over, getattr(self, name))
-            for name in ("cycles", "letters", "impacts", "rests", "x_min", "x_max", "status", "labels")
+            for name in (
+                "cycles",
+                "letters",
+                "impacts",
+                "rests",
+                "x_min",
+                "x_max",
+                "status",
+                "labels",
+            )
         }
         for name in ("index", "side", *COLUMNS):
             data[f"impact_{name}"] = ("impact", self.points[name])
@@ -238,25 +248,27 @@ def bifurcation_diagram(
     along = np.unique(checks.real_array(values, "values", "numbers"))
     if along.size < 2:
         raise ParameterError(f"values = {values!r}: must be at least two different numbers")
-    fixed = {"r": r, "clearance": clearance}
-    for name in fixed:
-        if name == parameter and fixed[name] is not None:
-            raise ParameterError(f"{name} = {fixed[name]!r}: must be left out, it is the parameter")
-        fixed[name] = along[0] if name == parameter else checks.number(fixed[name], name)
+    fixed = {}
+    for name, value in (("r", r), ("clearance", clearance)):
+        if name != parameter:
+            fixed[name] = checks.number(value, name)
+        elif value is not None:
+            raise ParameterError(f"{name} = {value!r}: must be left out, it is the parameter")
+        else:
+            fixed[name] = float(along[0])
     table = np.repeat(column(osc, fixed["r"], fixed["clearance"])[:, None], along.size, axis=1)
     rows = [4, 5] if parameter == "restitution" else [PARAMETERS.index(parameter)]
     table[rows] = along
-    for name in (parameter,):
-        kind = "restitution" if name in ("R1", "R2") else name
-        for value in (along[0], along[-1]):
-            checks.number(float(value), kind, name)
+    kind = "restitution" if parameter in ("R1", "R2") else parameter
+    for value in (along[0], along[-1]):
+        checks.number(float(value), kind, parameter)
     if np.any((table[0] == 1) & (table[2] == 0)):
         checks.frequency_ratio(1.0, 0.0)
     workers = thread_count(threads)
     r0, clearance0 = float(table[0, 0]), float(table[1, 0])
     if sweep == "states":
         starts = np.stack(
-            [spread_states(osc, *table[:2, j], load, states) for j in range(along.size)], axis=1
+            [spread_states(osc, float(a), float(b), load, states) for a, b in table[:2].T], axis=1
         )
         parameters = np.repeat(table[:, :, None], states, axis=2).reshape(6, 1, -1)
         settled = settle_chains(
@@ -297,13 +309,13 @@ def _assembled(
         lead = array.shape[:-2]
         if runs[0].startswith("state"):
             return np.moveaxis(array.reshape(*lead, n, m), -1, -2)
-        return np.take_along_axis(np.swapaxes(array, -1, -2), back.reshape((1,) * len(lead) + (m, n)), -1)
+        return np.take_along_axis(
+            np.swapaxes(array, -1, -2), back.reshape((1,) * len(lead) + (m, n)), -1
+        )
 
-    columns = {
-        name: arranged(getattr(settled, name))
-        for name in ("cycles", "letters", "impacts", "rests", "x_min", "x_max", "status")
-    }
-    found, sides, values = (arranged(item) for item in (settled.found, settled.sides, settled.values))
+    found, sides, values = (
+        arranged(item) for item in (settled.found, settled.sides, settled.values)
+    )
     kept = np.arange(sides.shape[0])[:, None, None] < found
     row, run, index = np.nonzero(kept)
     first = np.lexsort((row, index, run))
@@ -314,4 +326,8 @@ def _assembled(
     points["side"] = np.where(sides[row, run, index] > 0, "R", "L")
     for i, name in enumerate(COLUMNS):
         points[name] = values[i + 1, row, run, index]
-    return BifurcationDiagram(osc, parameter, along, *fixed, runs, **columns, points=points)
+    return BifurcationDiagram(
+        osc, parameter, along, *fixed, runs, arranged(settled.cycles), arranged(settled.letters),
+        arranged(settled.impacts), arranged(settled.rests), arranged(settled.x_min),
+        arranged(settled.x_max), arranged(settled.status), points,
+    )  # fmt: skip

@@ -67,7 +67,13 @@ class Catalogue:
     """Attractors of one point, found one after the other."""
 
     def __init__(
-        self, osc: Oscillator, r: float, clearance: float, load: float, max_cycles: int, threads: int
+        self,
+        osc: Oscillator,
+        r: float,
+        clearance: float,
+        load: float,
+        max_cycles: int,
+        threads: int,
     ) -> None:
         self.osc, self.r, self.clearance, self.load = osc, r, clearance, load
         self.max_cycles, self.threads = max_cycles, threads
@@ -93,7 +99,9 @@ class Catalogue:
             if not open_ones.size:
                 break
             lively = (~still).sum() > LIVELY * still.size
-            some = np.unique(np.linspace(0, open_ones.size - 1, min(2 * probes, open_ones.size)).astype(int))
+            some = np.unique(
+                np.linspace(0, open_ones.size - 1, min(2 * probes, open_ones.size)).astype(int)
+            )
             self.discover(ends[:, some], 0)
             if len(self.attractors) == known and not lively:
                 break
@@ -121,7 +129,9 @@ class Catalogue:
             if key in seen:
                 continue
             seen.add(key)
-            motion = motion_at(self.osc, self.r, self.clearance, self.load, settled.ends[:, 0, j], k)
+            motion = motion_at(
+                self.osc, self.r, self.clearance, self.load, settled.ends[:, 0, j], k
+            )
             if motion is None or any(
                 same(motion, item.motion) for item in self.attractors if item.motion is not None
             ):
@@ -143,7 +153,9 @@ class Catalogue:
                     continue
                 state = [event[name] for name in ("x", "x_dot_after", "z_dot_after", "phase")]
                 middles.append([state[1], state[3], 0, 0] if release else state)
-                kinds.append([1 if event["side"] == "R" else -1, int(release), item.motion.pattern.cycles])
+                kinds.append(
+                    [1 if event["side"] == "R" else -1, int(release), item.motion.pattern.cycles]
+                )
                 owners.append(i)
         if not owners:
             kinds, middles, owners = [[0, 0, 1]], [[0.0] * 4], [-1]
@@ -209,7 +221,13 @@ class Catalogue:
             hits = run.events[run.events["kind"] == "impact"]
             cells = cells_of(hits["phase"], hits["x"], hits["side"] == "R", self.clearance)
             result = lyapunov(
-                self.osc, self.r, self.clearance, EXPONENT_CYCLES, state, self.load, EXPONENT_DISCARD,
+                self.osc,
+                self.r,
+                self.clearance,
+                EXPONENT_CYCLES,
+                state,
+                self.load,
+                EXPONENT_DISCARD,
                 threads=self.threads,
             )
             largest = float(result.per_cycle[0])

@@ -51,6 +51,7 @@ def winding(ring: _Array, points: _Array) -> NDArray[np.int64]:
         result[i] = np.count_nonzero(up & (left > 0)) - np.count_nonzero(~up & (left < 0))
     return result
 def distance_to_other(inside: NDArray[np.bool_], first: float, second: float) -> NDArray[np.float64]:
+def distance_to_other(inside: NDArray[np.bool_], first: float, second: float) -> _Array:
     """Distance of each point of a lattice to the nearest one that is not inside, or beyond its edge.
     Along the first axis distances are counted up and down; along the second the lower envelope of
     parabolas is the exact answer.
@@ -70,4 +71,5 @@ def distance_to_other(inside: NDArray[np.bool_], first: float, second: float) ->
             best[:, :-step] = np.minimum(best[:, :-step], away[:, step:] ** 2 + shift)
         else:
             best = away**2
-    return np.sqrt(best)[1:-1, 1:-1]
+    distance: _Array = np.sqrt(best)[1:-1, 1:-1]
+    return distance

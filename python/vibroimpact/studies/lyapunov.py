@@ -67,12 +67,12 @@ class Lyapunov:
     @property
     def per_cycle(self) -> _Array:
         """The exponents per load cycle, (4, ...): logarithms of the mean factors over a cycle."""
-        return self.exponents * (TWO_PI / self.r)
+        return np.asarray(self.exponents * (TWO_PI / self.r))
 
     @property
     def largest(self) -> _Array:
         """The largest exponent per unit of time (...): positive in chaos."""
-        return self.exponents[0]
+        return np.asarray(self.exponents[0])
 
     @property
     def dimension(self) -> _Array:
@@ -97,7 +97,12 @@ class Lyapunov:
         }
         for name in ("exponents", "per_cycle", "standard_error"):
             data[name] = (["direction", *points], getattr(self, name))
-        attributes = {"load": self.load, "cycles": self.cycles, "xi": self.osc.xi, "mu": self.osc.mu}
+        attributes = {
+            "load": self.load,
+            "cycles": self.cycles,
+            "xi": self.osc.xi,
+            "mu": self.osc.mu,
+        }
         return xarray().Dataset(data, attrs=attributes | {"restitution": self.osc.restitution})
 
     def plot(self, ax: Any = None) -> Any:
@@ -131,9 +136,10 @@ def lyapunov(
     """All four Lyapunov exponents, through impacts, accumulations and rests.
 
     Four directions are carried from event to event by the exact derivatives ([P_i] from impact to impact)
-    and made orthonormal after each. The load cycles are divided into batches; within a batch the
-    average has a smooth weight, so that what is periodic or quasi-periodic converges faster than any
-    power of the time. One more batch, before the others, lets the directions settle.
+    and made orthonormal after each. The averages have a weight that rises from 0 and falls to 0 smoothly, so
+    that what is periodic or quasi-periodic converges faster than any power of the time. Batches of the load
+    cycles, averaged in the same way, give the standard error. One more batch, before the others, lets the
+    directions settle.
 
     Parameters
     ----------
@@ -181,9 +187,12 @@ def lyapunov(
     cycles = checks.integer(cycles, "cycles", 2 * batches, 10**9)
     discard = checks.integer(discard, "discard", 0, 10**9)
     load = checks.number(load, "load")
-    threads = checks.integer(os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024)
+    threads = checks.integer(
+        os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
+    )
     rs, clearances = (
-        checks.real_array(value, name, "numbers") for value, name in ((r, "r"), (clearance, "clearance"))
+        checks.real_array(value, name, "numbers")
+        for value, name in ((r, "r"), (clearance, "clearance"))
     )
     try:
         rs, clearances = (np.array(item) for item in np.broadcast_arrays(rs, clearances))
@@ -191,11 +200,14 @@ def lyapunov(
         raise ParameterError(
             f"r {rs.shape}, clearance {clearances.shape}: must have one shape"
         ) from None
-    states, contacts = np.empty((7, rs.size), order="F"), np.empty((3, rs.size), np.int32, order="F")
+    states, contacts = (
+        np.empty((7, rs.size), order="F"),
+        np.empty((3, rs.size), np.int32, order="F"),
+    )
     for j, (one_r, one_clearance) in enumerate(zip(rs.ravel(), clearances.ravel(), strict=True)):
-        one_r = checks.frequency_ratio(float(one_r), osc.xi)
-        one_clearance = checks.number(float(one_clearance), "clearance")
-        system = (osc.xi, osc.mu, osc.restitution, one_r, load, one_clearance)
+        each_r = checks.frequency_ratio(float(one_r), osc.xi)
+        each_clearance = checks.number(float(one_clearance), "clearance")
+        system = (osc.xi, osc.mu, osc.restitution, each_r, load, each_clearance)
         states[:, j], contacts[:, j] = _start(system, state)[1]
     exponents, ranks, counts, errors, status = _core.lyapunov(
         osc.xi, osc.mu, osc.restitution, rs.ravel(), np.full(rs.size, load), clearances.ravel(), states,
@@ -206,8 +218,8 @@ def lyapunov(
 
         why = "no impacts in a batch" if status[0] == NO_MOTION else status_text(int(status[0]))
         raise SingularError(f"Lyapunov exponents: {why}")
-    mean = exponents.mean(axis=1)
-    error = exponents.std(axis=1, ddof=1) / math.sqrt(batches)
+    mean, each = exponents[:, 0], exponents[:, 1:]
+    error = each.std(axis=1, ddof=1) / math.sqrt(batches)
     lost = np.arange(4)[:, None] >= ranks
     mean[lost], error[lost] = -math.inf, 0.0
     mean[:, status != 0] = error[:, status != 0] = np.nan

@@ -45,19 +45,24 @@ class Response:
     @property
     def lowest(self) -> _Array:
         """The least over the attractors at each r (n)."""
-        return np.where(np.isnan(self.attenuation), np.inf, self.attenuation).min(axis=1)
+        return np.asarray(
+            np.where(np.isnan(self.attenuation), np.inf, self.attenuation).min(axis=1)
+        )
 
     @property
     def highest(self) -> _Array:
         """The greatest over the attractors at each r (n)."""
-        return np.where(np.isnan(self.attenuation), -np.inf, self.attenuation).max(axis=1)
+        return np.asarray(
+            np.where(np.isnan(self.attenuation), -np.inf, self.attenuation).max(axis=1)
+        )
 
     def to_xarray(self) -> Any:
         """Columns over r and state, and the envelopes over r (extra `data`)."""
         from .tables import xarray
 
         data: dict[str, Any] = {
-            name: (("r", "state"), getattr(self, name)) for name in ("attenuation", "cycles", "letters")
+            name: (("r", "state"), getattr(self, name))
+            for name in ("attenuation", "cycles", "letters")
         }
         data |= {name: ("r", getattr(self, name)) for name in ("clearance", "lowest", "highest")}
         return xarray().Dataset(data, {"r": self.r}, {"load": self.load})
@@ -134,7 +139,9 @@ def response(
         name, "numbers",
     )  # fmt: skip
     if along.ndim != 1 or along.size == 0 or given.shape not in ((), along.shape):
-        raise ParameterError(f"r {along.shape}, {name} {given.shape}: must be (n,) and a number or (n,)")
+        raise ParameterError(
+            f"r {along.shape}, {name} {given.shape}: must be (n,) and a number or (n,)"
+        )
     if np.any(given <= 0):
         raise ParameterError(f"{name} = {float(given.min())!r}: must be positive")
     distance = np.broadcast_to(given if inverse_clearance is None else 1 / given, along.shape)

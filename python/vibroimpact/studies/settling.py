@@ -6,13 +6,12 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core, checks
-from ..errors import ParameterError, VibroimpactError
+from ..errors import VibroimpactError
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact
@@ -63,9 +62,29 @@ def settle_chains(
 ) -> Settled:  # fmt: skip
     """Simulate chains: `parameters` (6, links, chains) from `starts` (5, chains)."""
     values, labels, found, periods, extremes, ends, status = _core.settle_chains(
-        np.asfortranarray(parameters), load, np.asfortranarray(starts), settling, keep, kick, room, threads
+        np.asfortranarray(parameters),
+        load,
+        np.asfortranarray(starts),
+        settling,
+        keep,
+        kick,
+        room,
+        threads,
     )
-    return Settled(values, labels[1], found, *periods, *extremes, ends, status)
+    cycles, letters, impacts, rests = periods
+    return Settled(
+        values,
+        labels[1],
+        found,
+        cycles,
+        letters,
+        impacts,
+        rests,
+        extremes[0],
+        extremes[1],
+        ends,
+        status,
+    )
 
 
 def thread_count(threads: int | None) -> int:
@@ -129,8 +148,3 @@ def motion_at(
     size = min(len(events), len(motion.events))
     near = np.sort(events["x"])[:size] - np.sort(motion.events["x"])[:size]
     return motion if np.abs(near).max(initial=0.0) < 1e-2 * clearance else None
-
-
-def unknown_parameter(parameter: Any, names: tuple[str, ...]) -> ParameterError:
-    """The error for a parameter that is none."""
-    return ParameterError(f"parameter = {parameter!r}: must be one of {', '.join(names)}")
