@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.studies.basins import Axis
-from vibroimpact.studies.geometry import distance_to_other
+from vibroimpact.studies.lattice import distance_to_other
 
 TABLE = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)

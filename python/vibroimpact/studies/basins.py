@@ -14,7 +14,7 @@ from .. import checks
 from ..errors import ParameterError
 from ..model import Oscillator
 from .catalogue import BasinAttractor, Catalogue
-from .geometry import distance_to_other
+from .lattice import distance_to_other
 from .settling import scale, thread_count
 
 __all__ = ["Axis", "BasinAttractor", "Basins", "basins"]
