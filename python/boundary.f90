@@ -603,3 +603,73 @@ subroutine survey(m, most_letters, xi, mu, walls, r, clearance, settling, most_c
       unknowns(:2*n, i) = attractors(i)%unknowns
    end do
 end subroutine survey
+
+!> Lyapunov exponents (per unit of time) at m points, of all batches and of each; `ranks`
+!! of them are finite.
+subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, discard, cycles, &
+   batches, threads, exponents, ranks, counts, errors, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_lyapunov, only: lyapunov_points
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, contacts(3, m), discard, cycles, batches, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r(m), load(m), clearance(m), states(7, m)
+   real(c_double), intent(out) :: exponents(4, batches + 1, m), errors(m)
+   integer(c_int), intent(out) :: ranks(m), counts(2, m), status(m)
+
+   call lyapunov_points(oscillator_type(xi, mu, walls), r, load, clearance, states, contacts, &
+      discard, cycles, threads, exponents, ranks, counts, errors, status)
+end subroutine lyapunov
+
+!> What chains of simulations settle on; rows of `parameters`: r, D, xi, mu, R1, R2, of `starts` and
+!! `ends`: t, x, x', z, z', of `periods`: load cycles, letters, impacts, rests.
+subroutine settle_chains(links, chains, parameters, load, starts, settling, keep, kick, room, &
+   threads, values, labels, found, periods, extremes, ends, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_settled, only: settle => settle_chains
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: links, chains, settling, keep, room, threads
+   real(c_double), intent(in) :: parameters(6, links, chains), load, starts(5, chains), kick
+   real(c_double), intent(out) :: values(7, room, links, chains), extremes(2, links, chains), &
+      ends(5, links, chains)
+   integer(c_int), intent(out) :: labels(2, room, links, chains), found(links, chains), &
+      periods(4, links, chains), status(links, chains)
+
+   call settle(parameters, load, starts, settling, keep, kick, threads, values, labels, found, &
+      periods, extremes, ends, status)
+end subroutine settle_chains
+
+!> To which of n known motions m states go (0: none).
+!!
+!! `middles` are the states of one event of each motion, (x, x', z', alpha) of an impact or (v,
+!! alpha) of a release; rows of `kinds` are side, release, cycles.
+subroutine basins(n, m, xi, mu, walls, r, load, clearance, kinds, middles, starts, cycles, &
+   threads, labels, impacts, ends, radii, contractions)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_basin, only: decide
+   use vi_attractor_neighbourhood, only: find_neighbourhoods
+   use vi_attractor_target, only: target_type
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, kinds(3, n), cycles, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, middles(4, n), starts(5, m)
+   integer(c_int), intent(out) :: labels(m), impacts(m)
+   real(c_double), intent(out) :: ends(5, m), radii(n), contractions(n)
+   type(target_type) :: targets(n)
+   integer :: i
+
+   do i = 1, n
+      targets(i)%side = kinds(1, i)
+      targets(i)%release = kinds(2, i) /= 0
+      targets(i)%cycles = kinds(3, i)
+      targets(i)%middle = middles(:, i)
+   end do
+   call find_neighbourhoods(oscillator_type(xi, mu, walls), r, load, clearance, targets, threads)
+   call decide(oscillator_type(xi, mu, walls), r, load, clearance, targets, starts, cycles, &
+      threads, labels, impacts, ends)
+   radii = targets%radius
+   contractions = targets%contraction
+end subroutine basins

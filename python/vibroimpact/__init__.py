@@ -12,7 +12,11 @@ from .newton import exact
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
 from .studies.atlas import Atlas, Attractor, atlas
+from .studies.basins import BasinAttractor, Basins, basins
+from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
 from .studies.branch import Branch, SpecialPoint, branch
+from .studies.lyapunov import Lyapunov, lyapunov
+from .studies.response import Response, response
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
@@ -21,14 +25,20 @@ __version__ = _version("vibroimpact")
 __all__ = [
     "Atlas",
     "Attractor",
+    "BasinAttractor",
+    "Basins",
+    "BifurcationDiagram",
     "Branch",
     "Bundle",
     "FoundMotions",
+    "Lyapunov",
     "Motion",
     "Motions",
     "Oscillator",
     "Pattern",
+    "PeriodicWindow",
     "Piece",
+    "Response",
     "RunLog",
     "Sample",
     "Search",
@@ -38,6 +48,8 @@ __all__ = [
     "Zone",
     "ZoneSearch",
     "atlas",
+    "basins",
+    "bifurcation_diagram",
     "branch",
     "chart",
     "equispaced",
@@ -45,8 +57,10 @@ __all__ = [
     "exact",
     "find",
     "linear_system",
+    "lyapunov",
     "periodic",
     "periodic_batch",
+    "response",
     "run_namelists",
     "simulate",
     "simulate_bundle",

@@ -450,6 +450,63 @@ class _Survey(Protocol):
 
 __f2py_numpy_version__: str
 
+@type_check_only
+class _Lyapunov(Protocol):
+    # exponents, ranks, counts, errors, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        load: ArrayLike,
+        clearance: ArrayLike,
+        states: ArrayLike,
+        contacts: ArrayLike,
+        discard: int,
+        cycles: int,
+        batches: int,
+        threads: int,
+        m: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, _Real, _Integer]: ...
+
+@type_check_only
+class _SettleChains(Protocol):
+    # values, labels, found, periods, extremes, ends, status
+    def __call__(
+        self,
+        parameters: ArrayLike,
+        load: float,
+        starts: ArrayLike,
+        settling: int,
+        keep: int,
+        kick: float,
+        room: int,
+        threads: int,
+        links: int = ...,
+        chains: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Real, _Integer]: ...
+
+@type_check_only
+class _Basins(Protocol):
+    # labels, impacts, ends, radii, contractions
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        kinds: ArrayLike,
+        middles: ArrayLike,
+        starts: ArrayLike,
+        cycles: int,
+        threads: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> tuple[_Integer, _Integer, _Real, _Real, _Real]: ...
+
 periodic: _Periodic
 equispaced: _Equispaced
 linear_system: _LinearSystem
@@ -476,3 +533,6 @@ finish_chart: _FinishChart
 dense_ring: _DenseRing
 winding: _Winding
 survey: _Survey
+lyapunov: _Lyapunov
+settle_chains: _SettleChains
+basins: _Basins

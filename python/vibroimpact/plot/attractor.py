@@ -1,0 +1,136 @@
+"""Attractors: exponents, bifurcation diagrams, basins and responses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import ParameterError
+from . import style
+from .branch import SYMBOLS
+
+if TYPE_CHECKING:
+    from ..studies.basins import Basins
+    from ..studies.bifurcation import BifurcationDiagram
+    from ..studies.lyapunov import Lyapunov
+    from ..studies.response import Response
+
+#: Marker of each wall: no two differ by colour alone.
+WALLS = (("R", ".", style.PRIMARY), ("L", "x", style.FREE))
+
+AREAS = (
+    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
+)  # fmt: skip
+COORDINATES = {
+    "x": "$XK/F_0$", "x_dot": r"$\dot XK/(\omega F_0)$", "y": "$YK/F_0$",
+    "z_dot": r"$\dot ZK/(\omega F_0)$", "t": r"$\omega t$",
+}  # fmt: skip
+QUANTITIES = {
+    "phase": "load phase of the impacts", "x": "$XK/F_0$ at the impacts",
+    "x_dot_before": r"$\dot X_b K/(\omega F_0)$", "x_dot_after": r"$\dot X_a K/(\omega F_0)$",
+    "z_dot_before": r"$\dot Z_b K/(\omega F_0)$", "z_dot_after": r"$\dot Z_a K/(\omega F_0)$",
+    "approach": r"$|\dot Z_b - \dot X_b| K/(\omega F_0)$",
+}  # fmt: skip
+
+
+def axes(ax: Any, width: float = style.ONE_COLUMN, height: float = 2.8) -> Any:
+    """The given Axes, or those of a new figure."""
+    if ax is not None:
+        return ax
+    plt = style.pyplot()
+    with plt.rc_context(style.SETTINGS):
+        return plt.subplots(figsize=(width, height), layout="constrained")[1]
+
+
+def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
+    """The exponents per load cycle, with three standard errors."""
+    ax = axes(ax)
+    name = "clearance" if np.ptp(result.r) == 0 and np.ptp(result.clearance) > 0 else "r"
+    along = np.ravel(getattr(result, name))
+    order = np.argsort(along, kind="stable")
+    values = result.per_cycle.reshape(4, -1)[:, order]
+    errors = 3 * (result.standard_error * (2 * np.pi / result.r)).reshape(4, -1)[:, order]
+    marks = (("o", style.PRIMARY), ("s", style.FREE), ("^", style.REST), ("v", style.IMPACT))
+    for j, (marker, color) in enumerate(marks):
+        good = np.isfinite(values[j])
+        ax.errorbar(
+            along[order][good], values[j][good], errors[j][good], fmt=marker, ms=2.5, lw=0.6,
+            color=color, label=rf"$\lambda_{j + 1}$",
+        )  # fmt: skip
+    ax.axhline(0, color="0.6", lw=0.6)
+    ax.set_xlabel(SYMBOLS[name])
+    ax.set_ylabel("exponent per load cycle")
+    ax.legend()
+    return ax
+
+
+def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str = "x") -> Any:
+    """The impacts along the parameter, and the periodic windows above them."""
+    from matplotlib.transforms import blended_transform_factory
+
+    ax = axes(ax, style.TWO_COLUMNS)
+    column = diagram.column(quantity)
+    for side, marker, color in WALLS:
+        mine = diagram.points["side"] == side
+        ax.plot(
+            diagram.values[diagram.points["index"][mine]], column[mine], marker, ms=1.5, mew=0.4,
+            color=color, label=f"impacts on {side}", rasterized=True,
+        )  # fmt: skip
+    above = blended_transform_factory(ax.transData, ax.transAxes)
+    longest = np.ptp(diagram.values)
+    for window in diagram.windows:
+        level = 1.02 + 0.05 * diagram.runs.index(window.run)
+        if window.run in ("up", "down") and window.high - window.low > 0.03 * longest:
+            ax.plot(
+                [window.low, window.high], [level] * 2, "k-", lw=0.8, transform=above, clip_on=False
+            )
+            ax.text(
+                (window.low + window.high) / 2, level, f"{window.label} {window.run}", ha="center",
+                va="bottom", fontsize=6, transform=above,
+            )  # fmt: skip
+    ax.set_xlabel(SYMBOLS[diagram.parameter])
+    ax.set_ylabel(QUANTITIES[quantity])
+    ax.legend(markerscale=3)
+    return ax
+
+
+def draw_basins(basins: Basins, ax: Any = None) -> Any:
+    """The plane of initial states, a colour an attractor; grey is not decided."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    if basins.axes is None:
+        raise ParameterError("plot: needs states on a plane; these are a list (give plane=)")
+    ax = axes(ax, style.ONE_COLUMN + 1.2, 3.2)
+    n = len(basins.attractors)
+    colors = ["0.7", *(AREAS[i % len(AREAS)] for i in range(n))]
+    first, second = basins.axes
+    ax.pcolormesh(
+        first.values, second.values, basins.labels.T, cmap=ListedColormap(colors),
+        norm=BoundaryNorm(np.arange(-1.5, n), n + 1), shading="nearest", rasterized=True,
+    )  # fmt: skip
+    ax.set_xlabel(COORDINATES[first.name])
+    ax.set_ylabel(COORDINATES[second.name])
+    names = zip(basins.attractors, basins.fractions, colors[1:], strict=True)
+    patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in names]
+    ax.legend(handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=6)
+    return ax
+
+
+def draw_response(response: Response, ax: Any = None) -> Any:
+    """max|X|/A along r: each attractor a dot, and the envelopes over those that coexist."""
+    ax = axes(ax)
+    every = response.attenuation
+    r = np.broadcast_to(response.r[:, None], every.shape)
+    for mask, marker, color, name in (
+        (response.cycles > 0, ".", style.PRIMARY, "periodic"),
+        (response.cycles == 0, "x", style.FREE, "not periodic"),
+    ):
+        ax.plot(r[mask], every[mask], marker, ms=2, mew=0.4, color=color, label=name)
+    ax.plot(response.r, response.highest, "-", color="k", lw=0.8, label="greatest")
+    ax.plot(response.r, response.lowest, "--", color="k", lw=0.8, label="least")
+    ax.set_xlabel(SYMBOLS["r"])
+    ax.set_ylabel(SYMBOLS["attenuation"])
+    ax.legend()
+    return ax

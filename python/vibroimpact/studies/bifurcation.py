@@ -1,0 +1,333 @@
+"""Bifurcation diagrams by simulation: sweeps up and down, and many initial states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import checks
+from ..errors import ParameterError
+from ..model import Oscillator
+from .settling import (
+    PARAMETERS,
+    Settled,
+    column,
+    one_state,
+    settle_chains,
+    spread_states,
+    thread_count,
+)
+
+__all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
+
+_Array = NDArray[np.float64]
+NAMES = (*PARAMETERS, "restitution")
+SWEEPS = ("up", "down", "both", "states")
+#: Columns of an impact as the core gives them.
+COLUMNS = ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
+#: Added to x' from value to value, over D: what is unstable is left.
+KICK = 1e-9
+
+
+class PeriodicWindow(NamedTuple):
+    """A stretch of a run over which the motion keeps its label N/k.
+
+    N impacts (an accumulation counts as one) in k load cycles.
+    """
+
+    run: str
+    low: float
+    high: float
+    label: str
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class BifurcationDiagram:
+    """What simulations settle on along a parameter.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    parameter : str
+    values : ndarray (n,)
+        Of the parameter, rising.
+    r, clearance, load : float
+        Those that are not swept.
+    runs : list of str
+        "up", "down", or "state 1", ...: the first index of the arrays below.
+    cycles, letters, impacts, rests : ndarray (runs, n) of int
+        Load cycles k of the period, 0 if there is none up to the longest one looked for; letters N,
+        impacts and rests in it.
+    x_min, x_max : ndarray (runs, n)
+        Extreme positions of the primary mass.
+    status : ndarray (runs, n) of int
+        0 done; see `status_text`.
+    points : structured ndarray
+        The impacts kept: ``run`` and ``index`` (of the value), ``side`` ("R", "L"), ``phase``, ``x``,
+        ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
+    """
+
+    osc: Oscillator
+    parameter: str
+    values: _Array
+    r: float
+    clearance: float
+    load: float
+    runs: list[str]
+    cycles: NDArray[np.int32]
+    letters: NDArray[np.int32]
+    impacts: NDArray[np.int32]
+    rests: NDArray[np.int32]
+    x_min: _Array
+    x_max: _Array
+    status: NDArray[np.int32]
+    points: NDArray[Any]
+
+    @property
+    def labels(self) -> NDArray[Any]:
+        """N/k of each run and value (runs, n); "" where no period was seen, "0/k" without impacts."""
+        table = np.full(self.cycles.shape, "", dtype="U16")
+        for i, j in zip(*np.nonzero(self.cycles), strict=True):
+            table[i, j] = f"{self.letters[i, j]}/{self.cycles[i, j]}"
+        return table
+
+    @property
+    def windows(self) -> list[PeriodicWindow]:
+        """The stretches with one label, run by run."""
+        result = []
+        for run, labels in zip(self.runs, self.labels, strict=True):
+            ends = np.flatnonzero(labels[1:] != labels[:-1]) + 1
+            for first, last in zip([0, *ends], [*ends, len(labels)], strict=True):
+                if labels[first]:
+                    low, high = self.values[first], self.values[last - 1]
+                    result.append(PeriodicWindow(run, float(low), float(high), str(labels[first])))
+        return result
+
+    @property
+    def coexisting(self) -> NDArray[np.bool_]:
+        """Where the runs ended on different motions (n): hysteresis, or several attractors.
+
+        Labels and max |x| are compared, so that a motion and its mirror image count as one.
+        """
+        reach = np.maximum(-self.x_min, self.x_max)
+        different: NDArray[np.bool_] = np.ptp(reach, axis=0) > 1e-3 * reach.max(axis=0)
+        labels = (self.labels != self.labels[0]).any(axis=0)
+        return np.asarray(different & (self.cycles > 0).any(axis=0) | labels)
+
+    def column(self, quantity: str) -> _Array:
+        """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass."""
+        if quantity == "approach":
+            return np.asarray(np.abs(self.points["z_dot_before"] - self.points["x_dot_before"]))
+        if quantity not in COLUMNS:
+            raise ParameterError(
+                f"quantity = {quantity!r}: must be one of {', '.join((*COLUMNS, 'approach'))}"
+            )
+        return np.asarray(self.points[quantity])
+
+    def to_xarray(self) -> Any:
+        """Columns over run and value, and the impacts as a list (extra `data`)."""
+        from .tables import xarray
+
+        over = ("run", self.parameter)
+        data: dict[str, Any] = {
+            name: (over, getattr(self, name))
+            for name in (
+                "cycles",
+                "letters",
+                "impacts",
+                "rests",
+                "x_min",
+                "x_max",
+                "status",
+                "labels",
+            )
+        }
+        for name in ("index", "side", *COLUMNS):
+            data[f"impact_{name}"] = ("impact", self.points[name])
+        data["impact_run"] = ("impact", self.points["run"])
+        coordinates = {"run": self.runs, self.parameter: self.values}
+        fixed = {name: getattr(self, name) for name in ("r", "clearance") if name != self.parameter}
+        return xarray().Dataset(data, coordinates, fixed | {"load": self.load})
+
+    def plot(self, ax: Any = None, quantity: str = "x") -> Any:
+        """Draw the impacts: colour and marker tell the wall, a line on top the windows N/k.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+        quantity : str
+            "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after" or "approach".
+
+        Returns
+        -------
+        Axes
+        """
+        from ..plot.attractor import draw_bifurcation
+
+        return draw_bifurcation(self, ax, quantity)
+
+    def __repr__(self) -> str:
+        low, high = self.values[0], self.values[-1]
+        return (
+            f"<BifurcationDiagram over {self.parameter} = {low:.6g} to {high:.6g}: {len(self.runs)} runs, "
+            f"{len(self.points)} impacts, {len(self.windows)} periodic windows>"
+        )
+
+
+def bifurcation_diagram(
+    osc: Oscillator,
+    parameter: str,
+    values: ArrayLike,
+    r: float | None = None,
+    clearance: float | None = None,
+    sweep: str = "both",
+    states: int = 12,
+    state: Mapping[str, float] | None = None,
+    load: float = 1.0,
+    settling: int = 300,
+    keep: int = 33,
+    points: int = 100,
+    threads: int | None = None,
+) -> BifurcationDiagram:
+    """The impacts that simulations settle on, along a parameter.
+
+    Sweeps carry the state from value to value, so that a motion is followed to the end of its stability:
+    where the sweeps up and down differ there is hysteresis. With "states" each value starts anew from many
+    initial states, which shows attractors that no sweep comes to.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}
+        "restitution" changes both walls.
+    values : array_like
+        At least two.
+    r, clearance : float
+        The ones that are not `parameter`.
+    sweep : {"up", "down", "both", "states"}
+    states : int
+        Initial states of "states", spread evenly.
+    state : mapping, optional
+        Where sweeps start, as in `simulate`; by default a state with plenty of motion.
+    load : float
+    settling : int
+        Load cycles simulated at each value before.
+    keep : int
+        Load cycles looked at; periods of up to half of them are seen.
+    points : int
+        Impacts kept of each run and value.
+    threads : int, optional
+        Default: one for each processor. The answer does not depend on it.
+
+    Returns
+    -------
+    BifurcationDiagram
+
+    Examples
+    --------
+    The sweep up keeps to the two-impact motion far longer than the sweep down takes to find it:
+
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> diagram = vi.bifurcation_diagram(osc, "clearance", np.arange(50.0, 76.0), r=1.04)
+    >>> [window for window in diagram.windows if window.label == "2/1"]
+    [PeriodicWindow(run='up', low=50.0, high=70.0, label='2/1'), ...]
+    """
+    checks.instance(osc, "osc", Oscillator)
+    checks.choice(parameter, "parameter", NAMES)
+    checks.choice(sweep, "sweep", SWEEPS)
+    load = checks.number(load, "load")
+    states = checks.integer(states, "states", 1, 10**6)
+    settling = checks.integer(settling, "settling", 0, 10**7)
+    keep = checks.integer(keep, "keep", 3, 10**4)
+    points = checks.integer(points, "points", 1, 4096)
+    along = np.unique(checks.real_array(values, "values", "numbers"))
+    if along.size < 2:
+        raise ParameterError(f"values = {values!r}: must be at least two different numbers")
+    fixed = {}
+    for name, value in (("r", r), ("clearance", clearance)):
+        if name != parameter:
+            fixed[name] = checks.number(value, name)
+        elif value is not None:
+            raise ParameterError(f"{name} = {value!r}: must be left out, it is the parameter")
+        else:
+            fixed[name] = float(along[0])
+    table = np.repeat(column(osc, fixed["r"], fixed["clearance"])[:, None], along.size, axis=1)
+    rows = [4, 5] if parameter == "restitution" else [PARAMETERS.index(parameter)]
+    table[rows] = along
+    kind = "restitution" if parameter in ("R1", "R2") else parameter
+    for value in (along[0], along[-1]):
+        checks.number(float(value), kind, parameter)
+    if np.any((table[0] == 1) & (table[2] == 0)):
+        checks.frequency_ratio(1.0, 0.0)
+    workers = thread_count(threads)
+    r0, clearance0 = float(table[0, 0]), float(table[1, 0])
+    if sweep == "states":
+        starts = np.stack(
+            [spread_states(osc, float(a), float(b), load, states) for a, b in table[:2].T], axis=1
+        )
+        parameters = np.repeat(table[:, :, None], states, axis=2).reshape(6, 1, -1)
+        settled = settle_chains(
+            parameters, load, starts.reshape(5, -1), settling, keep, points, workers
+        )
+        runs = [f"state {j + 1}" for j in range(states)]
+        order = [np.arange(along.size)] * states
+    else:
+        runs = ["up", "down"] if sweep == "both" else [sweep]
+        rises = np.arange(along.size)
+        order = [rises if run == "up" else rises[::-1] for run in runs]
+        starts = np.stack([_start(osc, table[:, o[0]], load, state) for o in order], axis=1)
+        parameters = np.stack([table[:, o] for o in order], axis=2)
+        settled = settle_chains(parameters, load, starts, settling, keep, points, workers, KICK)
+    return _assembled(osc, parameter, along, (r0, clearance0, load), runs, order, settled)
+
+
+def _start(
+    osc: Oscillator, parameters: _Array, load: float, state: Mapping[str, float] | None
+) -> _Array:
+    """Where a sweep starts."""
+    r, clearance = parameters[:2].tolist()
+    if state is None:
+        return spread_states(osc, r, clearance, load, 1)[:, 0]
+    return one_state(state, clearance)
+
+
+def _assembled(
+    osc: Oscillator, parameter: str, along: _Array, fixed: tuple[float, float, float],
+    runs: list[str], order: list[NDArray[np.intp]], settled: Settled,
+) -> BifurcationDiagram:  # fmt: skip
+    """The answer of the core by runs and rising values."""
+    n, m = along.size, len(runs)
+    back = np.argsort(np.array(order), axis=1)
+
+    def arranged(array: NDArray[Any]) -> NDArray[Any]:
+        """(..., links, chains) to (..., runs, n)."""
+        lead = array.shape[:-2]
+        if runs[0].startswith("state"):
+            return np.moveaxis(array.reshape(*lead, n, m), -1, -2)
+        return np.take_along_axis(
+            np.swapaxes(array, -1, -2), back.reshape((1,) * len(lead) + (m, n)), -1
+        )
+
+    found, sides, values = (
+        arranged(item) for item in (settled.found, settled.sides, settled.values)
+    )
+    kept = np.arange(sides.shape[0])[:, None, None] < found
+    row, run, index = np.nonzero(kept)
+    first = np.lexsort((row, index, run))
+    row, run, index = row[first], run[first], index[first]
+    dtype = [("run", "i4"), ("index", "i4"), ("side", "U1"), *((name, "f8") for name in COLUMNS)]
+    points = np.empty(row.size, dtype=dtype)
+    points["run"], points["index"] = run, index
+    points["side"] = np.where(sides[row, run, index] > 0, "R", "L")
+    for i, name in enumerate(COLUMNS):
+        points[name] = values[i + 1, row, run, index]
+    return BifurcationDiagram(
+        osc, parameter, along, *fixed, runs, arranged(settled.cycles), arranged(settled.letters),
+        arranged(settled.impacts), arranged(settled.rests), arranged(settled.x_min),
+        arranged(settled.x_max), arranged(settled.status), points,
+    )  # fmt: skip

@@ -1,0 +1,231 @@
+"""Lyapunov exponents through impacts, accumulations and rests."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core, checks
+from ..errors import ParameterError, SingularError
+from ..model import Oscillator
+from ..trajectory import TWO_PI, _start
+
+__all__ = ["Lyapunov", "lyapunov"]
+
+_Array = NDArray[np.float64]
+NO_MOTION = 7
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Lyapunov:
+    """The four Lyapunov exponents of a trajectory, or of many on a grid of points.
+
+    They are those of the map from impact to impact in (x, x', z', alpha), over the time: how fast small
+    changes of the state grow along the trajectory, in four independent directions. That section has no
+    direction along the flow, so the exponent 0 that a flow has besides is not among them; they are also
+    the four exponents of the map over one load cycle. Of a periodic motion they are the logarithms of
+    the moduli of its multipliers over the period. Impacts that accumulate and end in rest extinguish two
+    directions: their exponents are -inf.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    r, clearance : ndarray (...)
+        The points; 0-d for one.
+    load : float
+    exponents : ndarray (4, ...)
+        Per unit of time 1/omega, largest first; NaN where there were no impacts.
+    standard_error : ndarray (4, ...)
+        Of the exponents, from the scatter of the batches.
+    identity_error : ndarray (...)
+        Difference of the sum of all logarithms from -2 xi t + 2 sum log R + log(u_first/u_last), per unit
+        of time, over all flights from impact to impact: a check of the whole computation. u is the speed
+        at which the masses part.
+    impacts, rests : ndarray (...) of int
+        Impacts and rests that were averaged over.
+    cycles : int
+        Load cycles that were averaged over.
+    """
+
+    osc: Oscillator
+    r: _Array
+    clearance: _Array
+    load: float
+    exponents: _Array
+    standard_error: _Array
+    identity_error: _Array
+    impacts: NDArray[np.int32]
+    rests: NDArray[np.int32]
+    cycles: int
+
+    @property
+    def per_cycle(self) -> _Array:
+        """The exponents per load cycle, (4, ...): logarithms of the mean factors over a cycle."""
+        return np.asarray(self.exponents * (TWO_PI / self.r))
+
+    @property
+    def largest(self) -> _Array:
+        """The largest exponent per unit of time (...): positive in chaos."""
+        return np.asarray(self.exponents[0])
+
+    @property
+    def dimension(self) -> _Array:
+        """Kaplan and Yorke's dimension of the attractor in the section (...), 0 to 4."""
+        each = self.exponents.reshape(4, -1)
+        sums = np.vstack([np.zeros(each.shape[1]), np.cumsum(each, axis=0)])
+        whole = (sums[1:] >= 0).sum(axis=0)
+        column = np.arange(each.shape[1])
+        lost = -each[np.minimum(whole, 3), column]
+        part = np.where(whole < 4, sums[whole, column] / np.where(lost > 0, lost, np.inf), 0.0)
+        return np.where(np.isnan(each[0]), np.nan, whole + part).reshape(self.r.shape)
+
+    def to_xarray(self) -> Any:
+        """The numbers as an xarray.Dataset over the points (extra `data`)."""
+        from .tables import xarray
+
+        points = [f"point_{i}" for i in range(self.r.ndim)] if self.r.ndim > 1 else ["point"]
+        points = points[: self.r.ndim]
+        data: dict[str, Any] = {
+            name: (points, getattr(self, name))
+            for name in ("r", "clearance", "identity_error", "impacts", "rests", "dimension")
+        }
+        for name in ("exponents", "per_cycle", "standard_error"):
+            data[name] = (["direction", *points], getattr(self, name))
+        attributes = {
+            "load": self.load,
+            "cycles": self.cycles,
+            "xi": self.osc.xi,
+            "mu": self.osc.mu,
+        }
+        return xarray().Dataset(data, attrs=attributes | {"restitution": self.osc.restitution})
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the exponents against r or clearance, whichever varies (extra `plot`); returns the Axes."""
+        from ..plot.attractor import draw_lyapunov
+
+        return draw_lyapunov(self, ax)
+
+    def __repr__(self) -> str:
+        if self.r.ndim:
+            chaotic = int((self.largest > 3 * self.standard_error[0]).sum())
+            return f"<Lyapunov exponents at {self.r.size} points, {chaotic} with a positive one>"
+        shown = ", ".join(f"{item:.4g}" for item in self.per_cycle.tolist())
+        return (
+            f"<Lyapunov exponents per load cycle at r = {float(self.r):.6g}, d K/F0 = "
+            f"{float(self.clearance):.6g}: {shown}>"
+        )
+
+
+def lyapunov(
+    osc: Oscillator,
+    r: ArrayLike,
+    clearance: ArrayLike,
+    cycles: int = 10_000,
+    state: Mapping[str, float] | None = None,
+    load: float = 1.0,
+    discard: int = 1000,
+    batches: int = 20,
+    threads: int | None = None,
+) -> Lyapunov:
+    """All four Lyapunov exponents, through impacts, accumulations and rests.
+
+    Four directions are carried from event to event by the exact derivatives ([P_i] from impact to impact)
+    and made orthonormal after each. The averages have a weight that rises from 0 and falls to 0 smoothly, so
+    that what is periodic or quasi-periodic converges faster than any power of the time. Batches of the load
+    cycles, averaged in the same way, give the standard error. One more batch, before the others, lets the
+    directions settle.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    r, clearance : float or array_like
+        One point, or arrays of one shape.
+    cycles : int
+        Load cycles averaged over, at least 2 a batch.
+    state : mapping, optional
+        As in `simulate`; the default is rest in the middle.
+    load : float
+    discard : int
+        Load cycles simulated before.
+    batches : int
+        2 to 1000.
+    threads : int, optional
+        Default: one for each processor. The answer does not depend on it.
+
+    Returns
+    -------
+    Lyapunov
+
+    Raises
+    ------
+    SingularError
+        If a single point has no impacts.
+
+    Examples
+    --------
+    The stable motion beside the third column of Table 1, which has two pairs of complex multipliers.
+
+    >>> import math, numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
+    >>> near = dict(t=motion.load_phase / 0.94, x=motion.X[0], x_dot=motion.X_dot_after[0],
+    ...             z=motion.Z[0], z_dot=motion.Z_dot_after[0])
+    >>> result = vi.lyapunov(osc, 0.94, 37.0, state=near)
+    >>> bool(np.allclose(result.per_cycle, np.log(abs(motion.multipliers)), atol=1e-6))
+    True
+    >>> result
+    <Lyapunov exponents per load cycle at r = 0.94, d K/F0 = 37: -0.0674, -0.0674, -0.5414, -0.5414>
+    """
+    checks.instance(osc, "osc", Oscillator)
+    batches = checks.integer(batches, "batches", 2, 1000)
+    cycles = checks.integer(cycles, "cycles", 2 * batches, 10**9)
+    discard = checks.integer(discard, "discard", 0, 10**9)
+    load = checks.number(load, "load")
+    threads = checks.integer(
+        os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
+    )
+    rs, clearances = (
+        checks.real_array(value, name, "numbers")
+        for value, name in ((r, "r"), (clearance, "clearance"))
+    )
+    try:
+        rs, clearances = (np.array(item) for item in np.broadcast_arrays(rs, clearances))
+    except ValueError:
+        raise ParameterError(
+            f"r {rs.shape}, clearance {clearances.shape}: must have one shape"
+        ) from None
+    states, contacts = (
+        np.empty((7, rs.size), order="F"),
+        np.empty((3, rs.size), np.int32, order="F"),
+    )
+    for j, (one_r, one_clearance) in enumerate(zip(rs.ravel(), clearances.ravel(), strict=True)):
+        each_r = checks.frequency_ratio(float(one_r), osc.xi)
+        each_clearance = checks.number(float(one_clearance), "clearance")
+        system = (osc.xi, osc.mu, osc.restitution, each_r, load, each_clearance)
+        states[:, j], contacts[:, j] = _start(system, state)[1]
+    exponents, ranks, counts, errors, status = _core.lyapunov(
+        osc.xi, osc.mu, osc.restitution, rs.ravel(), np.full(rs.size, load), clearances.ravel(), states,
+        contacts, discard, cycles // batches, batches, threads,
+    )  # fmt: skip
+    if rs.ndim == 0 and status[0] != 0:
+        from ..solve import status_text
+
+        why = "no impacts in a batch" if status[0] == NO_MOTION else status_text(int(status[0]))
+        raise SingularError(f"Lyapunov exponents: {why}")
+    mean, each = exponents[:, 0], exponents[:, 1:]
+    error = each.std(axis=1, ddof=1) / math.sqrt(batches)
+    lost = np.arange(4)[:, None] >= ranks
+    mean[lost], error[lost] = -math.inf, 0.0
+    mean[:, status != 0] = error[:, status != 0] = np.nan
+    shape = rs.shape
+    return Lyapunov(
+        osc, rs, clearances, load, mean.reshape(4, *shape), error.reshape(4, *shape),
+        errors.reshape(shape), counts[0].reshape(shape), counts[1].reshape(shape),
+        cycles // batches * batches,
+    )  # fmt: skip

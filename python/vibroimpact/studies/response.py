@@ -1,0 +1,166 @@
+"""The response of the primary mass along the frequency, over all attractors that coexist."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import checks
+from ..errors import ParameterError
+from ..model import Oscillator
+from .settling import column, settle_chains, spread_states, thread_count
+
+__all__ = ["Response", "response"]
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Response:
+    """max |X|/A against r.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    r, clearance : ndarray (n,)
+    load : float
+    attenuation : ndarray (n, states)
+        max|X|/A of what each initial state settles on; NaN where it failed.
+    cycles, letters : ndarray (n, states) of int
+        Load cycles of the period (0: none was seen), and letters in it.
+    """
+
+    osc: Oscillator
+    r: _Array
+    clearance: _Array
+    load: float
+    attenuation: _Array
+    cycles: NDArray[np.int32]
+    letters: NDArray[np.int32]
+
+    @property
+    def lowest(self) -> _Array:
+        """The least over the attractors at each r (n)."""
+        return np.asarray(
+            np.where(np.isnan(self.attenuation), np.inf, self.attenuation).min(axis=1)
+        )
+
+    @property
+    def highest(self) -> _Array:
+        """The greatest over the attractors at each r (n)."""
+        return np.asarray(
+            np.where(np.isnan(self.attenuation), -np.inf, self.attenuation).max(axis=1)
+        )
+
+    def to_xarray(self) -> Any:
+        """Columns over r and state, and the envelopes over r (extra `data`)."""
+        from .tables import xarray
+
+        data: dict[str, Any] = {
+            name: (("r", "state"), getattr(self, name))
+            for name in ("attenuation", "cycles", "letters")
+        }
+        data |= {name: ("r", getattr(self, name)) for name in ("clearance", "lowest", "highest")}
+        return xarray().Dataset(data, {"r": self.r}, {"load": self.load})
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw each attractor as a dot and the envelopes as lines (extra `plot`); returns the Axes."""
+        from ..plot.attractor import draw_response
+
+        return draw_response(self, ax)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Response at {self.r.size} r from {self.r[0]:.6g} to {self.r[-1]:.6g}: max|X|/A from "
+            f"{self.lowest.min():.4g} to {self.highest.max():.4g}>"
+        )
+
+
+def response(
+    osc: Oscillator,
+    r: ArrayLike,
+    clearance: ArrayLike | None = None,
+    inverse_clearance: ArrayLike | None = None,
+    states: int = 24,
+    load: float = 1.0,
+    settling: int = 600,
+    keep: int = 33,
+    threads: int | None = None,
+) -> Response:
+    """max|X|/A along r for a load or a clearance, over all attractors that initial states come to.
+
+    A is the amplitude without impacts, so that below 1 the impacts help. The extreme positions are those of
+    the closed form over the period, or over the cycles kept where there is none.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    r : array_like (n,)
+    clearance, inverse_clearance : float or array_like (n,)
+        d K/F0, or F0/(d K); one of the two.
+    states : int
+        Initial states at each r, spread evenly.
+    load : float
+        Load amplitude f > 0; 1 where lengths are in F0/K.
+    settling : int
+        Load cycles simulated before.
+    keep : int
+        Load cycles looked at.
+    threads : int, optional
+        Default: one for each processor. The answer does not depend on it.
+
+    Returns
+    -------
+    Response
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> vi.response(osc, np.linspace(0.98, 1.02, 11), inverse_clearance=0.03, states=6)
+    <Response at 11 r from 0.98 to 1.02: max|X|/A from 0.3899 to 1.648>
+    """
+    checks.instance(osc, "osc", Oscillator)
+    load = checks.number(load, "load")
+    if load == 0:
+        raise ParameterError("load = 0.0: must be positive, max|X|/A needs a load")
+    if (clearance is None) == (inverse_clearance is None):
+        raise ParameterError(
+            f"clearance = {clearance!r}, inverse_clearance = {inverse_clearance!r}: give one of them"
+        )
+    along = np.atleast_1d(checks.real_array(r, "r", "numbers"))
+    name = "clearance" if inverse_clearance is None else "inverse_clearance"
+    given = checks.real_array(
+        clearance if inverse_clearance is None else inverse_clearance,  # type: ignore[arg-type]
+        name, "numbers",
+    )  # fmt: skip
+    if along.ndim != 1 or along.size == 0 or given.shape not in ((), along.shape):
+        raise ParameterError(
+            f"r {along.shape}, {name} {given.shape}: must be (n,) and a number or (n,)"
+        )
+    if np.any(given <= 0):
+        raise ParameterError(f"{name} = {float(given.min())!r}: must be positive")
+    distance = np.broadcast_to(given if inverse_clearance is None else 1 / given, along.shape)
+    for one_r, one in zip(along.tolist(), distance.tolist(), strict=True):
+        checks.frequency_ratio(one_r, osc.xi)
+        checks.number(one, "clearance")
+    states = checks.integer(states, "states", 1, 10**6)
+    settling = checks.integer(settling, "settling", 0, 10**7)
+    keep = checks.integer(keep, "keep", 3, 10**4)
+    workers = thread_count(threads)
+    points = list(zip(along.tolist(), distance.tolist(), strict=True))
+    starts = np.concatenate([spread_states(osc, *point, load, states) for point in points], axis=1)
+    parameters = np.repeat(np.array([column(osc, *point) for point in points]).T, states, axis=1)
+    settled = settle_chains(parameters[:, None], load, starts, settling, keep, 1, workers)
+    reach = np.maximum(-settled.x_min, settled.x_max)[0].reshape(-1, states)
+    reach[(settled.status[0] != 0).reshape(-1, states)] = math.nan
+    amplitude = load / np.hypot((1 - along) * (1 + along), 2 * osc.xi * along)
+    shape = (along.size, states)
+    return Response(
+        osc, along, np.array(distance), load, reach / amplitude[:, None],
+        settled.cycles[0].reshape(shape), settled.letters[0].reshape(shape),
+    )  # fmt: skip

@@ -1,0 +1,203 @@
+!> Lyapunov exponents through impacts, accumulations and rests.
+!!
+!! Four directions are carried from event to event by the exact derivatives and made orthonormal
+!! after each; the logarithms of what that takes away, over the time, are the exponents. They are
+!! those of the map from impact to impact in (x, x', z', alpha), which has no direction along the
+!! flow, and so the four exponents of the map over one load cycle.
+!!
+!! Volume is a check of them: the flux |y'| dx dx' dz' dalpha through a wall shrinks by
+!! exp(-2 xi t) over a flight, and an impact multiplies dx' dz' by R, hence
+!! |det P_i| = exp(-2 xi t) R u/v with the departure speed u at the start and the approach speed v
+!! at the end of the flight. As u = R v at each impact, the sum of the logarithms telescopes to
+!! -2 xi t + 2 sum(log R) + log(u_first/u_last).
+module vi_attractor_lyapunov
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, orthonormalise, &
+      restitution_at
+   use vi_drive, only: drive_type, event_type, impact_event, new_drive, release_event, state_type, &
+      two_pi
+   use vi_kinds, only: wp
+   use vi_oscillator, only: oscillator_type
+   use vi_simulate, only: simulate
+   use vi_status, only: stat
+   use vi_trajectory, only: unpack_state
+   implicit none (type, external)
+   private
+
+   public :: lyapunov_points
+
+   !> Directions at an event, and the sums so far.
+   type :: tangent_type
+      logical :: begun = .false.
+      type(event_type) :: event
+      real(wp) :: q(4, 4) = 0
+      !> Directions that are not lost.
+      integer :: rank = 4
+      !> Greatest difference from the telescoped sum, and the difference so far.
+      real(wp) :: difference = 0, time = 0
+      !> Impacts and rests.
+      integer :: counts(2) = 0
+   end type tangent_type
+
+   integer, parameter :: chunk = 64
+
+contains
+
+   !> The exponents at m points, by batches of time after one that is not counted.
+   subroutine lyapunov_points(osc, r, load, clearance, states, contacts, discard, cycles, threads, &
+      exponents, ranks, counts, errors, status)
+      type(oscillator_type), intent(in) :: osc
+      !> (m) each
+      real(wp), intent(in) :: r(:), load(:), clearance(:)
+      !> (7, m), (3, m): initial states as in `pack_state`.
+      real(wp), intent(in) :: states(:, :)
+      integer, intent(in) :: contacts(:, :)
+      !> Load cycles before the first batch, and in each batch.
+      integer, intent(in) :: discard, cycles
+      integer, intent(in) :: threads
+      !> (4, 1 + batches, m): per unit of time, first of all batches together.
+      real(wp), intent(out) :: exponents(:, :, :)
+      !> (m): how many exponents are finite.
+      integer, intent(out) :: ranks(:)
+      !> (2, m): impacts and rests.
+      integer, intent(out) :: counts(:, :)
+      !> (m): difference of the sum of logarithms from what volume says, per unit of time.
+      real(wp), intent(out) :: errors(:)
+      !> (m): `stat%no_motion` if a batch has no two events.
+      integer, intent(out) :: status(:)
+      integer :: j
+
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads)
+      do j = 1, size(r)
+         call lyapunov(new_drive(osc, r(j), load(j), clearance(j)), &
+            unpack_state(states(:, j), contacts(:, j)), discard, cycles, exponents(:, :, j), &
+            ranks(j), counts(:, j), errors(j), status(j))
+      end do
+      !$omp end parallel do
+   end subroutine lyapunov_points
+
+   !> The exponents of one trajectory.
+   pure subroutine lyapunov(drive, start, discard, cycles, exponents, rank, counts, error, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: start
+      integer, intent(in) :: discard, cycles
+      real(wp), intent(out) :: exponents(:, :)
+      integer, intent(out) :: rank, counts(2)
+      real(wp), intent(out) :: error
+      integer, intent(out) :: status
+      type(state_type) :: state, final
+      type(event_type) :: events(chunk)
+      type(tangent_type) :: tangent
+      integer(int64) :: first, last
+      integer :: n, batch, i
+      real(wp) :: done
+      real(wp) :: sums(5, 2)
+
+      exponents = 0
+      state = start
+      last = state%cycle + discard
+      do
+         call simulate(drive, state, last, start%phase, events, n, final, status)
+         if (status /= stat%more_events) exit
+      end do
+      first = last + cycles
+      sums = 0
+      do batch = 1, size(exponents, 2)
+         if (status /= stat%ok) exit
+         last = last + cycles
+         sums(:, 2) = 0
+         do
+            call simulate(drive, state, last, start%phase, events, n, final, status)
+            do i = 1, n
+               done = real(events(i)%cycle - first, wp) + (events(i)%phase - start%phase)/two_pi
+               call carry(drive, events(i), [bump(done/(cycles*(size(exponents, 2) - 1))), &
+                  bump((done + cycles)/cycles - (batch - 1))], tangent, sums)
+            end do
+            if (status /= stat%more_events) exit
+         end do
+         if (batch == 1) then
+            ! the first batch is not counted: the directions settle
+            tangent%counts = 0
+            tangent%difference = 0
+            tangent%time = 0
+            cycle
+         end if
+         if (.not. sums(5, 2) > 0) then
+            if (status == stat%ok) status = stat%no_motion
+            exit
+         end if
+         exponents(:, batch) = sums(:4, 2)/sums(5, 2)
+      end do
+      if (status == stat%ok) exponents(:, 1) = sums(:4, 1)/sums(5, 1)
+      rank = tangent%rank
+      counts = tangent%counts
+      error = abs(tangent%difference)/max(tangent%time, tiny(1.0_wp))
+   end subroutine lyapunov
+
+   !> Carries the directions on to an event and adds what they grow by.
+   pure subroutine carry(drive, event, weights, tangent, sums)
+      type(drive_type), intent(in) :: drive
+      type(event_type), intent(in) :: event
+      !> In the average of all batches together, and of this one.
+      real(wp), intent(in) :: weights(2)
+      type(tangent_type), intent(inout) :: tangent
+      !> (.., average): weighted sums of the four logarithms and of the time.
+      real(wp), intent(inout) :: sums(5, 2)
+      real(wp) :: p(4, 4), lengths(4)
+      logical :: regular
+      integer :: j
+
+      if (.not. tangent%begun) then
+         tangent%begun = .true.
+         tangent%q = reshape([(merge(1.0_wp, 0.0_wp, modulo(j, 5) == 0), j=0, 15)], [4, 4])
+         tangent%event = event
+         return
+      end if
+      call event_derivative(drive, tangent%event, event, p, regular)
+      if (regular) then
+         tangent%q = matmul(p, tangent%q)
+         call orthonormalise(tangent%q, lengths)
+         if (event%kind == release_event) tangent%rank = min(tangent%rank, 2)
+         if (event%kind == impact_event .and. .not. restitution_at(drive, event) > 0) then
+            tangent%rank = min(tangent%rank, 3)
+         end if
+         do j = 1, tangent%rank
+            sums(j, :) = sums(j, :) + weights*log(max(lengths(j), tiny(1.0_wp)))
+         end do
+         sums(5, :) = sums(5, :) + weights*lapse(drive, tangent%event, event)
+         call compare(drive, event, lengths, tangent)
+      end if
+      tangent%time = tangent%time + lapse(drive, tangent%event, event)
+      if (event%kind == impact_event) tangent%counts(1) = tangent%counts(1) + 1
+      if (event%kind == release_event) tangent%counts(2) = tangent%counts(2) + 1
+      tangent%event = event
+   end subroutine carry
+
+   !> Adds to the difference between the logarithms and what volume says, over a flight.
+   pure subroutine compare(drive, event, lengths, tangent)
+      type(drive_type), intent(in) :: drive
+      type(event_type), intent(in) :: event
+      real(wp), intent(in) :: lengths(4)
+      type(tangent_type), intent(inout) :: tangent
+      real(wp) :: speeds(2), restitution
+
+      if (event%kind /= impact_event .or. tangent%event%kind == release_event) return
+      restitution = restitution_at(drive, event)
+      speeds = [departure_speed(tangent%event), departure_speed(event)]
+      if (.not. minval([restitution, speeds, lengths]) > 0) return
+      tangent%difference = tangent%difference + sum(log(lengths)) + 2*drive%osc%xi* &
+         lapse(drive, tangent%event, event) - 2*log(restitution) - log(speeds(1)/speeds(2))
+   end subroutine compare
+
+   !> A weight that rises from 0 and falls to 0 smoothly over [0, 1].
+   !!
+   !! With it the averages of what is periodic or quasi-periodic converge faster than any power of
+   !! the time, those of chaos as fast as without.
+   pure real(wp) function bump(s)
+      real(wp), intent(in) :: s
+
+      bump = 0
+      if (s > 1.0e-3_wp .and. s < 1 - 1.0e-3_wp) bump = exp(-1/(s*(1 - s)))
+   end function bump
+
+end module vi_attractor_lyapunov

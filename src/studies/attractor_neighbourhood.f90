@@ -1,0 +1,174 @@
+!> Neighbourhoods of periodic motions from which everything goes to the motion.
+!!
+!! In the norm of M = sum of (P'/g)^n (P/g)^n, with g between the spectral radius of the derivative
+!! P over a period and 1, P contracts by g at least. A ball of that norm is a neighbourhood if the
+!! map itself, not only P, brings all of many states spread over it nearer to the middle, with as
+!! many events on the way; half of the largest such radius found is what decides.
+module vi_attractor_neighbourhood
+   use vi_attractor_target, only: difference, over_period, period_derivative, target_type
+   use vi_drive, only: drive_type, event_type, new_drive, two_pi
+   use vi_kinds, only: wp
+   use vi_lapack, only: eigenvalues
+   use vi_oscillator, only: oscillator_type
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: find_neighbourhoods
+
+   !> States on which a neighbourhood is tried, and events of a period at most.
+   integer, parameter :: trials = 1024, room = 2048
+
+contains
+
+   !> The neighbourhoods of motions of which event and period are given.
+   subroutine find_neighbourhoods(osc, r, load, clearance, targets, threads)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, load, clearance
+      type(target_type), intent(inout) :: targets(:)
+      integer, intent(in) :: threads
+      type(drive_type) :: drive
+      integer :: i
+
+      drive = new_drive(osc, r, load, clearance)
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads)
+      do i = 1, size(targets)
+         call find_neighbourhood(drive, targets(i))
+      end do
+      !$omp end parallel do
+   end subroutine find_neighbourhoods
+
+   !> The neighbourhood of one motion.
+   pure subroutine find_neighbourhood(drive, target)
+      type(drive_type), intent(in) :: drive
+      type(target_type), intent(inout) :: target
+      real(wp), parameter :: finer = 0.5_wp**0.25_wp
+      real(wp) :: p(4, 4), zero(4)
+      type(event_type) :: events(room)
+      logical :: good
+      integer :: i
+
+      target%n = merge(2, 4, target%release)
+      target%radius = 0
+      zero = 0
+      call over_period(drive, target, zero, events, target%events, good)
+      if (.not. good) return
+      call period_derivative(drive, target, events(:target%events), p, good)
+      if (.not. good) return
+      call find_metric(drive, target, p, good)
+      if (.not. good) return
+      ! from the whole space between the walls down
+      target%radius = sqrt(real(target%n, wp))*norm2(matmul(target%metric, &
+         merge([drive%clearance, 1.0_wp, 0.0_wp, 0.0_wp], &
+         [drive%clearance, drive%clearance, drive%clearance, 1.0_wp], target%release)))
+      do i = 1, 160
+         call contract(drive, target, events, good)
+         if (good) exit
+         target%radius = finer*target%radius
+      end do
+      target%radius = merge(0.5_wp*target%radius, 0.0_wp, good)
+      target%box = target%radius*norm2(target%inverse, dim=2)
+   end subroutine find_neighbourhood
+
+   !> Whether all states tried of a ball come nearer over a period.
+   pure subroutine contract(drive, target, events, contracts)
+      type(drive_type), intent(in) :: drive
+      type(target_type), intent(in) :: target
+      type(event_type), intent(inout) :: events(:)
+      logical, intent(out) :: contracts
+      real(wp) :: u(5), direction(4), d(4), distance, next, pair(4)
+      real(wp), parameter :: steps(5) = [0.8566749_wp, 0.7338918_wp, 0.6287066_wp, 0.5385973_wp, &
+         0.4614030_wp]
+      integer :: i, n
+      logical :: good
+
+      contracts = .false.
+      do i = 1, trials
+         u = modulo(0.5_wp + i*steps, 1.0_wp)
+         pair = [sqrt(-2*log(max(u(1), tiny(1.0_wp))))*[cos(two_pi*u(2)), sin(two_pi*u(2))], &
+            sqrt(-2*log(max(u(3), tiny(1.0_wp))))*[cos(two_pi*u(4)), sin(two_pi*u(4))]]
+         if (target%n == 2) pair(3:) = 0
+         direction = pair/norm2(pair)
+         ! every other one on the surface
+         distance = target%radius*merge(1.0_wp, u(5)**0.25_wp, modulo(i, 2) == 0)
+         d = distance*matmul(target%inverse, direction)
+         call over_period(drive, target, d, events, n, good)
+         if (.not. good .or. n /= target%events) return
+         next = norm2(matmul(target%metric, difference(target, events(n))))
+         if (.not. next <= 0.5_wp*(1 + target%contraction)*distance) return
+      end do
+      contracts = .true.
+   end subroutine contract
+
+   !> The norm in which the derivative contracts.
+   pure subroutine find_metric(drive, target, p, good)
+      type(drive_type), intent(in) :: drive
+      type(target_type), intent(inout) :: target
+      real(wp), intent(in) :: p(4, 4)
+      logical, intent(out) :: good
+      real(wp), dimension(4, 4) :: a, m
+      real(wp) :: scale(4), radius
+      complex(wp) :: lambda(4)
+      integer :: i, n, status
+
+      n = target%n
+      scale = drive%clearance
+      scale(n) = 1
+      a = 0
+      do i = 1, n
+         a(:n, i) = p(:n, i)*scale(i)/scale(:n)
+      end do
+      m = a
+      call eigenvalues(m, lambda, status)
+      radius = maxval(abs(lambda))
+      good = status == stat%ok .and. radius < 1
+      if (.not. good) return
+      target%contraction = max(0.1_wp, sqrt(radius), 0.5_wp*(1 + radius))
+      a = a/target%contraction
+      m = 0
+      do i = 1, 4
+         m(i, i) = 1
+      end do
+      do i = 1, 40
+         m = m + matmul(transpose(a), matmul(m, a))
+         a = matmul(a, a)
+         if (maxval(abs(a)) < epsilon(1.0_wp)) exit
+      end do
+      call factorise(m, n, scale, target, good)
+   end subroutine find_metric
+
+   !> m = L L'; the metric is L' over the scale, its inverse the scale times (L')^-1.
+   pure subroutine factorise(m, n, scale, target, good)
+      real(wp), intent(in) :: m(4, 4), scale(4)
+      integer, intent(in) :: n
+      type(target_type), intent(inout) :: target
+      logical, intent(out) :: good
+      real(wp) :: u(4, 4), v(4, 4)
+      integer :: i, j
+
+      u = 0
+      v = 0
+      good = .true.
+      do i = 1, n
+         do j = i, n
+            u(i, j) = m(i, j) - dot_product(u(:i - 1, i), u(:i - 1, j))
+         end do
+         good = good .and. u(i, i) > 0
+         if (.not. good) return
+         u(i, i:n) = u(i, i:n)/sqrt(u(i, i))
+      end do
+      do j = 1, n
+         v(j, j) = 1/u(j, j)
+         do i = j - 1, 1, -1
+            v(i, j) = -dot_product(u(i, i + 1:j), v(i + 1:j, j))/u(i, i)
+         end do
+      end do
+      target%metric = 0
+      target%inverse = 0
+      do i = 1, n
+         target%metric(:n, i) = u(:n, i)/scale(i)
+         target%inverse(i, :n) = v(i, :n)*scale(i)
+      end do
+   end subroutine factorise
+
+end module vi_attractor_neighbourhood

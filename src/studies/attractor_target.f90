@@ -1,0 +1,133 @@
+!> A periodic motion as a fixed point: one of its events, and the map from there over its period.
+module vi_attractor_target
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_tangent, only: event_derivative
+   use vi_drive, only: drive_type, event_type, release_event, state_type, two_pi
+   use vi_kinds, only: wp
+   use vi_rest_motion, only: release_state
+   use vi_simulate, only: simulate
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: difference, over_period, period_derivative
+
+   !> A stable periodic motion, and what is known to go to it.
+   type, public :: target_type
+      !> Of the event: a release, or an impact on the wall of this side.
+      logical :: release = .false.
+      integer :: side = 0
+      !> Load cycles and events of a period.
+      integer :: cycles = 1, events = 0
+      !> State of the event: (x, x', z', alpha), or (v, alpha) of a release.
+      integer :: n = 4
+      real(wp) :: middle(4) = 0
+      !> The norm is that of `metric` times a difference of states, `inverse` its inverse.
+      real(wp), dimension(4, 4) :: metric = 0, inverse = 0
+      !> What P contracts by in it; the radius, 0 if there is no neighbourhood.
+      real(wp) :: contraction = 1, radius = 0
+      !> Half sides of the box around the neighbourhood.
+      real(wp) :: box(4) = 0
+   end type target_type
+
+contains
+
+   !> State of an event less that of the motion's own.
+   pure function difference(target, event) result(d)
+      type(target_type), intent(in) :: target
+      type(event_type), intent(in) :: event
+      real(wp) :: d(4)
+      real(wp) :: phase
+
+      phase = event%phase - target%middle(target%n)
+      phase = phase - two_pi*anint(phase/two_pi)
+      if (target%n == 4) then
+         d = [event%x - target%middle(1), event%x_dot_after - target%middle(2), &
+            event%z_dot_after - target%middle(3), phase]
+      else
+         d = [event%x_dot_after - target%middle(1), phase, 0.0_wp, 0.0_wp]
+      end if
+   end function difference
+
+   !> The events of the period that begins at the motion's event plus a difference.
+   pure subroutine over_period(drive, target, d, events, n, good)
+      type(drive_type), intent(in) :: drive
+      type(target_type), intent(in) :: target
+      real(wp), intent(in) :: d(4)
+      type(event_type), intent(inout) :: events(:)
+      !> Events up to the one that ends the period.
+      integer, intent(out) :: n
+      logical, intent(out) :: good
+      type(state_type) :: state, final
+      real(wp) :: phase, nearest, off, start(4)
+      integer :: found, i, status
+
+      start = target%middle + d
+      n = 0
+      phase = start(target%n)
+      if (target%release) then
+         state = release_state(drive, target%side, [phase, start(1)])
+      else
+         state%phase = phase
+         state%x = start(1)
+         state%x_dot = start(2)
+         state%z_dot = start(3)
+         state%z = start(1) + 0.5_wp*target%side*drive%clearance
+         state%side = target%side
+         state%speed = target%side*(start(2) - start(3))
+         good = state%speed > 0
+         if (.not. good) return
+      end if
+      call simulate(drive, state, int(target%cycles, int64), phase + 0.5_wp*two_pi, events, found, &
+         final, status)
+      good = status == stat%ok
+      if (.not. good) return
+      nearest = 0.5_wp*two_pi
+      do i = 1, found
+         if (events(i)%side /= target%side .or. &
+            (target%release .neqv. events(i)%kind == release_event)) cycle
+         off = abs(two_pi*real(events(i)%cycle - target%cycles, wp) + events(i)%phase - phase)
+         if (off >= nearest) cycle
+         nearest = off
+         n = i
+      end do
+      good = n > 0
+   end subroutine over_period
+
+   !> The derivative over a period in the coordinates of the event.
+   pure subroutine period_derivative(drive, target, events, p, good)
+      type(drive_type), intent(in) :: drive
+      type(target_type), intent(in) :: target
+      type(event_type), intent(in) :: events(:)
+      real(wp), intent(out) :: p(4, 4)
+      logical, intent(out) :: good
+      type(event_type) :: before
+      real(wp) :: step(4, 4), whole(4, 4)
+      integer :: i
+
+      before = events(size(events))
+      before%cycle = before%cycle - target%cycles
+      whole = 0
+      do i = 1, 4
+         whole(i, i) = 1
+      end do
+      if (target%release) then
+         ! columns by v and alpha: x = f sin(alpha) - 2 xi v
+         whole(:, 1) = [-2*drive%osc%xi, 1.0_wp, 1.0_wp, 0.0_wp]
+         whole(:, 2) = [drive%load*cos(before%phase), 0.0_wp, 0.0_wp, 1.0_wp]
+      end if
+      good = .true.
+      do i = 1, size(events)
+         call event_derivative(drive, before, events(i), step, good)
+         if (.not. good) return
+         whole = matmul(step, whole)
+         before = events(i)
+      end do
+      p = whole
+      if (.not. target%release) return
+      p = 0
+      p(1, :2) = whole(2, :2)
+      p(2, :2) = whole(4, :2)
+   end subroutine period_derivative
+
+end module vi_attractor_target

@@ -1,0 +1,446 @@
+"""Attractors: exponents against multipliers and volume, diagrams against zones, basins against the end.
+
+Simulations go on bit for bit, so what a basin says about a state can be compared with where that
+very trajectory is later, even in transient chaos.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.studies.basins import Axis
+from vibroimpact.studies.lattice import distance_to_other
+
+TABLE = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+UNEQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+COLUMN = ([0, 1.37 * math.pi], vi.Pattern("RL"))
+MOVING = {"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9}
+PLANE = (("x", -30, 30, 40), ("x_dot", -30, 30, 40))
+
+
+def state_on(motion):
+    """Return the state just after the first impact of a motion."""
+    return {
+        "t": motion.load_phase / motion.r, "x": motion.X[0], "x_dot": motion.X_dot_after[0],
+        "z": motion.Z[0], "z_dot": motion.Z_dot_after[0],
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def plane():
+    return vi.basins(TABLE, 0.94, 37.0, PLANE)
+
+
+@pytest.fixture(scope="module")
+def sweeps():
+    return vi.bifurcation_diagram(EQUAL, "clearance", np.arange(10.0, 75.0, 0.5), r=1.04)
+
+
+# Lyapunov exponents
+
+
+@pytest.mark.parametrize(
+    ("osc", "r", "clearance", "guess"),
+    [
+        (TABLE, 0.94, 37.0, COLUMN),
+        (EQUAL, 1.04, 14.0, None),
+        (EQUAL, 1.04, 6.0, None),
+        (UNEQUAL, 1.04, 30.0, None),
+    ],
+)
+def test_exponents_of_periodic_motions_are_those_of_the_multipliers(osc, r, clearance, guess):
+    """... and their sum is that of the invariant det [P] = exp(-4 pi xi k/r) prod R^2."""
+    run = guess or vi.simulate(osc, r, clearance, 12, discard=2000)
+    motion = vi.exact(osc, r, clearance, run)
+    assert motion.stable
+    result = vi.lyapunov(osc, r, clearance, state=state_on(motion))
+    k = motion.pattern.cycles
+    np.testing.assert_allclose(result.per_cycle, np.log(np.abs(motion.multipliers)) / k, atol=1e-6)
+    volume = -4 * np.pi * osc.xi / r + 2 * np.log(motion.restitution).sum() / k
+    np.testing.assert_allclose(result.per_cycle.sum(), volume, rtol=1e-9)
+    assert result.dimension == 0
+    assert result.rests == 0
+
+
+def test_exponents_of_a_motion_with_rest():
+    """Two are those of the return map at a release, two are extinguished."""
+    motion = vi.exact(UNEQUAL, 0.9, 6.0, vi.simulate(UNEQUAL, 0.9, 6.0, cycles=8, discard=200))
+    result = vi.lyapunov(UNEQUAL, 0.9, 6.0)
+    np.testing.assert_allclose(
+        result.per_cycle[:2], np.log(np.abs(motion.multipliers[:2])), atol=1e-6
+    )
+    assert np.all(result.exponents[2:] == -math.inf)
+    assert result.rests >= result.cycles
+    assert result.identity_error < 1e-6
+
+
+def test_volume_is_checked_on_every_trajectory():
+    """The sum of the logarithms is that of volume, in chaos too and for unequal walls."""
+    for osc in (EQUAL, UNEQUAL):
+        result = vi.lyapunov(osc, 1.04, np.linspace(5, 60, 12), cycles=2000)
+        assert np.all(result.identity_error[result.rests == 0] < 1e-12)
+        # at the end of an accumulation speeds of 1e-8 are differences of velocities
+        assert np.all(result.identity_error < 1e-6)
+        assert np.any(result.largest > 3 * result.standard_error[0])
+
+
+def test_largest_exponent_is_the_rate_at_which_neighbours_part():
+    """Against two simulations a small distance apart, which know nothing of derivatives."""
+    r, clearance, cycles, small = 1.04, 7.5, 1500, 1e-7
+    names = ("x", "x_dot", "z", "z_dot")
+    here = vi.simulate(EQUAL, r, clearance, 0, discard=500).final_state
+    there = {name: here[name] for name in ("t", *names)}
+    there["x_dot"] += small
+    growth = []
+    for _ in range(cycles):
+        after = vi.simulate(EQUAL, r, clearance, 1, state=here).final_state
+        beside = vi.simulate(EQUAL, r, clearance, 1, state=there).final_state
+        apart = np.array([beside[name] - after[name] for name in names])
+        growth.append(math.log(np.linalg.norm(apart) / small))
+        there = {"t": after["t"]}
+        for name, step in zip(names, apart * (small / np.linalg.norm(apart)), strict=True):
+            there[name] = after[name] + step
+        half = clearance / 2
+        there["z"] = there["x"] + min(max(there["z"] - there["x"], -half), half)
+        here = after
+    growth = np.array(growth[50:])
+    error = growth.reshape(50, -1).mean(axis=1).std() / math.sqrt(50)
+    result = vi.lyapunov(EQUAL, r, clearance, cycles=20_000)
+    combined = math.hypot(error, float(result.standard_error[0]) * 2 * np.pi / r)
+    assert result.per_cycle[0] > 0.5
+    assert abs(growth.mean() - result.per_cycle[0]) < 4 * combined
+    assert 1 < result.dimension < 4
+
+
+def test_dead_walls_extinguish_directions():
+    """With R = 0 on both walls the determinant is 0, so at most three exponents are finite."""
+    osc = vi.Oscillator(xi=0.02, mu=0.05, restitution=0.0)
+    result = vi.lyapunov(osc, 0.9, 4.0, cycles=500)
+    assert result.impacts > 0
+    assert result.exponents[3] == -math.inf
+    assert np.isfinite(result.exponents[0])
+
+
+def test_exponents_do_not_depend_on_threads():
+    points = np.linspace(6, 60, 7)
+    one, three = (vi.lyapunov(EQUAL, 1.04, points, cycles=400, threads=n) for n in (1, 3))
+    np.testing.assert_array_equal(one.exponents, three.exponents)
+    alone = vi.lyapunov(EQUAL, 1.04, points[2], cycles=400)
+    np.testing.assert_array_equal(alone.exponents, one.exponents[:, 2])
+
+
+def test_without_impacts_there_are_no_exponents():
+    with pytest.raises(vi.errors.SingularError, match="no impacts"):
+        vi.lyapunov(TABLE, 0.5, 100.0, cycles=100)
+    both = vi.lyapunov(TABLE, 0.94, [100.0, 37.0], cycles=100)
+    assert np.isnan(both.exponents[:, 0]).all()
+    assert np.isnan(both.dimension[0])
+    assert both.impacts[0] == 0
+
+
+# Bifurcation diagrams
+
+
+def test_impacts_are_those_of_exact_motions(sweeps):
+    """Where the label is 2/1 the impacts are those of the motion that Newton's method finds from them."""
+    up = sweeps.runs.index("up")
+    checked = 0
+    for i in np.flatnonzero(sweeps.labels[up] == "2/1")[::12]:
+        clearance = float(sweeps.values[i])
+        mine = sweeps.points[(sweeps.points["run"] == up) & (sweeps.points["index"] == i)]
+        motions = [m for m in vi.equispaced(EQUAL, 1.04, clearance) if m.stable]
+        motions += vi.find(EQUAL, 1.04, clearance, max_impacts=2, max_cycles=1, releases=0)
+        near = [
+            max(abs(mine["x"][mine["side"] == s] - x).max() for s, x in zip("RL", m.X, strict=True))
+            for m in motions
+            if m.pattern.sides == "RL"
+        ]
+        assert min(near) < 1e-5 * clearance
+        checked += 1
+    assert checked > 4
+
+
+def test_a_sweep_leaves_a_motion_at_the_boundary_of_its_zone():
+    """The sweep up follows the two-impact motion to the last value that its zone contains.
+
+    It ends in a Neimark-Sacker bifurcation: it settles ever more slowly, and what goes to it shrinks.
+    """
+    zone = vi.zone(EQUAL, vi.Pattern("RL"), (1.02, 1.06), (20, 90), lines=9)
+    values = np.arange(70.0, 72.0, 0.05)
+    motion = next(m for m in vi.equispaced(EQUAL, 1.04, values[0]) if m.stable)
+    result = vi.bifurcation_diagram(
+        EQUAL, "clearance", values, r=1.04, sweep="up", state=state_on(motion), settling=5000
+    )
+    followed = result.labels[0] == "2/1"
+    inside = np.array([bool(zone.contains(1.04, value)) for value in values])
+    assert inside[0]
+    assert not inside[-1]
+    assert not followed[~inside].any()
+    assert followed[inside][:-1].all()
+
+
+def test_hysteresis(sweeps):
+    """The sweep down finds the two-impact motion later than the sweep up has left it."""
+    ends = {w.run: w.high for w in sweeps.windows if w.label == "2/1"}
+    assert ends["down"] < ends["up"]
+    between = (sweeps.values > ends["down"]) & (sweeps.values <= ends["up"])
+    assert sweeps.coexisting[between].all()
+    assert not sweeps.coexisting[(sweeps.values > 20) & (sweeps.values <= ends["down"])].any()
+
+
+def test_many_states_see_both_sides_of_the_hysteresis(sweeps):
+    ends = {w.run: w.high for w in sweeps.windows if w.label == "2/1"}
+    middle = (ends["down"] + ends["up"]) / 2
+    values = [30.0, middle]
+    many = vi.bifurcation_diagram(EQUAL, "clearance", values, r=1.04, sweep="states", states=40)
+    assert (many.labels[:, 0] == "2/1").all()
+    assert many.labels.shape == (40, 2)
+    up = vi.bifurcation_diagram(EQUAL, "clearance", values, r=1.04, sweep="up")
+    assert (up.labels == "2/1").all()
+
+
+@pytest.mark.parametrize("parameter", ["r", "xi", "mu", "R1", "R2", "restitution"])
+def test_every_parameter_is_swept(parameter):
+    """At each value the stable two-impact motion of that very system is what is left."""
+    system = {"xi": 0.0114, "mu": 0.028, "R1": 0.75, "R2": 0.75, "r": 1.04}
+    low = 0.75 if parameter == "restitution" else system[parameter]
+    values = np.linspace(low, 1.02 * low, 3)
+    fixed = {"clearance": 40.0} | ({} if parameter == "r" else {"r": 1.04})
+    result = vi.bifurcation_diagram(EQUAL, parameter, values, sweep="down", settling=600, **fixed)
+    assert (result.labels == "2/1").all()
+    for i, value in enumerate(values):
+        here = system | (
+            {"R1": value, "R2": value} if parameter == "restitution" else {parameter: value}
+        )
+        osc = vi.Oscillator(here["xi"], here["mu"], (here["R1"], here["R2"]))
+        run = vi.simulate(osc, here["r"], 40.0, 8, state=MOVING, discard=900)
+        motion = vi.exact(osc, here["r"], 40.0, run)
+        reach = max(-motion.x_min, motion.x_max)
+        np.testing.assert_allclose(max(-result.x_min[0, i], result.x_max[0, i]), reach, rtol=1e-5)
+
+
+def test_labels_of_motions_with_rest():
+    result = vi.bifurcation_diagram(UNEQUAL, "clearance", [5.9, 6.0], r=0.9, sweep="up")
+    assert (result.labels == "2/1").all()  # RL*: the accumulation is one letter
+    assert (result.rests == 1).all()
+    assert (result.impacts > 10).all()
+
+
+def test_diagram_does_not_depend_on_threads():
+    for sweep in ("both", "states"):
+        one, two = (
+            vi.bifurcation_diagram(EQUAL, "r", [1.0, 1.02], clearance=20.0, sweep=sweep, threads=n)
+            for n in (1, 2)
+        )
+        np.testing.assert_array_equal(one.points, two.points)
+        np.testing.assert_array_equal(one.labels, two.labels)
+
+
+# Basins
+
+
+def test_states_go_where_their_basin_says(plane):
+    """Each trajectory, simulated far on, has the impacts of the motion that its label names."""
+    states = plane.states.reshape(5, -1)
+    labels = plane.labels.ravel()
+    assert (labels >= 0).all()
+    r, clearance, checked = plane.r, plane.clearance, 0
+    for j in range(0, labels.size, 7):
+        item = plane.attractors[labels[j]]
+        start = dict(zip(("t", "x", "x_dot", "z", "z_dot"), states[:, j], strict=True))
+        cycles = 5 if item.motion is None else item.motion.pattern.cycles
+        run = vi.simulate(TABLE, r, clearance, cycles, state=start, discard=1500)
+        if item.kind == "no impacts":
+            assert len(run.events) == 0
+            continue
+        x, own = np.sort(run.events["x"]), np.sort(item.motion.X)
+        assert x.size == own.size
+        np.testing.assert_allclose(x, own, atol=1e-5 * clearance)
+        checked += 1
+    assert checked > 150
+
+
+def test_mirror_images_have_equal_shares():
+    """Of random states, which are as likely as their mirror images half a period later."""
+    result = vi.basins(EQUAL, 1.04, 14.0, states=3000)
+    first, second = result.attractors
+    assert {first.kind, second.kind} == {"periodic"}
+    np.testing.assert_allclose(np.sort(first.motion.X), np.sort(-second.motion.X), atol=1e-8 * 14)
+    assert abs(np.diff(result.fractions)[0]) < 4 * 2 * result.standard_error[0]
+    assert result.fractions.sum() == 1
+    for item in result.attractors:
+        assert np.abs(item.motion.multipliers).max() < item.contraction < 1
+        assert item.radius > 0
+
+
+def test_decision_does_not_depend_on_how_soon(plane):
+    """Fewer cycles a round decide the same: what is left goes on from where it is."""
+    hasty = vi.basins(TABLE, 0.94, 37.0, PLANE, cycles=60, probes=400)
+    ours = [item.motion and np.sort(item.motion.X) for item in plane.attractors]
+    share = 0
+    for item, fraction in zip(hasty.attractors, hasty.fractions, strict=True):
+        match = [
+            i for i, x in enumerate(ours)
+            if item.motion is not None and x is not None and len(x) == len(item.motion.X)
+            and np.abs(x - np.sort(item.motion.X)).max() < 1e-6
+        ]  # fmt: skip
+        if match:
+            # transient chaos is decided by rounding: shares, not states, are the same
+            error = math.hypot(plane.standard_error[match[0]], 1e-3)
+            assert abs(fraction - plane.fractions[match[0]]) < 4 * error
+            share += fraction
+    assert share > 0.85
+
+
+def test_motion_with_rest_and_chaos_are_told():
+    resting = vi.basins(UNEQUAL, 0.9, 6.0, states=100)
+    assert [item.kind for item in resting.attractors] == ["rest"]
+    assert resting.attractors[0].motion.pattern == vi.Pattern("RL*")
+    wild = vi.basins(EQUAL, 1.04, 72.0, states=60)
+    assert [item.kind for item in wild.attractors] == ["chaotic"]
+    assert wild.attractors[0].lyapunov.per_cycle[0] > 0.1
+    assert wild.labels.max() == 0
+
+
+def test_basins_do_not_depend_on_threads():
+    one, two = (vi.basins(TABLE, 0.94, 37.0, states=200, threads=n) for n in (1, 2))
+    np.testing.assert_array_equal(one.labels, two.labels)
+    np.testing.assert_array_equal(one.states, two.states)
+    assert one.impacts == two.impacts
+
+
+def drawn(labels, low=-1.0, high=1.0):
+    """Return basins with given labels on a square."""
+    n, m = labels.shape
+    axes = (Axis("x", low, high, n), Axis("x_dot", low, high, m))
+    made = vi.BasinAttractor("periodic", "made", None, {})
+    both = [made, replace(made, name="other")]
+    return vi.Basins(
+        EQUAL, 1.0, 1.0, 1.0, both, labels.astype(np.int32), axes, np.zeros((5, n, m)), 0
+    )
+
+
+def test_uncertainty_exponent_of_known_boundaries():
+    """1 for a straight boundary, 0 where labels are thrown, 1 - log 2/log 3 for the set of Cantor."""
+    x = np.linspace(-1, 1, 243)
+    half = drawn(np.add.outer(x, 0.3 * x) > 0.1)
+    assert abs(half.uncertainty_exponent - 1) < 0.02
+    thrown = drawn(np.random.default_rng(3).random((300, 300)) > 0.5)
+    assert abs(thrown.uncertainty_exponent) < 0.02
+    assert math.isnan(drawn(np.zeros((50, 50))).uncertainty_exponent)
+
+
+def test_integrity_is_the_largest_disc():
+    x = np.linspace(-1, 1, 201)
+    distance = np.hypot(*np.meshgrid(x - 0.2, x + 0.1, indexing="ij"))
+    disc = drawn(np.where(distance < 0.5, 0, 1))
+    radius, centre = disc.integrity(0)
+    assert abs(radius - 0.5) < 0.011
+    assert np.hypot(centre[0] - 0.2, centre[1] + 0.1) < 0.011
+
+
+def test_distances_are_those_of_every_pair():
+    random = np.random.default_rng(5)
+    inside = random.random((13, 17)) > 0.2
+    points = np.argwhere(np.pad(~inside, 1, constant_values=True)) - 1
+    found = distance_to_other(inside, 0.5, 0.3)
+    for (i, j), value in np.ndenumerate(found):
+        near = np.hypot(0.5 * (points[:, 0] - i), 0.3 * (points[:, 1] - j)).min()
+        assert value == pytest.approx(near, abs=1e-12)
+
+
+# Response
+
+
+def test_response_is_that_of_the_exact_motions():
+    """Each attractor's max|X|/A is that of a motion that Newton's method finds."""
+    r, inverse = np.array([1.04, 1.06]), 0.03
+    result = vi.response(EQUAL, r, inverse_clearance=inverse, states=8)
+    for i, one in enumerate(r.tolist()):
+        motions = vi.find(EQUAL, one, 1 / inverse, max_impacts=3, max_cycles=1)
+        own = np.array([m.attenuation for m in motions if m.stable])
+        assert (result.cycles[i] > 0).all()
+        for value in result.attenuation[i]:
+            assert np.abs(own / value - 1).min() < 1e-5
+    assert np.all(result.lowest <= result.highest)
+
+
+def test_response_by_clearance_is_the_same():
+    one = vi.response(EQUAL, [1.0, 1.02], clearance=25.0, states=4, threads=1)
+    two = vi.response(EQUAL, [1.0, 1.02], inverse_clearance=0.04, states=4, threads=2)
+    np.testing.assert_array_equal(one.attenuation, two.attenuation)
+
+
+def test_load_scales_lengths():
+    """Twice the load with twice the clearance is the same motion, twice as large."""
+    plain = vi.response(EQUAL, [1.04], clearance=30.0, states=4)
+    twice = vi.response(EQUAL, [1.04], clearance=60.0, states=4, load=2.0)
+    np.testing.assert_allclose(plain.highest, twice.highest, rtol=1e-9)
+
+
+# All of them
+
+
+@pytest.mark.parametrize(
+    ("call", "word"),
+    [
+        (lambda: vi.lyapunov(EQUAL, 1.04, 10.0, cycles=10), "cycles"),
+        (lambda: vi.lyapunov(EQUAL, 1.04, -1.0), "clearance"),
+        (lambda: vi.lyapunov(EQUAL, [1.0, 1.1], [1.0, 2.0, 3.0]), "one shape"),
+        (lambda: vi.lyapunov(EQUAL, 1.04, 10.0, state={"t": 0}), "state"),
+        (lambda: vi.bifurcation_diagram(EQUAL, "D", [1, 2], r=1.0), "parameter"),
+        (lambda: vi.bifurcation_diagram(EQUAL, "r", [1, 1.1]), "clearance"),
+        (lambda: vi.bifurcation_diagram(EQUAL, "r", [1, 1.1], r=1.0, clearance=9), "left out"),
+        (lambda: vi.bifurcation_diagram(EQUAL, "r", [1], clearance=9), "values"),
+        (lambda: vi.bifurcation_diagram(EQUAL, "R1", [0.5, 1.5], 1.0, 9.0), "R1"),
+        (lambda: vi.bifurcation_diagram(EQUAL, "r", [1, 1.1], clearance=9, sweep="x"), "sweep"),
+        (lambda: vi.basins(EQUAL, 1.04, 10.0), "give one"),
+        (lambda: vi.basins(EQUAL, 1.04, 10.0, (("z", 0, 1, 5), ("x", 0, 1, 5))), "name"),
+        (lambda: vi.basins(EQUAL, 1.04, 10.0, (("x", 1, 0, 5), ("y", 0, 1, 5))), "rise"),
+        (
+            lambda: vi.basins(EQUAL, 1.04, 10.0, (("x", 0, 1, 5), ("y", 0, 9, 5))),
+            "half the clearance",
+        ),
+        (lambda: vi.basins(EQUAL, 1.04, 10.0, states=0), "states"),
+        (lambda: vi.response(EQUAL, [1.0]), "give one"),
+        (lambda: vi.response(EQUAL, [1.0], clearance=-1.0), "positive"),
+        (lambda: vi.response(EQUAL, [1.0], clearance=9.0, load=0), "load"),
+    ],
+)
+def test_bad_input_is_named(call, word):
+    with pytest.raises((vi.errors.ParameterError, vi.errors.ParameterTypeError), match=word):
+        call()
+
+
+def test_tables_and_pictures(plane, sweeps):
+    """Every study has a labelled table and a picture with labelled axes, drawn where it is told."""
+    xarray = pytest.importorskip("xarray")
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    plt = (
+        matplotlib.pyplot
+        if hasattr(matplotlib, "pyplot")
+        else __import__("matplotlib.pyplot").pyplot
+    )
+    results = [
+        vi.lyapunov(EQUAL, 1.04, np.linspace(6, 40, 4), cycles=200),
+        sweeps,
+        plane,
+        vi.response(EQUAL, [1.0, 1.02], clearance=25.0, states=4),
+    ]
+    for result in results:
+        assert isinstance(result.to_xarray(), xarray.Dataset)
+        figure, ax = plt.subplots()
+        assert result.plot(ax=ax) is ax
+        assert ax.get_xlabel()
+        assert ax.get_ylabel()
+        plt.close(figure)
+    table = plane.to_xarray()
+    np.testing.assert_array_equal(table["label"].transpose("x", "x_dot"), plane.labels)
+    table = sweeps.to_xarray()
+    np.testing.assert_array_equal(table["clearance"], sweeps.values)
+    with pytest.raises(vi.errors.ParameterError, match="quantity"):
+        sweeps.plot(quantity="colour")
