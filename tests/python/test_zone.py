@@ -6,11 +6,12 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 from vibroimpact.newton import newton
 from vibroimpact.studies.conditions import is_symmetric
 from vibroimpact.studies.geometry import signed_area
 
+FIGURE3 = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 FIGURE6 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 FIGURE8 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
 WINDOW = ((0.8, 1.2), (2, 200))
@@ -153,6 +154,80 @@ def test_boundary_against_bisection(equispaced):
                 assert bool(equispaced.contains(r, edge * (1 - 1e-6))) == (a > 0)
                 checked += 1
     assert checked >= 2
+
+
+def corners(zone, edge):
+    """Where an edge of the window cuts the zone: the lowest and highest ends of that piece."""
+    (piece,) = [p for p in zone.boundary if p.detail == edge]
+    ends = piece.clearance if edge.endswith(" r") else piece.r
+    return sorted(ends[[0, -1]].tolist())
+
+
+def unequispaced(r, second):
+    """The motion whose second impact has a given phase: the paper's linear problem, no iteration."""
+    return vi.periodic(FIGURE3, r, [0, second], vi.Pattern("RL"))
+
+
+def test_the_very_narrow_zone_of_figure_3_at_resonance():
+    """Its width in D at r = 1: from the flip to the pitchfork, both by bisection of a multiplier."""
+    pattern = vi.Pattern("RL")
+    zone = vi.zone(FIGURE3, pattern, (0.98, 1.02), (20, 60), symmetric=False)
+    assert zone.complete
+    assert len(zone.loops) == 1
+
+    def flip(second):
+        return float(np.real(unequispaced(1.0, second).multipliers).min() + 1)
+
+    def pitchfork(clearance):
+        motion = next(m for m in vi.equispaced(FIGURE3, 1.0, clearance) if m.admissible)
+        real = motion.multipliers[np.abs(motion.multipliers.imag) < 1e-9].real
+        return float(real.max() - 1)
+
+    second = brentq(flip, 1.38 * math.pi, 1.41 * math.pi, xtol=1e-13)
+    low = unequispaced(1.0, second).clearance
+    high = brentq(pitchfork, 35.5, 36.0, xtol=1e-12)
+    assert 0.006 < high / low - 1 < 0.0065
+    # with r = 1 as an edge of the window, its corners are the very ends
+    cut = vi.zone(FIGURE3, pattern, (1.0, 1.02), (20, 60), symmetric=False)
+    np.testing.assert_allclose(corners(cut, "lowest r"), [low, high], rtol=1e-8)
+    width = high - low
+    np.testing.assert_array_equal(
+        zone.contains(
+            1.0, [low - 1e-3 * width, low + 1e-3 * width, high - 1e-3 * width, high + 1e-3 * width]
+        ),
+        [False, True, True, False],
+    )
+    largest = [
+        np.abs(unequispaced(1.0, a).multipliers[0])
+        for a in np.linspace(math.pi + 1e-3, second, 200)
+    ]
+    assert 0.98 < min(largest) < 0.99
+    assert 0.9999 < max(largest) < 1 + 1e-12
+
+
+def test_the_very_narrow_zone_of_figure_3_at_its_tip():
+    """Its width in r at D = 37: from the flip to the fold, where r is stationary on the line D = 37."""
+
+    def on_line(second):
+        return brentq(lambda r: unequispaced(r, second).clearance - 37.0, 0.997, 0.9995, xtol=1e-15)
+
+    def flip(second):
+        return float(np.real(unequispaced(on_line(second), second).multipliers).min() + 1)
+
+    second = brentq(flip, 1.38 * math.pi, 1.41 * math.pi, xtol=1e-13)
+    fold = minimize_scalar(
+        lambda a: -on_line(a), bounds=(1.35 * math.pi, 1.385 * math.pi), method="bounded", options={"xatol": 1e-7},
+    )  # fmt: skip
+    low, high = on_line(second), -fold.fun
+    assert 5e-6 < high - low < 7e-6
+    zone = vi.zone(FIGURE3, vi.Pattern("RL"), (0.98, 1.02), (20, 37), symmetric=False)
+    np.testing.assert_allclose(corners(zone, "highest d K/F0"), [low, high], rtol=0, atol=1e-10)
+    for share in (0.1, 0.5, 0.9):
+        motion = unequispaced(
+            on_line(second + share * (fold.x - second)), second + share * (fold.x - second)
+        )
+        assert motion.stable
+        assert 0.99 < np.abs(motion.multipliers[0]) < 1
 
 
 def test_mirror_images_have_the_same_zone():
