@@ -356,7 +356,7 @@ def test_report_stands_alone(whole):
 def test_interrupt_leaves_whole_items(tmp_path):
     """Ctrl-C ends with status 1; what is stamped as done is whole, and is not done again."""
     code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
-    names = ["figure10a", "figure10b"]
+    names = ["figure3", "figure7", "figure8b", "figure10a"]
     command = [sys.executable, "-c", code, "reproduce", *names, "-o", str(tmp_path)]
     process = subprocess.Popen(
         command,
