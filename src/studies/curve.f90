@@ -7,7 +7,6 @@ module vi_curve
    use vi_conditions, only: condition_value
    use vi_frame, only: condition_type, frame_type, neimark_sacker, unknown_count
    use vi_kinds, only: wp
-   use vi_linear, only: add, eliminate, linear_type, most_free, most_numbers
    use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, &
       orbit_residual, orbit_type, set_orbit
    use vi_rest_conditions, only: value_in_period
@@ -15,7 +14,7 @@ module vi_curve
    implicit none (type, external)
    private
 
-   public :: parameters_of, point_size, correct, gradient, tangent_at, unknowns_of
+   public :: parameters_of, point_size, correct, condition_slope, tangent_at, unknowns_of
 
    type, public :: curve_type
       type(frame_type) :: frame
@@ -76,29 +75,25 @@ contains
       !> Iterations used; 0 if they did not converge.
       integer, intent(out) :: iterations
       real(wp), intent(in), optional :: normal(:)
-      type(linear_type) :: linear
-      real(wp), dimension(most_numbers) :: start, step
-      real(wp) :: wanted(size(conditions)), moved
+      real(wp) :: matrix(size(point), size(point)), step(size(point)), moved
+      real(wp) :: start(size(point))
       logical :: regular, simulated
-      integer :: i, j, n
+      integer :: i
 
-      n = size(point)
-      start(:n) = point
+      start = point
       iterations = 0
       simulated = curve%frame%resting .and. any(conditions%kind <= neimark_sacker)
       do i = 1, most_iterations
-         call linear_equations(curve, conditions, point, linear)
-         if (present(normal)) call add(linear, normal, dot_product(normal, point - start(:n)))
-         call eliminate(linear, n, step, regular)
-         if (.not. regular) return
-         if (linear%n_free > 0) then
-            wanted = [(value_at(curve, conditions(j), point - step(:n)), j=1, size(conditions))]
-            call meet(curve, conditions, point - step(:n), wanted, linear, step(:n), regular)
-            if (.not. regular) return
+         call equations(curve, conditions, point, step, matrix)
+         if (present(normal)) then
+            matrix(size(point), :) = normal
+            step(size(point)) = dot_product(normal, point - start)
          end if
-         moved = maxval(abs(step(:n)))
+         call eliminate(matrix, step, regular)
+         if (.not. regular) return
+         moved = maxval(abs(step))
          if (.not. moved < 0.5_wp) return
-         point = point - step(:n)
+         point = point - step
          ! the matrix is right to 1e-8 or better: what is left after this step is below rounding;
          ! the multipliers of a simulated map are differences, and so less sharp
          if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated)) then
@@ -108,59 +103,27 @@ contains
       end do
    end subroutine correct
 
-   !> Adds to a step what changes the conditions by the values wanted, along the free directions.
-   !!
-   !! Only along these one or two directions are the slopes of a condition wanted, since it costs
-   !! more than all the linear algebra.
-   pure subroutine meet(curve, conditions, point, wanted, linear, step, regular)
-      type(curve_type), intent(in) :: curve
-      type(condition_type), intent(in) :: conditions(:)
-      real(wp), intent(in) :: point(:), wanted(:)
-      type(linear_type), intent(in) :: linear
-      real(wp), intent(inout) :: step(:)
-      logical, intent(out) :: regular
-      type(linear_type) :: small
-      real(wp) :: share(most_free), slope(most_free)
-      integer :: j, k, n
-
-      n = linear%n_free
-      do j = 1, size(conditions)
-         if (is_linear(curve, conditions(j))) cycle
-         do k = 1, n
-            slope(k) = slope_along(curve, conditions(j), point, linear%free(:size(step), k))
-         end do
-         call add(small, slope(:n), wanted(j))
-      end do
-      call eliminate(small, n, share, regular)
-      if (regular) step = step + matmul(linear%free(:size(step), :n), share(:n))
-   end subroutine meet
-
-   !> Whether a condition is among the linear equations: a period with rest gives the values of all
-   !! conditions but those of stability.
-   elemental logical function is_linear(curve, condition)
-      type(curve_type), intent(in) :: curve
-      type(condition_type), intent(in) :: condition
-
-      is_linear = curve%frame%resting .and. condition%kind > neimark_sacker
-   end function is_linear
-
-   !> The equations of the motion for a step of Newton's method.
-   pure subroutine linear_equations(curve, conditions, point, linear)
+   !> Residuals of the motion and of the conditions, with their derivatives.
+   pure subroutine equations(curve, conditions, point, residual, matrix)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       real(wp), intent(in) :: point(:)
-      type(linear_type), intent(inout) :: linear
+      real(wp), intent(out) :: residual(:), matrix(:, :)
       type(orbit_type) :: o
-      real(wp) :: c(n_parameters), matrix(size(point), size(point))
+      real(wp) :: c(n_parameters)
       integer :: n, j
 
+      n = unknown_count(curve%frame)
       if (curve%frame%resting) then
-         call rest_equations(curve, pack(conditions, is_linear(curve, conditions)), point, linear)
+         call rest_equations(curve, conditions, point, residual, matrix)
          return
       end if
-      n = unknown_count(curve%frame)
+      do j = 1, size(conditions)
+         call condition_slope(curve, conditions(j), point, residual(n + j), matrix(n + j, :))
+      end do
       c = parameters_of(curve, point)
       call set_orbit(curve%frame%family, point(:n), c, o)
+      residual(:n) = orbit_residual(o)
       call orbit_matrix(o, matrix(:n, :n))
       do j = 1, size(curve%active)
          matrix(:n, n + j) = curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, &
@@ -168,30 +131,28 @@ contains
          if (curve%tied .and. curve%active(j) == by_right) matrix(:n, n + j) = matrix(:n, n + j) &
             + curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, by_left)
       end do
-      linear%m = n
-      linear%right(:n) = orbit_residual(o)
-      do j = 1, n
-         linear%row(:size(point), j) = matrix(j, :)
-      end do
-   end subroutine linear_equations
+   end subroutine equations
 
    !> The same for motions with rest, whose map is simulated: the derivatives are differences.
-   pure subroutine rest_equations(curve, conditions, point, linear)
+   pure subroutine rest_equations(curve, conditions, point, residual, matrix)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       real(wp), intent(in) :: point(:)
-      type(linear_type), intent(inout) :: linear
+      real(wp), intent(out) :: residual(:), matrix(:, :)
       real(wp), parameter :: h = 1.0e-7_wp
       real(wp) :: moved(size(point))
       integer :: j, n
 
       n = 2 + size(conditions)
-      linear%m = n
-      linear%right(:n) = rest_values(curve, conditions, point)
+      residual(:n) = rest_values(curve, conditions, point)
       do j = 1, size(point)
          moved = point
          moved(j) = point(j) + h
-         linear%row(j, :n) = (rest_values(curve, conditions, moved) - linear%right(:n))/h
+         matrix(:n, j) = (rest_values(curve, conditions, moved) - residual(:n))/h
+      end do
+      do j = 1, size(conditions)
+         if (conditions(j)%kind > neimark_sacker) cycle
+         call condition_slope(curve, conditions(j), point, residual(2 + j), matrix(2 + j, :))
       end do
    end subroutine rest_equations
 
@@ -215,52 +176,39 @@ contains
       end do
    end function rest_values
 
-   !> The value of a condition at a point.
-   pure real(wp) function value_at(curve, condition, point) result(value)
+   !> Value and derivative (by central differences) of a condition.
+   pure subroutine condition_slope(curve, condition, point, value, slope)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: condition
       real(wp), intent(in) :: point(:)
+      real(wp), intent(out) :: value, slope(:)
+      real(wp) :: moved(size(point)), h
+      integer :: i, j
 
-      value = condition_value(curve%frame, point(:unknown_count(curve%frame)), &
-         parameters_of(curve, point), condition)
-   end function value_at
-
-   !> Derivative of a condition along a direction, by central differences.
-   pure real(wp) function slope_along(curve, condition, point, direction) result(slope)
-      type(curve_type), intent(in) :: curve
-      type(condition_type), intent(in) :: condition
-      real(wp), intent(in) :: point(:), direction(:)
-      real(wp) :: h
-      integer :: i
-
+      value = at(point)
       h = 1.0e-6_wp
       if (curve%frame%resting) h = merge(1.0e-4_wp, 1.0e-7_wp, condition%kind <= neimark_sacker)
       ! the derivative of a simulated map is a difference itself, and so less smooth; near the end
       ! of a family with rest only a shorter step stays on its side
       do i = 1, merge(3, 1, h > 1.0e-5_wp)
-         associate (way => h/maxval(abs(direction))*direction)
-            slope = (value_at(curve, condition, point + way) &
-               - value_at(curve, condition, point - way))*(maxval(abs(direction))/(2*h))
-         end associate
-         if (abs(slope) <= huge(slope)) return
+         do j = 1, size(point)
+            moved = point
+            moved(j) = point(j) + h
+            slope(j) = at(moved)
+            moved(j) = point(j) - h
+            slope(j) = (slope(j) - at(moved))/(2*h)
+         end do
+         if (all(abs(slope) <= huge(h))) return
          h = 0.1_wp*h
       end do
-   end function slope_along
+   contains
+      pure real(wp) function at(place)
+         real(wp), intent(in) :: place(:)
 
-   !> The gradient of a condition.
-   pure function gradient(curve, condition, point)
-      type(curve_type), intent(in) :: curve
-      type(condition_type), intent(in) :: condition
-      real(wp), intent(in) :: point(:)
-      real(wp) :: gradient(size(point)), axis(size(point))
-      integer :: j
-
-      do j = 1, size(point)
-         axis = 0
-         axis(j) = 1
-         gradient(j) = slope_along(curve, condition, point, axis)
-      end do
-   end function gradient
+         at = condition_value(curve%frame, unknowns_of(curve, place), parameters_of(curve, place), &
+            condition)
+      end function at
+   end subroutine condition_slope
 
    !> The unit tangent of a curve at a point of it, in the direction of a given vector.
    pure subroutine tangent_at(curve, conditions, point, along, tangent, regular)
@@ -270,21 +218,54 @@ contains
       real(wp), intent(in) :: point(:), along(:)
       real(wp), intent(out) :: tangent(:)
       logical, intent(out) :: regular
-      type(linear_type) :: linear
-      real(wp) :: wanted(size(conditions))
-      integer :: j
+      real(wp) :: matrix(size(point), size(point)), unused(size(point))
 
-      call linear_equations(curve, conditions, point, linear)
-      linear%right(:linear%m) = 0
-      call add(linear, along, 1.0_wp)
+      call equations(curve, conditions, point, unused, matrix)
+      matrix(size(point), :) = along
       tangent = 0
-      call eliminate(linear, size(point), tangent, regular)
-      if (.not. regular) return
-      if (linear%n_free > 0) then
-         wanted = [(-slope_along(curve, conditions(j), point, tangent), j=1, size(conditions))]
-         call meet(curve, conditions, point, wanted, linear, tangent, regular)
-      end if
+      tangent(size(point)) = 1
+      call eliminate(matrix, tangent, regular)
       if (regular) tangent = tangent/norm2(tangent)
    end subroutine tangent_at
+
+   !> Solves a small square system by Gaussian elimination with scaled partial pivoting.
+   !!
+   !! At these sizes the calls of a library would take most of the time.
+   pure subroutine eliminate(a, b, regular)
+      real(wp), intent(inout) :: a(:, :), b(:)
+      logical, intent(out) :: regular
+      real(wp) :: row(size(b)), factor
+      integer :: n, i, j, k
+
+      n = size(b)
+      regular = .false.
+      do i = 1, n
+         factor = maxval(abs(a(i, :)))
+         if (.not. (factor > 0 .and. factor <= huge(factor))) return
+         a(i, :) = a(i, :)/factor
+         b(i) = b(i)/factor
+      end do
+      do k = 1, n
+         j = k - 1 + maxloc(abs(a(k:, k)), dim=1)
+         if (.not. abs(a(j, k)) > 1.0e-14_wp) return
+         if (j /= k) then
+            row = a(k, :)
+            a(k, :) = a(j, :)
+            a(j, :) = row
+            b([k, j]) = b([j, k])
+         end if
+         do i = k + 1, n
+            factor = a(i, k)/a(k, k)
+            if (abs(factor) > 0) then
+               a(i, k + 1:) = a(i, k + 1:) - factor*a(k, k + 1:)
+               b(i) = b(i) - factor*b(k)
+            end if
+         end do
+      end do
+      do k = n, 1, -1
+         b(k) = (b(k) - dot_product(a(k, k + 1:), b(k + 1:)))/a(k, k)
+      end do
+      regular = .true.
+   end subroutine eliminate
 
 end module vi_curve

@@ -5,7 +5,7 @@
 !! another one gets zero there is a corner, and the boundary goes on along that one.
 module vi_loop
    use vi_conditions, only: condition_value
-   use vi_curve, only: correct, curve_type, gradient, parameters_of, tangent_at, unknowns_of
+   use vi_curve, only: condition_slope, correct, curve_type, parameters_of, tangent_at, unknowns_of
    use vi_frame, only: condition_type, grazing, wrap_phases
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
@@ -208,11 +208,11 @@ contains
       type(place_type), intent(inout) :: now
       logical, intent(out) :: good
       type(condition_type) :: old
-      real(wp) :: along(size(corner%point))
+      real(wp) :: along(size(corner%point)), unused
 
       old = active
       active = corner%conditions(which)
-      along = gradient(curve, old, corner%point)
+      call condition_slope(curve, old, corner%point, unused, along)
       along = along/norm2(along)
       call begin_walk(curve, [active], corner%point, along, max(1.0e-4_wp, 0.1_wp*corner%step), &
          now, good)
