@@ -86,7 +86,9 @@ contains
       if (loop%closed) found%loops = found%loops + 1
       found%complete = found%complete .and. loop%closed
       number = merge(found%loops, 0, loop%closed)
-      starts = [1, pack([(j, j=2, loop%n)], loop%corner(2:loop%n) == begins), loop%n + 1]
+      m = count(loop%corner(2:loop%n) == begins)
+      allocate (starts(m + 2), source=[1, pack([(j, j=2, loop%n)], loop%corner(2:loop%n) == &
+         begins), loop%n + 1])
       m = size(starts) - 1
       if (loop%closed .and. m > 1 .and. loop%corner(1) /= begins) then
          ! the loop begins within a piece
