@@ -12,7 +12,10 @@ from pathlib import Path
 from typing import Any
 
 #: In the order of the help text.
-NAMES = ("run", "simulate", "find", "branch", "zone", "atlas", "plot", "reproduce")
+NAMES = (
+    "run", "simulate", "find", "branch", "zone", "atlas", "bifurcation", "basins", "lyapunov", "response",
+    "plot", "reproduce",
+)  # fmt: skip
 
 #: Formats of pictures, the first one if none is named.
 PICTURES = ("png", "svg", "pdf")

@@ -1,0 +1,78 @@
+"""Options and files that the studies of attractors have in common."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ParameterError
+from ..files import write_text
+from ..model import Oscillator
+from . import PICTURES, add_folder, picture_writer
+
+
+def add_system(parser: argparse.ArgumentParser) -> None:
+    """The oscillator, the folder of the results, and --plot."""
+    for name, wanted in (("xi", "damping ratio"), ("mu", "mass ratio")):
+        parser.add_argument(
+            f"--{name}", type=float, required=True, metavar=name.upper(), help=wanted
+        )
+    parser.add_argument(
+        "--restitution", type=float, nargs="+", required=True, metavar="R",
+        help="coefficient of restitution of both walls, or of the right one and the left one",
+    )  # fmt: skip
+    add_folder(parser)
+    parser.add_argument(
+        "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
+        help=f"draw it, as {', '.join(PICTURES)} (default: {PICTURES[0]})",
+    )  # fmt: skip
+
+
+def add_range(
+    parser: argparse.ArgumentParser, name: str, wanted: str, required: bool = False
+) -> None:
+    """A number, or LOW HIGH N."""
+    parser.add_argument(
+        f"--{name}", type=float, nargs="+", required=required, metavar="V",
+        help=f"{wanted}: a number, or LOW HIGH N for N of them",
+    )  # fmt: skip
+
+
+def numbers(values: Sequence[float], name: str) -> float | NDArray[np.float64]:
+    """What such an option says."""
+    if len(values) == 1:
+        return values[0]
+    if len(values) != 3 or values[2] != int(values[2]) or values[2] < 2:
+        raise ParameterError(
+            f"--{name} {' '.join(f'{v:g}' for v in values)}: must be a number, or LOW HIGH N with N >= 2"
+        )
+    return np.linspace(values[0], values[1], int(values[2]))
+
+
+def oscillator(options: argparse.Namespace) -> Oscillator:
+    """The system that the options name."""
+    walls = options.restitution
+    return Oscillator(options.xi, options.mu, walls[0] if len(walls) == 1 else tuple(walls))
+
+
+def write_table(
+    options: argparse.Namespace, name: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]
+) -> None:
+    """DIR/NAME.csv, numbers with all their digits."""
+    folder = Path(options.folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    lines = [",".join(columns), *(",".join(map(str, row)) for row in rows)]
+    write_text(folder / f"{name}.csv", "\n".join(lines) + "\n")
+    print(f"{name}: {folder / f'{name}.csv'}")
+
+
+def draw(options: argparse.Namespace, name: str, result: Any) -> None:
+    """The picture beside it, if it is wanted."""
+    if options.plot:
+        save = picture_writer()
+        print(f"{name}: {save(result.plot(), Path(options.folder) / f'{name}.{options.plot}')}")
