@@ -137,7 +137,9 @@ class Catalogue:
             ):
                 continue
             kind = "rest" if motion.pattern.has_rest else "periodic"
-            name = f"{motion.pattern.sides}/{motion.pattern.cycles}"
+            letters = motion.pattern.letters
+            sides = max("".join(letters[i:] + letters[:i]) for i in range(len(letters)))
+            name = f"{sides}/{motion.pattern.cycles}"
             state = as_state(settled.ends[:, 0, j], self.clearance)
             self.attractors.append(BasinAttractor(kind, name, motion, state))
 
