@@ -305,6 +305,14 @@ def test_motion_with_rest_and_chaos_are_told():
     assert wild.labels.max() == 0
 
 
+def test_what_never_settles_is_not_decided():
+    """Free vibration dies out for ever: no state is given an attractor."""
+    result = vi.basins(EQUAL, 0.9, 5.0, states=20, load=0.0, cycles=100)
+    assert (result.labels == -1).all()
+    assert result.attractors == []
+    assert "20 not decided" in repr(result)
+
+
 def test_basins_do_not_depend_on_threads():
     one, two = (vi.basins(TABLE, 0.94, 37.0, states=200, threads=n) for n in (1, 2))
     np.testing.assert_array_equal(one.labels, two.labels)

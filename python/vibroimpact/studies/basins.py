@@ -155,12 +155,11 @@ class Basins:
         return draw_basins(self, ax)
 
     def __repr__(self) -> str:
-        shares = ", ".join(
-            f"{item.name} {share:.1%}"
-            for item, share in zip(self.attractors, self.fractions, strict=True)
-        )
+        shares = zip(self.attractors, self.fractions, strict=True)
+        parts = [f"{item.name} {share:.1%}" for item, share in shares]
         left = int((self.labels < 0).sum())
-        return f"<Basins of {self.labels.size} states: {shares}{f'; {left} not decided' if left else ''}>"
+        parts += [f"{left} not decided"] if left else []
+        return f"<Basins of {self.labels.size} states: {', '.join(parts)}>"
 
 
 def basins(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..errors import SingularError
 from ..model import Oscillator
 from ..motion import Motion
 from ..trajectory import TWO_PI, simulate
@@ -25,6 +26,8 @@ ROUNDS, LIVELY = 16, 0.02
 EXPONENT_CYCLES, EXPONENT_DISCARD = 4000, 500
 #: States that are described at a time, and impacts that are kept of each.
 BLOCK, IMPACTS = 2000, 200
+#: Attractors that are not periodic, at most: without damping every state has its own.
+GROUPS = 30
 #: Least largest exponent of chaos per load cycle.
 CHAOTIC = 2e-3
 
@@ -186,7 +189,7 @@ class Catalogue:
             if settled.status[0, j] != 0:
                 continue
             state = as_state(settled.ends[:, 0, j], self.clearance)
-            if settled.impacts[0, j] == 0:
+            if settled.impacts[0, j] == 0 and settled.cycles[0, j]:
                 key: Any = "no impacts"
             elif settled.cycles[0, j]:
                 key = (int(settled.cycles[0, j]), int(settled.letters[0, j]))
@@ -216,22 +219,27 @@ class Catalogue:
             if best >= 0 and shares[best] > 0.5:
                 labels[j] = self.places[best][0]
                 continue
+            if len(self.places) >= GROUPS:
+                continue
             state = as_state(settled.ends[:, 0, j], self.clearance)
             run = simulate(
                 self.osc, self.r, self.clearance, EXPONENT_CYCLES, state=state, load=self.load
             )
             hits = run.events[run.events["kind"] == "impact"]
             cells = cells_of(hits["phase"], hits["x"], hits["side"] == "R", self.clearance)
-            result = lyapunov(
-                self.osc,
-                self.r,
-                self.clearance,
-                EXPONENT_CYCLES,
-                state,
-                self.load,
-                EXPONENT_DISCARD,
-                threads=self.threads,
-            )
+            try:
+                result = lyapunov(
+                    self.osc,
+                    self.r,
+                    self.clearance,
+                    EXPONENT_CYCLES,
+                    state,
+                    self.load,
+                    EXPONENT_DISCARD,
+                    threads=self.threads,
+                )
+            except SingularError:
+                continue  # impacts die out
             largest = float(result.per_cycle[0])
             if not largest > -CHAOTIC:
                 continue  # a transient that has ended meanwhile
