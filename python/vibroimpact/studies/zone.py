@@ -268,7 +268,7 @@ def zone(
         Lattice lines each way, 5 to 129; at least 33 are taken for a pattern with rest. Parts of a zone that
         touch no line can be missed.
     guesses : int
-        Guesses for motions at every second node each way.
+        Guesses for motions at every second node each way; a quarter of it at the others.
     seeds : sequence of Motion
         Motions of the pattern that are known to be there, for sheets that the search could miss.
     max_points : int
@@ -419,14 +419,9 @@ def one_family(
         first += count
         complete = complete and closed == 1
         ring = dense_ring(vertices[:, here], window, closed == 1)
-        outside = np.log(inside[1, i])
         if closed:
-            area = signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])])
-            around = winding(
-                np.c_[ring[:, 0], np.log(ring[:, 1])], np.array([[inside[0, i], outside]])
-            )
-            # counter-clockwise around the zone; a hole does not go round the point inside
-            if (area > 0) != bool(around[0]):
+            # counter-clockwise around the zone, clockwise around a hole
+            if not zone_is_left(ring, vertices[:2, here], labels[:, here], inside[:, i]):
                 ring = ring[::-1]
             rings.append(ring)
         number = len(rings) - 1 if closed else -1
@@ -443,6 +438,23 @@ def one_family(
             )
         )
     return pieces, rings, complete, work
+
+
+def zone_is_left(ring: _Array, vertices: _Array, labels: NDArray[np.int32], inside: _Array) -> bool:
+    """Whether the zone lies to the left of its boundary.
+
+    An edge of the window tells at once. Otherwise a point inside does; it can lie so close to a fold that
+    where an edge cuts it off it would be useless.
+    """
+    log = np.log(vertices[1])
+    steps = np.array([np.roll(log, -1) - log, np.roll(vertices[0], -1) - vertices[0]])
+    kind, index, side = labels[:3]
+    along = np.where(kind == EDGE, np.where(index == 1, -steps[0], steps[1]) * side, 0.0)
+    if along.any():
+        return bool(along[np.argmax(abs(along))] > 0)
+    plane = np.c_[ring[:, 0], np.log(ring[:, 1])]
+    around = winding(plane, np.array([[inside[0], np.log(inside[1])]]))
+    return (signed_area(plane) > 0) == bool(around[0])
 
 
 def split_pieces(
