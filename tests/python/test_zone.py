@@ -291,6 +291,54 @@ def test_impact_pair_against_its_closed_form(xi, restitution, cycles, r, clearan
     assert all(distance(zone, places[0][i], places[1][i]) < 1e-6 for i in wrong)
 
 
+GRAZING = [
+    (vi.Oscillator(xi=0.05, mu=0.3, restitution=0.6), vi.Pattern("RRL"), (0.8, 1.2), (2, 200)),
+    (vi.Oscillator(xi=0.05, mu=0.3, restitution=0.6), vi.Pattern("RL", 3), (0.3, 0.7), (0.5, 50)),
+    (FIGURE6, vi.Pattern("RL"), (0.3, 0.7), (0.5, 50)),
+    (FIGURE8, vi.Pattern("RRLL"), (0.3, 0.7), (0.5, 50)),
+]
+
+
+def letters_from(motion, cycles):
+    """Sides of the impacts of a simulation that starts just after the first impact of a motion."""
+    state = {
+        "t": motion.load_phase / motion.r, "x": motion.X[0], "x_dot": motion.X_dot_after[0],
+        "z": motion.Z[0], "z_dot": motion.Z_dot_after[0],
+    }  # fmt: skip
+    run = vi.simulate(motion.osc, motion.r, motion.clearance, cycles, state=state)
+    return "".join(run.events["side"][run.events["kind"] == "impact"].tolist())
+
+
+@pytest.mark.parametrize(("osc", "pattern", "r", "clearance"), GRAZING)
+def test_grazing_pieces_against_simulation(osc, pattern, r, clearance):
+    """Across the piece, along r and along D: the pattern lasts inside, outside there is one impact more."""
+    zone = vi.zone(osc, pattern, r, clearance)
+    pieces = [p for p in zone.boundary if p.type == "grazing" and len(p) > 6]
+    assert pieces
+    n, k = len(pattern), pattern.cycles
+    for piece in pieces:
+        flight, side = int(piece.detail.split()[1]), piece.detail[-1]
+        longer = pattern.sides[:flight] + side + pattern.sides[flight:]
+        j = 3 * len(piece) // 4  # a fold can be near an end: there, motions exist on one side alone
+        for step in (np.array([1e-5, 0]), np.array([0, 1e-5])):
+            verdicts = []
+            for sign in (1, -1):
+                a, b = np.array([piece.r[j], piece.clearance[j]]) * (1 + sign * step)
+                motion = newton(osc, a, b, 1.0, pattern, piece.x[:, j] * b, piece.theta[:, j])
+                assert motion.stable
+                verdicts.append(motion.admissible)
+                if motion.admissible:
+                    letters = letters_from(motion, 200 * k)
+                    wanted = (pattern.sides * 201)[1:]
+                    assert letters == wanted[: len(letters)]
+                    assert len(letters) >= 200 * n - 1
+                else:
+                    letters = letters_from(motion, k)
+                    assert letters[:flight] == longer[1 : flight + 1]
+                assert zone.contains(a, b) == motion.admissible
+            assert sorted(verdicts) == [False, True]
+
+
 def test_mirror_images_have_the_same_zone():
     one, other = (vi.zone(FIGURE6, vi.Pattern(s), *WINDOW) for s in ("RRL", "LLR"))
     assert abs(one.area - other.area) < 1e-6 * one.area
