@@ -70,7 +70,7 @@ contains
             if (i == 1) then
                state = initial_state(drive, starts(:, j))
             else
-               state = carried(drive, state, parameters(2, i - 1, j), kick)
+               state = carried(drive, state, parameters(2, max(1, i - 1), j), kick)
             end if
             call settle_on(drive, state, settling, keep, settled)
             call store(settled, values(:, :, i, j), labels(:, :, i, j), drive%r, found(i, j))

@@ -6,7 +6,7 @@
 !! end a branch: there another branch goes on.
 module vi_branch
    use vi_curve, only: curve_type
-   use vi_frame, only: condition_type, edge, repetition, wrap_phases
+   use vi_frame, only: condition_type, edge, grazing, repetition, wrap_phases, zero_approach
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
    implicit none (type, external)
@@ -111,6 +111,9 @@ contains
          call locate(curve, none, now, next, j, found(j), share(j), good)
          crossed(j) = good
       end do
+      do j = 1, size(crossed)
+         if (crossed(j)) crossed(j) = .not. is_end_of_approach(found, crossed, j)
+      end do
       do while (any(crossed))
          least = minval(share, crossed)
          j = findloc(crossed .and. share <= least, .true., dim=1)
@@ -129,6 +132,28 @@ contains
          if (done) return
       end do
    end subroutine note_special
+
+   !> Whether a touch is that of an impact whose approach speed gets zero in the same place.
+   !!
+   !! There the flights before and after the impact begin or end with a touch: one event, not two.
+   pure logical function is_end_of_approach(found, crossed, j) result(same)
+      type(place_type), intent(in) :: found(:)
+      logical, intent(in) :: crossed(:)
+      !> Index of the touch.
+      integer, intent(in) :: j
+      integer :: i, n
+
+      same = .false.
+      if (found(j)%conditions(j)%kind /= grazing) return
+      n = count(found(j)%conditions%kind == zero_approach)
+      do i = 1, size(crossed)
+         if (.not. crossed(i)) cycle
+         if (found(i)%conditions(i)%kind /= zero_approach) cycle
+         same = any(modulo(found(i)%conditions(i)%index - found(j)%conditions(j)%index, n) &
+            == [0, 1]) .and. norm2(found(i)%point - found(j)%point) < 1.0e-6_wp
+         if (same) return
+      end do
+   end function is_end_of_approach
 
    !> Whether a step comes back to the start of the branch.
    pure logical function closes(curve, branch, now, next)

@@ -10,6 +10,8 @@ module vi_rings
 
    !> Farthest that a polygon may lie from its curve, the window being the unit square.
    real(wp), parameter :: sag = 1.0e-7_wp
+   !> A vertex this near to an edge of the window lies on it.
+   real(wp), parameter :: on_edge = 1.0e-10_wp
 
 contains
 
@@ -25,7 +27,7 @@ contains
       real(wp), intent(in) :: inside(2)
       !> (2, n): r, D
       real(wp), allocatable, intent(out) :: ring(:, :)
-      real(wp) :: low(2), scale(2), here(2), a(2), b(2), chord(2), t
+      real(wp) :: low(2), scale(2), here(2), a(2), b(2), chord(2), t, left
       integer :: parts(size(vertices, 2)), i, k, m, n
       logical :: around(1)
 
@@ -49,8 +51,14 @@ contains
             ring(2, n) = exp(ring(2, n))
          end do
       end do
-      around = winding(ring, reshape(inside, [2, 1])) /= 0
-      if ((area(ring) > 0) .neqv. around(1)) ring = ring(:, n:1:-1)
+      ! an edge of the window tells at once on which side the zone lies; otherwise the point inside
+      ! does, which can lie so close to a fold that an edge would cut it off
+      left = left_of_edges(vertices, r, clearance)
+      if (.not. abs(left) > 0) then
+         around = winding(ring, reshape(inside, [2, 1])) /= 0
+         left = merge(1.0_wp, -1.0_wp, (area(ring) > 0) .eqv. around(1))
+      end if
+      if (left < 0) ring = ring(:, n:1:-1)
 
    contains
 
@@ -68,6 +76,34 @@ contains
       end subroutine cubic
 
    end subroutine dense_ring
+
+   !> The length of the parts on edges of the window, those with the window on their left less those
+   !! with it on their right.
+   pure real(wp) function left_of_edges(vertices, r, clearance) result(left)
+      real(wp), intent(in) :: vertices(:, :)
+      real(wp), intent(in) :: r(2), clearance(2)
+      real(wp) :: a(2), b(2)
+      integer :: i
+
+      left = 0
+      do i = 1, size(vertices, 2)
+         a = place(vertices(:2, i))
+         b = place(vertices(:2, merge(1, i + 1, i == size(vertices, 2))))
+         if (all(abs([a(1), b(1)]) < on_edge)) left = left + a(2) - b(2)
+         if (all(abs([a(1), b(1)] - 1) < on_edge)) left = left + b(2) - a(2)
+         if (all(abs([a(2), b(2)]) < on_edge)) left = left + b(1) - a(1)
+         if (all(abs([a(2), b(2)] - 1) < on_edge)) left = left + a(1) - b(1)
+      end do
+   contains
+      !> A vertex in the unit square.
+      pure function place(vertex) result(q)
+         real(wp), intent(in) :: vertex(2)
+         real(wp) :: q(2)
+
+         q = [(vertex(1) - r(1))/(r(2) - r(1)), log(vertex(2)/clearance(1))/log(clearance(2) &
+            /clearance(1))]
+      end function place
+   end function left_of_edges
 
    !> Area inside a polygon, positive if it goes counter-clockwise.
    pure real(wp) function area(ring)

@@ -142,27 +142,34 @@ contains
       end do
    end subroutine make_sheet
 
-   !> Searches motions at a few nodes of the lattice and follows the sheets they lie on.
+   !> Searches motions at the nodes of the lattice and follows the sheets they lie on.
+   !!
+   !! At every second node each way with all guesses, then at the others with few: near resonance
+   !! motions may exist on a strip of the window that the first pass steps over.
    pure subroutine search_window(request, net)
       type(zone_request_type), intent(in) :: request
       type(net_type), intent(inout) :: net
       real(wp), allocatable :: found(:, :)
       real(wp) :: q(2)
-      integer :: i, j, k, every, first, skip
+      integer :: i, j, k, first, guesses, pass, skip
 
-      every = 2
       skip = 0
-      do j = 1, request%lines, every
-         do i = 1, request%lines, every
-            q = [i - 1, j - 1]/real(request%lines - 1, wp)
-            call motions_at(net%sheet%frame, request%pattern, parameters_of(net%sheet, &
-               [(0.0_wp, k=1, size(net%unknowns, 1)), q]), request%guesses, skip, found)
-            skip = skip + request%guesses
-            first = net%n + 1
-            do k = 1, size(found, 2)
-               call plant(net, q, found(:, k), [i, j])
+      ! motions with rest are looked for by simulation, which takes longer and finds them at once
+      do pass = 1, merge(1, 2, net%sheet%frame%resting)
+         guesses = merge(request%guesses, request%guesses/4, pass == 1)
+         do j = 1, request%lines
+            do i = 1, request%lines
+               if ((mod(i, 2) == 1 .and. mod(j, 2) == 1) .neqv. pass == 1) cycle
+               q = [i - 1, j - 1]/real(request%lines - 1, wp)
+               call motions_at(net%sheet%frame, request%pattern, parameters_of(net%sheet, &
+                  [(0.0_wp, k=1, size(net%unknowns, 1)), q]), guesses, skip, found)
+               skip = skip + guesses
+               first = net%n + 1
+               do k = 1, size(found, 2)
+                  call plant(net, q, found(:, k), [i, j])
+               end do
+               call cover(net, first)
             end do
-            call cover(net, first)
          end do
       end do
    end subroutine search_window

@@ -104,7 +104,9 @@ def test_special_points_are_where_they_should_be(path):
         elif point.type == "neimark_sacker":
             turning = np.abs(motion.multipliers.imag) > 1e-9
             assert np.abs(gap[turning] - 1).min() < 1e-9
-        elif point.type == "grazing" and not ends_at_a_wall(motion, point):
+        elif point.type == "grazing":
+            # where the touch is an end of the flight the event is the zero approach speed
+            assert not ends_at_a_wall(motion, point)
             assert abs(touch(motion, point) - 0.5) < 1e-10
         elif point.type == "zero_approach":
             i = point.impact
@@ -284,6 +286,43 @@ def test_switching_at_grazing_adds_an_impact():
         assert len(motion.pattern) == 3
         assert motion.residual < 1e-12
         assert motion.admissible
+
+
+@pytest.mark.parametrize("parameter", ["clearance", "r", "mu"])
+def test_switching_at_a_grazing_of_a_symmetric_motion(parameter):
+    """Both walls are touched at once: one impact more, or the mirrored pair, which begins right here."""
+    osc = vi.Oscillator(xi=0.05, mu=0.3, restitution=0.6)
+    start = next(m for m in vi.equispaced(osc, 0.36, 2.2) if m.admissible)
+    bounds = {"clearance": (1.1, 4.4), "r": (0.342, 0.378), "mu": (0.21, 0.39)}[parameter]
+    points = vi.branch(start, parameter, bounds).special_points
+    point = next(p for p in points if p.type == "grazing")
+
+    def values(motion):
+        return {"clearance": motion.clearance, "r": motion.r, "mu": motion.osc.mu}
+
+    for motion in point.switch():
+        assert motion.admissible
+        assert motion.residual < 1e-12
+        same = {k: v for k, v in values(motion).items() if k != parameter}
+        assert same == {k: v for k, v in values(point.motion).items() if k != parameter}
+    pair = next(m for m in point.switch() if len(m.pattern) == 4)
+    np.testing.assert_allclose(pair.X[2:], -pair.X[:2], atol=1e-10 * pair.clearance)
+    np.testing.assert_allclose(pair.phases[2:], pair.phases[:2] + np.pi, atol=1e-10)
+    # followed back, the new impacts lose their approach speed where the wall is first touched
+    ends = [
+        p for p in vi.branch(pair, parameter, bounds).special_points if p.type == "zero_approach"
+    ]
+    here = values(point.motion)[parameter]
+    assert min(abs(values(p.motion)[parameter] / here - 1) for p in ends) < 1e-8
+
+
+def test_zero_approach_is_one_event():
+    """The flights beside that impact touch the wall in the same place: this is not told as well."""
+    branch = vi.branch(triple_motion(), "clearance", (1, 60))
+    points = [p for p in branch.special_points if p.type in ("grazing", "zero_approach")]
+    assert {p.type for p in points} == {"grazing", "zero_approach"}
+    places = sorted(p.clearance for p in points)
+    assert np.diff(places).min() > 1e-3
 
 
 def test_columns_and_table():

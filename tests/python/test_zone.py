@@ -230,6 +230,115 @@ def test_the_very_narrow_zone_of_figure_3_at_its_tip():
         assert 0.99 < np.abs(motion.multipliers[0]) < 1
 
 
+def impact_pair_limits(restitution, cycles):
+    """D/A at the pitchfork and at the fold of the symmetric motion of the impact pair.
+
+    For mu = 0 the primary mass follows X = A sin(theta), theta = r t + tau, whatever the impacts do. The free
+    mass flies with speed w from the right wall to the left one, and back; k cycles and half of them between.
+    An impact at the right wall at theta = p and the flight that follows say, with V = A r cos(p),
+        w = R w - (1 + R) V,   2 A sin(p) + D = k pi w/r,
+    so cos(p) + 2 q sin(p) = -q D/A with q = (1 - R)/((1 + R) k pi). Two solutions merge where
+        D/A = sqrt(1 + 4 q^2)/q                                                               (fold).
+    The mirrored map of half a period takes (p, w) to (p', w') by
+        A sin(p) + A sin(p') + D = w (p' + k pi - p)/r,   w' = R w - (1 + R) A r cos(p');
+    its derivative at the motion has determinant R^2 and trace
+        2 R - (1 + R)^2 (k pi)^2 A sin(p)/(2 (2 A sin(p) + D)).
+    A determinant below 1 leaves the multipliers 1 (trace 1 + R^2: the fold again) and -1 (trace -(1 + R^2)):
+    there A sin(p) ((k pi)^2 - 4) = 2 D, and the equation of the motion makes that
+        D/A = ((k pi)^2 - 4)/sqrt(4 + q^2 (k pi)^4)                                      (pitchfork).
+    Between the two the motion is stable; the multipliers of the primary mass have modulus exp(-2 pi xi k/r).
+    """
+    turn = cycles * math.pi
+    q = (1 - restitution) / ((1 + restitution) * turn)
+    return (turn**2 - 4) / math.sqrt(4 + q**2 * turn**4), math.sqrt(1 + 4 * q**2) / q
+
+
+@pytest.mark.parametrize(
+    ("xi", "restitution", "cycles", "r", "clearance"),
+    [
+        (0.0114, 0.75, 1, (0.5, 1.5), (2, 200)),
+        (0.05, 0.4, 1, (0.7, 1.6), (1, 100)),
+        (0.02, 0.9, 1, (1.1, 3.0), (0.2, 60)),
+        (0.0015, 0.51, 3, (1.05, 1.6), (2, 300)),
+        # a strip of the window that few lattice lines cross
+        (3e-4, 0.334, 1, (0.964, 1.03), (1043.61, 4761.32)),
+        # the edge D = lowest cuts the fold, where a line of the lattice ends
+        (0.0157, 0.5505, 1, (0.995957, 1.0267805), (184.547, 2606.0)),
+        (8.68e-4, 0.844, 1, (0.952184, 1.021977), (918.674, 9452.587)),
+    ],
+)
+def test_impact_pair_against_its_closed_form(xi, restitution, cycles, r, clearance):
+    osc = vi.Oscillator(xi=xi, mu=0.0, restitution=restitution)
+    zone = vi.zone(osc, vi.Pattern("RL", cycles), r, clearance, symmetric=True)
+    limits = dict(zip(("pitchfork", "fold"), impact_pair_limits(restitution, cycles), strict=True))
+    assert zone.complete
+    assert zone.boundary
+
+    def over_amplitude(r, clearance):
+        return clearance * np.hypot(1 - r**2, 2 * xi * r)
+
+    for piece in zone.boundary:
+        assert piece.type in {*limits, "window"}
+        if piece.type in limits:
+            ratio = over_amplitude(piece.r, piece.clearance)
+            np.testing.assert_allclose(ratio, limits[piece.type], rtol=1e-8)
+    random = np.random.default_rng(5)
+    places = random.uniform(*r, 5000), np.exp(random.uniform(*np.log(clearance), 5000))
+    ratio = over_amplitude(*places)
+    wanted = (ratio > limits["pitchfork"]) & (ratio < limits["fold"])
+    assert 100 < wanted.sum() < 4950
+    wrong = np.flatnonzero(zone.contains(*places) != wanted)
+    assert all(distance(zone, places[0][i], places[1][i]) < 1e-6 for i in wrong)
+
+
+GRAZING = [
+    (vi.Oscillator(xi=0.05, mu=0.3, restitution=0.6), vi.Pattern("RRL"), (0.8, 1.2), (2, 200)),
+    (vi.Oscillator(xi=0.05, mu=0.3, restitution=0.6), vi.Pattern("RL", 3), (0.3, 0.7), (0.5, 50)),
+    (FIGURE6, vi.Pattern("RL"), (0.3, 0.7), (0.5, 50)),
+    (FIGURE8, vi.Pattern("RRLL"), (0.3, 0.7), (0.5, 50)),
+]
+
+
+def letters_from(motion, cycles):
+    """Sides of the impacts of a simulation that starts just after the first impact of a motion."""
+    state = {
+        "t": motion.load_phase / motion.r, "x": motion.X[0], "x_dot": motion.X_dot_after[0],
+        "z": motion.Z[0], "z_dot": motion.Z_dot_after[0],
+    }  # fmt: skip
+    run = vi.simulate(motion.osc, motion.r, motion.clearance, cycles, state=state)
+    return "".join(run.events["side"][run.events["kind"] == "impact"].tolist())
+
+
+@pytest.mark.parametrize(("osc", "pattern", "r", "clearance"), GRAZING)
+def test_grazing_pieces_against_simulation(osc, pattern, r, clearance):
+    """Across the piece, along r and along D: the pattern lasts inside, outside there is one impact more."""
+    zone = vi.zone(osc, pattern, r, clearance)
+    pieces = [p for p in zone.boundary if p.type == "grazing" and len(p) > 6]
+    assert pieces
+    n, k = len(pattern), pattern.cycles
+    for piece in pieces:
+        flight, side = int(piece.detail.split()[1]), piece.detail[-1]
+        longer = pattern.sides[:flight] + side + pattern.sides[flight:]
+        j = 3 * len(piece) // 4  # a fold can be near an end: there, motions exist on one side alone
+        for step in (np.array([1e-5, 0]), np.array([0, 1e-5])):
+            verdicts = []
+            for sign in (1, -1):
+                a, b = np.array([piece.r[j], piece.clearance[j]]) * (1 + sign * step)
+                motion = newton(osc, a, b, 1.0, pattern, piece.x[:, j] * b, piece.theta[:, j])
+                assert motion.stable
+                verdicts.append(motion.admissible)
+                if motion.admissible:
+                    letters = letters_from(motion, 200 * k)
+                    wanted = (pattern.sides * 201)[1:]
+                    assert letters == wanted[: len(letters)]
+                    assert len(letters) >= 200 * n - 1
+                else:
+                    letters = letters_from(motion, k)
+                    assert letters[:flight] == longer[1 : flight + 1]
+                assert zone.contains(a, b) == motion.admissible
+            assert sorted(verdicts) == [False, True]
+
+
 def test_mirror_images_have_the_same_zone():
     one, other = (vi.zone(FIGURE6, vi.Pattern(s), *WINDOW) for s in ("RRL", "LLR"))
     assert abs(one.area - other.area) < 1e-6 * one.area

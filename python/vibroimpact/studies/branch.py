@@ -55,6 +55,8 @@ class SpecialPoint:
         Of grazing: the flight after this impact (from 0) touches; of zero_approach: this impact.
     side : str
         Of grazing: the wall that is touched, "R" or "L"; otherwise "".
+    parameter : str
+        That of the branch.
     """
 
     type: str
@@ -64,12 +66,14 @@ class SpecialPoint:
     motion: Motion
     impact: int = -1
     side: str = ""
+    parameter: str = "clearance"
 
     def switch(self) -> list[Motion]:
         """Motions of the branches that begin here.
 
         At a pitchfork the unsymmetric pair, at a flip the motion of doubled period, at a grazing the motion
-        whose pattern has the extra impact; each a little beside the point, on the side where it exists.
+        whose pattern has the extra impact (of a symmetric motion also with that impact and its mirror image);
+        each a little beside the point along the branch's parameter, on the side where it exists.
 
         Returns
         -------
@@ -77,11 +81,11 @@ class SpecialPoint:
             Empty where no such motion was found near the point. Follow them with `branch`.
         """
         if self.type == "pitchfork":
-            return perturbed(self.motion, 1.0)
+            return perturbed(self.motion, 1.0, self.parameter)
         if self.type == "flip":
-            return doubled(self.motion)
+            return doubled(self.motion, self.parameter)
         if self.type == "grazing":
-            return extra_impact(self.motion, self.impact, self.side)
+            return extra_impact(self.motion, self.impact, self.side, self.parameter)
         return []
 
     def __repr__(self) -> str:
@@ -365,6 +369,7 @@ def branch(
                     here,
                     index - 1 if kind not in (EDGE, REPETITION) and index <= n_family else -1,
                     ("R" if side > 0 else "L") if kind == GRAZING else "",
+                    parameter,
                 )
             )
     return result

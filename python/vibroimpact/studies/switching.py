@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VibroimpactError
-from ..model import Pattern
+from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import newton
+from .conditions import is_symmetric
 
-#: How far from the point, relatively, a new motion is looked for, and with which size of the change.
+#: How far from the point, relatively, a new motion is looked for along the parameter of the branch, and with
+#: which size of the change.
 OFFSETS = (1e-4, 1e-3, 5e-3, 2e-2)
 SIZES = (0.003, 0.01, 0.03, 0.1)
 TWO_PI = 2 * math.pi
@@ -35,18 +37,32 @@ def critical_change(motion: Motion, multiplier: float) -> NDArray[np.float64]:
     return result
 
 
+def beside(motion: Motion, parameter: str, offset: float) -> tuple[Oscillator, float, float]:
+    """Oscillator, r and clearance where one parameter differs relatively (a small one: by 0.01 offset)."""
+    right, left = motion.osc.restitution
+    value = {
+        "r": motion.r, "clearance": motion.clearance, "xi": motion.osc.xi, "mu": motion.osc.mu,
+        "R1": right, "R2": left, "restitution": right,
+    }  # fmt: skip
+    value[parameter] += offset * max(value[parameter], 0.01)
+    if parameter == "restitution":
+        value["R1"] = value["R2"] = value["restitution"]
+    osc = Oscillator(xi=value["xi"], mu=value["mu"], restitution=(value["R1"], value["R2"]))
+    return osc, value["r"], value["clearance"]
+
+
 def search(
     motion: Motion, pattern: Pattern, x: NDArray[np.float64], theta: NDArray[np.float64],
-    change: NDArray[np.float64],
+    change: NDArray[np.float64], parameter: str,
 ) -> list[Motion]:  # fmt: skip
     """The first motion of a pattern, away from the one that (x, theta) is, beside the point."""
     for offset in OFFSETS:
         for sign in (1, -1):
-            clearance = motion.clearance * (1 + sign * offset)
             for size in SIZES:
                 with contextlib.suppress(VibroimpactError):
+                    osc, r, clearance = beside(motion, parameter, sign * offset)
                     found = newton(
-                        motion.osc, motion.r, clearance, 1.0, pattern,
+                        osc, r, clearance, 1.0, pattern,
                         x + size * change[0] * clearance, theta + size * change[1],
                     )  # fmt: skip
                     moved = found.phases + found.tau - theta
@@ -57,11 +73,11 @@ def search(
     return []
 
 
-def perturbed(motion: Motion, multiplier: float) -> list[Motion]:
+def perturbed(motion: Motion, multiplier: float, parameter: str) -> list[Motion]:
     """The pair of motions that a symmetric one becomes at a pitchfork."""
     change = critical_change(motion, multiplier)
     theta = motion.phases + motion.tau
-    found = search(motion, motion.pattern, motion.X, theta, change)
+    found = search(motion, motion.pattern, motion.X, theta, change, parameter)
     return found + [mirrored(item) for item in found]
 
 
@@ -77,39 +93,60 @@ def mirrored(motion: Motion) -> Motion:
     )  # fmt: skip
 
 
-def doubled(motion: Motion) -> list[Motion]:
+def doubled(motion: Motion, parameter: str) -> list[Motion]:
     """The motion of twice the period that begins at a flip."""
     change = critical_change(motion, -1.0)
     cycles = motion.pattern.cycles
     pattern = Pattern(motion.pattern.sides * 2, 2 * cycles)
     theta = motion.phases + motion.tau
     twice = np.r_[theta, theta + TWO_PI * cycles]
-    return search(motion, pattern, np.r_[motion.X, motion.X], twice, np.hstack([change, -change]))
+    both = np.hstack([change, -change])
+    return search(motion, pattern, np.r_[motion.X, motion.X], twice, both, parameter)
 
 
-def extra_impact(motion: Motion, flight: int, side: str) -> list[Motion]:
-    """The motion with one impact more that begins where the flight after an impact touches a wall."""
-    pattern = motion.pattern
-    ends = np.r_[motion.phases, TWO_PI * pattern.cycles]
-    times = np.linspace(ends[flight], ends[flight + 1], 4001)[1:-1] / motion.r
-    sign = 1 if side == "R" else -1
-    y = sign * motion.sample(times).Y
-    inner = np.flatnonzero((y[1:-1] >= y[:-2]) & (y[1:-1] >= y[2:])) + 1
-    if not inner.size:
-        return []
-    touch = times[inner[int(np.argmax(y[inner]))]]
-    sides = pattern.sides[: flight + 1] + side + pattern.sides[flight + 1 :]
-    phases = np.insert(motion.phases, flight + 1, touch * motion.r)
-    x = np.insert(motion.X, flight + 1, float(motion.sample(touch).X))
+def extra_impact(motion: Motion, flight: int, side: str, parameter: str) -> list[Motion]:
+    """The motions with one impact more that begin where the flight after an impact touches a wall.
+
+    A symmetric motion touches the other wall half a period later: a motion with both impacts begins too.
+    """
+    touches = [(flight, side)]
+    found = with_impacts(motion, touches, parameter)
+    if is_symmetric(motion):
+        half = len(motion.pattern) // 2
+        touches.append(((flight + half) % (2 * half), "L" if side == "R" else "R"))
+        found += with_impacts(motion, touches, parameter)
+    return found
+
+
+def with_impacts(motion: Motion, touches: list[tuple[int, str]], parameter: str) -> list[Motion]:
+    """The motion with an impact more in each of some flights that touch a wall, beside the point."""
+    sides, phases, x = list(motion.pattern.sides), motion.phases, motion.X
+    for flight, side in sorted(touches, reverse=True):
+        touch = moment_of_touch(motion, flight, side)
+        if touch is None:
+            return []
+        sides.insert(flight + 1, side)
+        phases = np.insert(phases, flight + 1, touch * motion.r)
+        x = np.insert(x, flight + 1, float(motion.sample(touch).X))
+    pattern = Pattern("".join(sides), motion.pattern.cycles)
     for offset in OFFSETS:
         for sign in (1, -1):
-            clearance = motion.clearance * (1 + sign * offset)
             with contextlib.suppress(VibroimpactError):
+                osc, r, clearance = beside(motion, parameter, sign * offset)
                 found = newton(
-                    motion.osc, motion.r, clearance, 1.0, Pattern(sides, pattern.cycles),
-                    x * clearance / motion.clearance, phases + motion.tau,
+                    osc, r, clearance, 1.0, pattern, x * clearance / motion.clearance,
+                    phases + motion.tau,
                 )  # fmt: skip
                 near = np.abs(found.phases - phases).max() < 0.2
                 if near and found.admissible:
                     return [found]
     return []
+
+
+def moment_of_touch(motion: Motion, flight: int, side: str) -> float | None:
+    """When the flight after an impact is nearest to a wall, if that is inside the flight."""
+    ends = np.r_[motion.phases, TWO_PI * motion.pattern.cycles]
+    times = np.linspace(ends[flight], ends[flight + 1], 4001)[1:-1] / motion.r
+    y = (1 if side == "R" else -1) * motion.sample(times).Y
+    inner = np.flatnonzero((y[1:-1] >= y[:-2]) & (y[1:-1] >= y[2:])) + 1
+    return float(times[inner[int(np.argmax(y[inner]))]]) if inner.size else None

@@ -267,7 +267,7 @@ def zone(
         Lattice lines each way, 5 to 129; at least 33 are taken for a pattern with rest. Parts of a zone that
         touch no line can be missed.
     guesses : int
-        Guesses for motions at every second node each way.
+        Guesses for motions at every second node each way; a quarter of it at the others.
     seeds : sequence of Motion
         Motions of the pattern that are known to be there, for sheets that the search could miss.
     max_points : int
