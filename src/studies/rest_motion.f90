@@ -33,23 +33,29 @@ contains
       !> `stat%ok`, or `stat%no_motion` if there is no release near that time.
       integer, intent(out) :: status
       type(state_type) :: state, final
-      real(wp) :: lapse, nearest
+      real(wp) :: lapse, nearest, horizon
       integer :: i, found
 
       finish = 0
-      state = release_state(drive, side, start)
-      call simulate(drive, state, int(cycles, int64), start(1) + 0.5_wp*two_pi, events, found, &
-         final, status)
-      if (status /= stat%ok) return
       n = 0
-      nearest = 0.5_wp*two_pi
-      do i = 1, found
-         if (events(i)%kind /= release_event .or. events(i)%side /= side) cycle
-         lapse = two_pi*real(events(i)%cycle - cycles, wp) + events(i)%phase - start(1)
-         if (abs(lapse) >= nearest) cycle
-         nearest = abs(lapse)
-         n = i
-         finish = [start(1) + lapse, events(i)%x_dot_after]
+      ! most releases come back at once: what is farther ahead than one that is found is not nearer
+      horizon = 0.1_wp
+      do while (n == 0)
+         state = release_state(drive, side, start)
+         call simulate(drive, state, int(cycles, int64), start(1) + horizon, events, found, final, &
+            status)
+         if (status /= stat%ok) return
+         nearest = horizon
+         do i = 1, found
+            if (events(i)%kind /= release_event .or. events(i)%side /= side) cycle
+            lapse = two_pi*real(events(i)%cycle - cycles, wp) + events(i)%phase - start(1)
+            if (abs(lapse) >= nearest) cycle
+            nearest = abs(lapse)
+            n = i
+            finish = [start(1) + lapse, events(i)%x_dot_after]
+         end do
+         if (horizon > 1) exit
+         horizon = 0.5_wp*two_pi
       end do
       if (n == 0) status = stat%no_motion
    end subroutine return_map

@@ -100,7 +100,7 @@ contains
       to%came = step
       to%step = step
       if (iterations <= 4 .and. turn < 0.5_wp*stride%turn) to%step = 1.6_wp*step
-      call survey(curve, to)
+      if (.not. curve%frame%resting) call survey(curve, to)
       call mark_passage(curve, from, to)
    end subroutine take_step
 
