@@ -55,7 +55,9 @@ contains
       ! does, which can lie so close to a fold that an edge would cut it off
       left = left_of_edges(vertices, r, clearance)
       if (.not. abs(left) > 0) then
-         around = winding(ring, reshape(inside, [2, 1])) /= 0
+         ! a zone can be thinner than the polygon is sharp; a point so near a hole would be an accident
+         around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. &
+            distance(ring, inside, scale) < 2*sag
          left = merge(1.0_wp, -1.0_wp, (area(ring) > 0) .eqv. around(1))
       end if
       if (left < 0) ring = ring(:, n:1:-1)
@@ -118,6 +120,22 @@ contains
          area = area + 0.5_wp*(a(1)*b(2) - a(2)*b(1))
       end do
    end function area
+
+   !> Of a point from a polygon, in the window as the unit square.
+   pure real(wp) function distance(ring, point, scale)
+      real(wp), intent(in) :: ring(:, :), point(2), scale(2)
+      real(wp) :: chord(2), offset(2), share
+      integer :: i, next
+
+      distance = huge(1.0_wp)
+      do i = 1, size(ring, 2)
+         next = merge(1, i + 1, i == size(ring, 2))
+         chord = [ring(1, next) - ring(1, i), log(ring(2, next)/ring(2, i))]/scale
+         offset = [point(1) - ring(1, i), log(point(2)/ring(2, i))]/scale
+         share = dot_product(offset, chord)/max(tiny(1.0_wp), dot_product(chord, chord))
+         distance = min(distance, norm2(offset - max(0.0_wp, min(1.0_wp, share))*chord))
+      end do
+   end function distance
 
    !> How often a polygon goes round points, counter-clockwise.
    pure function winding(ring, points) result(turns)
