@@ -1,0 +1,124 @@
+!> What a point of the traced boundary of a zone costs, all conditions being checked at it.
+!!
+!! `boundary_point SIDES SYMMETRIC ROUNDS`, say `boundary_point RL 0 5`, prints microseconds of CPU
+!! per vertex of the loops and per step of the net, a line for each round. With the kind of a
+!! condition and the name of a file it instead reads points of such a boundary from there (u_i,
+!! theta_i, r, log D) and prints how far the curve is from them.
+program boundary_point
+   use vi_curve, only: correct, curve_type, tangent_at
+   use vi_frame, only: condition_type
+   use vi_kinds, only: wp
+   use vi_loop, only: loop_type, trace_loop
+   use vi_net, only: add_seed, cover, net_type, new_net
+   use vi_orbit, only: by_clearance, by_r
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: new_pattern
+   use vi_steps, only: stride_type
+   use vi_seeds, only: motions_at
+   use vi_zone, only: find_zone, zone_request_type, zone_type
+   implicit none (type, external)
+
+   type(zone_request_type) :: request
+   type(zone_type) :: zone
+   character(200) :: text
+   integer :: status, rounds, i
+   real(wp) :: seeds(0, 0)
+
+   call get_command_argument(1, text)
+   request%osc = oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.75_wp])
+   request%pattern = new_pattern(trim(text), 1)
+   call get_command_argument(2, text)
+   request%symmetric = text == '1'
+   request%r = [0.8_wp, 1.2_wp]
+   request%clearance = [2.0_wp, 200.0_wp]
+   call find_zone(request, seeds, zone, status)
+   if (status /= 0 .or. zone%n == 0) error stop 'no zone'
+   call get_command_argument(3, text)
+   read (text, *) rounds
+   if (command_argument_count() > 3) then
+      call compare
+   else
+      do i = 1, rounds
+         print '(f0.3, 1x, f0.3)', time_of_loops(), time_of_net()
+      end do
+   end if
+
+contains
+
+   !> Microseconds per vertex of the loops of the zone, traced again.
+   real(wp) function time_of_loops() result(time)
+      type(loop_type) :: loop
+      real(wp) :: begin, end
+      integer :: vertices, k, turn
+
+      call cpu_time(begin)
+      vertices = 0
+      do turn = 1, 5
+         do k = 1, zone%n
+            call trace_loop(zone%sheet, stride_type(longest=0.02_wp, turn=0.15_wp), &
+               zone%loops(k)%points(:, 1), zone%loops(k)%conditions(1), request%points, loop)
+            if (.not. loop%closed) error stop 'a loop that was closed is open'
+            vertices = vertices + loop%n
+         end do
+      end do
+      call cpu_time(end)
+      time = 1.0e6_wp*(end - begin)/vertices
+   end function time_of_loops
+
+   !> Microseconds per step of a net from the motions at the middle of the window.
+   real(wp) function time_of_net() result(time)
+      type(net_type) :: net
+      real(wp), allocatable :: found(:, :)
+      real(wp) :: c(6), begin, end
+      integer :: k, m, node
+
+      call new_net(zone%sheet, request%lines, net)
+      c = zone%sheet%c
+      m = request%lines/2 + 1
+      c([by_r, by_clearance]) = zone%sheet%origin + zone%sheet%scale*0.5_wp
+      call motions_at(zone%sheet%frame, request%pattern, c, 4*request%guesses, 0, found)
+      do k = 1, size(found, 2)
+         call add_seed(net, m, m, found(:, k), node)
+      end do
+      call cpu_time(begin)
+      call cover(net, 1)
+      call cpu_time(end)
+      time = 1.0e6_wp*(end - begin)/net%steps
+   end function time_of_net
+
+   !> How far the points of a file are from the curve along which a condition of a kind is zero.
+   subroutine compare
+      real(wp), allocatable :: point(:), there(:), along(:), tangent(:)
+      real(wp) :: farthest
+      integer :: unit, kind, iterations, n, ios, least
+      logical :: regular
+
+      call get_command_argument(4, text)
+      read (text, *) kind
+      call get_command_argument(5, text)
+      open (newunit=unit, file=trim(text), status='old', action='read')
+      allocate (there(size(zone%loops(1)%points, 1)), along(size(zone%loops(1)%points, 1)), &
+         tangent(size(zone%loops(1)%points, 1)))
+      farthest = 0
+      n = 0
+      least = huge(n)
+      do
+         read (unit, *, iostat=ios) there
+         if (ios /= 0) exit
+         associate (r => there(size(there) - 1:))
+            r = (r - zone%sheet%origin)/zone%sheet%scale
+         end associate
+         along = 0
+         along(size(along)) = 1
+         call tangent_at(zone%sheet, [condition_type(kind)], there, along, tangent, regular)
+         point = there
+         call correct(zone%sheet, [condition_type(kind)], point, iterations, tangent)
+         if (iterations == 0) error stop 'Newton''s method does not converge'
+         farthest = max(farthest, maxval(abs(point - there)))
+         n = n + 1
+      end do
+      close (unit)
+      print '(i0, 1x, es9.2)', n, farthest
+   end subroutine compare
+
+end program boundary_point
