@@ -1,4 +1,4 @@
-"""Microseconds of CPU per point of a zone's boundary, here and by AUTO-07p (if it is installed) on the same curve."""
+"""Microseconds of CPU per point of a boundary of a zone, here and by AUTO-07p (if installed) on the same curve."""
 
 import math
 import os

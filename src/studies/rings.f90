@@ -55,7 +55,8 @@ contains
       ! does, which can lie so close to a fold that an edge would cut it off
       left = left_of_edges(vertices, r, clearance)
       if (.not. abs(left) > 0) then
-         ! a zone can be thinner than the polygon is sharp; a point so near a hole would be an accident
+         ! a zone can be thinner than the polygon is sharp; a point so near a hole would be an
+         ! accident
          around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. &
             distance(ring, inside, scale) < 2*sag
          left = merge(1.0_wp, -1.0_wp, (area(ring) > 0) .eqv. around(1))
