@@ -6,6 +6,7 @@ program test_studies
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
       random_phases, random_sides, scale_of
    use studies_atlas, only: test_atlas, test_rings
+   use studies_conditions, only: test_conditions
    use vi_assess, only: paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_kinds, only: wp
@@ -36,6 +37,7 @@ program test_studies
    call test_single()
    call test_rings()
    call test_atlas()
+   call test_conditions()
    call finish()
 
 contains

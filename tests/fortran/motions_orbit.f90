@@ -1,0 +1,254 @@
+!> Orbits in (u, theta): derivatives against differences, the rest against the other code.
+module motions_orbit
+   use checks, only: check, check_close
+   use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
+   use random_systems, only: determinant, pi, random_motion, random_oscillator, random_sides
+   use vi_characteristic, only: characteristic
+   use vi_equispaced, only: solve_equispaced
+   use vi_exact, only: newton_equations, setting_type
+   use vi_family, only: whole_pattern, whole_unknowns
+   use vi_kinds, only: wp
+   use vi_motion, only: motion_type
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
+      n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, period_map, &
+      set_orbit
+   use vi_oscillator, only: gain, left, oscillator_type, right
+   use vi_pattern, only: default_restitution
+   use vi_periodic, only: linear_system_type
+   use vi_stability, only: stability_matrix
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: random_member, test_orbits
+
+   type(random_type) :: random
+
+contains
+
+   subroutine test_orbits()
+      call test_anywhere()
+      call test_exact_motions()
+      call test_half_period()
+   end subroutine test_orbits
+
+   !> A family and what need not be a motion of it, away from resonance and from very short flights.
+   subroutine random_member(stream, family, unknowns, c)
+      type(random_type), intent(inout) :: stream
+      type(family_type), intent(out) :: family
+      real(wp), allocatable, intent(out) :: unknowns(:)
+      real(wp), intent(out) :: c(n_parameters)
+      real(wp), allocatable :: gaps(:)
+      integer :: i, n
+
+      family%mirror = draw_integer(stream, 1, 2) == 1
+      n = draw_integer(stream, merge(1, 2, family%mirror), 4)
+      allocate (family%sides(n), gaps(n), unknowns(2*n))
+      family%sides = 1
+      if (n > 1) call random_sides(stream, family%sides)
+      family%cycles = 2*draw_integer(stream, 0, 1) + 1
+      c(by_r) = draw(stream, 0.4_wp, 0.9_wp)
+      if (draw_integer(stream, 1, 2) == 1) c(by_r) = 1/c(by_r)
+      c(by_xi) = draw(stream, 0.02_wp, 0.3_wp)
+      c(by_clearance) = log(gain(c(by_xi), c(by_r))*draw_log(stream, 0.3_wp, 20.0_wp))
+      c(by_mu) = draw_log(stream, 1e-2_wp, 1.0_wp)
+      c(by_right) = draw(stream, 0.1_wp, 0.95_wp)
+      c(by_left) = draw(stream, 0.1_wp, 0.95_wp)
+      if (family%mirror) c(by_left) = c(by_right)
+      call fill(stream, 0.4_wp, 1.0_wp, gaps)
+      gaps = gaps*merge(pi, 2*pi, family%mirror)*family%cycles/sum(gaps)
+      call fill(stream, -2.0_wp, 2.0_wp, unknowns(:n))
+      unknowns(n + 1) = draw(stream, -pi, pi)
+      do i = 2, n
+         unknowns(n + i) = unknowns(n + i - 1) + gaps(i - 1)
+      end do
+   end subroutine random_member
+
+   function residual_at(family, unknowns, c) result(residual)
+      type(family_type), intent(in) :: family
+      real(wp), intent(in) :: unknowns(:), c(:)
+      real(wp) :: residual(size(unknowns))
+      type(orbit_type) :: o
+
+      call set_orbit(family, unknowns, c, o)
+      residual = orbit_residual(o)
+   end function residual_at
+
+   !> Laws that hold at any unknowns, not at motions alone.
+   subroutine test_anywhere()
+      type(family_type) :: family
+      real(wp), allocatable :: unknowns(:)
+      real(wp) :: c(n_parameters)
+      integer :: i
+
+      do i = 1, 1000
+         call random_member(random, family, unknowns, c)
+         call check_derivatives(family, unknowns, c)
+         call check_newton_equations(family, unknowns, c, whole_unknowns(family, unknowns))
+      end do
+   end subroutine test_anywhere
+
+   !> By the unknowns and by every parameter, against differences of the fourth order.
+   subroutine check_derivatives(family, unknowns, c)
+      type(family_type), intent(in) :: family
+      real(wp), intent(in) :: unknowns(:), c(:)
+      real(wp), parameter :: h = 1.0e-4_wp
+      real(wp), parameter :: weights(-2:2) = [1, -8, 0, 8, -1]/(12*h)
+      type(orbit_type) :: o
+      real(wp), dimension(size(unknowns) + n_parameters) :: all, moved
+      real(wp) :: matrix(size(unknowns), size(unknowns))
+      real(wp), dimension(size(unknowns)) :: difference, slope
+      real(wp) :: scale
+      integer :: j, k, n
+
+      n = size(unknowns)
+      all(:n) = unknowns
+      all(n + 1:) = c
+      call set_orbit(family, unknowns, c, o)
+      call orbit_matrix(o, matrix)
+      do j = 1, size(all)
+         difference = 0
+         do k = -2, 2
+            if (k == 0) cycle
+            moved = all
+            moved(j) = all(j) + k*h
+            difference = difference + weights(k)*residual_at(family, moved(:n), moved(n + 1:))
+         end do
+         slope = matrix(:, min(j, n))
+         if (j > n) slope = orbit_by_parameter(family, unknowns, c, o, j - n)
+         scale = max(1.0_wp, maxval(abs(slope)), maxval(abs(o%speed(1:o%n))), o%amplitude)
+         call check_close(maxval(abs(difference - slope)), 0.0_wp, 1.0e-7_wp*scale, &
+            'orbit: a column of the derivative')
+      end do
+   end subroutine check_derivatives
+
+   !> Residual and derivative are those of the other code over D.
+   subroutine check_newton_equations(family, unknowns, c, whole)
+      type(family_type), intent(in) :: family
+      real(wp), intent(in) :: unknowns(:), c(:), whole(:)
+      type(setting_type) :: setting
+      type(orbit_type) :: o
+      real(wp) :: scaled(size(whole)), residual(size(whole)), jacobian(size(whole), size(whole))
+      real(wp) :: matrix(size(unknowns), size(unknowns)), rest(size(unknowns)), scale
+      integer :: n, m
+
+      n = size(unknowns)/2
+      m = size(whole)/2
+      setting%osc = oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left]))
+      setting%r = c(by_r)
+      setting%clearance = exp(c(by_clearance))
+      setting%pattern = whole_pattern(family)
+      setting%restitution = default_restitution(setting%pattern%sides, c(by_right), c(by_left))
+      scaled = whole
+      scaled(:m) = whole(:m)*setting%clearance
+      call newton_equations(setting, scaled, residual, jacobian)
+      residual = residual/setting%clearance
+      call set_orbit(family, unknowns, c, o)
+      rest = orbit_residual(o)
+      scale = max(1.0_wp, maxval(abs(o%speed(1:n))), o%amplitude)
+      call check_close(max(maxval(abs(rest(:n) - residual(:n))), &
+         maxval(abs(rest(n + 1:) - residual(m + 1:m + n)))), 0.0_wp, 1.0e-13_wp*scale, &
+         'orbit: the residual of the other code')
+      if (family%mirror) return
+      call orbit_matrix(o, matrix)
+      jacobian(:, n + 1:) = jacobian(:, n + 1:)/setting%clearance
+      call check_close(maxval(abs(matrix - jacobian)), 0.0_wp, &
+         1.0e-13_wp*max(scale, maxval(abs(jacobian))), 'orbit: the derivative of the other code')
+   end subroutine check_newton_equations
+
+   !> Exact motions of two impacts: no residual, the [P] of stability, and det[P].
+   subroutine test_exact_motions()
+      type(motion_type) :: motion
+      type(orbit_type) :: o
+      real(wp) :: c(n_parameters), p(4, 4), other(4, 4), law, scale
+      integer :: i, status, examined
+      logical :: regular
+
+      examined = 0
+      do i = 1, 4000
+         call random_motion(random, 2, motion)
+         associate (osc => motion%osc)
+            if (any(abs(motion%restitution - default_restitution(motion%pattern%sides, &
+               osc%restitution(right), osc%restitution(left))) > 0)) cycle
+         end associate
+         call orbit_of(motion, .false., o, c)
+         scale = max(1.0_wp, maxval(abs(o%u(1:2))), maxval(abs(o%speed(1:2))), &
+            o%amplitude*max(1.0_wp, o%r), maxval(abs(o%after(1:2))))
+         call check_close(maxval(abs(orbit_residual(o))), 0.0_wp, 1.0e-11_wp*scale, &
+            'orbit: an exact motion leaves no residual')
+         call period_map(o, p, regular)
+         call stability_matrix(motion, other, status)
+         call check(regular .eqv. status == stat%ok, 'orbit: both maps are regular')
+         if (.not. regular) cycle
+         if (maxval(abs(p)) > 1.0e4_wp) cycle
+         examined = examined + 1
+         ! lengths over D here
+         other(4, :3) = other(4, :3)*motion%clearance
+         other(:3, 4) = other(:3, 4)/motion%clearance
+         call check_close(maxval(abs(p - other)), 0.0_wp, 1.0e-9_wp*maxval(abs(p)), &
+            'orbit: the [P] of stability')
+         law = exp(-4*pi*o%xi*motion%pattern%cycles/o%r)*product(motion%restitution)**2
+         call check_close(determinant(p), law, 1.0e-12_wp*max(1.0_wp, maxval(abs(p)))**3, &
+            'orbit: det[P]')
+      end do
+      call check(examined > 500, 'orbit: most exact motions are examined')
+   end subroutine test_exact_motions
+
+   !> The map of half a period of equispaced motions: its square has the multipliers of [P].
+   subroutine test_half_period()
+      type(oscillator_type) :: osc
+      type(linear_system_type) :: system
+      type(motion_type) :: motions(2)
+      type(orbit_type) :: o
+      real(wp) :: c(n_parameters), q(4, 4), p(4, 4), r, clearance, law, size_q
+      integer :: i, j, cycles, status, examined
+      logical :: regular
+
+      examined = 0
+      do i = 1, 2000
+         call random_oscillator(random, osc)
+         osc%restitution = osc%restitution(1)
+         r = draw(random, 0.4_wp, 0.9_wp)
+         cycles = 2*draw_integer(random, 0, 1) + 1
+         clearance = gain(osc%xi, r)*draw_log(random, 0.3_wp, 20.0_wp)
+         call solve_equispaced(osc, r, clearance, cycles, system, motions)
+         do j = 1, 2
+            if (motions(j)%status /= stat%ok) cycle
+            call orbit_of(motions(j), .true., o, c)
+            call check_close(maxval(abs(orbit_residual(o))), 0.0_wp, 1.0e-11_wp* &
+               max(1.0_wp, abs(o%u(1)), abs(o%speed(1)), o%amplitude), &
+               'orbit: an equispaced motion leaves no residual')
+            call period_map(o, q, regular)
+            call stability_matrix(motions(j), p, status)
+            if (.not. regular .or. status /= stat%ok) cycle
+            size_q = max(1.0_wp, maxval(abs(q)))
+            if (size_q > 1.0e2_wp) cycle
+            examined = examined + 1
+            call check_close(maxval(abs(characteristic(matmul(q, q)) - characteristic(p))), &
+               0.0_wp, 1.0e-11_wp*size_q**4*max(1.0_wp, maxval(abs(characteristic(p)))), &
+               'orbit: the square of the half')
+            law = exp(-2*pi*o%xi*cycles/r)*osc%restitution(1)**2
+            call check_close(abs(determinant(q)), law, 1.0e-12_wp*size_q**3, 'orbit: det[Q]')
+         end do
+      end do
+      call check(examined > 500, 'orbit: most equispaced motions are examined')
+   end subroutine test_half_period
+
+   !> The orbit of a motion, of half its period if it is its own mirror image.
+   subroutine orbit_of(motion, mirror, o, c)
+      type(motion_type), intent(in) :: motion
+      logical, intent(in) :: mirror
+      type(orbit_type), intent(out) :: o
+      real(wp), intent(out) :: c(n_parameters)
+      type(family_type) :: family
+      integer :: n
+
+      n = size(motion%x)
+      if (mirror) n = n/2
+      family = family_type(motion%pattern%sides(:n), motion%pattern%cycles, mirror)
+      c = [motion%r, log(motion%clearance/(motion%amplitude/gain(motion%osc%xi, motion%r))), &
+         motion%osc%xi, motion%osc%mu, motion%osc%restitution([right, left])]
+      call set_orbit(family, [motion%x(:n)/motion%clearance, motion%phases(:n) + motion%tau], c, o)
+   end subroutine orbit_of
+
+end module motions_orbit

@@ -1,0 +1,90 @@
+!> Conditions that end a zone: their two routes and their slopes.
+module studies_conditions
+   use checks, only: check, check_close
+   use motions_orbit, only: random_member
+   use random_numbers, only: random_type
+   use vi_conditions, only: all_conditions, condition_value
+   use vi_curve, only: condition_slope, curve_type, parameters_of, unknowns_of
+   use vi_frame, only: condition_count, condition_type, grazing
+   use vi_kinds, only: wp
+   use vi_orbit, only: by_clearance, by_r
+   implicit none (type, external)
+   private
+
+   public :: test_conditions
+
+   type(random_type) :: random
+
+contains
+
+   subroutine test_conditions()
+      type(curve_type) :: curve
+      real(wp), allocatable :: unknowns(:)
+      integer :: i, smooth, rough
+
+      smooth = 0
+      rough = 0
+      allocate (curve%frame%repetitions(0), curve%frame%edges(0), curve%origin(2))
+      allocate (curve%active, source=[by_r, by_clearance])
+      allocate (curve%scale, source=[0.3_wp, 0.7_wp])
+      do i = 1, 300
+         call random_member(random, curve%frame%family, unknowns, curve%c)
+         curve%origin(:) = curve%c(curve%active) - 0.5_wp*curve%scale
+         call check_conditions(curve, [unknowns, 0.5_wp, 0.5_wp], smooth, rough)
+      end do
+      call check(smooth > 9*rough, 'conditions: most are smooth')
+   end subroutine test_conditions
+
+   !> All values at once are those of one condition each; slopes are those of wider differences.
+   subroutine check_conditions(curve, point, smooth, rough)
+      type(curve_type), intent(in) :: curve
+      real(wp), intent(in) :: point(:)
+      !> Conditions whose slope could be examined, and those that are not smooth there.
+      integer, intent(inout) :: smooth, rough
+      type(condition_type) :: found(condition_count(curve%frame))
+      real(wp) :: values(size(found)), value, scale
+      real(wp), dimension(size(point)) :: slope, wide, wider
+      integer :: j
+
+      call all_conditions(curve%frame, unknowns_of(curve, point), parameters_of(curve, point), &
+         values, found)
+      do j = 1, size(found)
+         if (found(j)%kind == grazing .and. found(j)%side == 0) cycle
+         call condition_slope(curve, found(j), point, value, slope)
+         call check_close(value, values(j), 1.0e-12_wp*max(1.0_wp, abs(value)), &
+            'conditions: one and all')
+         wide = difference(curve, found(j), point, 2.0e-5_wp)
+         wider = difference(curve, found(j), point, 4.0e-5_wp)
+         scale = max(1.0e-3_wp, maxval(abs(wide)))
+         ! a kink, or a pole nearby, is seen from the differences among themselves
+         if (maxval(abs(wide - wider)) > 1.0e-7_wp*scale) then
+            rough = rough + 1
+            cycle
+         end if
+         smooth = smooth + 1
+         call check_close(maxval(abs(slope - wide)), 0.0_wp, 1.0e-5_wp*scale, 'conditions: slope')
+      end do
+   end subroutine check_conditions
+
+   !> Differences of the fourth order.
+   function difference(curve, condition, point, h) result(slope)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: condition
+      real(wp), intent(in) :: point(:), h
+      real(wp) :: slope(size(point)), moved(size(point)), weights(-2:2)
+      integer :: j, k
+
+      weights = [1, -8, 0, 8, -1]/(12*h)
+      slope = 0
+      do j = 1, size(point)
+         do k = -2, 2
+            if (k == 0) cycle
+            moved = point
+            moved(j) = point(j) + k*h
+            slope(j) = slope(j) + weights(k)*condition_value(curve%frame, unknowns_of(curve, &
+               moved), parameters_of(curve, moved), condition)
+         end do
+      end do
+   end function difference
+
+end module studies_conditions
