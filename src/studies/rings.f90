@@ -27,9 +27,8 @@ contains
       real(wp), intent(in) :: inside(2)
       !> (2, n): r, D
       real(wp), allocatable, intent(out) :: ring(:, :)
-      real(wp) :: low(2), scale(2), here(2), a(2), b(2), chord(2), t, left
+      real(wp) :: low(2), scale(2), here(2), a(2), b(2), chord(2), t
       integer :: parts(size(vertices, 2)), i, k, m, n
-      logical :: around(1)
 
       m = size(vertices, 2)
       low = [r(1), log(clearance(1))]
@@ -51,17 +50,7 @@ contains
             ring(2, n) = exp(ring(2, n))
          end do
       end do
-      ! an edge of the window tells at once on which side the zone lies; otherwise the point inside
-      ! does, which can lie so close to a fold that an edge would cut it off
-      left = left_of_edges(vertices, r, clearance)
-      if (.not. abs(left) > 0) then
-         ! a zone can be thinner than the polygon is sharp; a point so near a hole would be an
-         ! accident
-         around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. &
-            distance(ring, inside, scale) < 2*sag
-         left = merge(1.0_wp, -1.0_wp, (area(ring) > 0) .eqv. around(1))
-      end if
-      if (left < 0) ring = ring(:, n:1:-1)
+      if (.not. zone_on_left(vertices, r, clearance, ring, inside)) ring = ring(:, n:1:-1)
 
    contains
 
@@ -79,6 +68,25 @@ contains
       end subroutine cubic
 
    end subroutine dense_ring
+
+   !> Whether a zone lies on the left of the ring around it.
+   !!
+   !! An edge of the window tells at once. Otherwise the point inside does, which can lie so close
+   !! to a fold that an edge would cut it off.
+   pure logical function zone_on_left(vertices, r, clearance, ring, inside) result(left)
+      real(wp), intent(in) :: vertices(:, :), r(2), clearance(2), ring(:, :), inside(2)
+      real(wp) :: edges, scale(2)
+      logical :: around(1)
+
+      edges = left_of_edges(vertices, r, clearance)
+      left = edges > 0
+      if (abs(edges) > 0) return
+      scale = [r(2) - r(1), log(clearance(2)/clearance(1))]
+      ! a zone can be thinner than the polygon is sharp; a point so near a hole would be an accident
+      around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. &
+         distance(ring, inside, scale) < 2*sag
+      left = (area(ring) > 0) .eqv. around(1)
+   end function zone_on_left
 
    !> The length of the parts on edges of the window, those with the window on their left less those
    !! with it on their right.
