@@ -6,7 +6,7 @@ module motions_orbit
    use vi_characteristic, only: characteristic
    use vi_equispaced, only: solve_equispaced
    use vi_exact, only: newton_equations, setting_type
-   use vi_family, only: whole_pattern, whole_unknowns
+   use vi_family, only: whole_unknowns
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
@@ -137,7 +137,10 @@ contains
       setting%osc = oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left]))
       setting%r = c(by_r)
       setting%clearance = exp(c(by_clearance))
-      setting%pattern = whole_pattern(family)
+      setting%pattern%cycles = family%cycles
+      allocate (setting%pattern%sides(m))
+      setting%pattern%sides(:n) = family%sides
+      if (family%mirror) setting%pattern%sides(n + 1:) = -family%sides
       setting%restitution = default_restitution(setting%pattern%sides, c(by_right), c(by_left))
       scaled = whole
       scaled(:m) = whole(:m)*setting%clearance
