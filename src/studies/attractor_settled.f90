@@ -110,7 +110,7 @@ contains
       type(settled_type), intent(inout) :: settled
       type(state_type) :: last(0:keep)
       integer :: n, first(0:keep), i, k
-      integer :: total
+      integer :: total, stored
 
       if (.not. allocated(settled%events)) allocate (settled%events(room))
       settled%period = 0
@@ -122,6 +122,7 @@ contains
       call advance(drive, state, last(0), settling + 0.6180339887_wp, settled%events, n, total, &
          settled%status)
       first = 1
+      stored = 0
       n = 0
       do i = 1, keep
          if (settled%status /= stat%ok) exit
@@ -129,9 +130,10 @@ contains
          call advance(drive, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, total, &
             settled%status)
          first(i) = first(i - 1) + n
+         stored = stored + n
       end do
       if (settled%status == stat%ok) then
-         settled%n = first(keep) - 1
+         settled%n = stored
          do k = 1, (keep - 1)/2
             if (.not. (alike(last(keep), last(keep - k), drive%clearance) .and. &
                alike(last(keep - k), last(keep - 2*k), drive%clearance))) cycle
