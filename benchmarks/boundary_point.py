@@ -98,7 +98,11 @@ class Auto:
 
 
 def main():
-    program = Path(sys.argv[1] if len(sys.argv) > 1 else HERE.parent / "build/fortran/benchmarks/boundary_point")
+    program = Path(
+        sys.argv[1]
+        if len(sys.argv) > 1
+        else HERE.parent / "build/fortran/benchmarks/boundary_point"
+    )
     auto = auto_folder()
     print("microseconds of CPU per point of a boundary, median of", ROUNDS)
     if auto is None:
@@ -111,13 +115,17 @@ def main():
             count = peer.points(1000) if peer else 0
             times, others = [], []
             for _ in range(ROUNDS):
-                answer = subprocess.run([*own, "1"], check=True, capture_output=True, text=True).stdout
+                answer = subprocess.run(
+                    [*own, "1"], check=True, capture_output=True, text=True
+                ).stdout
                 times.append([float(word) for word in answer.split()])
                 if peer:
                     # what it takes to begin is taken off
                     others.append(1e6 * (peer.run(count) - peer.run(2)) / (count - 2))
             vertex, step = (statistics.median(column) for column in zip(*times, strict=True))
-            print(f"  {title} ({sides}): {vertex:6.1f} a vertex of its loops, {step:6.1f} a step of its net")
+            print(
+                f"  {title} ({sides}): {vertex:6.1f} a vertex of its loops, {step:6.1f} a step of its net"
+            )
             if peer:
                 other = statistics.median(others)
                 command = [*own, "1", str(number), f"{folder}/fort.99"]

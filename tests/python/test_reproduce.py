@@ -364,6 +364,8 @@ def test_interrupt_leaves_whole_items(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # a shell's background job would hand on that interrupts are ignored
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     while process.poll() is None and len(list(tmp_path.glob("data/.sweep*.done"))) < 2:
         time.sleep(0.005)

@@ -49,7 +49,10 @@ def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
         )
     for name, wanted in (
         ("lines", "lattice lines each way (default: 17)"),
-        ("guesses", f"guesses for motions at every second node each way, a quarter at the others (default: {guesses})"),
+        (
+            "guesses",
+            f"guesses for motions at a node, a quarter at every other one (default: {guesses})",
+        ),
         ("max-points", "most vertices of a loop (default: 20000)"),
     ):
         parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)
