@@ -104,7 +104,7 @@ class Case(NamedTuple):
             self.osc, Pattern(keys["sides"], keys["cycles"]),
             np.linspace(keys["r_min"], keys["r_max"], keys["r_points"]),
             axis(keys["clearance_min"], keys["clearance_max"], keys["clearance_points"]),
-            {"only": True, "none": False, "both": None}[keys["symmetric"]], room=keys["room"],
+            {"yes": True, "no": False, "both": None}[keys["symmetric"]], room=keys["room"],
             guesses=keys["guesses"], seeds=keys["seeds"],
         )  # fmt: skip
 

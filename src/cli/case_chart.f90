@@ -75,7 +75,7 @@ contains
       type(case_type), intent(inout) :: case
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
-      character(4), parameter :: choices(-1:1) = ['none', 'both', 'only']
+      character(4), parameter :: choices(-1:1) = ['no  ', 'both', 'yes ']
 
       case%window%symmetry = findloc(choices == lower(raw%symmetric), .true., 1) - 2
       case%window%geometric = lower(raw%spacing) == 'geometric'
@@ -85,7 +85,7 @@ contains
          else if (w%symmetry == -2) then
             call complain(group, 'symmetric', line, message)
          else if (w%symmetry > 0 .and. .not. allows_symmetry(case%osc, case%pattern)) then
-            call complain(group, 'symmetric', line, message, '''only'' takes equal restitution, an &
+            call complain(group, 'symmetric', line, message, '''yes'' takes equal restitution, an &
                &odd number of cycles and sides whose second half mirrors the first')
          else if (w%room < 1 .or. w%room > 32) then
             call complain(group, 'room', line, message)

@@ -88,7 +88,7 @@ contains
    pure subroutine echo_chart(case, lines)
       type(case_type), intent(in) :: case
       type(line_type), allocatable, intent(inout) :: lines(:)
-      character(4), parameter :: symmetric(-1:1) = ['none', 'both', 'only']
+      character(4), parameter :: symmetric(-1:1) = ['no  ', 'both', 'yes ']
 
       associate (w => case%window)
          call append(lines, '# &chart')
@@ -102,7 +102,7 @@ contains
          call append(lines, '#   clearance_points = '//whole(w%clearance_points))
          call append(lines, '#   spacing = '//trim(merge('''geometric''', '''linear''   ', &
             w%geometric)))
-         call append(lines, '#   symmetric = '''//symmetric(w%symmetry)//'''')
+         call append(lines, '#   symmetric = '''//trim(symmetric(w%symmetry))//'''')
          call append(lines, '#   room = '//whole(w%room))
          call append(lines, '#   guesses = '//whole(w%guesses))
          call append(lines, '#   seeds = '//whole(w%seeds))

@@ -21,13 +21,13 @@ CHART = """&chart
 """
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 WORDS = {"true": 1, "false": 0, "unknown": -1}
-CHOICES = {"both": None, "only": True, "none": False}
+CHOICES = {"both": None, "yes": True, "no": False}
 
 
 @pytest.mark.usefixtures("same_build")
 @pytest.mark.parametrize(
     ("sides", "symmetric"),
-    [("RL", "both"), ("RL", "only"), ("RL", "none"), ("RRL", "both"), ("RRLL", "only")],
+    [("RL", "both"), ("RL", "yes"), ("RL", "no"), ("RRL", "both"), ("RRLL", "yes")],
 )
 def test_digits_of_python(batch, sides, symmetric):
     """Row by row the dataset of `chart`, to the last bit."""
@@ -92,9 +92,9 @@ def test_empty_window(batch):
         ("clearance_points = 11", "clearance_points = 100000", "<= 1000000"),
         ("clearance_points = 11", "clearance_points = 1.5", "whole number"),
         ("'geometric'", "'cubic'", "'linear' or 'geometric'"),
-        ("'both'", "'some'", "'both', 'only'"),
-        ("'both'", "''", "'both', 'only'"),
-        ("cycles = 1", "cycles = 2, symmetric = 'only'", "given before"),
+        ("'both'", "'some'", "'yes' (only"),
+        ("'both'", "''", "'yes' (only"),
+        ("cycles = 1", "cycles = 2, symmetric = 'yes'", "given before"),
         ("cycles = 1", "cycles = 0", "1 <= cycles"),
         ("'RL'", "'RR'", "each wall at least once"),
         ("'RL'", "'RLRLRLRLRLRLRL'", "2 to 12"),
@@ -117,8 +117,8 @@ def test_bad_input(batch, old, new, words):
 
 
 def test_symmetry_that_cannot_be(batch):
-    """'only' needs a pattern that allows it."""
-    outcome = batch.case(SYSTEM + CHART.replace("'both'", "'only'").replace("'RL'", "'RRL'"))
+    """'yes' needs a pattern that allows it."""
+    outcome = batch.case(SYSTEM + CHART.replace("'both'", "'yes'").replace("'RL'", "'RRL'"))
     assert outcome.status == 2
     assert "second half mirrors the first" in outcome.faults[0]
 
