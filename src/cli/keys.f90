@@ -87,7 +87,8 @@ contains
       case ('spacing')
          text = '''linear'' or ''geometric'' (of the clearances)'
       case ('symmetric')
-         text = '''yes'' (only motions that are their own mirror image), ''no'' (only others) or ''both'''
+         text = '''yes'' (only motions that are their own mirror image), ''no'' (only others) or &
+            &''both'''
       case ('room')
          text = 'a whole number with 1 <= room <= 32'
       case ('guesses', 'seeds')
