@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from . import _core, checks
 from .chart import chart
 from .errors import ParameterError, SingularError
+from .interrupt import interruptible
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .newton import exact
@@ -216,7 +217,7 @@ def run_namelists(
         _characters(b"\n".join(files)), _characters(target), _characters(kind.ljust(16).encode()), room, tally,
     )  # fmt: skip
     if progress is None:
-        text, length, status = _core.run_namelists(*arguments)
+        text, length, status = interruptible(_core.run_namelists, *arguments)
     else:
         with ThreadPoolExecutor(1) as pool:
             running = pool.submit(_core.run_namelists, *arguments)

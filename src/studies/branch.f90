@@ -66,8 +66,14 @@ contains
             now%step = 0.3_wp*next%came
             cycle
          end if
+         ! beyond a bound nothing is looked at: what is there may make no sense
+         if (next%came > stride%shortest .and. leaps_over(next)) then
+            now%step = 0.3_wp*next%came
+            cycle
+         end if
          call note_special(curve, now, next, branch, done)
          if (done) return
+         if (beyond(next)) return
          if (closes(curve, branch, now, next)) then
             branch%reason = end_closed
             call append_point(branch, point, condition_type())
@@ -89,6 +95,21 @@ contains
       ! the edges are the last two conditions: lowest, highest
       on_bound = start%values(size(start%values) + (way - 1)/2) <= 1.0e-14_wp*curve%scale(1)
    end function on_bound
+
+   !> Whether a place lies beyond a bound of the parameter.
+   pure logical function beyond(place)
+      type(place_type), intent(in) :: place
+
+      beyond = any(place%conditions%kind == edge .and. place%values < 0)
+   end function beyond
+
+   !> Whether a step has gone so far beyond a bound that the bound could not be located on it.
+   pure logical function leaps_over(place)
+      type(place_type), intent(in) :: place
+
+      leaps_over = beyond(place) .and. abs(place%point(size(place%point)) - 0.5_wp) > 0.5_wp + &
+         0.02_wp*max(place%came, 1.0e-6_wp)
+   end function leaps_over
 
    !> Appends the special points within a step, in order.
    pure subroutine note_special(curve, now, next, branch, done)

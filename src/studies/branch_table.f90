@@ -83,8 +83,9 @@ contains
       conditions = [half(1)%special(half(1)%n:2:-1), half(2)%special(:half(2)%n)]
       if (half(1)%special(1)%kind > 0) conditions(half(1)%n) = half(1)%special(1)
       do i = 1, n
-         call write_point(request, curve, points(:, i), parameters(:, i), phases(:, i), &
-            impacts(:, :, i), scalars(:, i), multipliers(:, i), verdicts(:, i), codes(i))
+         call write_point(request, curve, points(:, i), conditions(i), parameters(:, i), &
+            phases(:, i), impacts(:, :, i), scalars(:, i), multipliers(:, i), verdicts(:, i), &
+            codes(i))
          if (is_neutral_saddle(conditions(i), multipliers(:, i))) cycle
          special(:, i) = [conditions(i)%kind, conditions(i)%index, conditions(i)%side]
       end do
@@ -100,11 +101,13 @@ contains
    end function is_neutral_saddle
 
    !> One point of a branch as a motion in arrays.
-   pure subroutine write_point(request, curve, point, parameters, phases, impacts, scalars, &
-      multipliers, verdicts, code)
+   pure subroutine write_point(request, curve, point, condition, parameters, phases, impacts, &
+      scalars, multipliers, verdicts, code)
       type(branch_request_type), intent(in) :: request
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: point(:)
+      !> The condition that is zero there, if any: on a bound the parameter is the bound.
+      type(condition_type), intent(in) :: condition
       real(wp), intent(out) :: parameters(:), phases(:), impacts(:, :), scalars(:)
       complex(wp), intent(out) :: multipliers(:)
       integer, intent(out) :: verdicts(:), code
@@ -114,6 +117,9 @@ contains
 
       c = parameters_of(curve, point)
       c(by_clearance) = exp(c(by_clearance))
+      if (condition%kind == edge) c(request%parameter) = request%bounds(merge(1, 2, &
+         condition%side > 0))
+      if (curve%tied) c(by_left) = c(by_right)
       parameters = c
       setting = setting_type(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
          c(by_r), 1.0_wp, c(by_clearance), request%pattern, &

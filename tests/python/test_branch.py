@@ -421,3 +421,14 @@ def test_branch_that_starts_on_a_bound(bounds):
 def test_full_branch_says_so():
     branch = vi.branch(pair_motion(), "clearance", (10, 60), max_points=15)
     assert "full" in branch.ends
+
+
+@pytest.mark.parametrize("high", [1.0, 1e3, 1e6])
+def test_a_branch_never_leaves_its_bounds(high):
+    """Steps over a wide range end on the bound itself, not beyond it."""
+    for motion in vi.equispaced(vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75), 1.04, 25.0):
+        branch = vi.branch(motion, "mu", bounds=(0.0, high))
+        assert branch.mu.min() == 0.0
+        assert branch.mu.max() <= high
+        assert (branch.mu.max() == high) == (branch.ends[1] == "bound of the parameter")
+        assert all(0 <= point.motion.osc.mu <= high for point in branch.special_points)

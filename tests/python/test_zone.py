@@ -2,6 +2,9 @@
 
 import json
 import math
+import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -428,3 +431,31 @@ def test_seed_of_another_pattern():
     seed = vi.equispaced(FIGURE6, 1.04, 25.0)[0]
     with pytest.raises(vi.errors.ParameterError, match=r"seeds\[0\].pattern"):
         vi.zone(FIGURE6, vi.Pattern("RRL"), *WINDOW, seeds=[seed])
+
+
+def test_an_interrupt_is_heard_within_a_call():
+    """Ctrl-C ends a long zone at once, not when the core is done."""
+    code = (
+        "import vibroimpact as vi; print('begin', flush=True); "
+        "vi.zone(vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.5), vi.Pattern('R*L*'), (0.5, 1.2), (0.5, 10))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    assert process.stdout.readline() == "begin\n"
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert said.splitlines()[-1] == "KeyboardInterrupt"
+
+
+@pytest.mark.parametrize("symmetric", ["yes", 2])
+def test_symmetric_is_one_of_three(symmetric):
+    with pytest.raises(vi.errors.ParameterError, match=r"^symmetric = "):
+        vi.zone(
+            vi.Oscillator(xi=0.01, mu=0.03, restitution=0.75), vi.Pattern("RL"), (0.8, 1.2), (2, 200),
+            symmetric=symmetric,
+        )  # fmt: skip

@@ -42,7 +42,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="initial states of 'states' (default: 12)",
     )
     parser.add_argument(
-        "--quantity", default="x", metavar="NAME", help="what is drawn (default: x)"
+        "--quantity", default="x", choices=(*COLUMNS, "approach"), help="what is drawn (default: x)"
     )
 
 
@@ -64,5 +64,5 @@ def run(options: argparse.Namespace) -> int:
     write_table(options, "bifurcation", ["run", options.parameter, "label", "side", *COLUMNS], rows)
     for window in result.windows:
         print(f"{window.run}: {window.label} from {window.low:.6g} to {window.high:.6g}")
-    draw(options, "bifurcation", result)
+    draw(options, "bifurcation", result, quantity=options.quantity)
     return 1 if result.status.any() else 0

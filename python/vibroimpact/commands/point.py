@@ -71,8 +71,10 @@ def write_table(
     print(f"{name}: {folder / f'{name}.csv'}")
 
 
-def draw(options: argparse.Namespace, name: str, result: Any) -> None:
+def draw(options: argparse.Namespace, name: str, result: Any, **how: Any) -> None:
     """The picture beside it, if it is wanted."""
     if options.plot:
         save = picture_writer()
-        print(f"{name}: {save(result.plot(), Path(options.folder) / f'{name}.{options.plot}')}")
+        print(
+            f"{name}: {save(result.plot(**how), Path(options.folder) / f'{name}.{options.plot}')}"
+        )

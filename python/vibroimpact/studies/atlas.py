@@ -17,6 +17,7 @@ from .. import _core, checks
 from ..errors import ParameterError
 from ..files import write_text
 from ..find import side_patterns
+from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from .conditions import can_be_symmetric
 from .zone import ROOM, Window, Zone, assemble, span
@@ -279,9 +280,10 @@ def surveyed(
     threads: int,
 ) -> tuple[list[Attractor], list[_Array]]:  # fmt: skip
     """What simulations over the window settle on, each with its unknowns as a seed of its zone."""
-    places, letters, cycles, unknowns = _core.survey(
-        points, max_impacts, osc.xi, osc.mu, osc.restitution, *window, settling, max_cycles, threads
-    )
+    places, letters, cycles, unknowns = interruptible(
+        _core.survey, points, max_impacts, osc.xi, osc.mu, osc.restitution, *window, settling, max_cycles,
+        threads,
+    )  # fmt: skip
     attractors, seeds = [], []
     for j in np.flatnonzero(cycles).tolist():
         codes = letters[:, j][letters[:, j] != 0].tolist()

@@ -89,7 +89,12 @@ class SpecialPoint:
         return []
 
     def __repr__(self) -> str:
-        return f"<{self.type} at r = {self.r:.10g}, d K/F0 = {self.clearance:.10g}>"
+        place = f"r = {self.r:.10g}, d K/F0 = {self.clearance:.10g}"
+        if self.parameter not in ("r", "clearance"):
+            right, left = self.motion.osc.restitution
+            values = {"xi": self.motion.osc.xi, "mu": self.motion.osc.mu, "R2": left}
+            place += f", {self.parameter} = {values.get(self.parameter, right):.10g}"
+        return f"<{self.type} at {place}>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

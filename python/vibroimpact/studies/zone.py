@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
+from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from .conditions import EDGE, can_be_symmetric, type_name
@@ -307,6 +308,12 @@ def zone(
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
     max_points = checks.integer(max_points, "max_points", 100, ROOM)
+    if symmetric not in (None, True, False):
+        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
+    if symmetric is not None and pattern.has_rest:
+        raise ParameterError(
+            f"symmetric = {symmetric!r}: must be None for a pattern with rest, whose motions are not told apart"
+        )
     kinds = [symmetric]
     if symmetric is None:
         kinds = [True, False] if can_be_symmetric(osc, pattern) else [False]
@@ -403,9 +410,9 @@ def one_family(
     """Pieces, rings, completeness and work of the symmetric or the other motions."""
     # simulation finds a motion with rest only inside its zone, which may be narrow
     lines = max(lines, 33) if pattern.has_rest else lines
-    vertices, unknowns, labels, _, loops, inside, n_loops, work, status = _core.zone(
-        osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric, *window, lines,
-        guesses, max_points, seeds, ROOM, LOOPS,
+    vertices, unknowns, labels, _, loops, inside, n_loops, work, status = interruptible(
+        _core.zone, osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric,
+        *window, lines, guesses, max_points, seeds, ROOM, LOOPS,
     )  # fmt: skip
     mirrored = not symmetric and can_be_symmetric(osc, pattern)
     pieces: list[Piece] = []
