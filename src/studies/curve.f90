@@ -97,11 +97,25 @@ contains
          ! the matrix is right to 1e-8 or better: what is left after this step is below rounding;
          ! the multipliers of a simulated map are differences, and so less sharp
          if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated)) then
-            iterations = i
+            if (in_order(curve, point)) iterations = i
             return
          end if
       end do
    end subroutine correct
+
+   !> Whether the impacts follow each other in time: the equations have other roots as well.
+   pure logical function in_order(curve, point)
+      type(curve_type), intent(in) :: curve
+      real(wp), intent(in) :: point(:)
+      type(orbit_type) :: o
+      integer :: n
+
+      in_order = .true.
+      if (curve%frame%resting) return
+      n = unknown_count(curve%frame)
+      call set_orbit(curve%frame%family, point(:n), parameters_of(curve, point), o)
+      in_order = all(o%time(1:o%n) > 0)
+   end function in_order
 
    !> Residuals of the motion and of the conditions, with their derivatives.
    pure subroutine equations(curve, conditions, point, residual, matrix)

@@ -87,7 +87,9 @@ def test_symmetric_walls_give_mirror_images():
 ])  # fmt: skip
 def test_none_is_found_twice(osc, r, clearance):
     """Every motion once, each a solution that stays between the walls."""
-    check_found(vi.find(osc, r, clearance, max_impacts=4), osc, r, clearance)
+    found = vi.find(osc, r, clearance, max_impacts=4)
+    assert found
+    check_found(found, osc, r, clearance)
 
 
 def test_motion_with_rest_is_found():

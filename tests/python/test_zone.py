@@ -159,6 +159,72 @@ def test_boundary_against_bisection(equispaced):
     assert checked >= 2
 
 
+def test_vertices_against_bisection(equispaced):
+    """At the r of a vertex the closed form loses stability where the boundary is, to 1e-8."""
+    checked = []
+    for piece in equispaced.boundary:
+        if piece.type not in ("pitchfork", "neimark_sacker"):
+            continue
+        # away from the ends, where a corner is near and another condition may come first
+        for j in range(5, len(piece) - 5, 12):
+            r, clearance, x = float(piece.r[j]), float(piece.clearance[j]), piece.x[0, j]
+
+            def margin(clearance, r=r, x=x):
+                motions = vi.equispaced(FIGURE6, r, clearance)
+                nearest = min(motions, key=lambda m: abs(m.X[0] / m.clearance - x))
+                return 1 - float(np.abs(nearest.multipliers).max())
+
+            edge = brentq(margin, clearance * (1 - 1e-4), clearance * (1 + 1e-4), xtol=1e-13)
+            assert abs(edge / clearance - 1) < 1e-8
+            checked.append(piece.type)
+    assert min(checked.count("pitchfork"), checked.count("neimark_sacker")) >= 4
+
+
+def test_corners_meet_both_conditions(case):
+    """Where two pieces meet, what is zero along each of them is zero."""
+    names = {"fold", "flip", "neimark_sacker", "window"}
+    checked = 0
+    for piece in case.boundary:
+        for other in case.boundary:
+            same = (piece.r[-1], piece.clearance[-1]) == (other.r[0], other.clearance[0])
+            if piece is other or piece.loop != other.loop or not same:
+                continue
+            assert (piece.type, piece.detail) != (other.type, other.detail)
+            for kind, there in ((piece, len(piece) - 1), (other, 0)):
+                if kind.type == "window":
+                    values = {*case.r} if kind.detail.endswith(" r") else {*case.clearance}
+                    value = kind.r[there] if kind.detail.endswith(" r") else kind.clearance[there]
+                    assert min(abs(value / bound - 1) for bound in values) < 1e-12
+            if not {piece.type, other.type} <= names:
+                continue
+            # from the phases: at a fold r and D tell a motion to the root of rounding only
+            phases = piece.theta[:, -1] - piece.theta[0, -1]
+            try:
+                motion = vi.periodic(case.osc, piece.r[-1], phases, case.pattern)
+            except vi.errors.SingularError:  # equispaced phases leave the clearance free
+                continue
+            assert abs(motion.clearance / piece.clearance[-1] - 1) < 1e-9
+            multipliers = motion.multipliers
+            pairs = [1 - a * b for i, a in enumerate(multipliers) for b in multipliers[:i]]
+            zero = {
+                "fold": np.prod(1 - multipliers),
+                "flip": np.prod(1 + multipliers),
+                "neimark_sacker": np.prod(pairs),
+                "window": 0.0,
+            }
+            assert abs(zero[piece.type]) < 1e-7
+            assert abs(zero[other.type]) < 1e-7
+            checked += 1
+    assert checked or case.pattern.sides == "RL"
+
+
+def test_impacts_follow_each_other(case):
+    """No flight takes a negative time: the equations have such roots, which are no motions."""
+    for piece in case.boundary:
+        assert (np.diff(piece.theta, axis=0) > 0).all()
+        assert (piece.theta[-1] - piece.theta[0] < 2 * np.pi * case.pattern.cycles).all()
+
+
 def corners(zone, edge):
     """Where an edge of the window cuts the zone: the lowest and highest ends of that piece."""
     (piece,) = [p for p in zone.boundary if p.detail == edge]
