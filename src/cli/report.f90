@@ -158,7 +158,7 @@ contains
          text = text//' (no multipliers)'
       else
          text = text//' (max|lambda| = '//shown(abs(motion%multipliers(1)), 'g0.4')// &
-            ', '//leading_kind(motion%multipliers)//')'
+            ', '//trim(leading_kind(motion%multipliers))//')'
       end if
    end function verdict_text
 

@@ -68,7 +68,7 @@ contains
          text = text//numbers(abs(branch%multipliers(:, k)))//numbers(s(2:))// &
             numbers([max(-s(5), s(6))/s(2)])//numbers(branch%phases(:, k))// &
             numbers(branch%impacts(:, 1, k))//','//special_name(branch, k)//','// &
-            condition_detail(special(1), special(2), special(3))
+            trim(condition_detail(special(1), special(2), special(3)))
       end associate
    end function row
 
@@ -79,8 +79,8 @@ contains
       character(:), allocatable :: name
 
       name = ''
-      if (branch%special(1, k) > 0) name = condition_name(branch%special(1, k), &
-         branch%special(2, k), branch%symmetric, branch%mirrored)
+      if (branch%special(1, k) > 0) name = trim(condition_name( &
+         branch%special(1, k), branch%special(2, k), branch%symmetric, branch%mirrored))
    end function special_name
 
    pure function numbers(values) result(text)

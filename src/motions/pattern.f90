@@ -72,12 +72,16 @@ contains
    !> The letters of the sides, the inverse of `starred_pattern`.
    pure function starred_letters(sides) result(letters)
       integer, intent(in) :: sides(:)
-      character(:), allocatable :: letters
-      integer :: i
+      character(size(sides) + count(abs(sides) > 1)) :: letters
+      integer :: i, n
 
-      letters = ''
+      n = 0
       do i = 1, size(sides)
-         letters = letters//merge('R', 'L', sides(i) > 0)//repeat('*', abs(sides(i)) - 1)
+         n = n + 1
+         letters(n:n) = merge('R', 'L', sides(i) > 0)
+         if (abs(sides(i)) < 2) cycle
+         n = n + 1
+         letters(n:n) = '*'
       end do
    end function starred_letters
 

@@ -71,7 +71,7 @@ contains
    pure function leading_kind(lambda) result(kind)
       !> By falling modulus.
       complex(wp), intent(in) :: lambda(:)
-      character(:), allocatable :: kind
+      character(8) :: kind
 
       if (abs(lambda(1)%im) > 0) then
          kind = 'complex'

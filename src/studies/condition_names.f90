@@ -7,6 +7,10 @@ module vi_condition_names
 
    public :: condition_detail, condition_name
 
+   !> Their lengths are fixed: gfortran keeps the length of a result of deferred length in one place
+   !! for all threads.
+   integer, parameter :: name_length = 14, detail_length = 24
+
    !> The parameters in their order in the core.
    character(6), parameter :: parameters(6) = [character(6) :: 'r', 'd K/F0', 'xi', 'mu', 'R1', &
       'R2']
@@ -20,13 +24,13 @@ contains
       logical, intent(in) :: symmetric
       !> The first way in which a member can repeat itself is as its own mirror image.
       logical, intent(in) :: mirrored
-      character(:), allocatable :: name
+      character(name_length) :: name
 
       select case (kind)
       case (fold)
          name = 'fold'
       case (flip)
-         name = trim(merge('pitchfork', 'flip     ', symmetric))
+         name = merge('pitchfork', 'flip     ', symmetric)
       case (neimark_sacker)
          name = 'neimark_sacker'
       case (zero_approach)
@@ -34,7 +38,7 @@ contains
       case (grazing)
          name = 'grazing'
       case (repetition)
-         name = trim(merge('pitchfork', 'flip     ', mirrored .and. index == 1))
+         name = merge('pitchfork', 'flip     ', mirrored .and. index == 1)
       case (edge)
          name = 'bound'
       case (rest_vanishes)
@@ -47,7 +51,7 @@ contains
    !> Which flight touches which wall, which impact has no approach, which parameter is at a bound.
    pure function condition_detail(kind, index, side) result(detail)
       integer, intent(in) :: kind, index, side
-      character(:), allocatable :: detail
+      character(detail_length) :: detail
 
       select case (kind)
       case (grazing)
@@ -64,10 +68,10 @@ contains
    !> A whole number below 100.
    pure function number_text(number) result(text)
       integer, intent(in) :: number
-      character(:), allocatable :: text
+      character(merge(2, 1, number >= 10)) :: text
 
-      text = achar(iachar('0') + mod(number, 10))
-      if (number >= 10) text = achar(iachar('0') + number/10)//text
+      text = achar(iachar('0') + number/10)//achar(iachar('0') + mod(number, 10))
+      if (number < 10) text = achar(iachar('0') + number)
    end function number_text
 
 end module vi_condition_names

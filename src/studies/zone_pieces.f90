@@ -121,9 +121,9 @@ contains
       found%n = found%n + 1
       associate (piece => found%pieces(found%n), &
          condition => loop%conditions(run(min(2, size(run)))))
-         piece%name = condition_name(condition%kind, condition%index, symmetric, mirrored)
+         piece%name = trim(condition_name(condition%kind, condition%index, symmetric, mirrored))
          if (condition%kind == edge) piece%name = 'window'
-         piece%detail = condition_detail(condition%kind, condition%index, condition%side)
+         piece%detail = trim(condition_detail(condition%kind, condition%index, condition%side))
          piece%symmetric = symmetric
          piece%loop = number
          piece%corner = loop%corner(run) > 0

@@ -46,6 +46,7 @@ contains
    subroutine test_atlas()
       type(atlas_request_type) :: request
       type(atlas_type) :: one, two
+      character(80) :: told
       integer :: tally(2), i, j
 
       request = atlas_request_type(oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.75_wp]), &
@@ -59,11 +60,18 @@ contains
          'symmetric motions first')
       request%threads = 2
       call find_atlas(request, two)
+      call check(size(one%attractors) == size(two%attractors), 'threads find the same attractors')
+      do i = 1, min(size(one%attractors), size(two%attractors))
+         call check(all(abs(one%attractors(i)%unknowns - two%attractors(i)%unknowns) <= 0), &
+            'threads settle on the same attractors')
+      end do
       do j = 1, size(one%sheets)
          associate (a => one%sheets(j)%zone, b => two%sheets(j)%zone)
             call check(a%n == b%n .and. a%n > 0, 'threads find the same loops')
             do i = 1, min(a%n, b%n)
-               call check(a%loops(i)%n == b%loops(i)%n, 'threads trace the same vertices')
+               write (told, '(a, 4(1x, i0))') 'threads trace the same vertices:', j, i, &
+                  a%loops(i)%n, b%loops(i)%n
+               call check(a%loops(i)%n == b%loops(i)%n, trim(told))
                if (a%loops(i)%n == b%loops(i)%n) call check(all(abs(a%loops(i)%points - &
                   b%loops(i)%points) <= 0), 'to the last bit')
             end do

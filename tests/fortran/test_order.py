@@ -75,6 +75,18 @@ def test_module_names():
         assert programs or modules == [stem_module(path)], f"{path} holds {modules}"
 
 
+def test_no_results_of_deferred_length():
+    """gfortran keeps their length in a static variable of the caller, which threads share."""
+    for name in ordered_files():
+        path = SOURCE / name
+        if name.startswith("cli/") or name == "numerics/status.f90" or not path.exists():
+            continue
+        text = "\n".join(code_lines(path))
+        for result in re.findall(r"\bfunction\b.*\bresult\((\w+)\)", text):
+            late = re.search(rf"character\(:\), allocatable :: {result}$", text, re.MULTILINE)
+            assert not late, f"{path}: {result} has a deferred length"
+
+
 def test_names_are_closed():
     """`implicit none (type, external)` and `private` in every module, `only` in every use."""
     for path in every_source():
