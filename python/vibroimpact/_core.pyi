@@ -316,6 +316,7 @@ class _Zone(Protocol):
         guesses: int,
         points: int,
         seeds: ArrayLike,
+        tally: _Integer,
         room: int,
         loop_room: int,
         n: int = ...,

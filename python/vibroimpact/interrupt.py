@@ -10,13 +10,15 @@ from typing import Any
 INTERVAL = 0.05
 
 
-def interruptible(function: Callable[..., Any], *arguments: Any) -> Any:
+def interruptible(
+    function: Callable[..., Any], *arguments: Any, watch: Callable[[], None] | None = None
+) -> Any:
     """What a function of the core answers, while the main thread stays free to hear Ctrl-C.
 
     The core cannot be stopped within a call: after an interrupt it runs on in a thread that ends with the
-    program, and its answer is dropped.
+    program, and its answer is dropped. Meanwhile `watch`, if there is one, is called a few times a second.
     """
-    if threading.current_thread() is not threading.main_thread():
+    if watch is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments)
     answer: list[Any] = []
     fault: list[BaseException] = []
@@ -31,6 +33,8 @@ def interruptible(function: Callable[..., Any], *arguments: Any) -> Any:
     worker.start()
     while worker.is_alive():
         worker.join(INTERVAL)
+        if watch is not None:
+            watch()
     if fault:
         raise fault[0]
     return answer[0]

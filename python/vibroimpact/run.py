@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +18,6 @@ from .interrupt import interruptible
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .newton import exact
-from .progress import INTERVAL
 from .solve import equispaced, periodic
 from .studies.atlas import Atlas, atlas
 from .studies.branch import Branch, branch
@@ -109,14 +107,14 @@ class Case(NamedTuple):
             guesses=keys["guesses"], seeds=keys["seeds"],
         )  # fmt: skip
 
-    def zone(self) -> Zone:
+    def zone(self, progress: Callable[[float, str], None] | None = None) -> Zone:
         """The zone that a &zone case asks for."""
         keys = self.keys
         return zone(
             self.osc, Pattern(keys["sides"], keys["cycles"]), (keys["r_min"], keys["r_max"]),
             (keys["clearance_min"], keys["clearance_max"]),
             {"yes": True, "no": False, "both": None}[keys["symmetric"]], keys["lines"], keys["guesses"],
-            max_points=keys["max_points"],
+            max_points=keys["max_points"], progress=progress,
         )  # fmt: skip
 
     def atlas(self, progress: Callable[[float, str], None] | None = None) -> Atlas:
@@ -182,7 +180,7 @@ def run_namelists(
     only : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas"}, optional
         The one kind of cases to run; a file without any is then an input that is wrong.
     progress : callable, optional
-        Called a few times a second with the share that is done of the atlases begun.
+        Called a few times a second with the share that is done of the zones and atlases begun.
 
     Returns
     -------
@@ -216,14 +214,12 @@ def run_namelists(
     arguments = (
         _characters(b"\n".join(files)), _characters(target), _characters(kind.ljust(16).encode()), room, tally,
     )  # fmt: skip
-    if progress is None:
-        text, length, status = interruptible(_core.run_namelists, *arguments)
-    else:
-        with ThreadPoolExecutor(1) as pool:
-            running = pool.submit(_core.run_namelists, *arguments)
-            while wait([running], INTERVAL).not_done:
-                progress(float(tally[0] / max(1, tally[1])))
-        text, length, status = running.result()
+
+    def watch() -> None:
+        if progress is not None:
+            progress(float(tally[0] / max(1, tally[1])))
+
+    text, length, status = interruptible(_core.run_namelists, *arguments, watch=watch)
     said = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]
     lines = [(line.startswith("!"), line[1:]) for line in said if line[0] in "-!"]
     return RunLog(lines, int(status), [Path(line[1:]) for line in said if line[0] == ">"])

@@ -34,7 +34,7 @@ contains
       type(log_type), intent(inout) :: log
       !> The one kind of cases that is run; without it, or if it is empty, all are.
       character(*), intent(in), optional :: only
-      !> Work done and work in sight, of atlases.
+      !> Work done and work in sight, of zones and atlases.
       integer, intent(inout), optional :: tally(2)
       type(case_type), allocatable :: cases(:)
       type(motion_type), allocatable :: motions(:)
@@ -62,7 +62,7 @@ contains
          case ('chart')
             call run_chart(cases(i), folder, log, written)
          case ('zone')
-            call run_zone(cases(i), folder, log, written)
+            call run_zone(cases(i), folder, log, written, tally)
          case ('atlas')
             call run_atlas(cases(i), folder, log, written, tally)
          case ('branch')

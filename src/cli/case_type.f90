@@ -5,7 +5,7 @@ module vi_case_type
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
    use vi_window, only: window_type
-   use vi_zone, only: zone_request_type
+   use vi_sheet, only: zone_request_type
    implicit none (type, external)
    private
 

@@ -10,7 +10,7 @@ module vi_case_zone
    use vi_pattern, only: starred_pattern
    use vi_raw, only: raw_type
    use vi_text, only: lower
-   use vi_zone, only: zone_request_type
+   use vi_sheet, only: zone_request_type
    implicit none (type, external)
    private
 

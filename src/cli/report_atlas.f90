@@ -4,7 +4,7 @@ module vi_report_atlas
    use vi_case_type, only: case_type
    use vi_echo, only: echo
    use vi_pattern, only: starred_letters
-   use vi_report_zone, only: incomplete, truth
+   use vi_report_zone, only: not_closed, truth
    use vi_text, only: append, exact, line_type, whole
    use vi_zone_pieces, only: pieces_type
    implicit none (type, external)
@@ -26,9 +26,9 @@ contains
 
       call echo(case, head)
       do j = 1, size(found)
-         if (.not. found(j)%complete) call append(head, '# ! '// &
+         if (.not. found(j)%closed) call append(head, '# ! '// &
             pattern_text(atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//': '// &
-            incomplete//' (its loop is 0)')
+            not_closed//' (its loop is 0)')
       end do
       do i = 1, size(atlas%attractors)
          if (atlas%explained(i)) cycle

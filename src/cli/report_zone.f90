@@ -9,8 +9,8 @@ module vi_report_zone
 
    public :: truth, zone_lines
 
-   character(*), parameter, public :: incomplete = &
-      'not complete: a boundary could not be followed until it closes'
+   character(*), parameter, public :: not_closed = &
+      'not closed: a boundary could not be followed until it closes'
 
 contains
 
@@ -24,7 +24,7 @@ contains
       integer :: i, j, n
 
       call echo(case, head)
-      if (.not. found%complete) call append(head, '# ! '//incomplete//' (its loop is 0)')
+      if (.not. found%closed) call append(head, '# ! '//not_closed//' (its loop is 0)')
       call append(head, 'loop,piece,type,detail,symmetric,r,clearance,corner')
       n = size(head)
       allocate (lines(n + sum([(size(found%pieces(i)%corner), i=1, found%n)])))

@@ -5,7 +5,7 @@ module vi_run_atlas
    use vi_family, only: can_be_symmetric
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_report_atlas, only: atlas_lines, pattern_text
-   use vi_report_zone, only: incomplete
+   use vi_report_zone, only: not_closed
    use vi_text, only: counted, line_type, whole
    use vi_zone_pieces, only: add_pieces, pieces_type
    implicit none (type, external)
@@ -39,7 +39,7 @@ contains
          end associate
       end do
       lost = count(.not. atlas%explained)
-      if (all(found%n == 0) .and. all(found%complete) .and. lost == 0) then
+      if (all(found%n == 0) .and. all(found%closed) .and. lost == 0) then
          call say(log, failed, case%name//': no zone: neither search nor survey found a stable, &
             &admissible motion within the limits in the window')
          return
@@ -51,8 +51,8 @@ contains
          counted(sum(found%loops), 'loop')//', '//counted(size(atlas%explained), 'attractor')// &
          ' surveyed')
       do j = 1, size(found)
-         if (.not. found(j)%complete) call say(log, failed, case%name//': '//pattern_text( &
-            atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//' '//incomplete)
+         if (.not. found(j)%closed) call say(log, failed, case%name//': '//pattern_text( &
+            atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//' '//not_closed)
       end do
       if (lost > 0) call say(log, failed, case%name//': '//whole(lost)//' of '//counted( &
          size(atlas%explained), 'attractor')//' in no zone of the pattern:'//names(atlas))

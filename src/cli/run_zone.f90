@@ -3,7 +3,7 @@ module vi_run_zone
    use vi_case_type, only: case_type
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_pattern, only: starred_letters
-   use vi_report_zone, only: incomplete, zone_lines
+   use vi_report_zone, only: not_closed, zone_lines
    use vi_text, only: counted, line_type, whole
    use vi_zone_pieces, only: pieces_type, zone_pieces
    implicit none (type, external)
@@ -14,12 +14,14 @@ module vi_run_zone
 contains
 
    !> Finds the zones of a case and writes their boundaries; a window without any is said to be so.
-   subroutine run_zone(case, folder, log, written)
+   subroutine run_zone(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
+      !> Work done and work in sight.
+      integer, intent(inout), optional :: tally(2)
       type(pieces_type) :: found
       type(line_type), allocatable :: lines(:)
       character(:), allocatable :: what
@@ -27,11 +29,11 @@ contains
       written = .true.
       what = starred_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
       call zone_pieces(case%zone, case%symmetric == ['yes ', 'no  '] .or. case%symmetric &
-         == 'both', found)
+         == 'both', found, tally)
       if (found%motions == 0) then
          call say(log, failed, case%name//': no motion '//what//' was found anywhere in the window')
          return
-      else if (found%n == 0 .and. found%complete) then
+      else if (found%n == 0 .and. found%closed) then
          call say(log, failed, case%name//': no zone: motions '//what// &
             ' were found in the window, but none that is both stable and admissible')
          return
@@ -41,7 +43,7 @@ contains
       if (.not. written) return
       call say(log, done, case%name//': '//what//', '//counted(found%loops, 'loop')//' in '// &
          counted(found%n, 'piece')//kinds(found))
-      if (.not. found%complete) call say(log, failed, case%name//': '//incomplete)
+      if (.not. found%closed) call say(log, failed, case%name//': '//not_closed)
    end subroutine run_zone
 
    !> The types of the pieces, each once.

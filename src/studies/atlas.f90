@@ -9,8 +9,9 @@ module vi_atlas
    use vi_letters, only: standard_letters
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
+   use vi_sheet, only: zone_request_type
    use vi_survey, only: attractor_type, survey
-   use vi_zone, only: find_zone, zone_request_type, zone_type
+   use vi_zone, only: find_zone, zone_type, zone_work
    use vi_zone_table, only: count_zone
    implicit none (type, external)
    private
@@ -97,7 +98,7 @@ contains
       integer, intent(inout), optional :: tally(2)
       integer :: j, status
 
-      if (present(tally)) tally(2) = tally(2) + count(wanted)
+      if (present(tally)) tally(2) = tally(2) + zone_work*count(wanted)
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status)
       do j = 1, size(atlas%sheets)
          if (.not. wanted(j)) cycle
@@ -105,10 +106,7 @@ contains
          call find_zone(zone_request_type(request%osc, atlas%sheets(j)%pattern, &
             atlas%sheets(j)%symmetric, request%r, request%clearance, &
             lattice(request, atlas%sheets(j)%pattern, finer), request%guesses, request%points), &
-            seeds_of(atlas, atlas%sheets(j)%pattern), atlas%sheets(j)%zone, status)
-         if (.not. present(tally)) cycle
-         !$omp atomic update
-         tally(1) = tally(1) + 1
+            seeds_of(atlas, atlas%sheets(j)%pattern), atlas%sheets(j)%zone, status, tally)
       end do
       !$omp end parallel do
    end subroutine trace_sheets

@@ -8,6 +8,7 @@ module vi_net
    use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, unknown_count, &
       wrap_phases, zero_approach
    use vi_kinds, only: wp
+   use vi_lattice, only: lattice_type, spacing
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
    implicit none (type, external)
    private
@@ -22,9 +23,9 @@ module vi_net
    end type border_type
 
    type, public :: net_type
-      !> The sheets: both parameters are active, the window is the unit square of their coordinates.
+      !> The sheets: both parameters are active, 0 at the lower corner of the window.
       type(curve_type) :: sheet
-      integer :: lines = 0
+      type(lattice_type) :: lines
       !> Nodes: place in the lattice, unknowns, and whether its two lines have been followed.
       integer :: n = 0
       integer, allocatable :: lattice(:, :), follower(:), head(:, :)
@@ -38,7 +39,7 @@ module vi_net
    end type net_type
 
    !> Room for nodes and borders, and steps that may be made.
-   integer, parameter :: room = 40000, border_room = 20000, most_steps = 400000
+   integer, parameter :: room = 40000, border_room = 20000, most_steps = 4000000
    !> A motion that would be this far beyond a wall (over d) is not followed any farther.
    real(wp), parameter :: depth = 1.0_wp
 
@@ -47,8 +48,7 @@ contains
    !> An empty net.
    pure subroutine new_net(sheet, lines, net)
       type(curve_type), intent(in) :: sheet
-      !> Lattice lines each way, those on the edges of the window included.
-      integer, intent(in) :: lines
+      type(lattice_type), intent(in) :: lines
       type(net_type), intent(out) :: net
       integer :: n
 
@@ -57,7 +57,7 @@ contains
       net%lines = lines
       allocate (net%lattice(2, room), net%follower(room), net%unknowns(n, room), &
          net%followed(2, room), net%borders(border_room))
-      allocate (net%head(lines, lines), source=0)
+      allocate (net%head(size(lines%axes(1)%at), size(lines%axes(2)%at)), source=0)
    end subroutine new_net
 
    !> Adds a node; one that is there already is not added again.
@@ -120,15 +120,16 @@ contains
       logical :: good, known
 
       call line_of(net, node, direction, line)
-      stride = stride_type(longest=0.8_wp/(net%lines - 1))
       along = 0
       along(size(along)) = way
-      q = (net%lattice(direction, node) - 1)/real(net%lines - 1, wp)
+      q = net%lines%axes(direction)%at(net%lattice(direction, node))
+      stride = stride_type(longest=0.8_wp*spacing(net%lines, direction, q))
       call begin_walk(line, none, [net%unknowns(:, node), q], along, 0.2_wp*stride%longest, now, &
          good)
       if (.not. good) return
       before = now
       do while (net%steps < most_steps)
+         stride%longest = 0.8_wp*spacing(net%lines, direction, now%point(size(now%point)))
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
          if (.not. good) return
@@ -167,7 +168,7 @@ contains
          line%origin = sheet%origin([direction])
          line%scale = sheet%scale([direction])
          line%c(sheet%active(other)) = sheet%origin(other) + sheet%scale(other)* &
-            (net%lattice(other, node) - 1)/real(net%lines - 1, wp)
+            net%lines%axes(other)%at(net%lattice(other, node))
       end associate
    end subroutine line_of
 
@@ -198,8 +199,8 @@ contains
       known = .false.
       a = now%point(size(now%point))
       b = next%point(size(next%point))
-      do i = 1, net%lines
-         level = (i - 1)/real(net%lines - 1, wp)
+      do i = 1, size(net%lines%axes(direction)%at)
+         level = net%lines%axes(direction)%at(i)
          if (.not. (level - a)*(level - b) < 0) cycle
          if (abs(level - a) < 1.0e-9_wp) cycle
          guess = now%point + (level - a)/(b - a)*(next%point - now%point)
@@ -245,7 +246,7 @@ contains
          best = found
       end do
       if (which == 0) return
-      other = (net%lattice(3 - direction, node) - 1)/real(net%lines - 1, wp)
+      other = net%lines%axes(3 - direction)%at(net%lattice(3 - direction, node))
       net%n_borders = net%n_borders + 1
       associate (border => net%borders(net%n_borders), n => size(net%unknowns, 1))
          allocate (border%point(n + 2))
@@ -257,7 +258,11 @@ contains
          border%inside(3 - direction) = other
          border%inside(direction) = merge(now%point(n + 1), next%point(n + 1), inside)
          ! on an edge of the window it would lie on the loop
-         border%inside = max(1.0e-6_wp, min(1 - 1.0e-6_wp, border%inside))
+         do j = 1, 2
+            associate (far => net%lines%axes(j)%at(size(net%head, j)))
+               border%inside(j) = max(1.0e-6_wp, min(far - 1.0e-6_wp, border%inside(j)))
+            end associate
+         end do
       end associate
    end subroutine note_border
 

@@ -4,17 +4,15 @@
 !! from every place where it enters or leaves a zone the boundary is traced, unless it is known.
 module vi_zone
    use vi_curve, only: correct, curve_type, parameters_of
-   use vi_family, only: image_of, kinship, new_family
+   use vi_family, only: image_of, kinship
    use vi_frame, only: condition_type, edge, frame_type, wrap_phases
    use vi_kinds, only: wp
+   use vi_lattice, only: nearest, new_lattice
    use vi_loop, only: loop_type, trace_loop
    use vi_net, only: add_seed, border_type, cover, net_type, new_net
-   use vi_orbit, only: by_clearance, by_r
-   use vi_oscillator, only: left, oscillator_type, right
-   use vi_pattern, only: pattern_type
-   use vi_rest_family, only: new_rest_family
    use vi_seeds, only: motions_at, part_of
    use vi_settle, only: settle
+   use vi_sheet, only: is_neutral, make_sheet, zone_request_type
    use vi_status, only: stat
    use vi_steps, only: stride_type
    implicit none (type, external)
@@ -22,28 +20,20 @@ module vi_zone
 
    public :: find_zone
 
-   !> What to look for and how hard.
-   type, public :: zone_request_type
-      type(oscillator_type) :: osc
-      !> Sides; +2 and -2 for accumulation and rest.
-      type(pattern_type) :: pattern
-      logical :: symmetric = .false.
-      real(wp) :: r(2) = 0, clearance(2) = 0
-      !> Lattice lines each way, guesses at each node where motions are searched.
-      integer :: lines = 17, guesses = 12
-      !> Most points of a loop.
-      integer :: points = 20000
-   end type zone_request_type
+   !> What one zone counts in a tally of work.
+   integer, parameter, public :: zone_work = 1000
 
    type, public :: zone_type
       type(loop_type), allocatable :: loops(:)
       integer :: n = 0
-      !> The sheets, with the window as the unit square.
+      !> The sheets over the window.
       type(curve_type) :: sheet
       !> A point inside, beside each loop (2, n).
       real(wp), allocatable :: inside(:, :)
       !> Motions found in the window, steps of the net, and borders left untraced.
       integer :: nodes = 0, steps = 0, untraced = 0
+      !> Lattice lines of constant r and of constant D.
+      integer :: lines(2) = 0
       !> Points traced, those of loops that were dropped included.
       integer :: points = 0
    end type zone_type
@@ -54,29 +44,37 @@ module vi_zone
 contains
 
    !> All zones of a pattern in a window.
-   pure subroutine find_zone(request, seeds, zone, status)
+   subroutine find_zone(request, seeds, zone, status, tally)
       type(zone_request_type), intent(in) :: request
       !> Motions known beforehand, in the whole pattern: r, D, x_i/D, theta_i (2 + 2N, m).
       real(wp), intent(in) :: seeds(:, :)
       type(zone_type), intent(out) :: zone
       !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
+      !> Work done and work in sight, kept up to date for who looks at it meanwhile.
+      integer, intent(inout), optional :: tally(2)
       type(net_type) :: net
       real(wp) :: q(2)
       integer, allocatable :: unclosed(:)
       logical :: closed
-      integer :: i, n_unclosed
+      integer :: i, n_unclosed, told
 
       call make_sheet(request, zone%sheet, status)
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
-      if (status /= stat%ok .or. is_neutral(request%osc)) return
-      call new_net(zone%sheet, request%lines, net)
+      told = 0
+      if (status /= stat%ok .or. is_neutral(request%osc)) then
+         call tell(1.0_wp, told, tally)
+         return
+      end if
+      call new_net(zone%sheet, new_lattice(request%lines, [request%r, log(request%clearance)], &
+         zone%sheet%scale), net)
+      zone%lines = shape(net%head)
       do i = 1, size(seeds, 2)
          q = ([seeds(1, i), log(seeds(2, i))] - zone%sheet%origin)/zone%sheet%scale
-         call plant(net, q, part_of(zone%sheet%frame, seeds(3:, i)), 1 + nint(q*(net%lines - 1)))
+         call plant(net, q, part_of(zone%sheet%frame, seeds(3:, i)), nearest(net%lines, q))
       end do
       call cover(net, 1)
-      call search_window(request, net)
+      call search_window(request, net, told, tally)
       zone%nodes = net%n
       zone%steps = net%steps
       ! what cannot be closed from one place often can be from another
@@ -84,6 +82,7 @@ contains
       n_unclosed = 0
       do i = 1, net%n_borders
          call trace_border(net%borders(i), request%points, .false., zone, closed)
+         call tell(0.5_wp + 0.5_wp*i/net%n_borders, told, tally)
          if (closed) cycle
          n_unclosed = n_unclosed + 1
          unclosed(n_unclosed) = i
@@ -94,73 +93,46 @@ contains
       do i = 1, zone%n
          call settle(zone%sheet, zone%loops(i))
       end do
+      call tell(1.0_wp, told, tally)
    end subroutine find_zone
 
-   !> Whether no motion of an oscillator is asymptotically stable: nothing dissipates.
-   !!
-   !! Without impacts on it (mu = 0) the primary mass loses by damping alone, the other by impacts.
-   pure logical function is_neutral(osc)
-      type(oscillator_type), intent(in) :: osc
-      logical :: undamped, elastic
+   !> Brings a tally up to the share of the work that is done.
+   subroutine tell(share, told, tally)
+      real(wp), intent(in) :: share
+      !> What has been told so far.
+      integer, intent(inout) :: told
+      integer, intent(inout), optional :: tally(2)
+      integer :: more
 
-      undamped = osc%xi <= 0
-      elastic = all(osc%restitution >= 1)
-      is_neutral = (undamped .and. elastic) .or. (osc%mu <= 0 .and. (undamped .or. elastic))
-   end function is_neutral
-
-   !> The family in the window, both parameters active.
-   pure subroutine make_sheet(request, sheet, status)
-      type(zone_request_type), intent(in) :: request
-      type(curve_type), intent(out) :: sheet
-      integer, intent(out) :: status
-      real(wp) :: low(2), high(2)
-      logical :: possible
-      integer :: i
-
-      associate (osc => request%osc, walls => request%osc%restitution)
-         sheet%frame%resting = any(abs(request%pattern%sides) == 2)
-         if (sheet%frame%resting) then
-            sheet%frame%rest = new_rest_family(request%pattern%sides, request%pattern%cycles)
-            allocate (sheet%frame%repetitions(0))
-            possible = .not. request%symmetric
-         else
-            call new_family(request%pattern, request%symmetric, abs(walls(1) - walls(2)) <= 0, &
-               sheet%frame%family, sheet%frame%repetitions, possible)
-         end if
-         status = merge(stat%ok, stat%no_motion, possible)
-         low = [request%r(1), log(request%clearance(1))]
-         high = [request%r(2), log(request%clearance(2))]
-         sheet%c = [low, osc%xi, osc%mu, walls(right), walls(left)]
-      end associate
-      sheet%active = [by_r, by_clearance]
-      sheet%origin = low
-      sheet%scale = high - low
-      allocate (sheet%frame%edges(4))
-      do i = 1, 2
-         sheet%frame%edges(2*i - 1) = condition_type(edge, i, 1, bound=low(i))
-         sheet%frame%edges(2*i) = condition_type(edge, i, -1, bound=high(i))
-      end do
-   end subroutine make_sheet
+      if (.not. present(tally)) return
+      more = nint(zone_work*share) - told
+      told = told + more
+      !$omp atomic update
+      tally(1) = tally(1) + more
+   end subroutine tell
 
    !> Searches motions at the nodes of the lattice and follows the sheets they lie on.
    !!
    !! At every second node each way with all guesses, then at the others with few: near resonance
    !! motions may exist on a strip of the window that the first pass steps over.
-   pure subroutine search_window(request, net)
+   subroutine search_window(request, net, told, tally)
       type(zone_request_type), intent(in) :: request
       type(net_type), intent(inout) :: net
+      integer, intent(inout) :: told
+      integer, intent(inout), optional :: tally(2)
       real(wp), allocatable :: found(:, :)
       real(wp) :: q(2)
-      integer :: i, j, k, first, guesses, pass, skip
+      integer :: i, j, k, first, guesses, pass, passes, skip
 
       skip = 0
       ! motions with rest are looked for by simulation, which takes longer and finds them at once
-      do pass = 1, merge(1, 2, net%sheet%frame%resting)
+      passes = merge(1, 2, net%sheet%frame%resting)
+      do pass = 1, passes
          guesses = merge(request%guesses, request%guesses/4, pass == 1)
-         do j = 1, request%lines
-            do i = 1, request%lines
+         do j = 1, size(net%lines%axes(2)%at)
+            do i = 1, size(net%lines%axes(1)%at)
                if ((mod(i, 2) == 1 .and. mod(j, 2) == 1) .neqv. pass == 1) cycle
-               q = [i - 1, j - 1]/real(request%lines - 1, wp)
+               q = [net%lines%axes(1)%at(i), net%lines%axes(2)%at(j)]
                call motions_at(net%sheet%frame, request%pattern, parameters_of(net%sheet, &
                   [(0.0_wp, k=1, size(net%unknowns, 1)), q]), guesses, skip, found)
                skip = skip + guesses
@@ -170,6 +142,7 @@ contains
                end do
                call cover(net, first)
             end do
+            call tell(0.5_wp*(pass - 1 + j/real(size(net%head, 2), wp))/passes, told, tally)
          end do
       end do
    end subroutine search_window
@@ -185,9 +158,9 @@ contains
       type(condition_type) :: fixed(2)
       integer :: n, iterations, node, part, parts
 
-      if (any(place < 1) .or. any(place > net%lines)) return
+      if (any(place < 1) .or. any(place > shape(net%head))) return
       n = size(unknowns)
-      q = (place - 1)/real(net%lines - 1, wp)
+      q = [net%lines%axes(1)%at(place(1)), net%lines%axes(2)%at(place(2))]
       point(:n) = unknowns
       parts = merge(1, 4, all(abs(q - from) <= 0))
       do part = 1, parts

@@ -5,7 +5,8 @@ module vi_zone_pieces
    use vi_frame, only: edge
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
-   use vi_zone, only: find_zone, zone_request_type, zone_type
+   use vi_sheet, only: zone_request_type
+   use vi_zone, only: find_zone, zone_type, zone_work
    implicit none (type, external)
    private
 
@@ -28,31 +29,35 @@ module vi_zone_pieces
       !> Pieces, loops that are closed, motions found on the lattice.
       integer :: n = 0, loops = 0, motions = 0
       !> Whether all boundaries that were found could be closed.
-      logical :: complete = .true.
+      logical :: closed = .true.
    end type pieces_type
 
 contains
 
    !> The zones of a pattern: of symmetric motions, of the others, or of both, in this order.
-   pure subroutine zone_pieces(request, families, found)
+   subroutine zone_pieces(request, families, found, tally)
       type(zone_request_type), intent(in) :: request
       !> Whether symmetric motions and whether others are wanted.
       logical, intent(in) :: families(2)
       type(pieces_type), intent(out) :: found
+      !> Work done and work in sight, kept up to date for who looks at it meanwhile.
+      integer, intent(inout), optional :: tally(2)
       type(zone_request_type) :: one
       type(zone_type) :: zone
       real(wp) :: none(2 + 2*size(request%pattern%sides), 0)
-      logical :: possible
+      logical :: possible, wanted(2)
       integer :: i, status
 
       possible = can_be_symmetric(request%pattern, request%osc%restitution)
       one = request
       ! simulation finds a motion with rest only inside its zone, which may be narrow
       if (any(abs(one%pattern%sides) == 2)) one%lines = max(33, one%lines)
+      wanted = families .and. [possible, .true.]
+      if (present(tally)) tally(2) = tally(2) + zone_work*count(wanted)
       do i = 1, 2
+         if (.not. wanted(i)) cycle
          one%symmetric = i == 1
-         if (.not. families(i) .or. (one%symmetric .and. .not. possible)) cycle
-         call find_zone(one, none, zone, status)
+         call find_zone(one, none, zone, status, tally)
          call add_pieces(zone, one%symmetric, possible .and. .not. one%symmetric, found)
       end do
    end subroutine zone_pieces
@@ -68,7 +73,7 @@ contains
       if (.not. allocated(found%pieces)) allocate (found%pieces(16))
       found%motions = found%motions + zone%nodes
       ! a full list of loops may have lost some
-      found%complete = found%complete .and. zone%untraced == 0 .and. zone%n < size(zone%loops)
+      found%closed = found%closed .and. zone%untraced == 0 .and. zone%n < size(zone%loops)
       do j = 1, zone%n
          call split(zone, zone%loops(j), symmetric, mirrored, found)
       end do
@@ -84,7 +89,7 @@ contains
       integer :: i, j, m, number
 
       if (loop%closed) found%loops = found%loops + 1
-      found%complete = found%complete .and. loop%closed
+      found%closed = found%closed .and. loop%closed
       number = merge(found%loops, 0, loop%closed)
       m = count(loop%corner(2:loop%n) == begins)
       allocate (starts(m + 2), source=[1, pack([(j, j=2, loop%n)], loop%corner(2:loop%n) == &

@@ -6,8 +6,9 @@ module vi_zone_table
    use vi_kinds, only: wp
    use vi_loop, only: loop_type
    use vi_rings, only: dense_ring, winding
+   use vi_sheet, only: zone_request_type
    use vi_status, only: stat
-   use vi_zone, only: find_zone, zone_request_type, zone_type
+   use vi_zone, only: find_zone, zone_type, zone_work
    implicit none (type, external)
    private
 
@@ -16,8 +17,8 @@ module vi_zone_table
 contains
 
    !> `find_zone` between arrays.
-   pure subroutine zone_arrays(request, seeds, vertices, unknowns, labels, n, loops, inside, &
-      n_loops, work, status)
+   subroutine zone_arrays(request, seeds, vertices, unknowns, labels, n, loops, inside, &
+      n_loops, work, status, tally)
       type(zone_request_type), intent(in) :: request
       real(wp), intent(in) :: seeds(:, :)
       !> (5, room): r, D, the derivatives of r and log D by the length of the curve, and its length
@@ -35,13 +36,16 @@ contains
       !> (2, room of loops): r, D of a point inside beside the loop.
       real(wp), intent(out) :: inside(:, :)
       integer, intent(out) :: n_loops
-      !> Motions found, steps of the net, borders left untraced.
-      integer, intent(out) :: work(3)
+      !> Motions found, steps of the net, borders left untraced, lattice lines of constant r and D.
+      integer, intent(out) :: work(5)
       !> `stat%more_events` if there was no room for all.
       integer, intent(out) :: status
+      !> Work done (of `zone_work`) and work in sight.
+      integer, intent(inout), optional :: tally(2)
       type(zone_type) :: zone
       integer :: i
 
+      if (present(tally)) tally(2) = tally(2) + zone_work
       vertices = 0
       unknowns = 0
       labels = 0
@@ -50,9 +54,9 @@ contains
       n = 0
       n_loops = 0
       work = 0
-      call find_zone(request, seeds, zone, status)
+      call find_zone(request, seeds, zone, status, tally)
       if (status /= stat%ok) return
-      work = [zone%nodes, zone%steps, zone%untraced]
+      work = [zone%nodes, zone%steps, zone%untraced, zone%lines]
       do i = 1, zone%n
          associate (loop => zone%loops(i), sheet => zone%sheet)
             if (n + loop%n > size(vertices, 2) .or. n_loops == size(loops, 2)) then

@@ -239,8 +239,8 @@ def test_budget_of_a_zone(batch):
     """Too few vertices: the open boundary is kept with loop 0 and marked, status 1."""
     done = batch.case(ZONE.replace("'no'", "'no', max_points = 100"))
     assert done.status == 1
-    assert done.faults == ["case: not complete: a boundary could not be followed until it closes"]
-    assert "# ! not complete" in (batch.cwd / "results/case.csv").read_text()
+    assert done.faults == ["case: not closed: a boundary could not be followed until it closes"]
+    assert "# ! not closed" in (batch.cwd / "results/case.csv").read_text()
     assert "0" in {row["loop"] for row in rows(batch.cwd / "results/case.csv")}
 
 
@@ -496,7 +496,7 @@ def test_atlas_of_nothing_as_json(tool):
 def test_progress_of_an_atlas(tmp_path, monkeypatch):
     """What is told of the work while it runs goes from nothing to all, and changes no result."""
     write(tmp_path / "case.nml", ATLAS)
-    monkeypatch.setattr(importlib.import_module("vibroimpact.run"), "INTERVAL", 0.0)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
     shares = []
     told = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "told", progress=shares.append)
     assert shares
@@ -513,8 +513,8 @@ def test_bar_on_a_terminal(form, tool):
     """There the command shows how far it is and how much time is left, and wipes it off at the end."""
     write(
         tool.cwd / "sitecustomize.py",
-        "import vibroimpact.progress as p, vibroimpact.run as r\n"
-        "p.PATIENCE = p.INTERVAL = r.INTERVAL = 0.0\n",
+        "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
+        "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n",
     )
     ours, theirs = os.openpty()
     words = [find_command(), "atlas", *ATLAS_OPTIONS, "--max-impacts", "3", "--format", form]

@@ -70,6 +70,34 @@ def test_equispaced_zone_against_the_closed_form(equispaced):
     assert all(distance(equispaced, *place) < 1e-6 for place in wrong), wrong
 
 
+def test_a_wide_window_against_the_closed_form():
+    """Two decades of r and five of d K/F0, where the lattice has to be denser about the resonance."""
+    window = ((0.1, 10.0), (0.01, 1000.0))
+    wide = vi.zone(FIGURE6, vi.Pattern("RL"), *window, symmetric=True)
+    assert wide.closed
+    assert min(wide.search.lines) > 30
+    random = np.random.default_rng(8)
+    r, clearance = (np.exp(random.uniform(*np.log(ends), 4000)) for ends in window)
+    inside = wide.contains(r, clearance)
+    wrong = []
+    for a, b, answer in zip(r.tolist(), clearance.tolist(), inside.tolist(), strict=True):
+        pair = vi.equispaced(FIGURE6, a, b)
+        if any(m.stable and m.admissible for m in pair) != answer:
+            wrong.append((a, b))
+    assert 300 < inside.sum() < 3700
+    assert all(distance(wide, *place) < 1e-6 for place in wrong), wrong
+
+
+def test_progress_is_told():
+    """From nothing to all, over both families of motions, and the answer is the same."""
+    shares = []
+    told = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, progress=lambda share, what: shares.append(share))
+    assert shares
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] <= shares[-1] == 1
+    assert told.to_dict() == vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW).to_dict()
+
+
 def test_zones_against_a_search(case):
     """Where a search finds a stable, admissible motion of the kind, and where it does not."""
     r, clearance = random_points(60, 2)
@@ -93,7 +121,7 @@ def test_zones_against_a_search(case):
 
 def test_vertices_meet_their_condition(case):
     """The defining multiplier or speed of each piece, by the other code."""
-    assert case.complete
+    assert case.closed
     for piece in case.boundary:
         for j in range(0, len(piece), max(1, len(piece) // 5)):
             if piece.type not in ("fold", "flip", "neimark_sacker"):
@@ -241,7 +269,7 @@ def test_the_very_narrow_zone_of_figure_3_at_resonance():
     """Its width in D at r = 1: from the flip to the pitchfork, both by bisection of a multiplier."""
     pattern = vi.Pattern("RL")
     zone = vi.zone(FIGURE3, pattern, (0.98, 1.02), (20, 60), symmetric=False)
-    assert zone.complete
+    assert zone.closed
     assert len(zone.loops) == 1
 
     def flip(second):
@@ -340,7 +368,7 @@ def test_impact_pair_against_its_closed_form(xi, restitution, cycles, r, clearan
     osc = vi.Oscillator(xi=xi, mu=0.0, restitution=restitution)
     zone = vi.zone(osc, vi.Pattern("RL", cycles), r, clearance, symmetric=True)
     limits = dict(zip(("pitchfork", "fold"), impact_pair_limits(restitution, cycles), strict=True))
-    assert zone.complete
+    assert zone.closed
     assert zone.boundary
 
     def over_amplitude(r, clearance):
@@ -440,7 +468,7 @@ def test_nothing_is_stable_without_loss():
     osc = vi.Oscillator(xi=0.0, mu=0.03, restitution=1.0)
     zone = vi.zone(osc, vi.Pattern("RL"), (1.1, 2.0), (1, 10))
     assert not zone
-    assert zone.complete
+    assert zone.closed
 
 
 def test_file_and_repetition(case):
@@ -457,8 +485,8 @@ def test_count_and_shapes(equispaced):
 
 def test_budget_is_told():
     zone = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=True, max_points=100)
-    assert not zone.complete
-    assert "NOT complete" in repr(zone)
+    assert not zone.closed
+    assert "NOT closed" in repr(zone)
 
 
 def test_plot_draws_the_pieces(equispaced):

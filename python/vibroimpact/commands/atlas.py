@@ -75,8 +75,8 @@ def run(options: argparse.Namespace) -> int:
 def tell_atlas(name: str, atlas: Atlas) -> int:
     """Print what was found in the words of the compiled program, and give the exit status."""
     faults = [
-        f"{zone.pattern.sides}/{zone.pattern.cycles} not complete: a boundary could not be followed until it "
-        "closes" for zone in atlas.zones if not zone.complete
+        f"{zone.pattern.sides}/{zone.pattern.cycles} not closed: a boundary could not be followed until it "
+        "closes" for zone in atlas.zones if not zone.closed
     ]  # fmt: skip
     surveyed = counted(len(atlas.attractors), "attractor")
     if atlas.unexplained:

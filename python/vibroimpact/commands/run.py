@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 
+from ..progress import Progress
 from ..run import RunLog, run_namelists
 from . import add_files, add_folder
 
@@ -23,7 +24,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run all cases of all files."""
-    log = run_namelists(options.files, options.folder)
+    with Progress("run") as bar:
+        log = run_namelists(options.files, options.folder, progress=bar.show if bar.wanted else None)
     tell(log)
     return log.status
 

@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 
 from ..files import write_bytes
+from ..progress import Progress
 from . import picture_writer
 from .options import add_case, add_window, run_cases, window_groups
 from .run import tell
@@ -39,14 +40,17 @@ def run(options: argparse.Namespace) -> int:
     groups = window_groups(options, "zone", ("sides", "cycles", "symmetric"))
     needed = ("xi", "mu", "restitution", "sides", "r", "clearance")
     folder = Path(options.folder)
-    with tempfile.TemporaryDirectory() as place:
+    with tempfile.TemporaryDirectory() as place, Progress("zone") as bar:
         tables = place if options.format == "json" else options.folder
-        log, cases = run_cases(options, "zone", groups, needed, tables)
+        log, cases = run_cases(
+            options, "zone", groups, needed, tables, bar.show if bar.wanted else None
+        )
     tell(log)
     for case in cases:
         if save is None and options.format == "csv":
             break
-        found = case.zone()
+        with Progress(case.name) as bar:
+            found = case.zone(bar.show)
         if options.format == "json":
             folder.mkdir(parents=True, exist_ok=True)
             write_bytes(folder / f"{case.name}.json", json.dumps(found.to_dict()).encode())

@@ -41,15 +41,17 @@ def zone(
 ) -> None:  # fmt: skip
     """A zone as a band between its boundaries, over r; `inverse` draws F0/(dK).
 
-    Where all of its boundary was `traced` too, that is the line drawn.
+    Where all of its boundary was `traced` too, that is what is drawn.
     """
     colour, style_ = options.pop("color", KINDS[kind][0]), options.get("ls", "-")
     alpha = options.get("alpha", 0.22)
     lines = [strip.ring for strip in strips]
-    if traced and traced.complete:
+    if traced and traced.closed:
         pieces = [piece for piece in traced.boundary if piece.type != "window"]
         lines = [np.stack([piece.r, piece.clearance], axis=1) for piece in pieces]
-    for strip in strips:
+        for ring in traced.loops:
+            ax.fill(ring[:, 0], 1 / ring[:, 1] if inverse else ring[:, 1], color=colour, alpha=alpha, lw=0)
+    for strip in () if traced and traced.closed else strips:
         edges = (1 / strip.high, 1 / strip.low) if inverse else (strip.low, strip.high)
         ax.fill_between(strip.r, *edges, color=colour, alpha=alpha, lw=0)
     for line in lines:

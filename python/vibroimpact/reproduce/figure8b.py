@@ -9,12 +9,19 @@ from .experiment import bars, read_sweeps, seeds
 from .figure9 import PANELS
 from .paper import UNEQUAL, ratios
 from .scan import Strip, traced_zone
+from .traced import compared, outline
+
+#: The window of the figure.
+R, CLEARANCE = (0.55, 1.5), (0.4, 60.0)
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
-    """Zones of each pattern with rest that the experiment ended on; the paper had no theory for these."""
+    """Zones of each pattern with rest that the experiment ended on; the paper had no theory for these.
+
+    The scan follows a motion from point to point, and stops a little before the ends that `zone` traces.
+    """
     found = seeds(read_sweeps(folder, "unequal"), UNEQUAL)
-    r, count = ratios(0.55, 1.5, 0.7 * resolution), max(40, round(200 * resolution))
+    r, count = ratios(*R, 0.7 * resolution), max(40, round(200 * resolution))
     return {
         sides: traced_zone(UNEQUAL, motions, r, count)
         for sides, motions in sorted(found.items(), key=lambda item: (len(item[0]), item[0]))
@@ -30,14 +37,16 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     for (sides, strips), colour in zip(found.items(), canvas.spectrum(len(found)), strict=True):
         count = sides.count("R")
         name = f"{sides}: {count} on steel, rest on tape"
-        canvas.zone(ax, strips, "rest", name, color=colour)
+        traced = outline(UNEQUAL, sides, R, strips, clearance=CLEARANCE)
+        canvas.zone(ax, strips, "rest", name, color=colour, traced=traced)
+        print(f"Figure 8b, {sides}: {compared(traced, strips)}")
     canvas.bars(ax, bars(sweeps, "rest"), "rest")
     for name in ("c", "d"):
         _, _, r, clearance = PANELS[name]
         ax.plot(r, 1 / clearance, "k.", ms=4)
         ax.annotate(name, (r, 1 / clearance), textcoords="offset points", xytext=(3, 2), fontsize=8)
     canvas.axes_of_zones(ax)
-    ax.set(xlim=(0.55, 1.5), ylim=(0.02, 2.5))
+    ax.set(xlim=R, ylim=(0.02, 2.5))
     canvas.legend(ax, loc="lower right")
     canvas.save(figure, folder, "figure8b")
     canvas.table(folder, "figure8b", canvas.STRIP_HEADER, canvas.strip_rows(found))

@@ -61,7 +61,7 @@ TASKS |= {
     "figure6b": _figure("figure6b", 2.0, "equal"),
     "figure7": _figure("figure7", 2.5, "equal"),
     "figure8a": _figure("figure8a", 3.5, "unequal"),
-    "figure8b": _figure("figure8b", 9.0, "unequal"),
+    "figure8b": _figure("figure8b", 25.0, "unequal"),
     "figure9": _figure("figure9", 1.0),
     "figure10a": _figure("figure10a", 0.7, "equal"),
     "figure10b": _figure("figure10b", 0.7, "unequal"),

@@ -20,6 +20,7 @@ def outline(
     r: tuple[float, float],
     strips: Sequence[Strip],
     symmetric: bool | None = None,
+    clearance: tuple[float, float] | None = None,
 ) -> Any:
     """The Zone of a pattern about a scanned one; None where `zone` is not there or has no such zones."""
     find_zone = getattr(vibroimpact, "zone", None)
@@ -27,8 +28,9 @@ def outline(
         return None
     lowest = min(float(strip.low.min()) for strip in strips)
     highest = max(float(strip.high.max()) for strip in strips)
+    clearance = clearance or (lowest / 1.3, 1.3 * highest)
     try:
-        return find_zone(osc, Pattern(sides), r, (lowest / 1.3, 1.3 * highest), symmetric=symmetric)
+        return find_zone(osc, Pattern(sides), r, clearance, symmetric=symmetric)
     except ParameterError:
         return None
 
@@ -36,17 +38,17 @@ def outline(
 def compared(found: Any, strips: Sequence[Strip]) -> str:
     """How many points near the edges of a scan have the same verdict by the traced boundary, in words.
 
-    The ends of the scan in r lie on the edge of the window, and are left out.
+    The ends of the scan in r lie on the edge of the window, and are left out; so is what lies outside it.
     """
     if not found:
         return "no traced boundary"
     kinds = ", ".join(sorted({piece.type for piece in found.boundary} - {"window"}))
-    if not found.complete:
+    if not found.closed:
         return f"some of the traced boundary is missing ({kinds})"
     r, gap, inside = [], [], []
     for strip in strips:
         for at, low, high in list(zip(*strip, strict=True))[1:-1]:
-            if high / low > 1.02:
+            if high / low > 1.02 and found.clearance[0] < low / 1.002 < high * 1.002 < found.clearance[1]:
                 r += [at] * 4
                 gap += [low / 1.002, low * 1.002, high / 1.002, high * 1.002]
                 inside += [False, True, True, False]

@@ -255,7 +255,7 @@ def atlas(
             tell((i + 1) / (len(families) + 1), f"zone of {family[0].sides}/{family[0].cycles}")
 
     def result() -> Atlas:
-        found = [zone for zone in zones.values() if zone or not zone.complete]
+        found = [zone for zone in zones.values() if zone or not zone.closed]
         draft = Atlas(osc, *window, found, attractors, [])
         return Atlas(
             osc,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +25,8 @@ Window = tuple[tuple[float, float], tuple[float, float]]
 ROOM, LOOPS = 200_000, 400
 #: An error of the core: the room is full.
 MORE = 8
+#: What one family counts in the core's tally of work.
+ZONE_WORK = 1000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,14 +81,15 @@ class ZoneSearch:
         Steps along the lattice lines on all sheets.
     untraced : int
         Places on a boundary from which it could not be followed.
-    lines : int
-        Lattice lines each way: what lies between them, touching none, can have been missed.
+    lines : (int, int)
+        Lattice lines of constant r and of constant d K/F0: what lies between them, touching none, can
+        have been missed.
     """
 
     motions: int
     steps: int
     untraced: int
-    lines: int
+    lines: tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,8 +107,9 @@ class Zone:
     loops : list of ndarray (M, 2)
         Closed rings of (r, clearance), counter-clockwise around a zone and clockwise around a hole, so
         fine that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
-    complete : bool
-        Whether all boundaries found could be closed.
+    closed : bool
+        Whether every boundary that was met could be followed until it closes. It says nothing of zones that
+        were not met: see `search`.
     search : ZoneSearch
     """
 
@@ -116,7 +120,7 @@ class Zone:
     symmetric: bool | None
     boundary: list[Piece]
     loops: list[_Array]
-    complete: bool
+    closed: bool
     search: ZoneSearch
 
     def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
@@ -181,7 +185,7 @@ class Zone:
             "pattern": {"sides": self.pattern.sides, "cycles": self.pattern.cycles},
             "window": {"r": list(self.r), "clearance": list(self.clearance)},
             "symmetric": self.symmetric,
-            "complete": self.complete,
+            "closed": self.closed,
             "search": vars(self.search),
             "rings": [ring.tolist() for ring in self.loops],
             "pieces": [
@@ -217,8 +221,8 @@ class Zone:
         window = data["window"]
         return cls(
             osc, Pattern(**data["pattern"]), tuple(window["r"]), tuple(window["clearance"]),
-            data["symmetric"], pieces, [np.array(ring) for ring in data["rings"]], data["complete"],
-            ZoneSearch(**data["search"]),
+            data["symmetric"], pieces, [np.array(ring) for ring in data["rings"]], data["closed"],
+            ZoneSearch(**{**data["search"], "lines": tuple(data["search"]["lines"])}),
         )  # fmt: skip
 
     def __repr__(self) -> str:
@@ -227,7 +231,7 @@ class Zone:
         loops = f"{len(self.loops)} loop{'s' if len(self.loops) != 1 else ''}"
         return (
             f"<Zone {self.pattern.sides}/{self.pattern.cycles}{kind}: {loops}, "
-            f"bounded by {', '.join(kinds) or 'nothing'}{'' if self.complete else ', NOT complete'}>"
+            f"bounded by {', '.join(kinds) or 'nothing'}{'' if self.closed else ', NOT closed'}>"
         )
 
 
@@ -241,6 +245,7 @@ def zone(
     guesses: int = 12,
     seeds: Sequence[Motion] = (),
     max_points: int = 20_000,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Zone:
     """The zones of stable, admissible motions of a pattern, as closed curves of named pieces.
 
@@ -265,14 +270,18 @@ def zone(
         Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
         impacts), only others (False), or both (None).
     lines : int
-        Lattice lines each way, 5 to 129; at least 33 are taken for a pattern with rest. Parts of a zone that
-        touch no line can be missed.
+        Lattice lines each way over a window like that of the 1983 charts (r 0.8 to 1.2, and a factor 100 in
+        d K/F0), 5 to 129; a larger window gets more of them, in proportion to the logarithm of d K/F0 and to
+        asinh(10 (r - 1)); at least 33 are taken for a pattern with rest. Parts of a zone that touch no line can
+        be missed: more lines see more.
     guesses : int
         Guesses for motions at every second node each way; a quarter of it at the others.
     seeds : sequence of Motion
         Motions of the pattern that are known to be there, for sheets that the search could miss.
     max_points : int
         Most vertices of a loop.
+    progress : callable, optional
+        Called a few times a second with the share done and what is being done.
 
     Returns
     -------
@@ -323,7 +332,9 @@ def zone(
             f"restitution {osc.restitution!r} cannot be its own mirror image"
         )
     table = seed_table(pattern, seeds)
-    return assemble(osc, pattern, window, symmetric, kinds, lines, guesses, table, max_points)
+    return assemble(
+        osc, pattern, window, symmetric, kinds, lines, guesses, table, max_points, progress
+    )
 
 
 def rest_seed(motion: Motion) -> _Array:
@@ -344,12 +355,23 @@ def rest_seed(motion: Motion) -> _Array:
 def assemble(
     osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool | None, kinds: Sequence[bool | None],
     lines: int, guesses: int, seeds: _Array, max_points: int,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Zone:  # fmt: skip
     """One zone from the symmetric and the other motions of a pattern; all arguments are checked."""
+    # the core keeps it up to date while it runs: work done and work in sight
+    tally = np.zeros(2, dtype=np.int32)
+
+    def watch() -> None:
+        if progress:
+            progress(float(tally[0]) / (ZONE_WORK * len(kinds)), f"{pattern.sides}/{pattern.cycles}")
+
     parts = [
-        one_family(osc, pattern, window, bool(kind), lines, guesses, seeds, max_points)
+        one_family(
+            osc, pattern, window, bool(kind), lines, guesses, seeds, max_points, tally,
+            watch if progress else None,
+        )
         for kind in kinds
-    ]
+    ]  # fmt: skip
     pieces: list[Piece] = []
     rings: list[_Array] = []
     for part_pieces, part_rings, _, _ in parts:
@@ -358,10 +380,10 @@ def assemble(
             for p in part_pieces
         )
         rings.extend(part_rings)
-    work = np.sum([part[3] for part in parts], axis=0).tolist()
+    work = np.sum([part[3][:3] for part in parts], axis=0).tolist()
     return Zone(
         osc, pattern, *window, symmetric, pieces, rings, all(part[2] for part in parts),
-        ZoneSearch(work[0], work[1], work[2], lines),
+        ZoneSearch(work[0], work[1], work[2], tuple(parts[0][3][3:].tolist())),
     )  # fmt: skip
 
 
@@ -405,25 +427,25 @@ def letter_codes(pattern: Pattern) -> NDArray[np.int32]:
 
 def one_family(
     osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool, lines: int, guesses: int,
-    seeds: _Array, max_points: int,
+    seeds: _Array, max_points: int, tally: NDArray[np.int32], watch: Callable[[], None] | None,
 ) -> tuple[list[Piece], list[_Array], bool, NDArray[np.int32]]:  # fmt: skip
-    """Pieces, rings, completeness and work of the symmetric or the other motions."""
+    """Pieces, rings, whether all are closed, and work of the symmetric or the other motions."""
     # simulation finds a motion with rest only inside its zone, which may be narrow
     lines = max(lines, 33) if pattern.has_rest else lines
     vertices, unknowns, labels, _, loops, inside, n_loops, work, status = interruptible(
         _core.zone, osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric,
-        *window, lines, guesses, max_points, seeds, ROOM, LOOPS,
+        *window, lines, guesses, max_points, seeds, tally, ROOM, LOOPS, watch=watch,
     )  # fmt: skip
     mirrored = not symmetric and can_be_symmetric(osc, pattern)
     pieces: list[Piece] = []
     rings: list[_Array] = []
-    complete = int(status) != MORE and int(work[2]) == 0
+    all_closed = int(status) != MORE and int(work[2]) == 0
     first = 0
     for i in range(int(n_loops)):
         count, closed = loops[:, i].tolist()
         here = slice(first, first + count)
         first += count
-        complete = complete and closed == 1
+        all_closed = all_closed and closed == 1
         if closed:
             rings.append(dense_ring(vertices[:, here], window, inside[:, i]))
         number = len(rings) - 1 if closed else -1
@@ -439,7 +461,7 @@ def one_family(
                 closed == 1,
             )
         )
-    return pieces, rings, complete, work
+    return pieces, rings, all_closed, work
 
 
 def split_pieces(

@@ -1,0 +1,125 @@
+!> Lattice lines over a window of the plane (r, log D), so dense that what they cross is not missed.
+!!
+!! In a window about r = 1 that is as large as the charts of the 1983 paper they are evenly spaced.
+!! In a larger one there are more, and those of constant r are densest where zones are narrow: about
+!! the resonance r = 1, and at small r, where r = 1/n follow each other at distances of about r**2.
+module vi_lattice
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: lattice_type, new_lattice, nearest, spacing
+
+   !> Lines of constant coordinate, from 0 at the lower end of the window on.
+   type :: axis_type
+      real(wp), allocatable :: at(:)
+   end type axis_type
+
+   type :: lattice_type
+      !> The lines of constant r, and of constant D.
+      type(axis_type) :: axes(2)
+   end type lattice_type
+
+   !> Spacings at 17 lines: of log D, of r at its distance from 1, of r over r**2.
+   real(wp), parameter :: by_ratio = log(100.0_wp)/16, by_resonance = 0.27_wp, by_order = 0.5_wp
+   !> How near to resonance its width rather than the distance counts.
+   real(wp), parameter :: width = 0.1_wp
+   !> No more lines than this times those asked for.
+   integer, parameter :: most = 8
+
+contains
+
+   !> The lattice of a window, with as many lines each way as asked for, or more.
+   pure function new_lattice(lines, window, scale) result(lattice)
+      integer, intent(in) :: lines
+      !> Lowest and highest r, lowest and highest log D, and the units of the lines.
+      real(wp), intent(in) :: window(4), scale(2)
+      type(lattice_type) :: lattice
+
+      lattice%axes(1)%at = r_lines(lines, window(1), window(2))*((window(2) - window(1))/scale(1))
+      lattice%axes(2)%at = even(needed((window(4) - window(3))/by_ratio, lines))* &
+         ((window(4) - window(3))/scale(2))
+   end function new_lattice
+
+   !> From 0 to 1: even where that is dense enough, otherwise even in the integral of the density.
+   pure function r_lines(lines, low, high) result(at)
+      integer, intent(in) :: lines
+      real(wp), intent(in) :: low, high
+      real(wp), allocatable :: at(:)
+      real(wp) :: a, b, middle, level
+      integer :: i, j
+
+      if ((high - low)/16*maxval(density([low, min(max(low, 1.0_wp), high)])) <= 1) then
+         at = even(lines)
+         return
+      end if
+      at = even(needed(total(high) - total(low), lines))
+      do i = 2, size(at) - 1
+         level = total(low) + at(i)*(total(high) - total(low))
+         a = low
+         b = high
+         do j = 1, 50
+            middle = (a + b)/2
+            if (total(middle) < level) then
+               a = middle
+            else
+               b = middle
+            end if
+         end do
+         at(i) = (a - low)/(high - low)
+      end do
+   end function r_lines
+
+   !> Lines of 17 per unit of r, and how their number grows with r.
+   elemental real(wp) function density(r)
+      real(wp), intent(in) :: r
+
+      density = 1/(by_resonance*hypot(width, r - 1)) + 1/(by_order*r**2)
+   end function density
+
+   pure real(wp) function total(r)
+      real(wp), intent(in) :: r
+
+      total = asinh((r - 1)/width)/by_resonance - 1/(by_order*r)
+   end function total
+
+   !> Lines where there are so many spacings at 17 lines.
+   pure integer function needed(spacings, lines)
+      real(wp), intent(in) :: spacings
+      integer, intent(in) :: lines
+
+      needed = 1 + ceiling(min(spacings/16, real(most, wp))*(lines - 1)*(1 - 1.0e-9_wp))
+      needed = max(lines, needed)
+   end function needed
+
+   pure function even(lines) result(at)
+      integer, intent(in) :: lines
+      real(wp) :: at(lines)
+      integer :: i
+
+      at = [(i - 1, i=1, lines)]/real(lines - 1, wp)
+   end function even
+
+   !> The lines nearest to a point.
+   pure function nearest(lattice, q) result(place)
+      type(lattice_type), intent(in) :: lattice
+      real(wp), intent(in) :: q(2)
+      integer :: place(2), i
+
+      place = [(minloc(abs(lattice%axes(i)%at - q(i)), dim=1), i=1, 2)]
+   end function nearest
+
+   !> The distance between the lines on both sides of a coordinate.
+   pure real(wp) function spacing(lattice, direction, q)
+      type(lattice_type), intent(in) :: lattice
+      integer, intent(in) :: direction
+      real(wp), intent(in) :: q
+      integer :: i
+
+      associate (at => lattice%axes(direction)%at)
+         i = count(at(2:size(at) - 1) <= q) + 1
+         spacing = at(i + 1) - at(i)
+      end associate
+   end function spacing
+
+end module vi_lattice

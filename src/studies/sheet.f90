@@ -1,0 +1,82 @@
+!> The sheets of motions over a window of the plane (r, log D) that a zone is looked for on.
+module vi_sheet
+   use vi_curve, only: curve_type
+   use vi_family, only: new_family
+   use vi_frame, only: condition_type, edge
+   use vi_kinds, only: wp
+   use vi_orbit, only: by_clearance, by_r
+   use vi_oscillator, only: left, oscillator_type, right
+   use vi_pattern, only: pattern_type
+   use vi_rest_family, only: new_rest_family
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: is_neutral, make_sheet
+
+   !> What to look for and how hard.
+   type, public :: zone_request_type
+      type(oscillator_type) :: osc
+      !> Sides; +2 and -2 for accumulation and rest.
+      type(pattern_type) :: pattern
+      logical :: symmetric = .false.
+      real(wp) :: r(2) = 0, clearance(2) = 0
+      !> Lattice lines each way (more in a large window), guesses at each node where motions are
+      !! searched.
+      integer :: lines = 17, guesses = 12
+      !> Most points of a loop.
+      integer :: points = 20000
+   end type zone_request_type
+
+   !> The unit of length along r and log D, unless the window is smaller: the window of the 1983 charts.
+   real(wp), parameter :: unit(2) = [0.4_wp, log(100.0_wp)]
+
+contains
+
+   !> Whether no motion of an oscillator is asymptotically stable: nothing dissipates.
+   !!
+   !! Without impacts on it (mu = 0) the primary mass loses by damping alone, the other by impacts.
+   pure logical function is_neutral(osc)
+      type(oscillator_type), intent(in) :: osc
+      logical :: undamped, elastic
+
+      undamped = osc%xi <= 0
+      elastic = all(osc%restitution >= 1)
+      is_neutral = (undamped .and. elastic) .or. (osc%mu <= 0 .and. (undamped .or. elastic))
+   end function is_neutral
+
+   !> The family in the window, both parameters active.
+   pure subroutine make_sheet(request, sheet, status)
+      type(zone_request_type), intent(in) :: request
+      type(curve_type), intent(out) :: sheet
+      integer, intent(out) :: status
+      real(wp) :: low(2), high(2)
+      logical :: possible
+      integer :: i
+
+      associate (osc => request%osc, walls => request%osc%restitution)
+         sheet%frame%resting = any(abs(request%pattern%sides) == 2)
+         if (sheet%frame%resting) then
+            sheet%frame%rest = new_rest_family(request%pattern%sides, request%pattern%cycles)
+            allocate (sheet%frame%repetitions(0))
+            possible = .not. request%symmetric
+         else
+            call new_family(request%pattern, request%symmetric, abs(walls(1) - walls(2)) <= 0, &
+               sheet%frame%family, sheet%frame%repetitions, possible)
+         end if
+         status = merge(stat%ok, stat%no_motion, possible)
+         low = [request%r(1), log(request%clearance(1))]
+         high = [request%r(2), log(request%clearance(2))]
+         sheet%c = [low, osc%xi, osc%mu, walls(right), walls(left)]
+      end associate
+      sheet%active = [by_r, by_clearance]
+      sheet%origin = low
+      sheet%scale = min(high - low, unit)
+      allocate (sheet%frame%edges(4))
+      do i = 1, 2
+         sheet%frame%edges(2*i - 1) = condition_type(edge, i, 1, bound=low(i))
+         sheet%frame%edges(2*i) = condition_type(edge, i, -1, bound=high(i))
+      end do
+   end subroutine make_sheet
+
+end module vi_sheet
