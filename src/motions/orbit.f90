@@ -6,14 +6,14 @@
 !! later is described by its first half; then a fold and the pitchfork, where the symmetry is lost,
 !! are two different multipliers (+1 and -1) of the half-period map.
 module vi_orbit
-   use vi_impact, only: primary_velocities
    use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
    use vi_oscillator, only: eta, gain
    implicit none (type, external)
    private
 
-   public :: set_orbit, orbit_residual, orbit_matrix, orbit_by_parameter, period_map
+   public :: set_orbit, orbit_residual, orbit_slopes, orbit_matrix, orbit_by_parameter, period_map
+   public :: by_forced, by_speed, by_time, period_parts, span_of
 
    !> Most impacts of an orbit.
    integer, parameter, public :: most_impacts = 24
@@ -40,6 +40,8 @@ module vi_orbit
       !> -1 if the impacts repeat mirrored, and the phase after which they do.
       real(wp) :: sign = 1, span = 0
       real(wp) :: xi = 0, mu = 0, r = 1, amplitude = 0
+      !> Derivative of log(A) by r.
+      real(wp) :: growth = 0
       real(wp), dimension(0:most_impacts + 1) :: u, theta, z, restitution
       !> Forced motion A sin(theta) and its velocity A r cos(theta).
       real(wp), dimension(0:most_impacts + 1) :: forced, forced_dot
@@ -48,10 +50,19 @@ module vi_orbit
       real(wp) :: s(4, most_impacts)
       !> Velocity of the primary mass around impact i.
       real(wp), dimension(0:most_impacts + 1) :: before, after
+      !> Their parts: derivatives by the velocities of the free mass before and after the impact.
+      real(wp), dimension(2, most_impacts) :: of_before, of_after
       integer, dimension(0:most_impacts + 1) :: side
    end type orbit_type
 
 contains
+
+   !> Load phase after which the impacts repeat, or are mirrored.
+   pure real(wp) function span_of(family)
+      type(family_type), intent(in) :: family
+
+      span_of = merge(pi, 2*pi, family%mirror)*family%cycles
+   end function span_of
 
    !> Everything at the impacts and flights of unknowns (u_i, theta_i) at parameters c.
    pure subroutine set_orbit(family, unknowns, c, o)
@@ -61,43 +72,55 @@ contains
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       type(orbit_type), intent(inout) :: o
-      real(wp) :: shrink, h
+      real(wp) :: shrink, h, c1, c2
       integer :: n, i
 
       n = size(family%sides)
       o%n = n
       o%sign = merge(-1.0_wp, 1.0_wp, family%mirror)
-      o%span = merge(pi, 2*pi, family%mirror)*family%cycles
+      o%span = span_of(family)
       o%r = c(by_r)
       o%xi = c(by_xi)
       o%mu = c(by_mu)
-      o%amplitude = gain(o%xi, o%r)*exp(-c(by_clearance))
+      h = gain(o%xi, o%r)
+      o%amplitude = h*exp(-c(by_clearance))
+      o%growth = 2*o%r*((1 - o%r)*(1 + o%r) - 2*o%xi**2)*h**2
       h = eta(o%xi)
-      o%u(1:n) = unknowns(:n)
-      o%theta(1:n) = unknowns(n + 1:)
-      o%side(1:n) = family%sides
-      o%restitution(1:n) = merge(c(by_right), c(by_left), family%sides > 0)
-      o%forced(1:n) = o%amplitude*sin(o%theta(1:n))
-      o%forced_dot(1:n) = o%amplitude*o%r*cos(o%theta(1:n))
+      do i = 1, n
+         o%u(i) = unknowns(i)
+         o%theta(i) = unknowns(n + i)
+         o%side(i) = family%sides(i)
+         o%forced(i) = o%amplitude*sin(o%theta(i))
+         o%forced_dot(i) = o%amplitude*o%r*cos(o%theta(i))
+      end do
       o%theta(n + 1) = o%theta(1) + o%span
       o%u(n + 1) = o%sign*o%u(1)
       o%side(n + 1) = nint(o%sign)*o%side(1)
-      o%restitution(n + 1) = merge(c(by_right), c(by_left), o%side(n + 1) > 0)
       o%forced(n + 1) = o%sign*o%forced(1)
       o%forced_dot(n + 1) = o%sign*o%forced_dot(1)
-      o%z(1:n + 1) = o%u(1:n + 1) + 0.5_wp*o%side(1:n + 1)
+      do i = 1, n + 1
+         o%restitution(i) = merge(c(by_right), c(by_left), o%side(i) > 0)
+         o%z(i) = o%u(i) + 0.5_wp*o%side(i)
+      end do
       do i = 1, n
          o%time(i) = (o%theta(i + 1) - o%theta(i))/o%r
          o%speed(i) = (o%z(i + 1) - o%z(i))/o%time(i)                                       ! (16)
          shrink = exp(-o%xi*o%time(i))
-         o%c1(i) = shrink*sin(h*o%time(i))                                                  ! (9)
-         o%c2(i) = shrink*cos(h*o%time(i))                                                  ! (10)
-         o%s(:, i) = [o%c2(i) + o%xi*o%c1(i)/h, o%c1(i)/h, -o%c1(i)/h, &
-            o%c2(i) - o%xi*o%c1(i)/h]                                                       ! (A6)
+         c1 = shrink*sin(h*o%time(i))                                                       ! (9)
+         c2 = shrink*cos(h*o%time(i))                                                       ! (10)
+         o%c1(i) = c1
+         o%c2(i) = c2
+         o%s(:, i) = [c2 + o%xi*c1/h, c1/h, -c1/h, c2 - o%xi*c1/h]                          ! (A6)
       end do
       o%speed(0) = o%sign*o%speed(n)
-      call primary_velocities(o%mu, o%restitution(1:n), o%speed(0:n - 1), o%speed(1:n), &
-         o%before(1:n), o%after(1:n))
+      do i = 1, n
+         associate (r => o%restitution(i))
+            o%of_after(:, i) = [(1 + o%mu)*r, 1 - o%mu*r]/(1 + r)                           ! (13)
+            o%of_before(:, i) = [r - o%mu, 1 + o%mu]/(1 + r)                                ! (28)
+         end associate
+         o%after(i) = o%of_after(1, i)*o%speed(i - 1) + o%of_after(2, i)*o%speed(i)
+         o%before(i) = o%of_before(1, i)*o%speed(i - 1) + o%of_before(2, i)*o%speed(i)
+      end do
       o%before(n + 1) = o%sign*o%before(1)
    end subroutine set_orbit
 
@@ -116,60 +139,102 @@ contains
       end do
    end function orbit_residual
 
+   !> Gradient of each residual: by u_i, theta_i, r and log(D).
+   pure subroutine orbit_slopes(o, slopes)
+      type(orbit_type), intent(in) :: o
+      !> (at least 2n + 2, 2n)
+      real(wp), contiguous, intent(out) :: slopes(:, :)
+      real(wp) :: free(2), drift(2)
+      integer :: n, i, next
+
+      n = o%n
+      slopes(:2*n + 2, :2*n) = 0
+      do i = 1, n
+         next = merge(1, i + 1, i == n)
+         associate (s => o%s(:, i), x => slopes(:, i), v => slopes(:, n + i), &
+            after => o%of_after(:, i), before => o%of_before(:, next))
+            free = [o%u(i) - o%forced(i), o%after(i) - o%forced_dot(i)]
+            free = [s(1)*free(1) + s(2)*free(2), s(3)*free(1) + s(4)*free(2)]
+            drift = [free(2), -2*o%xi*free(2) - free(1)]
+            x(i) = s(1)
+            v(i) = s(3)
+            x(next) = x(next) - merge(o%sign, 1.0_wp, i == n)
+            call by_speed(o, i - 1, s(2)*after(1), x)
+            call by_speed(o, i - 1, s(4)*after(1), v)
+            call by_speed(o, i, s(2)*after(2), x)
+            call by_speed(o, i, s(4)*after(2) - before(1), v)
+            call by_speed(o, i + 1, -before(2), v)
+            call by_time(o, i, drift(1), x)
+            call by_time(o, i, drift(2), v)
+            call by_forced(o, i, -s(1), -s(2), x)
+            call by_forced(o, i, -s(3), -s(4), v)
+            call by_forced(o, i + 1, 1.0_wp, 0.0_wp, x)
+            call by_forced(o, i + 1, 0.0_wp, 1.0_wp, v)
+         end associate
+      end do
+   end subroutine orbit_slopes
+
+   !> Adds to a gradient what changes through the duration of flight i, with a weight.
+   pure subroutine by_time(o, i, weight, slope)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+      real(wp), intent(in) :: weight
+      real(wp), contiguous, intent(inout) :: slope(:)
+      real(wp) :: w
+      integer :: n, next
+
+      n = o%n
+      next = merge(1, i + 1, i == n)
+      w = weight/o%r
+      slope(n + i) = slope(n + i) - w
+      slope(n + next) = slope(n + next) + w
+      slope(2*n + by_r) = slope(2*n + by_r) - w*o%time(i)
+   end subroutine by_time
+
+   !> The same through the velocity of the free mass in flight i, 0 to n + 1.
+   pure subroutine by_speed(o, i, weight, slope)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+      real(wp), intent(in) :: weight
+      real(wp), contiguous, intent(inout) :: slope(:)
+      real(wp) :: w
+      integer :: j, next
+
+      j = merge(o%n, merge(1, i, i > o%n), i < 1)
+      w = merge(weight, o%sign*weight, j == i)/o%time(j)
+      next = merge(1, j + 1, j == o%n)
+      slope(j) = slope(j) - w
+      slope(next) = slope(next) + merge(o%sign, 1.0_wp, j == o%n)*w
+      call by_time(o, j, -w*o%speed(j), slope)
+   end subroutine by_speed
+
+   !> The same through the forced motion and its velocity at impact i, 1 to n + 1.
+   pure subroutine by_forced(o, i, weight, weight_dot, slope)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+      real(wp), intent(in) :: weight, weight_dot
+      real(wp), contiguous, intent(inout) :: slope(:)
+      real(wp) :: cosine, grown
+      integer :: n, j
+
+      n = o%n
+      j = merge(1, i, i > n)
+      cosine = o%forced_dot(i)/o%r
+      grown = weight*o%forced(i) + weight_dot*o%forced_dot(i)
+      slope(n + j) = slope(n + j) + weight*cosine - weight_dot*o%r*o%forced(i)
+      slope(2*n + by_r) = slope(2*n + by_r) + o%growth*grown + weight_dot*cosine
+      slope(2*n + by_clearance) = slope(2*n + by_clearance) - grown
+   end subroutine by_forced
+
    !> Derivative of the residual by the unknowns (2n, 2n).
    pure subroutine orbit_matrix(o, matrix)
       type(orbit_type), intent(in) :: o
       real(wp), intent(out) :: matrix(:, :)
-      real(wp) :: speed(2*o%n, 0:o%n), before(2*o%n, o%n + 1), after(2*o%n, o%n)
-      real(wp) :: free(2), drift(2), turned
-      integer :: n, i, next
+      real(wp) :: slopes(2*o%n + 2, 2*o%n)
 
-      n = o%n
-      speed = 0
-      do i = 1, n
-         next = merge(1, i + 1, i == n)
-         turned = merge(o%sign, 1.0_wp, i == n)
-         speed(next, i) = speed(next, i) + turned/o%time(i)
-         speed(i, i) = speed(i, i) - 1/o%time(i)
-         speed(n + next, i) = speed(n + next, i) - o%speed(i)/(o%time(i)*o%r)
-         speed(n + i, i) = speed(n + i, i) + o%speed(i)/(o%time(i)*o%r)
-      end do
-      speed(:, 0) = o%sign*speed(:, n)
-      do i = 1, n
-         call primary_velocities(o%mu, o%restitution(i), speed(:, i - 1), speed(:, i), &
-            before(:, i), after(:, i))
-      end do
-      before(:, n + 1) = o%sign*before(:, 1)
-      do i = 1, n
-         next = merge(1, i + 1, i == n)
-         turned = merge(o%sign, 1.0_wp, i == n)
-         call free_end(o, i, free, drift)
-         associate (s => o%s(:, i), x => matrix(i, :), v => matrix(n + i, :))
-            x = s(2)*after(:, i)
-            v = s(4)*after(:, i) - before(:, i + 1)
-            x(i) = x(i) + s(1)
-            v(i) = v(i) + s(3)
-            x(next) = x(next) - turned
-            ! the phases: through the duration, and through the forced motion at both ends
-            x(n + i) = x(n + i) - drift(1)/o%r - s(1)*o%forced_dot(i)/o%r + s(2)*o%r*o%forced(i)
-            v(n + i) = v(n + i) - drift(2)/o%r - s(3)*o%forced_dot(i)/o%r + s(4)*o%r*o%forced(i)
-            x(n + next) = x(n + next) + drift(1)/o%r + o%forced_dot(i + 1)/o%r
-            v(n + next) = v(n + next) + drift(2)/o%r - o%r*o%forced(i + 1)
-         end associate
-      end do
+      call orbit_slopes(o, slopes)
+      matrix = transpose(slopes(:2*o%n, :))
    end subroutine orbit_matrix
-
-   !> The free part of the motion at the end of a flight, and its change with the duration.
-   pure subroutine free_end(o, i, free, drift)
-      type(orbit_type), intent(in) :: o
-      integer, intent(in) :: i
-      real(wp), intent(out) :: free(2), drift(2)
-
-      associate (x => o%u(i) - o%forced(i), v => o%after(i) - o%forced_dot(i))
-         free = [o%s(1, i)*x + o%s(2, i)*v, o%s(3, i)*x + o%s(4, i)*v]
-      end associate
-      drift = [free(2), -2*o%xi*free(2) - free(1)]
-   end subroutine free_end
 
    !> Derivative of the residual by one parameter (2n).
    pure function orbit_by_parameter(family, unknowns, c, o, which) result(slope)
@@ -181,18 +246,12 @@ contains
       real(wp) :: slope(size(unknowns))
       real(wp), parameter :: h = 1.0e-5_wp
       type(orbit_type) :: moved
-      real(wp) :: shifted(n_parameters), relative(2)
+      real(wp) :: shifted(n_parameters), slopes(2*o%n + 2, 2*o%n)
 
       select case (which)
-      case (by_r)
-         associate (a => (1 - o%r)*(1 + o%r), b => 2*o%xi*o%r)
-            ! of log A and of log(A r)
-            relative(1) = (2*o%r*a - 2*o%xi*b)/(a**2 + b**2)
-            relative(2) = relative(1) + 1/o%r
-         end associate
-         slope = change(o, relative, 1/o%r)
-      case (by_clearance)
-         slope = change(o, [-1.0_wp, -1.0_wp], 0.0_wp)
+      case (by_r, by_clearance)
+         call orbit_slopes(o, slopes)
+         slope = slopes(2*o%n + which, :)
       case default
          shifted = c
          shifted(which) = c(which) + h
@@ -204,50 +263,37 @@ contains
       end select
    end function orbit_by_parameter
 
-   !> Change of the residual when the forced motion grows and the flights get shorter, relatively.
-   pure function change(o, growth, faster) result(slope)
-      type(orbit_type), intent(in) :: o
-      !> Of A and of A r.
-      real(wp), intent(in) :: growth(2)
-      !> All flights take less time by this share, so all velocities of the free mass are greater.
-      real(wp), intent(in) :: faster
-      real(wp) :: slope(2*o%n)
-      real(wp) :: free(2), drift(2), start(2)
-      integer :: i, n
-
-      n = o%n
-      do i = 1, n
-         call free_end(o, i, free, drift)
-         start = [-growth(1)*o%forced(i), faster*o%after(i) - growth(2)*o%forced_dot(i)]
-         slope(i) = o%s(1, i)*start(1) + o%s(2, i)*start(2) - faster*o%time(i)*drift(1) &
-            + growth(1)*o%forced(i + 1)
-         slope(n + i) = o%s(3, i)*start(1) + o%s(4, i)*start(2) - faster*o%time(i)*drift(2) &
-            + growth(2)*o%forced_dot(i + 1) - faster*o%before(i + 1)
-      end do
-   end function change
-
    !> Derivative of the map of the period, [P] = P_n .. P_1, or of the half period Q.
    pure subroutine period_map(o, p, regular)
       type(orbit_type), intent(in) :: o
       real(wp), intent(out) :: p(4, 4)
       !> False if an impact has no approach speed.
       logical, intent(out) :: regular
-      real(wp) :: part(4, 4)
+      real(wp) :: parts(4, 4, most_impacts)
+
+      call period_parts(o, parts, p, regular)
+   end subroutine period_map
+
+   !> The same with all [P_i].
+   pure subroutine period_parts(o, parts, p, regular)
+      type(orbit_type), intent(in) :: o
+      real(wp), intent(out) :: parts(4, 4, most_impacts), p(4, 4)
+      logical, intent(out) :: regular
       integer :: i
 
       do i = 1, o%n
          call impact_map(o%xi, o%mu, o%r, o%restitution(i + 1), o%time(i)*o%r, o%c1(i), o%c2(i), &
-            o%forced(i:i + 1), o%forced_dot(i:i + 1)/o%r, o%u(i), o%after(i), o%speed(i), part, &
-            regular)
+            o%forced(i:i + 1), o%forced_dot(i:i + 1)/o%r, o%u(i), o%after(i), o%speed(i), &
+            parts(:, :, i), regular)
          if (.not. regular) return
          if (i == 1) then
-            p = part
+            p = parts(:, :, i)
          else
-            p = matmul(part, p)
+            p = matmul(parts(:, :, i), p)
          end if
       end do
       ! back from the mirror image: x, x' and z' change sign, the phase does not
       p(:3, :) = o%sign*p(:3, :)
-   end subroutine period_map
+   end subroutine period_parts
 
 end module vi_orbit

@@ -75,18 +75,15 @@ contains
       if (.not. allocated(to%tangent)) allocate (to%tangent, mold=from%tangent)
       do
          to%point = from%point + step*from%tangent
-         call correct(curve, conditions, to%point, iterations, from%tangent)
+         call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent)
          if (iterations > 0 .and. curve%frame%resting) then
             call survey(curve, to)
             ! all of them at once: the period has other letters there
             if (count(to%values <= -1) > size(curve%frame%rest%letters)) iterations = 0
          end if
          if (iterations > 0) then
-            call tangent_at(curve, conditions, to%point, from%tangent, to%tangent, good)
-            if (good) then
-               turn = turn_of(from%tangent, to%tangent, size(curve%active))
-               good = turn < merge(0.5_wp, stride%turn, leaps) .or. step <= 64*stride%shortest
-            end if
+            turn = turn_of(from%tangent, to%tangent, size(curve%active))
+            good = turn < merge(0.5_wp, stride%turn, leaps) .or. step <= 64*stride%shortest
          end if
          if (good) exit
          if (leaps) return
