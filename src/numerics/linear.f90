@@ -12,23 +12,27 @@ module vi_linear
 contains
 
    !> Solves n equations for two right sides by Gaussian elimination with scaled partial pivoting.
-   pure subroutine eliminate(n, a, b, regular)
+   pure subroutine eliminate(n, a, b, regular, residual)
       integer, intent(in) :: n
       !> Equation i is a(:, i) . x = b(:, i); overwritten.
       real(wp), intent(inout) :: a(most, most)
       !> Out: both solutions.
       real(wp), intent(inout) :: b(2, most)
       logical, intent(out) :: regular
+      !> The greatest first right side, relative to the greatest coefficient of its equation.
+      real(wp), intent(out) :: residual
       real(wp) :: swap, factor, largest
       integer :: i, j, k
 
       regular = .false.
+      residual = 0
       do i = 1, n
          factor = maxval(abs(a(:n, i)))
          if (.not. (factor > 0 .and. factor <= huge(factor))) return
          factor = 1/factor
          a(:n, i) = a(:n, i)*factor
          b(:, i) = b(:, i)*factor
+         residual = max(residual, abs(b(1, i)))
       end do
       do k = 1, n
          j = k

@@ -30,6 +30,8 @@ module vi_curve
    end type curve_type
 
    integer, parameter :: most_iterations = 8
+   !> What rounding leaves of an equation, relative to its coefficients.
+   real(wp), parameter :: rounding = 1.0e-13_wp
    !> A residual that no Newton step survives: the period has other letters.
    real(wp), parameter :: at_fault = huge(1.0_wp)
 
@@ -80,13 +82,14 @@ contains
       !> The unit tangent in the direction of the normal: the last step of the iteration, which is
       !! negligible, tells it as well.
       real(wp), intent(out), optional :: tangent(:)
-      real(wp) :: a(most, most), b(2, most), start(most), moved
+      real(wp) :: a(most, most), b(2, most), start(most), moved, before, residual
       logical :: regular, simulated
       integer :: i, n
 
       n = size(point)
       start(:n) = point
       iterations = 0
+      moved = huge(moved)
       simulated = curve%frame%resting .and. any(conditions%kind <= neimark_sacker)
       do i = 1, most_iterations
          call equations(curve, conditions, point, b, a)
@@ -94,14 +97,17 @@ contains
             a(:n, n) = normal
             b(:, n) = [dot_product(normal, point - start(:n)), 1.0_wp]
          end if
-         call eliminate(n, a, b, regular)
+         call eliminate(n, a, b, regular, residual)
          if (.not. regular) return
+         before = moved
          moved = maxval(abs(b(1, :n)))
          if (.not. moved < 0.5_wp) return
          point = point - b(1, :n)
          ! what is left after this step is below rounding; the multipliers of a simulated map are
-         ! differences, and so less sharp
-         if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated)) then
+         ! differences, and so less sharp; and where a fold leaves a pitchfork the equations are met
+         ! to rounding before the place is known as well as that
+         if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated) .or. (residual < rounding .and. &
+            moved < 1.0e-5_wp .and. moved > 0.9_wp*before)) then
             if (in_order(curve, point)) iterations = i
             if (present(tangent)) tangent = b(2, :n)/norm2(b(2, :n))
             return
@@ -299,14 +305,14 @@ contains
       real(wp), intent(in) :: point(:), along(:)
       real(wp), intent(out) :: tangent(:)
       logical, intent(out) :: regular
-      real(wp) :: a(most, most), b(2, most)
+      real(wp) :: a(most, most), b(2, most), unused
       integer :: n
 
       n = size(point)
       call equations(curve, conditions, point, b, a)
       a(:n, n) = along
       b(:, n) = [0, 1]
-      call eliminate(n, a, b, regular)
+      call eliminate(n, a, b, regular, unused)
       tangent = 0
       if (regular) tangent = b(2, :n)/norm2(b(2, :n))
    end subroutine tangent_at
