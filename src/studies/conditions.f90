@@ -15,7 +15,7 @@ module vi_conditions
    implicit none (type, external)
    private
 
-   public :: all_conditions, approaches, condition_value, jury_sign, polish_touch
+   public :: all_conditions, approaches, condition_value, fails_jury, polish_touch
 
 contains
 
@@ -124,8 +124,8 @@ contains
       values = 0
       if (.not. regular) return
       e = characteristic(p)
-      values = [1 - e(1) + e(2) - e(3) + e(4), 1 + e(1) + e(2) + e(3) + e(4), jury_sign(e) &
-         *resolvent(e)]
+      values = [1 - e(1) + e(2) - e(3) + e(4), 1 + e(1) + e(2) + e(3) + e(4), resolvent(e)]
+      if (fails_jury(e)) values(neimark_sacker) = -abs(values(neimark_sacker))
       values(:2) = values(:2)*approaches(o)
       do i = 1, size(frame%repetitions)
          values(fold) = values(fold)/max(0.1_wp*frame%apart, &
@@ -133,17 +133,14 @@ contains
       end do
    end function stability_values
 
-   !> The sign to be given to the resolvent: its own, or -1 where it says too little.
-   !!
-   !! All three numbers can be positive where several multipliers have crossed the unit circle; this
-   !! one of Jury's conditions fails there by far, and on the edge of the stable ones it is met, or
-   !! just so where three multipliers are on the circle.
-   pure real(wp) function jury_sign(e)
+   !> Whether the resolvent says too little: both other numbers and it can be positive where several
+   !! multipliers have crossed the unit circle. This one of Jury's conditions fails there by far, and
+   !! on the edge of the stable ones it is met, or just so where three multipliers are on the circle.
+   pure logical function fails_jury(e)
       real(wp), intent(in) :: e(4)
 
-      jury_sign = 1
-      if (abs(e(3) - e(1)*e(4)) > 1.001_wp*(1 - e(4)**2)) jury_sign = -sign(1.0_wp, resolvent(e))
-   end function jury_sign
+      fails_jury = abs(e(3) - e(1)*e(4)) > 1.001_wp*(1 - e(4)**2)
+   end function fails_jury
 
    !> The product of all approach speeds, or of all but one.
    pure real(wp) function approaches(o, but)

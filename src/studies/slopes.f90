@@ -4,7 +4,7 @@
 module vi_slopes
    use vi_characteristic, only: characteristic, characteristic_slope, resolvent, &
       resolvent_slope
-   use vi_conditions, only: approaches, jury_sign, polish_touch
+   use vi_conditions, only: approaches, fails_jury, polish_touch
    use vi_family, only: add_kinship_slope, kinship
    use vi_frame, only: condition_type, edge, flip, fold, frame_type, grazing, neimark_sacker, &
       repetition, zero_approach
@@ -81,9 +81,15 @@ contains
       if (.not. regular) return
       e = characteristic(p)
       if (kind == neimark_sacker) then
-         weights = jury_sign(e)*resolvent_slope(e)
+         value = resolvent(e)
+         weights = resolvent_slope(e)
+         if (fails_jury(e)) then
+            weights = -sign(1.0_wp, value)*weights
+            value = -abs(value)
+         end if
          call add_period_slope(o, parts, characteristic_slope(p, weights), slope)
-         value = jury_sign(e)*resolvent(e)
+         ! a zero that the value only touches is none
+         if (fails_jury(e) .and. abs(value) < 1.0e-6_wp*maxval(abs(slope))) slope = 0
          return
       end if
       weights = 1
