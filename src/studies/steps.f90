@@ -15,6 +15,8 @@ module vi_steps
    type, public :: place_type
       real(wp), allocatable :: point(:), tangent(:), values(:)
       type(condition_type), allocatable :: conditions(:)
+      !> The curve leaves the tangent by bend(:, 1) s^2 + bend(:, 2) s^3, to go by the last step.
+      real(wp), allocatable :: bend(:, :)
       !> The length of the step that led here and of the next one to be tried.
       real(wp) :: came = 0, step = 0
    end type place_type
@@ -37,6 +39,7 @@ contains
 
       place%point = point
       allocate (place%tangent(size(point)))
+      allocate (place%bend(size(point), 2), source=0.0_wp)
       call tangent_at(curve, conditions, point, along, place%tangent, regular)
       place%step = step
       call survey(curve, place)
@@ -75,6 +78,7 @@ contains
       if (.not. allocated(to%tangent)) allocate (to%tangent, mold=from%tangent)
       do
          to%point = from%point + step*from%tangent
+         if (.not. leaps) call bend_over(from, step, to%point)
          call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent)
          if (iterations > 0 .and. curve%frame%resting) then
             call survey(curve, to)
@@ -96,10 +100,47 @@ contains
       end do
       to%came = step
       to%step = step
+      call look_back(from, to, leaps)
       if (iterations <= 4 .and. turn < 0.5_wp*stride%turn) to%step = 1.6_wp*step
       if (.not. curve%frame%resting) call survey(curve, to)
       call mark_passage(curve, from, to)
    end subroutine take_step
+
+   !> Adds to a place on the tangent how far the curve will have left it, if that is not much.
+   pure subroutine bend_over(from, step, point)
+      type(place_type), intent(in) :: from
+      real(wp), intent(in) :: step
+      real(wp), intent(inout) :: point(:)
+      integer :: j
+
+      if (maxval(abs(from%bend(:, 1))) + step*maxval(abs(from%bend(:, 2))) > 0.3_wp/step) return
+      do j = 1, size(point)
+         point(j) = point(j) + step**2*(from%bend(j, 1) + step*from%bend(j, 2))
+      end do
+   end subroutine bend_over
+
+   !> The cubic that leaves the tangent at the end of a step, and joins its beginning.
+   pure subroutine look_back(from, to, leaps)
+      type(place_type), intent(in) :: from
+      type(place_type), intent(inout) :: to
+      !> Whether the step has passed a place where curves cross.
+      logical, intent(in) :: leaps
+      real(wp) :: length, cosine, off, slope
+      integer :: j
+
+      if (.not. allocated(to%bend)) allocate (to%bend(size(to%point), 2))
+      to%bend = 0
+      if (leaps) return
+      length = dot_product(to%tangent, to%point - from%point)
+      cosine = dot_product(to%tangent, from%tangent)
+      if (length < 0.5_wp*to%came .or. cosine < 0.5_wp) return
+      do j = 1, size(to%point)
+         off = (from%point(j) - to%point(j))/length + to%tangent(j)
+         slope = from%tangent(j)/cosine - to%tangent(j)
+         to%bend(j, 1) = (3*off + slope)/length
+         to%bend(j, 2) = (2*off + slope)/length**2
+      end do
+   end subroutine look_back
 
    !> A step may pass a motion that repeats itself: the distance to it counts negative then.
    pure subroutine mark_passage(curve, from, to)
