@@ -40,13 +40,13 @@ module vi_orbit
       !> -1 if the impacts repeat mirrored, and the phase after which they do.
       real(wp) :: sign = 1, span = 0
       real(wp) :: xi = 0, mu = 0, r = 1, amplitude = 0
-      !> Derivative of log(A) by r.
-      real(wp) :: growth = 0
+      !> Derivative of log(A) by r, and 1/r.
+      real(wp) :: growth = 0, per_r = 1
       real(wp), dimension(0:most_impacts + 1) :: u, theta, z, restitution
       !> Forced motion A sin(theta) and its velocity A r cos(theta).
       real(wp), dimension(0:most_impacts + 1) :: forced, forced_dot
-      !> Of flight i: duration, velocity of the free mass, C_1, C_2 of (9), (10), S_1..S_4 of (A6).
-      real(wp), dimension(0:most_impacts + 1) :: time, speed, c1, c2
+      !> Of flight i: duration and its inverse, velocity of the free mass, C_1, C_2 of (9), (10), S_1..S_4 of (A6).
+      real(wp), dimension(0:most_impacts + 1) :: time, rate, speed, c1, c2
       real(wp) :: s(4, most_impacts)
       !> Velocity of the primary mass around impact i.
       real(wp), dimension(0:most_impacts + 1) :: before, after
@@ -80,6 +80,7 @@ contains
       o%sign = merge(-1.0_wp, 1.0_wp, family%mirror)
       o%span = span_of(family)
       o%r = c(by_r)
+      o%per_r = 1/o%r
       o%xi = c(by_xi)
       o%mu = c(by_mu)
       h = gain(o%xi, o%r)
@@ -104,6 +105,7 @@ contains
       end do
       do i = 1, n
          o%time(i) = (o%theta(i + 1) - o%theta(i))/o%r
+         o%rate(i) = 1/o%time(i)
          o%speed(i) = (o%z(i + 1) - o%z(i))/o%time(i)                                       ! (16)
          shrink = exp(-o%xi*o%time(i))
          c1 = shrink*sin(h*o%time(i))                                                       ! (9)
@@ -132,30 +134,43 @@ contains
       integer :: i
 
       do i = 1, o%n
-         free = [o%u(i) - o%forced(i), o%after(i) - o%forced_dot(i)]
-         residual(i) = o%s(1, i)*free(1) + o%s(2, i)*free(2) + o%forced(i + 1) - o%u(i + 1)
-         residual(o%n + i) = o%s(3, i)*free(1) + o%s(4, i)*free(2) + o%forced_dot(i + 1) &
-            - o%before(i + 1)
+         free = free_end(o, i)
+         residual(i) = free(1) + o%forced(i + 1) - o%u(i + 1)
+         residual(o%n + i) = free(2) + o%forced_dot(i + 1) - o%before(i + 1)
       end do
    end function orbit_residual
 
-   !> Gradient of each residual: by u_i, theta_i, r and log(D).
-   pure subroutine orbit_slopes(o, slopes)
+   !> Position and velocity of the free part of the motion at the end of a flight.
+   pure function free_end(o, i) result(free)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+      real(wp) :: free(2)
+
+      associate (x => o%u(i) - o%forced(i), v => o%after(i) - o%forced_dot(i), s => o%s(:, i))
+         free = [s(1)*x + s(2)*v, s(3)*x + s(4)*v]
+      end associate
+   end function free_end
+
+   !> The residuals again, and the gradient of each: by u_i, theta_i, r and log(D).
+   pure subroutine orbit_slopes(o, slopes, residual)
       type(orbit_type), intent(in) :: o
       !> (at least 2n + 2, 2n)
       real(wp), contiguous, intent(out) :: slopes(:, :)
-      real(wp) :: free(2), drift(2)
+      !> (2n)
+      real(wp), intent(out) :: residual(:)
+      real(wp) :: free(2)
       integer :: n, i, next
 
       n = o%n
-      slopes(:2*n + 2, :2*n) = 0
       do i = 1, n
          next = merge(1, i + 1, i == n)
+         free = free_end(o, i)
+         residual(i) = free(1) + o%forced(i + 1) - o%u(i + 1)
+         residual(n + i) = free(2) + o%forced_dot(i + 1) - o%before(i + 1)
+         slopes(:2*n + 2, i) = 0
+         slopes(:2*n + 2, n + i) = 0
          associate (s => o%s(:, i), x => slopes(:, i), v => slopes(:, n + i), &
             after => o%of_after(:, i), before => o%of_before(:, next))
-            free = [o%u(i) - o%forced(i), o%after(i) - o%forced_dot(i)]
-            free = [s(1)*free(1) + s(2)*free(2), s(3)*free(1) + s(4)*free(2)]
-            drift = [free(2), -2*o%xi*free(2) - free(1)]
             x(i) = s(1)
             v(i) = s(3)
             x(next) = x(next) - merge(o%sign, 1.0_wp, i == n)
@@ -164,8 +179,8 @@ contains
             call by_speed(o, i, s(2)*after(2), x)
             call by_speed(o, i, s(4)*after(2) - before(1), v)
             call by_speed(o, i + 1, -before(2), v)
-            call by_time(o, i, drift(1), x)
-            call by_time(o, i, drift(2), v)
+            call by_time(o, i, free(2), x)
+            call by_time(o, i, -2*o%xi*free(2) - free(1), v)
             call by_forced(o, i, -s(1), -s(2), x)
             call by_forced(o, i, -s(3), -s(4), v)
             call by_forced(o, i + 1, 1.0_wp, 0.0_wp, x)
@@ -185,7 +200,7 @@ contains
 
       n = o%n
       next = merge(1, i + 1, i == n)
-      w = weight/o%r
+      w = weight*o%per_r
       slope(n + i) = slope(n + i) - w
       slope(n + next) = slope(n + next) + w
       slope(2*n + by_r) = slope(2*n + by_r) - w*o%time(i)
@@ -198,14 +213,19 @@ contains
       real(wp), intent(in) :: weight
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w
-      integer :: j, next
+      integer :: n, j, next
 
-      j = merge(o%n, merge(1, i, i > o%n), i < 1)
-      w = merge(weight, o%sign*weight, j == i)/o%time(j)
-      next = merge(1, j + 1, j == o%n)
+      n = o%n
+      j = merge(n, merge(1, i, i > n), i < 1)
+      w = merge(weight, o%sign*weight, j == i)*o%rate(j)
+      next = merge(1, j + 1, j == n)
       slope(j) = slope(j) - w
-      slope(next) = slope(next) + merge(o%sign, 1.0_wp, j == o%n)*w
-      call by_time(o, j, -w*o%speed(j), slope)
+      slope(next) = slope(next) + merge(o%sign, 1.0_wp, j == n)*w
+      ! through the duration: speed goes with its inverse
+      w = w*o%speed(j)*o%per_r
+      slope(n + j) = slope(n + j) + w
+      slope(n + next) = slope(n + next) - w
+      slope(2*n + by_r) = slope(2*n + by_r) + w*o%time(j)
    end subroutine by_speed
 
    !> The same through the forced motion and its velocity at impact i, 1 to n + 1.
@@ -219,7 +239,7 @@ contains
 
       n = o%n
       j = merge(1, i, i > n)
-      cosine = o%forced_dot(i)/o%r
+      cosine = o%forced_dot(i)*o%per_r
       grown = weight*o%forced(i) + weight_dot*o%forced_dot(i)
       slope(n + j) = slope(n + j) + weight*cosine - weight_dot*o%r*o%forced(i)
       slope(2*n + by_r) = slope(2*n + by_r) + o%growth*grown + weight_dot*cosine
@@ -230,9 +250,9 @@ contains
    pure subroutine orbit_matrix(o, matrix)
       type(orbit_type), intent(in) :: o
       real(wp), intent(out) :: matrix(:, :)
-      real(wp) :: slopes(2*o%n + 2, 2*o%n)
+      real(wp) :: slopes(2*o%n + 2, 2*o%n), residual(2*o%n)
 
-      call orbit_slopes(o, slopes)
+      call orbit_slopes(o, slopes, residual)
       matrix = transpose(slopes(:2*o%n, :))
    end subroutine orbit_matrix
 
@@ -246,11 +266,11 @@ contains
       real(wp) :: slope(size(unknowns))
       real(wp), parameter :: h = 1.0e-5_wp
       type(orbit_type) :: moved
-      real(wp) :: shifted(n_parameters), slopes(2*o%n + 2, 2*o%n)
+      real(wp) :: shifted(n_parameters), slopes(2*o%n + 2, 2*o%n), residual(2*o%n)
 
       select case (which)
       case (by_r, by_clearance)
-         call orbit_slopes(o, slopes)
+         call orbit_slopes(o, slopes, residual)
          slope = slopes(2*o%n + which, :)
       case default
          shifted = c
@@ -283,8 +303,8 @@ contains
 
       do i = 1, o%n
          call impact_map(o%xi, o%mu, o%r, o%restitution(i + 1), o%time(i)*o%r, o%c1(i), o%c2(i), &
-            o%forced(i:i + 1), o%forced_dot(i:i + 1)/o%r, o%u(i), o%after(i), o%speed(i), &
-            parts(:, :, i), regular)
+            [o%forced(i), o%forced(i + 1)], [o%forced_dot(i), o%forced_dot(i + 1)]/o%r, o%u(i), &
+            o%after(i), o%speed(i), parts(:, :, i), regular)
          if (.not. regular) return
          if (i == 1) then
             p = parts(:, :, i)

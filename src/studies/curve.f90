@@ -9,7 +9,7 @@ module vi_curve
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
    use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, &
-      orbit_by_parameter, orbit_residual, orbit_slopes, orbit_type, set_orbit, span_of
+      orbit_by_parameter, orbit_slopes, orbit_type, set_orbit, span_of
    use vi_rest_conditions, only: value_in_period
    use vi_rest_family, only: rest_period, rest_period_type
    use vi_slopes, only: has_slope, value_and_slope
@@ -147,8 +147,7 @@ contains
       end if
       c = parameters_of(curve, point)
       call set_orbit(curve%frame%family, point(:n), c, o)
-      b(1, :n) = orbit_residual(o)
-      call orbit_slopes(o, a)
+      call orbit_slopes(o, a, b(1, :n))
       do j = 1, n
          call to_point(curve, a(:, j))
       end do

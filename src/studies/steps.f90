@@ -4,12 +4,12 @@ module vi_steps
    use vi_curve, only: correct, curve_type, parameters_of, point_size, tangent_at, unknowns_of
    use vi_family, only: image_of
    use vi_frame, only: condition_count, condition_type, grazing, repetition, &
-      rest_vanishes
+      rest_vanishes, unknown_count
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: begin_walk, take_step, locate, hidden_zero
+   public :: begin_walk, exchange, take_step, locate, hidden_zero
 
    !> A place on a curve: the point, the direction of travel, and all conditions there.
    type, public :: place_type
@@ -45,6 +45,28 @@ contains
       call survey(curve, place)
    end subroutine begin_walk
 
+   !> Exchanges two places.
+   pure subroutine exchange(a, b)
+      type(place_type), intent(inout) :: a, b
+      type(place_type) :: c
+
+      call move(a, c)
+      call move(b, a)
+      call move(c, b)
+   end subroutine exchange
+
+   pure subroutine move(from, to)
+      type(place_type), intent(inout) :: from, to
+
+      call move_alloc(from%point, to%point)
+      call move_alloc(from%tangent, to%tangent)
+      call move_alloc(from%values, to%values)
+      call move_alloc(from%conditions, to%conditions)
+      call move_alloc(from%bend, to%bend)
+      to%came = from%came
+      to%step = from%step
+   end subroutine move
+
    !> Evaluates all conditions at a place.
    pure subroutine survey(curve, place)
       type(curve_type), intent(in) :: curve
@@ -53,7 +75,7 @@ contains
 
       n = condition_count(curve%frame)
       if (.not. allocated(place%values)) allocate (place%values(n), place%conditions(n))
-      call all_conditions(curve%frame, unknowns_of(curve, place%point), &
+      call all_conditions(curve%frame, place%point(:unknown_count(curve%frame)), &
          parameters_of(curve, place%point), place%values, place%conditions)
    end subroutine survey
 
