@@ -42,76 +42,65 @@ contains
 
    !> Adds what changes through [P_i].
    !!
-   !! With q = 1/S_5, the fourth row is q a, a = (S_1 - 1, S_2, -time, S_11/q); the first and the
-   !! change of x' just before the impact are rows of the same shape plus S_12 and S_14 times it.
+   !! The fourth row is (S_1 - 1, S_2, -time, ..)/S_5; the first one and the change of x' just
+   !! before the impact are rows of S_1 to S_4 plus S_12 and S_14 times it.
    pure subroutine add_part_slope(o, i, p, w, slope)
       type(orbit_type), intent(in) :: o
       integer, intent(in) :: i
       !> [P_i] and the weights of its entries.
       real(wp), intent(in) :: p(4, 4), w(4, 4)
       real(wp), contiguous, intent(inout) :: slope(:)
-      real(wp) :: v(4), last(4), a(4), u_s(4), row(4), m(2)
-      real(wp) :: x, v_free, f1, g1, f2, g2, s5, s6, s13, s15, q, r, speed
-      real(wp) :: w5, w6, w13, w15, w_g1, w_g2, w_f1, w_f2, w_x, w_v, w_r, w_speed, w_time
+      real(wp), dimension(4) :: v, last, row, w_s
+      real(wp), dimension(2) :: f, g, m, w_f, w_g
+      real(wp) :: x, v_free, s5, s6, s13, s15, r, w5, w6, w13, w15, w_r, w_speed, w_time
 
       r = o%r
-      speed = o%speed(i)
-      f1 = o%forced(i)
-      f2 = o%forced(i + 1)
-      g1 = o%forced_dot(i)/r
-      g2 = o%forced_dot(i + 1)/r
-      x = o%u(i) - f1
-      v_free = o%after(i) - o%forced_dot(i)
+      f = [o%forced(i), o%forced(i + 1)]
+      g = [o%forced_dot(i), o%forced_dot(i + 1)]/r
+      x = o%u(i) - f(1)
+      v_free = o%after(i) - r*g(1)
       associate (s => o%s(:, i), rest => o%restitution(i + 1), mu => o%mu)
          s15 = -s(2) - 2*o%xi*s(4)
          s6 = (x*s(3) + v_free*s(4))/r
-         s5 = speed/r - g2 - s6
-         q = 1/s5
+         s5 = o%speed(i)/r - g(2) - s6
          s13 = (s15*v_free - x*s(4))/r
          ! rows 2 and 3 share the change of x' just before the impact
          v = ((1 - mu*rest)*w(2, :) + (1 + rest)*w(3, :))/(1 + mu)
-         last = w(4, :) + (g2 + s6)*w(1, :) + (s13 - r*f2)*v
-         a = p(4, :)*s5
-         row = q*last
-         w5 = -q*dot_product(row, a)
-         ! S_12 = g2 + S_6, S_14 = S_13 - r f2, S_5 = speed/r - g2 - S_6
-         w_g2 = dot_product(w(1, :), p(4, :)) - w5
-         w6 = w_g2 - w(1, 4) - row(4)
+         last = w(4, :) + (g(2) + s6)*w(1, :) + (s13 - r*f(2))*v
+         row = last/s5
+         ! S_5, S_12 = g2 + S_6 and S_14 = S_13 - r f2
+         w5 = -dot_product(row, p(4, :))
+         w_g(2) = dot_product(w(1, :), p(4, :)) - w5
+         w6 = w_g(2) - w(1, 4) - row(4)
          w13 = dot_product(v, p(4, :))
-         w_f2 = -r*w13
-         w_r = -f2*w13 - speed/r**2*(w5 + row(4))
+         w_f(2) = -r*w13
+         w_r = -f(2)*w13
          w13 = w13 - v(4)
          w_speed = (w5 + row(4))/r
          w_time = -row(3)
-         ! the parts of the rows that hold S_1 to S_4
+         ! S_1 to S_4 in the rows, and -S g1 + r S' f1 at their ends
          m = [w(1, 4) + row(4), v(4)]
-         u_s = [w(1, 1:2) + row(1:2), v(1:2)] + [-g1*m(1), r*f1*m(1), -g1*m(2), r*f1*m(2)]
-         w_g1 = -s(1)*m(1) - s(3)*m(2)
-         w_f1 = s(2)*m(1) + s(4)*m(2)
-         w_r = w_r + f1*w_f1
-         w_f1 = r*w_f1
+         w_s = [w(1, 1:2) + row(1:2), v(1:2)] + [-g(1)*m(1), r*f(1)*m(1), -g(1)*m(2), r*f(1)*m(2)]
+         w_g(1) = -s(1)*m(1) - s(3)*m(2)
+         w_f(1) = r*(s(2)*m(1) + s(4)*m(2))
          ! S_6 and S_13
-         w_x = (s(3)*w6 - s(4)*w13)/r
-         w_v = (s(4)*w6 + s15*w13)/r
-         u_s(3) = u_s(3) + x*w6/r
-         u_s(4) = u_s(4) + (v_free*w6 - x*w13)/r
+         w_s(3) = w_s(3) + x*w6/r
+         w_s(4) = w_s(4) + (v_free*w6 - x*w13)/r
          w15 = v_free*w13/r
-         w_r = w_r - (s6*w6 + s13*w13)/r
+         w_r = w_r + (f(1)*w_f(1) - s6*w6 - s13*w13 - o%speed(i)*w_speed - dot_product(g, w_g))/r
          ! the derivatives of S_1 to S_4 by time
-         w_time = w_time + u_s(1)*s(3) + u_s(2)*s(4) - u_s(3)*(s(1) + 2*o%xi*s(3)) &
-            + (u_s(4) - 2*o%xi*w15)*s15 - w15*s(4)
+         w_time = w_time + w_s(1)*s(3) + w_s(2)*s(4) - w_s(3)*(s(1) + 2*o%xi*s(3)) &
+            + (w_s(4) - 2*o%xi*w15)*s15 - w15*s(4)
+         ! the free part of x and x'
+         m = [s(3)*w6 - s(4)*w13, s(4)*w6 + s15*w13]/r
       end associate
+      slope(i) = slope(i) + m(1)
       slope(2*o%n + by_r) = slope(2*o%n + by_r) + w_r
-      slope(i) = slope(i) + w_x
       call by_time(o, i, w_time, slope)
-      call by_speed(o, i, w_speed + w_v*o%of_after(2, i), slope)
-      call by_speed(o, i - 1, w_v*o%of_after(1, i), slope)
-      ! A cos(alpha + tau) is the forced velocity over r
-      w_g1 = w_g1/r
-      w_g2 = w_g2/r
-      slope(2*o%n + by_r) = slope(2*o%n + by_r) - w_g1*g1 - w_g2*g2
-      call by_forced(o, i, w_f1 - w_x, w_g1 - w_v, slope)
-      call by_forced(o, i + 1, w_f2, w_g2, slope)
+      call by_speed(o, i, w_speed + m(2)*o%of_after(2, i), slope)
+      call by_speed(o, i - 1, m(2)*o%of_after(1, i), slope)
+      call by_forced(o, i, w_f(1) - m(1), w_g(1)/r - m(2), slope)
+      call by_forced(o, i + 1, w_f(2), w_g(2)/r, slope)
    end subroutine add_part_slope
 
 end module vi_period_slope

@@ -133,9 +133,10 @@ contains
       end do
    end function stability_values
 
-   !> Whether the resolvent says too little: both other numbers and it can be positive where several
-   !! multipliers have crossed the unit circle. This one of Jury's conditions fails there by far, and
-   !! on the edge of the stable ones it is met, or just so where three multipliers are on the circle.
+   !> Whether the resolvent says too little: it and both others can be positive where several
+   !! multipliers have crossed the unit circle. This one of Jury's conditions fails there by far,
+   !! and on the edge of the stable ones it is met, or just so where three multipliers are on the
+   !! circle.
    pure logical function fails_jury(e)
       real(wp), intent(in) :: e(4)
 

@@ -1,33 +1,23 @@
 !> Curves of motions: Newton's method and tangents for the motions under some conditions.
 !!
-!! A point of a curve is (u_i, theta_i, q_j): the unknowns of the motion, then one or two active
-!! parameters in units of their scale. With one active parameter the motions alone are a curve; with
-!! two, those that meet one condition (a fold, say).
+!! With one active parameter the motions alone are a curve; with two, those that meet one condition
+!! (a fold, say).
 module vi_curve
    use vi_conditions, only: condition_value
-   use vi_frame, only: condition_type, frame_type, neimark_sacker, unknown_count
+   use vi_curve_point, only: curve_type, parameters_of, point_size, to_point, unknowns_of
+   use vi_frame, only: condition_type, neimark_sacker, unknown_count
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
-   use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, &
-      orbit_by_parameter, orbit_slopes, orbit_type, set_orbit, span_of
+   use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, orbit_by_parameter, &
+      orbit_slopes, orbit_type, set_orbit, span_of
    use vi_rest_conditions, only: value_in_period
    use vi_rest_family, only: rest_period, rest_period_type
    use vi_slopes, only: has_slope, value_and_slope
    implicit none (type, external)
    private
 
-   public :: parameters_of, point_size, correct, condition_slope, tangent_at, unknowns_of
-
-   type, public :: curve_type
-      type(frame_type) :: frame
-      !> All parameters; those that are active are given by the point.
-      real(wp) :: c(n_parameters) = 0
-      !> Whether R2 is always R1.
-      logical :: tied = .false.
-      !> Which parameters are active, where their coordinate is 0, and its unit.
-      integer, allocatable :: active(:)
-      real(wp), allocatable :: origin(:), scale(:)
-   end type curve_type
+   public :: correct, condition_slope, tangent_at
+   public :: curve_type, parameters_of, point_size, unknowns_of
 
    integer, parameter :: most_iterations = 8
    !> What rounding leaves of an equation, relative to its coefficients.
@@ -36,37 +26,6 @@ module vi_curve
    real(wp), parameter :: at_fault = huge(1.0_wp)
 
 contains
-
-   !> Numbers in a point.
-   pure integer function point_size(curve)
-      type(curve_type), intent(in) :: curve
-
-      point_size = unknown_count(curve%frame) + size(curve%active)
-   end function point_size
-
-   !> The parameters at a point.
-   pure function parameters_of(curve, point) result(c)
-      type(curve_type), intent(in) :: curve
-      real(wp), intent(in) :: point(:)
-      real(wp) :: c(n_parameters)
-      integer :: j, n
-
-      c = curve%c
-      n = unknown_count(curve%frame)
-      do j = 1, size(curve%active)
-         c(curve%active(j)) = curve%origin(j) + curve%scale(j)*point(n + j)
-      end do
-      if (curve%tied) c(by_left) = c(by_right)
-   end function parameters_of
-
-   !> The unknowns (u_i, theta_i) at a point.
-   pure function unknowns_of(curve, point) result(unknowns)
-      type(curve_type), intent(in) :: curve
-      real(wp), intent(in) :: point(:)
-      real(wp) :: unknowns(unknown_count(curve%frame))
-
-      unknowns = point(:size(unknowns))
-   end function unknowns_of
 
    !> Newton's method for a point under conditions and, if that is not enough, in a plane.
    !!
@@ -162,21 +121,6 @@ contains
          call orbit_slope(curve, conditions(j), point, c, o, b(1, n + j), a(:, n + j))
       end do
    end subroutine equations
-
-   !> A gradient by all unknowns, r and log(D) as one by the coordinates of a point.
-   pure subroutine to_point(curve, slope)
-      type(curve_type), intent(in) :: curve
-      real(wp), intent(inout) :: slope(most)
-      real(wp) :: by(2)
-      integer :: k, n
-
-      n = unknown_count(curve%frame)
-      by = slope(n + 1:n + 2)
-      do k = 1, size(curve%active)
-         slope(n + k) = 0
-         if (curve%active(k) <= by_clearance) slope(n + k) = curve%scale(k)*by(curve%active(k))
-      end do
-   end subroutine to_point
 
    !> The same for motions with rest, whose map is simulated: the derivatives are differences.
    pure subroutine rest_equations(curve, conditions, point, b, a)

@@ -2,14 +2,14 @@
 !!
 !! By u_i, theta_i, r and log D, in this order. A motion with rest is simulated and has none here.
 module vi_slopes
-   use vi_characteristic, only: characteristic, characteristic_slope, resolvent, &
-      resolvent_slope
+   use vi_characteristic, only: characteristic, characteristic_slope, resolvent, resolvent_slope
    use vi_conditions, only: approaches, fails_jury, polish_touch
    use vi_family, only: add_kinship_slope, kinship
    use vi_frame, only: condition_type, edge, flip, fold, frame_type, grazing, neimark_sacker, &
       repetition, zero_approach
    use vi_kinds, only: wp
-   use vi_orbit, only: by_clearance, by_forced, by_r, by_speed, most_impacts, orbit_type, period_parts
+   use vi_orbit, only: by_clearance, by_forced, by_r, by_speed, most_impacts, orbit_type, &
+      period_parts
    use vi_oscillator, only: eta
    use vi_period_slope, only: add_period_slope
    implicit none (type, external)
