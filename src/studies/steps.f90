@@ -80,7 +80,7 @@ contains
    end subroutine survey
 
    !> One step along a curve, shortened until Newton's method converges and the turn is small.
-   pure subroutine take_step(curve, conditions, stride, from, to, good)
+   pure subroutine take_step(curve, conditions, stride, from, to, good, blind)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       type(stride_type), intent(in) :: stride
@@ -88,6 +88,8 @@ contains
       type(place_type), intent(inout) :: to
       !> False if the curve could not be followed.
       logical, intent(out) :: good
+      !> Whether the other conditions are not looked at: the bare curve.
+      logical, intent(in), optional :: blind
       real(wp) :: step, turn
       integer :: iterations
       logical :: leaps
@@ -123,6 +125,9 @@ contains
       to%came = step
       to%step = step
       call look_back(from, to, leaps)
+      if (present(blind)) then
+         if (blind) return
+      end if
       if (iterations <= 4 .and. turn < 0.5_wp*stride%turn) to%step = 1.6_wp*step
       if (.not. curve%frame%resting) call survey(curve, to)
       call mark_passage(curve, from, to)
