@@ -1,19 +1,20 @@
-!> What a point of the traced boundary of a zone costs, all conditions being checked at it.
+!> What a point of the traced boundary of a zone costs.
 !!
-!! `boundary_point SIDES SYMMETRIC ROUNDS`, say `boundary_point RL 0 5`, prints microseconds of CPU
-!! per vertex of the loops and per step of the net, a line for each round. With the kind of a
-!! condition and the name of a file it instead reads points of such a boundary from there (u_i,
-!! theta_i, r, log D) and prints how far the curve is from them.
+!! `boundary_point SIDES SYMMETRIC KIND ROUNDS`, say `boundary_point RL 0 2 5`, prints microseconds
+!! of CPU per vertex of the loops, all conditions being checked at it, per point of the longest
+!! piece along which the condition of that kind is zero, nothing else being looked at, and per step
+!! of the net; a line for each round. With the name of a file it instead reads points of such a
+!! piece from there (u_i, theta_i, r, log D) and prints how far the curve is from them.
 program boundary_point
    use vi_curve, only: correct, curve_type, tangent_at
    use vi_frame, only: condition_type
    use vi_kinds, only: wp
-   use vi_loop, only: loop_type, trace_loop
+   use vi_loop, only: begins, loop_type, trace_loop
    use vi_net, only: add_seed, cover, net_type, new_net
    use vi_orbit, only: by_clearance, by_r
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: new_pattern
-   use vi_steps, only: stride_type
+   use vi_steps, only: begin_walk, exchange, place_type, stride_type, take_step
    use vi_seeds, only: motions_at
    use vi_zone, only: find_zone, zone_request_type, zone_type
    implicit none (type, external)
@@ -21,7 +22,8 @@ program boundary_point
    type(zone_request_type) :: request
    type(zone_type) :: zone
    character(200) :: text
-   integer :: status, rounds, i
+   type(stride_type), parameter :: stride = stride_type(longest=0.02_wp, turn=0.15_wp)
+   integer :: status, kind, rounds, i
    real(wp) :: seeds(0, 0)
 
    call get_command_argument(1, text)
@@ -34,12 +36,14 @@ program boundary_point
    call find_zone(request, seeds, zone, status)
    if (status /= 0 .or. zone%n == 0) error stop 'no zone'
    call get_command_argument(3, text)
+   read (text, *) kind
+   call get_command_argument(4, text)
    read (text, *) rounds
-   if (command_argument_count() > 3) then
+   if (command_argument_count() > 4) then
       call compare
    else
       do i = 1, rounds
-         print '(f0.3, 1x, f0.3)', time_of_loops(), time_of_net()
+         print '(*(f0.3, 1x))', time_of_loops(), time_of_locus(), time_of_net()
       end do
    end if
 
@@ -55,8 +59,8 @@ contains
       vertices = 0
       do turn = 1, 5
          do k = 1, zone%n
-            call trace_loop(zone%sheet, stride_type(longest=0.02_wp, turn=0.15_wp), &
-               zone%loops(k)%points(:, 1), zone%loops(k)%conditions(1), request%points, loop)
+            call trace_loop(zone%sheet, stride, zone%loops(k)%points(:, 1), &
+               zone%loops(k)%conditions(1), request%points, loop)
             if (.not. loop%closed) error stop 'a loop that was closed is open'
             vertices = vertices + loop%n
          end do
@@ -64,6 +68,56 @@ contains
       call cpu_time(end)
       time = 1.0e6_wp*(end - begin)/vertices
    end function time_of_loops
+
+   !> Microseconds per point from the middle of the longest piece of a kind to its end.
+   real(wp) function time_of_locus() result(time)
+      type(place_type) :: now, next
+      type(condition_type) :: condition(1)
+      real(wp) :: begin, end, clearances(2)
+      integer :: points, turn, loop, first, last, m
+      logical :: good
+
+      call find_piece(loop, first, last)
+      associate (l => zone%loops(loop))
+         m = size(l%points, 1)
+         condition = l%conditions(first)
+         clearances = [minval(l%points(m, first:last)), maxval(l%points(m, first:last))]
+         call cpu_time(begin)
+         points = 0
+         do turn = 1, 200
+            call begin_walk(zone%sheet, condition, l%points(:, (first + last)/2), &
+               l%tangents(:, (first + last)/2), stride%longest, now, good)
+            do while (good .and. now%point(m) > clearances(1) .and. now%point(m) < clearances(2))
+               call take_step(zone%sheet, condition, stride, now, next, good, blind=.true.)
+               call exchange(now, next)
+               points = points + 1
+            end do
+            if (.not. good) error stop 'the piece could not be followed'
+         end do
+         call cpu_time(end)
+      end associate
+      time = 1.0e6_wp*(end - begin)/points
+   end function time_of_locus
+
+   !> The longest run of vertices of one kind: its loop, the first vertex and the last.
+   subroutine find_piece(loop, first, last)
+      integer, intent(out) :: loop, first, last
+      integer :: j, k, begin
+
+      first = 0
+      last = -1
+      do k = 1, zone%n
+         begin = 1
+         do j = 1, zone%loops(k)%n
+            if (zone%loops(k)%corner(j) == begins) begin = j
+            if (zone%loops(k)%conditions(j)%kind /= kind .or. j - begin <= last - first) cycle
+            loop = k
+            first = begin
+            last = j
+         end do
+      end do
+      if (last < 0) error stop 'no such piece'
+   end subroutine find_piece
 
    !> Microseconds per step of a net from the motions at the middle of the window.
    real(wp) function time_of_net() result(time)
@@ -90,18 +144,15 @@ contains
    subroutine compare
       real(wp), allocatable :: point(:), there(:), along(:), tangent(:)
       real(wp) :: farthest
-      integer :: unit, kind, iterations, n, ios, least
+      integer :: unit, iterations, n, ios
       logical :: regular
 
-      call get_command_argument(4, text)
-      read (text, *) kind
       call get_command_argument(5, text)
       open (newunit=unit, file=trim(text), status='old', action='read')
       allocate (there(size(zone%loops(1)%points, 1)), along(size(zone%loops(1)%points, 1)), &
          tangent(size(zone%loops(1)%points, 1)))
       farthest = 0
       n = 0
-      least = huge(n)
       do
          read (unit, *, iostat=ios) there
          if (ios /= 0) exit

@@ -15,11 +15,14 @@ import vibroimpact as vi
 ROUNDS = 7
 HERE = Path(__file__).resolve().parent
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+PROGRAM = HERE.parent / "build/fortran/benchmarks/boundary_point"
 WINDOW = ((0.8, 1.2), (2, 200))
-# name, pattern, symmetric, type of piece, its number in the core, multiplier
+TARGET = 5.0
+# name, pattern, symmetric, type of piece, its number in the core, multiplier (AUTO's condition; None: not asked)
 CASES = [
     ("flip of two impacts", "RL", False, "flip", 2, -1),
     ("fold of three impacts", "RRL", False, "fold", 1, 1),
+    ("Neimark-Sacker of three impacts", "RRL", False, "neimark_sacker", 3, None),
 ]
 CONSTANTS = """\
 NDIM={size}, IPS=0, IRS=0, ILP=0, ICP=[1]
@@ -97,47 +100,64 @@ class Auto:
         return sum(1 for row in rows if row[0] != "0")
 
 
-def main():
-    program = Path(
-        sys.argv[1]
-        if len(sys.argv) > 1
-        else HERE.parent / "build/fortran/benchmarks/boundary_point"
-    )
-    auto = auto_folder()
-    print("microseconds of CPU per point of a boundary, median of", ROUNDS)
-    if auto is None:
-        print("  AUTO-07p or gfortran is not installed: our own times only")
-    for title, sides, symmetric, kind, number, multiplier in CASES:
-        zone = vi.zone(OSC, vi.Pattern(sides), *WINDOW, symmetric=symmetric)
-        own = [str(program), sides, str(int(symmetric))]
-        with tempfile.TemporaryDirectory() as folder:
-            peer = auto and Auto(auto, folder, zone, kind, multiplier)
-            count = peer.points(1000) if peer else 0
-            times, others = [], []
-            for _ in range(ROUNDS):
-                answer = subprocess.run(
-                    [*own, "1"], check=True, capture_output=True, text=True
-                ).stdout
-                times.append([float(word) for word in answer.split()])
-                if peer:
-                    # what it takes to begin is taken off
-                    others.append(1e6 * (peer.run(count) - peer.run(2)) / (count - 2))
-            vertex, step = (statistics.median(column) for column in zip(*times, strict=True))
-            print(
-                f"  {title} ({sides}): {vertex:6.1f} a vertex of its loops, {step:6.1f} a step of its net"
-            )
+def measure(program, auto, sides, symmetric, kind, number, multiplier):
+    """A point of the bare curve, a vertex of the zone, a step of the net, AUTO's point; how far AUTO's are off."""
+    own = [str(program), sides, str(int(symmetric)), str(number), "1"]
+    times, others, apart = [], [], None
+    with tempfile.TemporaryDirectory() as folder:
+        peer = None
+        if auto and multiplier is not None:
+            zone = vi.zone(OSC, vi.Pattern(sides), *WINDOW, symmetric=symmetric)
+            peer = Auto(auto, folder, zone, kind, multiplier)
+            count = peer.points(1000)
+        for _ in range(ROUNDS):
+            answer = subprocess.run(own, check=True, capture_output=True, text=True).stdout
+            times.append([float(word) for word in answer.split()])
             if peer:
-                other = statistics.median(others)
-                command = [*own, "1", str(number), f"{folder}/fort.99"]
-                checked, apart = subprocess.run(
-                    command, check=True, capture_output=True, text=True
-                ).stdout.split()
-                if not float(apart) < 1e-7:
-                    sys.exit(f"AUTO's points are {apart} from the curve")
-                print(
-                    f"    AUTO-07p: {other:6.1f} a point, {other / vertex:.1f} times as much; "
-                    f"its {checked} points are within {apart} of the curve"
-                )
+                # what it takes to begin is taken off
+                others.append(1e6 * (peer.run(count) - peer.run(2)) / (count - 2))
+        if peer:
+            command = [*own, f"{folder}/fort.99"]
+            answer = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+            apart = float(answer.split()[1])
+    vertex, point, step = (statistics.median(column) for column in zip(*times, strict=True))
+    return point, vertex, step, statistics.median(others) if others else None, apart
+
+
+def rows(program=PROGRAM) -> list[dict]:
+    """What was measured, one dictionary a line: `peer` and `same_answer` are None where there is no peer."""
+    if not Path(program).exists():
+        sys.exit(f"{program} is not there: ninja -C build/fortran benchmarks/boundary_point")
+    auto = auto_folder()
+    answer = []
+    for title, *case in CASES:
+        work = f"{title} ({case[0]})"
+        point, vertex, step, other, apart = measure(program, auto, *case)
+        peer = {"peer": None, "peer_name": None, "same_answer": None}
+        told = dict(peer)
+        if other is not None:
+            told = {"peer": other, "peer_name": "AUTO-07p", "same_answer": apart < 1e-7}
+        answer += [
+            {"work": f"a point of the {work}", "ours": point, "unit": "us", "target": TARGET, **told},
+            {"work": f"with all conditions, {work}", "ours": vertex, "unit": "us", "target": TARGET, **peer},
+            {"work": f"a step of the net, {work}", "ours": step, "unit": "us", "target": None, **peer},
+        ]  # fmt: skip
+    return answer
+
+
+def main():
+    print("microseconds of CPU, median of", ROUNDS)
+    if auto_folder() is None:
+        print("  AUTO-07p or gfortran is not installed: our own times only")
+    wrong = False
+    for row in rows(*sys.argv[1:2]):
+        peer = ""
+        if row["peer"] is not None:
+            peer = f"   {row['peer_name']} {row['peer']:6.1f}, {row['peer'] / row['ours']:.1f} times as much"
+            wrong = wrong or not row["same_answer"]
+        print(f"  {row['work']:67} {row['ours']:6.2f}{peer}")
+    if wrong:
+        sys.exit("AUTO's points are not on the curve")
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ module vi_extrema
    use vi_advance, only: safe_step
    use vi_flight, only: flight_position, flight_type
    use vi_kinds, only: wp
-   use vi_oscillation, only: derivative_bound, derivatives
+   use vi_oscillation, only: derivative_bounds, derivatives
    implicit none (type, external)
    private
 
@@ -33,6 +33,7 @@ contains
       !> When they occur; -1 where there is none.
       real(wp), intent(out), optional :: lowest_at, highest_at
       real(wp) :: t, d(0:5), g, direction, before, bound, step, shortest, longest, relative
+      real(wp) :: bounds(2), shrink
       integer :: n
 
       lowest = huge(1.0_wp)
@@ -42,12 +43,14 @@ contains
       if (present(highest_at)) highest_at = -1
       shortest = max(sqrt(epsilon(1.0_wp))/max(1.0_wp, flight%r), 4*spacing(flight%duration))
       longest = max(3/max(1.0_wp, flight%r), 2*shortest)
+      bounds = derivative_bounds(flight, 5)
       t = 0
       before = 0
       do n = 1, step_budget
-         d = derivatives(flight, t)
+         shrink = exp(-flight%decay*t)
+         d = derivatives(flight, t, shrink)
          g = d(1) - flight%z_dot
-         bound = derivative_bound(flight, 5, t)
+         bound = bounds(1)*shrink + bounds(2)
          if (.not. bound > 0) return
          direction = sign(1.0_wp, g)
          step = 0

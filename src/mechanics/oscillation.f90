@@ -7,7 +7,7 @@ module vi_oscillation
    implicit none (type, external)
    private
 
-   public :: new_oscillation, derivatives, derivative_bound
+   public :: new_oscillation, derivatives, derivative_bound, derivative_bounds
 
    type, public :: oscillation_type
       !> Decay rate and frequency of the free part, both over omega.
@@ -35,13 +35,19 @@ contains
    end function new_oscillation
 
    !> x and its first five derivatives at time t: equations (2), (27) and on.
-   pure function derivatives(o, t) result(d)
+   pure function derivatives(o, t, known) result(d)
       class(oscillation_type), intent(in) :: o
       real(wp), intent(in) :: t
+      !> exp(-decay t)
+      real(wp), intent(in), optional :: known
       real(wp) :: d(0:5)
       real(wp) :: shrink, s, c, forced, forced_dot, stiffness, free(0:5)
 
-      shrink = exp(-o%decay*t)
+      if (present(known)) then
+         shrink = known
+      else
+         shrink = exp(-o%decay*t)
+      end if
       s = shrink*sin(o%frequency*t)
       c = shrink*cos(o%frequency*t)
       stiffness = o%decay**2 + o%frequency**2
@@ -67,8 +73,19 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: t
 
-      bound = hypot(o%a, o%b)*exp(-o%decay*t)*sqrt(o%decay**2 + o%frequency**2)**n + &
-         abs(o%amplitude)*o%r**n
+      real(wp) :: parts(2)
+
+      parts = derivative_bounds(o, n)
+      bound = parts(1)*exp(-o%decay*t) + parts(2)
    end function derivative_bound
+
+   !> Its parts: that of the free part at time 0, which goes with exp(-decay t), and of the forced.
+   pure function derivative_bounds(o, n) result(bounds)
+      class(oscillation_type), intent(in) :: o
+      integer, intent(in) :: n
+      real(wp) :: bounds(2)
+
+      bounds = [hypot(o%a, o%b)*sqrt(o%decay**2 + o%frequency**2)**n, abs(o%amplitude)*o%r**n]
+   end function derivative_bounds
 
 end module vi_oscillation

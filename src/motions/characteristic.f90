@@ -4,7 +4,7 @@ module vi_characteristic
    implicit none (type, external)
    private
 
-   public :: characteristic, is_contraction, resolvent
+   public :: characteristic, characteristic_slope, is_contraction, resolvent, resolvent_slope
 
 contains
 
@@ -35,6 +35,51 @@ contains
       e(4) = m12*n34 - m13*n24 + m14*n23 + m23*n14 - m24*n13 + m34*n12
    end function characteristic
 
+   !> The derivative of a sum of these functions, with weights, by the entries of the matrix.
+   !!
+   !! Back through the minors: the powers of the matrix would lose digits where it is large.
+   pure function characteristic_slope(p, weights) result(w)
+      real(wp), intent(in) :: p(4, 4), weights(4)
+      real(wp) :: w(4, 4)
+      real(wp) :: m(4, 4), n(4, 4), of_m(4, 4), of_n(4, 4), top, low
+      integer :: i, j
+
+      do j = 1, 4
+         do i = 1, 4
+            m(i, j) = p(1, i)*p(2, j) - p(1, j)*p(2, i)
+            n(i, j) = p(3, i)*p(4, j) - p(3, j)*p(4, i)
+         end do
+      end do
+      top = p(1, 1) + p(2, 2)
+      low = p(3, 3) + p(4, 4)
+      associate (a => weights, a3 => weights(3))
+         ! e(4) pairs each minor with that of the other columns
+         of_m = antisymmetric(a(4)*[n(3, 4), -n(2, 4), n(2, 3), n(1, 4), -n(1, 3), n(1, 2)] &
+            + [a(2) + a3*low, -a3*p(3, 2), -a3*p(4, 2), a3*p(3, 1), a3*p(4, 1), 0.0_wp])
+         of_n = antisymmetric(a(4)*[m(3, 4), -m(2, 4), m(2, 3), m(1, 4), -m(1, 3), m(1, 2)] &
+            + [0.0_wp, a3*p(1, 4), -a3*p(1, 3), a3*p(2, 4), -a3*p(2, 3), a(2) + a3*top])
+         w(1, :) = matmul(of_m, p(2, :)) + [a(1) + a(2)*low + a3*n(3, 4), 0.0_wp, &
+            -a(2)*p(3, 1) - a3*n(1, 4), -a(2)*p(4, 1) + a3*n(1, 3)]
+         w(2, :) = -matmul(of_m, p(1, :)) + [0.0_wp, a(1) + a(2)*low + a3*n(3, 4), &
+            -a(2)*p(3, 2) - a3*n(2, 4), -a(2)*p(4, 2) + a3*n(2, 3)]
+         w(3, :) = matmul(of_n, p(4, :)) + [-a(2)*p(1, 3) + a3*m(2, 3), &
+            -a(2)*p(2, 3) - a3*m(1, 3), a(1) + a(2)*top + a3*m(1, 2), 0.0_wp]
+         w(4, :) = -matmul(of_n, p(3, :)) + [-a(2)*p(1, 4) + a3*m(2, 4), &
+            -a(2)*p(2, 4) - a3*m(1, 4), 0.0_wp, a(1) + a(2)*top + a3*m(1, 2)]
+      end associate
+   end function characteristic_slope
+
+   !> From the entries 12, 13, 14, 23, 24, 34.
+   pure function antisymmetric(x) result(a)
+      real(wp), intent(in) :: x(6)
+      real(wp) :: a(4, 4)
+
+      a(:, 1) = [0.0_wp, -x(1), -x(2), -x(3)]
+      a(:, 2) = [x(1), 0.0_wp, -x(4), -x(5)]
+      a(:, 3) = [x(2), x(4), 0.0_wp, -x(6)]
+      a(:, 4) = [x(3), x(5), x(6), 0.0_wp]
+   end function antisymmetric
+
    !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
    pure logical function is_contraction(e)
       !> As `characteristic` gives them.
@@ -53,5 +98,16 @@ contains
             - (e(1)**2*e(4) - 4*e(2)*e(4) + e(3)**2)
       end associate
    end function resolvent
+
+   !> Its derivatives.
+   pure function resolvent_slope(e) result(slope)
+      real(wp), intent(in) :: e(4)
+      real(wp) :: slope(4)
+
+      associate (d => 1 + e(4))
+         slope = [e(3)*d - 2*e(1)*e(4), 4*e(4) - d**2, e(1)*d - 2*e(3), &
+            (3*d - 2*e(2))*d + e(1)*e(3) - 4*d - 4*e(4) - e(1)**2 + 4*e(2)]
+      end associate
+   end function resolvent_slope
 
 end module vi_characteristic

@@ -1,12 +1,13 @@
 !> Families of periodic motions: one pattern, or the mirror-symmetric motions of one pattern.
 module vi_family
    use vi_kinds, only: wp
-   use vi_orbit, only: family_type, most_impacts
+   use vi_orbit, only: family_type, most_impacts, span_of
    use vi_pattern, only: pattern_type
    implicit none (type, external)
    private
 
-   public :: can_be_symmetric, new_family, image_of, kinship, whole_unknowns
+   public :: can_be_symmetric, new_family, image_of, kinship, add_kinship_slope, &
+      whole_unknowns
 
    !> A way in which a motion can repeat itself within its period.
    type, public :: repetition_type
@@ -103,6 +104,31 @@ contains
       distance = norm2(image_of(family, repetition, unknowns) - unknowns)
    end function kinship
 
+   !> Adds the gradient of that distance, times a weight.
+   pure subroutine add_kinship_slope(family, repetition, unknowns, weight, slope)
+      type(family_type), intent(in) :: family
+      type(repetition_type), intent(in) :: repetition
+      real(wp), intent(in) :: unknowns(:), weight
+      real(wp), intent(inout) :: slope(:)
+      real(wp) :: away(size(unknowns)), length, sign
+      integer :: i, j, n, turns
+
+      away = image_of(family, repetition, unknowns) - unknowns
+      length = norm2(away)
+      if (.not. length > 0) return
+      away = weight/length*away
+      n = size(family%sides)
+      sign = merge(-1.0_wp, 1.0_wp, family%mirror)
+      slope(:2*n) = slope(:2*n) - away
+      do i = 1, n
+         j = i + repetition%shift
+         turns = (j - 1)/n
+         j = j - turns*n
+         slope(j) = slope(j) + repetition%sign*sign**turns*away(i)
+         slope(n + j) = slope(n + j) + away(n + i)
+      end do
+   end subroutine add_kinship_slope
+
    !> The unknowns of the motion that a repetition makes of another: later impacts first, mirrored.
    pure function image_of(family, repetition, unknowns) result(image)
       type(family_type), intent(in) :: family
@@ -115,7 +141,7 @@ contains
 
       n = size(family%sides)
       sign = merge(-1.0_wp, 1.0_wp, family%mirror)
-      span = merge(pi, 2*pi, family%mirror)*family%cycles
+      span = span_of(family)
       do i = 1, n
          j = i + repetition%shift
          turns = (j - 1)/n

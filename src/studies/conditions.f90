@@ -15,7 +15,7 @@ module vi_conditions
    implicit none (type, external)
    private
 
-   public :: all_conditions, condition_value
+   public :: all_conditions, approaches, condition_value, fails_jury, polish_touch
 
 contains
 
@@ -116,7 +116,7 @@ contains
       real(wp), intent(in) :: unknowns(:)
       type(orbit_type), intent(in) :: o
       real(wp) :: values(3)
-      real(wp) :: p(4, 4), e(4), speeds
+      real(wp) :: p(4, 4), e(4)
       logical :: regular
       integer :: i
 
@@ -124,20 +124,39 @@ contains
       values = 0
       if (.not. regular) return
       e = characteristic(p)
-      speeds = product(o%side(1:o%n)*(o%speed(0:o%n - 1) - o%before(1:o%n)))
-      values(fold) = (1 - e(1) + e(2) - e(3) + e(4))*speeds
-      values(flip) = (1 + e(1) + e(2) + e(3) + e(4))*speeds
+      values = [1 - e(1) + e(2) - e(3) + e(4), 1 + e(1) + e(2) + e(3) + e(4), resolvent(e)]
+      if (fails_jury(e)) values(neimark_sacker) = -abs(values(neimark_sacker))
+      values(:2) = values(:2)*approaches(o)
       do i = 1, size(frame%repetitions)
          values(fold) = values(fold)/max(0.1_wp*frame%apart, &
             kinship(frame%family, frame%repetitions(i), unknowns))**2
       end do
-      values(neimark_sacker) = resolvent(e)
-      ! all three can be positive where several multipliers have crossed the unit circle; this one
-      ! of Jury's conditions fails there by far, and on the edge of the stable ones it is met, or
-      ! just so where three multipliers are on the circle
-      if (abs(e(3) - e(1)*e(4)) > 1.001_wp*(1 - e(4)**2)) values(neimark_sacker) = &
-         -abs(values(neimark_sacker))
    end function stability_values
+
+   !> Whether the resolvent says too little: it and both others can be positive where several
+   !! multipliers have crossed the unit circle. This one of Jury's conditions fails there by far,
+   !! and on the edge of the stable ones it is met, or just so where three multipliers are on the
+   !! circle.
+   pure logical function fails_jury(e)
+      real(wp), intent(in) :: e(4)
+
+      fails_jury = abs(e(3) - e(1)*e(4)) > 1.001_wp*(1 - e(4)**2)
+   end function fails_jury
+
+   !> The product of all approach speeds, or of all but one.
+   pure real(wp) function approaches(o, but)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in), optional :: but
+      integer :: i
+
+      approaches = 1
+      do i = 1, o%n
+         if (present(but)) then
+            if (i == but) cycle
+         end if
+         approaches = approaches*(o%side(i)*(o%speed(i - 1) - o%before(i)))
+      end do
+   end function approaches
 
    !> The least gap at a stationary point inside a flight; one half where there is none nearer.
    !! After an impact with R = 0 the departure counts as well.

@@ -1,73 +1,36 @@
 !> Curves of motions: Newton's method and tangents for the motions under some conditions.
 !!
-!! A point of a curve is (u_i, theta_i, q_j): the unknowns of the motion, then one or two active
-!! parameters in units of their scale. With one active parameter the motions alone are a curve; with
-!! two, those that meet one condition (a fold, say).
+!! With one active parameter the motions alone are a curve; with two, those that meet one condition
+!! (a fold, say).
 module vi_curve
    use vi_conditions, only: condition_value
-   use vi_frame, only: condition_type, frame_type, neimark_sacker, unknown_count
+   use vi_curve_point, only: curve_type, parameters_of, point_size, to_point, unknowns_of
+   use vi_frame, only: condition_type, neimark_sacker, unknown_count
    use vi_kinds, only: wp
-   use vi_orbit, only: by_left, by_right, n_parameters, orbit_by_parameter, orbit_matrix, &
-      orbit_residual, orbit_type, set_orbit
+   use vi_linear, only: eliminate, most
+   use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, orbit_by_parameter, &
+      orbit_slopes, orbit_type, set_orbit, span_of
    use vi_rest_conditions, only: value_in_period
    use vi_rest_family, only: rest_period, rest_period_type
+   use vi_slopes, only: has_slope, value_and_slope
    implicit none (type, external)
    private
 
-   public :: parameters_of, point_size, correct, condition_slope, tangent_at, unknowns_of
-
-   type, public :: curve_type
-      type(frame_type) :: frame
-      !> All parameters; those that are active are given by the point.
-      real(wp) :: c(n_parameters) = 0
-      !> Whether R2 is always R1.
-      logical :: tied = .false.
-      !> Which parameters are active, where their coordinate is 0, and its unit.
-      integer, allocatable :: active(:)
-      real(wp), allocatable :: origin(:), scale(:)
-   end type curve_type
+   public :: correct, condition_slope, tangent_at
+   public :: curve_type, parameters_of, point_size, unknowns_of
 
    integer, parameter :: most_iterations = 8
+   !> What rounding leaves of an equation, relative to its coefficients.
+   real(wp), parameter :: rounding = 1.0e-13_wp
    !> A residual that no Newton step survives: the period has other letters.
    real(wp), parameter :: at_fault = huge(1.0_wp)
 
 contains
 
-   !> Numbers in a point.
-   pure integer function point_size(curve)
-      type(curve_type), intent(in) :: curve
-
-      point_size = unknown_count(curve%frame) + size(curve%active)
-   end function point_size
-
-   !> The parameters at a point.
-   pure function parameters_of(curve, point) result(c)
-      type(curve_type), intent(in) :: curve
-      real(wp), intent(in) :: point(:)
-      real(wp) :: c(n_parameters)
-      integer :: j, n
-
-      c = curve%c
-      n = unknown_count(curve%frame)
-      do j = 1, size(curve%active)
-         c(curve%active(j)) = curve%origin(j) + curve%scale(j)*point(n + j)
-      end do
-      if (curve%tied) c(by_left) = c(by_right)
-   end function parameters_of
-
-   !> The unknowns (u_i, theta_i) at a point.
-   pure function unknowns_of(curve, point) result(unknowns)
-      type(curve_type), intent(in) :: curve
-      real(wp), intent(in) :: point(:)
-      real(wp) :: unknowns(unknown_count(curve%frame))
-
-      unknowns = point(:size(unknowns))
-   end function unknowns_of
-
    !> Newton's method for a point under conditions and, if that is not enough, in a plane.
    !!
    !! Equations: those of the motion, the conditions, and normal . (point - start) = 0.
-   pure subroutine correct(curve, conditions, point, iterations, normal)
+   pure subroutine correct(curve, conditions, point, iterations, normal, tangent)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       !> In: a guess. Out: the last iterate.
@@ -75,29 +38,37 @@ contains
       !> Iterations used; 0 if they did not converge.
       integer, intent(out) :: iterations
       real(wp), intent(in), optional :: normal(:)
-      real(wp) :: matrix(size(point), size(point)), step(size(point)), moved
-      real(wp) :: start(size(point))
+      !> The unit tangent in the direction of the normal: the last step of the iteration, which is
+      !! negligible, tells it as well.
+      real(wp), intent(out), optional :: tangent(:)
+      real(wp) :: a(most, most), b(2, most), start(most), moved, before, residual
       logical :: regular, simulated
-      integer :: i
+      integer :: i, n
 
-      start = point
+      n = size(point)
+      start(:n) = point
       iterations = 0
+      moved = huge(moved)
       simulated = curve%frame%resting .and. any(conditions%kind <= neimark_sacker)
       do i = 1, most_iterations
-         call equations(curve, conditions, point, step, matrix)
+         call equations(curve, conditions, point, b, a)
          if (present(normal)) then
-            matrix(size(point), :) = normal
-            step(size(point)) = dot_product(normal, point - start)
+            a(:n, n) = normal
+            b(:, n) = [dot_product(normal, point - start(:n)), 1.0_wp]
          end if
-         call eliminate(matrix, step, regular)
+         call eliminate(n, a, b, regular, residual)
          if (.not. regular) return
-         moved = maxval(abs(step))
+         before = moved
+         moved = maxval(abs(b(1, :n)))
          if (.not. moved < 0.5_wp) return
-         point = point - step
-         ! the matrix is right to 1e-8 or better: what is left after this step is below rounding;
-         ! the multipliers of a simulated map are differences, and so less sharp
-         if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated)) then
+         point = point - b(1, :n)
+         ! what is left after this step is below rounding; the multipliers of a simulated map are
+         ! differences, and so less sharp; and where a fold leaves a pitchfork the equations are met
+         ! to rounding before the place is known as well as that
+         if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated) .or. (residual < rounding .and. &
+            moved < 1.0e-5_wp .and. moved > 0.9_wp*before)) then
             if (in_order(curve, point)) iterations = i
+            if (present(tangent)) tangent = b(2, :n)/norm2(b(2, :n))
             return
          end if
       end do
@@ -107,66 +78,70 @@ contains
    pure logical function in_order(curve, point)
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: point(:)
-      type(orbit_type) :: o
       integer :: n
 
       in_order = .true.
       if (curve%frame%resting) return
-      n = unknown_count(curve%frame)
-      call set_orbit(curve%frame%family, point(:n), parameters_of(curve, point), o)
-      in_order = all(o%time(1:o%n) > 0)
+      n = size(curve%frame%family%sides)
+      in_order = all(point(n + 2:2*n) > point(n + 1:2*n - 1)) .and. point(2*n) - point(n + 1) &
+         < span_of(curve%frame%family)
    end function in_order
 
-   !> Residuals of the motion and of the conditions, with their derivatives.
-   pure subroutine equations(curve, conditions, point, residual, matrix)
+   !> Residuals of the motion and of the conditions, each with its gradient (a column); no more
+   !! right sides.
+   pure subroutine equations(curve, conditions, point, b, a)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       real(wp), intent(in) :: point(:)
-      real(wp), intent(out) :: residual(:), matrix(:, :)
+      real(wp), intent(inout) :: b(2, most), a(most, most)
       type(orbit_type) :: o
-      real(wp) :: c(n_parameters)
-      integer :: n, j
+      real(wp) :: c(n_parameters), slope(most)
+      integer :: n, j, k
 
       n = unknown_count(curve%frame)
+      b(2, :size(point)) = 0
       if (curve%frame%resting) then
-         call rest_equations(curve, conditions, point, residual, matrix)
+         call rest_equations(curve, conditions, point, b, a)
          return
       end if
-      do j = 1, size(conditions)
-         call condition_slope(curve, conditions(j), point, residual(n + j), matrix(n + j, :))
-      end do
       c = parameters_of(curve, point)
       call set_orbit(curve%frame%family, point(:n), c, o)
-      residual(:n) = orbit_residual(o)
-      call orbit_matrix(o, matrix(:n, :n))
-      do j = 1, size(curve%active)
-         matrix(:n, n + j) = curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, &
-            o, curve%active(j))
-         if (curve%tied .and. curve%active(j) == by_right) matrix(:n, n + j) = matrix(:n, n + j) &
-            + curve%scale(j)*orbit_by_parameter(curve%frame%family, point(:n), c, o, by_left)
+      call orbit_slopes(o, a, b(1, :n))
+      do j = 1, n
+         call to_point(curve, a(:, j))
+      end do
+      do k = 1, size(curve%active)
+         if (curve%active(k) <= by_clearance) cycle
+         slope(:n) = orbit_by_parameter(curve%frame%family, point(:n), c, o, curve%active(k))
+         if (curve%tied .and. curve%active(k) == by_right) slope(:n) = slope(:n) &
+            + orbit_by_parameter(curve%frame%family, point(:n), c, o, by_left)
+         a(n + k, :n) = curve%scale(k)*slope(:n)
+      end do
+      do j = 1, size(conditions)
+         call orbit_slope(curve, conditions(j), point, c, o, b(1, n + j), a(:, n + j))
       end do
    end subroutine equations
 
    !> The same for motions with rest, whose map is simulated: the derivatives are differences.
-   pure subroutine rest_equations(curve, conditions, point, residual, matrix)
+   pure subroutine rest_equations(curve, conditions, point, b, a)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       real(wp), intent(in) :: point(:)
-      real(wp), intent(out) :: residual(:), matrix(:, :)
+      real(wp), intent(inout) :: b(2, most), a(most, most)
       real(wp), parameter :: h = 1.0e-7_wp
       real(wp) :: moved(size(point))
       integer :: j, n
 
       n = 2 + size(conditions)
-      residual(:n) = rest_values(curve, conditions, point)
+      b(1, :n) = rest_values(curve, conditions, point)
       do j = 1, size(point)
          moved = point
          moved(j) = point(j) + h
-         matrix(:n, j) = (rest_values(curve, conditions, moved) - residual(:n))/h
+         a(j, :n) = (rest_values(curve, conditions, moved) - b(1, :n))/h
       end do
       do j = 1, size(conditions)
          if (conditions(j)%kind > neimark_sacker) cycle
-         call condition_slope(curve, conditions(j), point, residual(2 + j), matrix(2 + j, :))
+         call condition_slope(curve, conditions(j), point, b(1, 2 + j), a(:size(point), 2 + j))
       end do
    end subroutine rest_equations
 
@@ -190,29 +165,70 @@ contains
       end do
    end function rest_values
 
-   !> Value and derivative (by central differences) of a condition.
+   !> Value and derivative of a condition.
    pure subroutine condition_slope(curve, condition, point, value, slope)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: condition
       real(wp), intent(in) :: point(:)
       real(wp), intent(out) :: value, slope(:)
+      type(orbit_type) :: o
+      real(wp) :: c(n_parameters), whole(most)
+
+      c = parameters_of(curve, point)
+      if (curve%frame%resting) then
+         value = condition_value(curve%frame, unknowns_of(curve, point), c, condition)
+         call differences(curve, condition, point, 1, slope)
+      else
+         call set_orbit(curve%frame%family, unknowns_of(curve, point), c, o)
+         call orbit_slope(curve, condition, point, c, o, value, whole)
+         slope = whole(:size(slope))
+      end if
+   end subroutine condition_slope
+
+   !> The same from the orbit of the point; what is not known in closed form, by differences.
+   pure subroutine orbit_slope(curve, condition, point, c, o, value, slope)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: condition
+      real(wp), intent(in) :: point(:), c(:)
+      type(orbit_type), intent(in) :: o
+      real(wp), intent(out) :: value, slope(most)
+      integer :: n
+
+      n = unknown_count(curve%frame)
+      if (has_slope(condition)) then
+         call value_and_slope(curve%frame, point(:n), c, o, condition, value, slope(:n + 2))
+         call to_point(curve, slope)
+         if (any(curve%active > by_clearance)) call differences(curve, condition, point, n + 1, &
+            slope(:size(point)))
+      else
+         value = condition_value(curve%frame, point(:n), c, condition)
+         call differences(curve, condition, point, 1, slope(:size(point)))
+      end if
+   end subroutine orbit_slope
+
+   !> The derivative of a condition by central differences, from one coordinate on.
+   pure subroutine differences(curve, condition, point, first, slope)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: condition
+      real(wp), intent(in) :: point(:)
+      integer, intent(in) :: first
+      real(wp), intent(inout) :: slope(:)
       real(wp) :: moved(size(point)), h
       integer :: i, j
 
-      value = at(point)
       h = 1.0e-6_wp
       if (curve%frame%resting) h = merge(1.0e-4_wp, 1.0e-7_wp, condition%kind <= neimark_sacker)
       ! the derivative of a simulated map is a difference itself, and so less smooth; near the end
       ! of a family with rest only a shorter step stays on its side
       do i = 1, merge(3, 1, h > 1.0e-5_wp)
-         do j = 1, size(point)
+         do j = first, size(point)
             moved = point
             moved(j) = point(j) + h
             slope(j) = at(moved)
             moved(j) = point(j) - h
             slope(j) = (slope(j) - at(moved))/(2*h)
          end do
-         if (all(abs(slope) <= huge(h))) return
+         if (all(abs(slope(first:)) <= huge(h))) return
          h = 0.1_wp*h
       end do
    contains
@@ -222,7 +238,7 @@ contains
          at = condition_value(curve%frame, unknowns_of(curve, place), parameters_of(curve, place), &
             condition)
       end function at
-   end subroutine condition_slope
+   end subroutine differences
 
    !> The unit tangent of a curve at a point of it, in the direction of a given vector.
    pure subroutine tangent_at(curve, conditions, point, along, tangent, regular)
@@ -232,54 +248,16 @@ contains
       real(wp), intent(in) :: point(:), along(:)
       real(wp), intent(out) :: tangent(:)
       logical, intent(out) :: regular
-      real(wp) :: matrix(size(point), size(point)), unused(size(point))
+      real(wp) :: a(most, most), b(2, most), unused
+      integer :: n
 
-      call equations(curve, conditions, point, unused, matrix)
-      matrix(size(point), :) = along
+      n = size(point)
+      call equations(curve, conditions, point, b, a)
+      a(:n, n) = along
+      b(:, n) = [0, 1]
+      call eliminate(n, a, b, regular, unused)
       tangent = 0
-      tangent(size(point)) = 1
-      call eliminate(matrix, tangent, regular)
-      if (regular) tangent = tangent/norm2(tangent)
+      if (regular) tangent = b(2, :n)/norm2(b(2, :n))
    end subroutine tangent_at
-
-   !> Solves a small square system by Gaussian elimination with scaled partial pivoting.
-   !!
-   !! At these sizes the calls of a library would take most of the time.
-   pure subroutine eliminate(a, b, regular)
-      real(wp), intent(inout) :: a(:, :), b(:)
-      logical, intent(out) :: regular
-      real(wp) :: row(size(b)), factor
-      integer :: n, i, j, k
-
-      n = size(b)
-      regular = .false.
-      do i = 1, n
-         factor = maxval(abs(a(i, :)))
-         if (.not. (factor > 0 .and. factor <= huge(factor))) return
-         a(i, :) = a(i, :)/factor
-         b(i) = b(i)/factor
-      end do
-      do k = 1, n
-         j = k - 1 + maxloc(abs(a(k:, k)), dim=1)
-         if (.not. abs(a(j, k)) > 1.0e-14_wp) return
-         if (j /= k) then
-            row = a(k, :)
-            a(k, :) = a(j, :)
-            a(j, :) = row
-            b([k, j]) = b([j, k])
-         end if
-         do i = k + 1, n
-            factor = a(i, k)/a(k, k)
-            if (abs(factor) > 0) then
-               a(i, k + 1:) = a(i, k + 1:) - factor*a(k, k + 1:)
-               b(i) = b(i) - factor*b(k)
-            end if
-         end do
-      end do
-      do k = n, 1, -1
-         b(k) = (b(k) - dot_product(a(k, k + 1:), b(k + 1:)))/a(k, k)
-      end do
-      regular = .true.
-   end subroutine eliminate
 
 end module vi_curve

@@ -8,7 +8,7 @@ module vi_loop
    use vi_curve, only: condition_slope, correct, curve_type, parameters_of, tangent_at, unknowns_of
    use vi_frame, only: condition_type, grazing, wrap_phases
    use vi_kinds, only: wp
-   use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
+   use vi_steps, only: begin_walk, exchange, hidden_zero, locate, place_type, stride_type, take_step
    implicit none (type, external)
    private
 
@@ -40,7 +40,8 @@ contains
       !> Most points.
       integer, intent(in) :: most
       type(loop_type), intent(out) :: loop
-      type(place_type) :: before, now, next, corner
+      type(place_type) :: now, next, corner
+      real(wp), allocatable :: before(:)
       type(condition_type) :: active
       integer :: which
       logical :: good, met
@@ -51,7 +52,7 @@ contains
       call set_out(curve, active, point, now, good)
       if (.not. good) return
       call append(loop, now, active, 0)
-      before = now
+      before = now%values
       do while (loop%n < most)
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
@@ -74,11 +75,11 @@ contains
             call append(loop, now, active, begins)
             call close_at_corner(curve, loop)
             if (loop%closed) return
-            before = now
+            before = now%values
          else
             call refresh(next, active)
-            before = now
-            now = next
+            before(:) = now%values
+            call exchange(now, next)
             call append(loop, now, active, 0)
          end if
       end do
@@ -103,12 +104,19 @@ contains
 
    !> Whether a condition other than the active one may be zero twice within a step.
    pure logical function passes_two(before, now, next, active)
-      type(place_type), intent(in) :: before, now, next
+      !> The values at the place before.
+      real(wp), intent(in) :: before(:)
+      type(place_type), intent(in) :: now, next
       type(condition_type), intent(in) :: active
+      integer :: j
 
       passes_two = .false.
-      if (next%came > 1.0e-4_wp) passes_two = any(hidden_zero(before%values, now%values, &
-         next%values, now%came, next%came) .and. .not. same_condition(active, next%conditions))
+      if (next%came <= 1.0e-4_wp) return
+      do j = 1, size(before)
+         if (.not. hidden_zero(before(j), now%values(j), next%values(j), now%came, next%came)) cycle
+         passes_two = .not. same_condition(active, next%conditions(j))
+         if (passes_two) return
+      end do
    end function passes_two
 
    !> A loop that turns where it has turned before is closed; what was before is no part of it.
@@ -169,6 +177,7 @@ contains
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: active
       type(place_type), intent(in) :: now, next
+      !> Defined where one is met.
       type(place_type), intent(inout) :: corner
       !> Its index; -1 if it could not be located.
       integer, intent(out) :: which
@@ -180,7 +189,6 @@ contains
 
       which = 0
       met = .false.
-      corner = now
       least = huge(1.0_wp)
       do j = 1, size(next%values)
          ! two conditions that a symmetry makes one differ by rounding

@@ -4,17 +4,19 @@ module vi_steps
    use vi_curve, only: correct, curve_type, parameters_of, point_size, tangent_at, unknowns_of
    use vi_family, only: image_of
    use vi_frame, only: condition_count, condition_type, grazing, repetition, &
-      rest_vanishes
+      rest_vanishes, unknown_count
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: begin_walk, take_step, locate, hidden_zero
+   public :: begin_walk, exchange, take_step, locate, hidden_zero
 
    !> A place on a curve: the point, the direction of travel, and all conditions there.
    type, public :: place_type
       real(wp), allocatable :: point(:), tangent(:), values(:)
       type(condition_type), allocatable :: conditions(:)
+      !> The curve leaves the tangent by bend(:, 1) s^2 + bend(:, 2) s^3, to go by the last step.
+      real(wp), allocatable :: bend(:, :)
       !> The length of the step that led here and of the next one to be tried.
       real(wp) :: came = 0, step = 0
    end type place_type
@@ -37,10 +39,33 @@ contains
 
       place%point = point
       allocate (place%tangent(size(point)))
+      allocate (place%bend(size(point), 2), source=0.0_wp)
       call tangent_at(curve, conditions, point, along, place%tangent, regular)
       place%step = step
       call survey(curve, place)
    end subroutine begin_walk
+
+   !> Exchanges two places.
+   pure subroutine exchange(a, b)
+      type(place_type), intent(inout) :: a, b
+      type(place_type) :: c
+
+      call move(a, c)
+      call move(b, a)
+      call move(c, b)
+   end subroutine exchange
+
+   pure subroutine move(from, to)
+      type(place_type), intent(inout) :: from, to
+
+      call move_alloc(from%point, to%point)
+      call move_alloc(from%tangent, to%tangent)
+      call move_alloc(from%values, to%values)
+      call move_alloc(from%conditions, to%conditions)
+      call move_alloc(from%bend, to%bend)
+      to%came = from%came
+      to%step = from%step
+   end subroutine move
 
    !> Evaluates all conditions at a place.
    pure subroutine survey(curve, place)
@@ -50,12 +75,12 @@ contains
 
       n = condition_count(curve%frame)
       if (.not. allocated(place%values)) allocate (place%values(n), place%conditions(n))
-      call all_conditions(curve%frame, unknowns_of(curve, place%point), &
+      call all_conditions(curve%frame, place%point(:unknown_count(curve%frame)), &
          parameters_of(curve, place%point), place%values, place%conditions)
    end subroutine survey
 
    !> One step along a curve, shortened until Newton's method converges and the turn is small.
-   pure subroutine take_step(curve, conditions, stride, from, to, good)
+   pure subroutine take_step(curve, conditions, stride, from, to, good, blind)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       type(stride_type), intent(in) :: stride
@@ -63,6 +88,8 @@ contains
       type(place_type), intent(inout) :: to
       !> False if the curve could not be followed.
       logical, intent(out) :: good
+      !> Whether the other conditions are not looked at: the bare curve.
+      logical, intent(in), optional :: blind
       real(wp) :: step, turn
       integer :: iterations
       logical :: leaps
@@ -75,18 +102,16 @@ contains
       if (.not. allocated(to%tangent)) allocate (to%tangent, mold=from%tangent)
       do
          to%point = from%point + step*from%tangent
-         call correct(curve, conditions, to%point, iterations, from%tangent)
+         if (.not. leaps) call bend_over(from, step, to%point)
+         call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent)
          if (iterations > 0 .and. curve%frame%resting) then
             call survey(curve, to)
             ! all of them at once: the period has other letters there
             if (count(to%values <= -1) > size(curve%frame%rest%letters)) iterations = 0
          end if
          if (iterations > 0) then
-            call tangent_at(curve, conditions, to%point, from%tangent, to%tangent, good)
-            if (good) then
-               turn = turn_of(from%tangent, to%tangent, size(curve%active))
-               good = turn < merge(0.5_wp, stride%turn, leaps) .or. step <= 64*stride%shortest
-            end if
+            turn = turn_of(from%tangent, to%tangent, size(curve%active))
+            good = turn < merge(0.5_wp, stride%turn, leaps) .or. step <= 64*stride%shortest
          end if
          if (good) exit
          if (leaps) return
@@ -99,10 +124,50 @@ contains
       end do
       to%came = step
       to%step = step
+      call look_back(from, to, leaps)
+      if (present(blind)) then
+         if (blind) return
+      end if
       if (iterations <= 4 .and. turn < 0.5_wp*stride%turn) to%step = 1.6_wp*step
       if (.not. curve%frame%resting) call survey(curve, to)
       call mark_passage(curve, from, to)
    end subroutine take_step
+
+   !> Adds to a place on the tangent how far the curve will have left it, if that is not much.
+   pure subroutine bend_over(from, step, point)
+      type(place_type), intent(in) :: from
+      real(wp), intent(in) :: step
+      real(wp), intent(inout) :: point(:)
+      integer :: j
+
+      if (maxval(abs(from%bend(:, 1))) + step*maxval(abs(from%bend(:, 2))) > 0.3_wp/step) return
+      do j = 1, size(point)
+         point(j) = point(j) + step**2*(from%bend(j, 1) + step*from%bend(j, 2))
+      end do
+   end subroutine bend_over
+
+   !> The cubic that leaves the tangent at the end of a step, and joins its beginning.
+   pure subroutine look_back(from, to, leaps)
+      type(place_type), intent(in) :: from
+      type(place_type), intent(inout) :: to
+      !> Whether the step has passed a place where curves cross.
+      logical, intent(in) :: leaps
+      real(wp) :: length, cosine, off, slope
+      integer :: j
+
+      if (.not. allocated(to%bend)) allocate (to%bend(size(to%point), 2))
+      to%bend = 0
+      if (leaps) return
+      length = dot_product(to%tangent, to%point - from%point)
+      cosine = dot_product(to%tangent, from%tangent)
+      if (length < 0.5_wp*to%came .or. cosine < 0.5_wp) return
+      do j = 1, size(to%point)
+         off = (from%point(j) - to%point(j))/length + to%tangent(j)
+         slope = from%tangent(j)/cosine - to%tangent(j)
+         to%bend(j, 1) = (3*off + slope)/length
+         to%bend(j, 2) = (2*off + slope)/length**2
+      end do
+   end subroutine look_back
 
    !> A step may pass a motion that repeats itself: the distance to it counts negative then.
    pure subroutine mark_passage(curve, from, to)

@@ -2,12 +2,14 @@
 module studies_conditions
    use checks, only: check, check_close
    use motions_orbit, only: random_member
-   use random_numbers, only: random_type
+   use random_numbers, only: fill, random_type
    use vi_conditions, only: all_conditions, condition_value
    use vi_curve, only: condition_slope, curve_type, parameters_of, unknowns_of
+   use vi_family, only: new_family, whole_unknowns
    use vi_frame, only: condition_count, condition_type, grazing
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_r
+   use vi_pattern, only: pattern_type
    implicit none (type, external)
    private
 
@@ -31,9 +33,34 @@ contains
          call random_member(random, curve%frame%family, unknowns, curve%c)
          curve%origin(:) = curve%c(curve%active) - 0.5_wp*curve%scale
          call check_conditions(curve, [unknowns, 0.5_wp, 0.5_wp], smooth, rough)
+         if (curve%frame%family%mirror) call check_nearly_symmetric(curve, unknowns, smooth, rough)
       end do
       call check(smooth > 9*rough, 'conditions: most are smooth')
    end subroutine test_conditions
+
+   !> Where the motion is hardly another one than its mirror image, the distance matters as well.
+   subroutine check_nearly_symmetric(symmetric, half, smooth, rough)
+      type(curve_type), intent(in) :: symmetric
+      real(wp), intent(in) :: half(:)
+      integer, intent(inout) :: smooth, rough
+      type(curve_type) :: curve
+      type(pattern_type) :: pattern
+      real(wp) :: away(2*size(half))
+      logical :: possible
+
+      curve = symmetric
+      associate (family => symmetric%frame%family)
+         allocate (pattern%sides, source=[family%sides, -family%sides])
+         pattern%cycles = family%cycles
+         deallocate (curve%frame%repetitions)
+         call new_family(pattern, .false., .true., curve%frame%family, curve%frame%repetitions, &
+            possible)
+         call check(possible .and. size(curve%frame%repetitions) > 0, 'conditions: a repetition')
+         call fill(random, -0.1_wp, 0.1_wp, away)
+         call check_conditions(curve, [whole_unknowns(family, half) + away, 0.5_wp, 0.5_wp], &
+            smooth, rough)
+      end associate
+   end subroutine check_nearly_symmetric
 
    !> All values at once are those of one condition each; slopes are those of wider differences.
    subroutine check_conditions(curve, point, smooth, rough)

@@ -1,0 +1,71 @@
+!> Small systems of linear equations, for which the calls of a library would take most of the time.
+module vi_linear
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: eliminate
+
+   !> Most unknowns: of a motion with 24 impacts and two parameters.
+   integer, parameter, public :: most = 50
+
+contains
+
+   !> Solves n equations for two right sides by Gaussian elimination with scaled partial pivoting.
+   pure subroutine eliminate(n, a, b, regular, residual)
+      integer, intent(in) :: n
+      !> Equation i is a(:, i) . x = b(:, i); overwritten.
+      real(wp), intent(inout) :: a(most, most)
+      !> Out: both solutions.
+      real(wp), intent(inout) :: b(2, most)
+      logical, intent(out) :: regular
+      !> The greatest first right side, relative to the greatest coefficient of its equation.
+      real(wp), intent(out) :: residual
+      real(wp) :: swap, factor, largest
+      integer :: i, j, k
+
+      regular = .false.
+      residual = 0
+      do i = 1, n
+         factor = maxval(abs(a(:n, i)))
+         if (.not. (factor > 0 .and. factor <= huge(factor))) return
+         factor = 1/factor
+         a(:n, i) = a(:n, i)*factor
+         b(:, i) = b(:, i)*factor
+         residual = max(residual, abs(b(1, i)))
+      end do
+      do k = 1, n
+         j = k
+         largest = abs(a(k, k))
+         do i = k + 1, n
+            if (abs(a(k, i)) > largest) then
+               j = i
+               largest = abs(a(k, i))
+            end if
+         end do
+         if (.not. largest > 1.0e-14_wp) return
+         if (j /= k) then
+            do i = k, n
+               swap = a(i, k)
+               a(i, k) = a(i, j)
+               a(i, j) = swap
+            end do
+            b(:, [k, j]) = b(:, [j, k])
+         end if
+         a(k, k) = 1/a(k, k)
+         do i = k + 1, n
+            factor = a(k, i)*a(k, k)
+            a(k + 1:n, i) = a(k + 1:n, i) - factor*a(k + 1:n, k)
+            b(:, i) = b(:, i) - factor*b(:, k)
+         end do
+      end do
+      do k = n, 1, -1
+         do i = k + 1, n
+            b(:, k) = b(:, k) - a(i, k)*b(:, i)
+         end do
+         b(:, k) = b(:, k)*a(k, k)
+      end do
+      regular = .true.
+   end subroutine eliminate
+
+end module vi_linear

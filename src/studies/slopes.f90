@@ -1,0 +1,161 @@
+!> The gradients of conditions on motions, without differences.
+!!
+!! By u_i, theta_i, r and log D, in this order. A motion with rest is simulated and has none here.
+module vi_slopes
+   use vi_characteristic, only: characteristic, characteristic_slope, resolvent, resolvent_slope
+   use vi_conditions, only: approaches, fails_jury, polish_touch
+   use vi_family, only: add_kinship_slope, kinship
+   use vi_frame, only: condition_type, edge, flip, fold, frame_type, grazing, neimark_sacker, &
+      repetition, zero_approach
+   use vi_kinds, only: wp
+   use vi_orbit, only: by_clearance, by_forced, by_r, by_speed, most_impacts, orbit_type, &
+      period_parts
+   use vi_oscillator, only: eta
+   use vi_period_slope, only: add_period_slope
+   implicit none (type, external)
+   private
+
+   public :: has_slope, value_and_slope
+
+contains
+
+   !> Whether the gradient of a condition is known.
+   pure elemental logical function has_slope(condition)
+      type(condition_type), intent(in) :: condition
+
+      select case (condition%kind)
+      case (fold, flip, neimark_sacker, zero_approach, grazing, repetition)
+         has_slope = .true.
+      case (edge)
+         has_slope = condition%index <= by_clearance
+      case default
+         has_slope = .false.
+      end select
+   end function has_slope
+
+   !> The value of a condition and its gradient, as far as `has_slope`.
+   pure subroutine value_and_slope(frame, unknowns, c, o, condition, value, slope)
+      type(frame_type), intent(in) :: frame
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> The orbit of these unknowns and parameters.
+      type(orbit_type), intent(in) :: o
+      type(condition_type), intent(in) :: condition
+      real(wp), intent(out) :: value
+      !> (2n + 2)
+      real(wp), contiguous, intent(out) :: slope(:)
+
+      slope = 0
+      associate (i => condition%index)
+         select case (condition%kind)
+         case (fold, flip, neimark_sacker)
+            call stability_slope(frame, unknowns, o, condition%kind, value, slope)
+         case (grazing)
+            call touch_slope(o, condition, value, slope)
+         case (zero_approach)
+            value = o%side(i)*(o%speed(i - 1) - o%before(i))
+            call approach_slope(o, i, 1.0_wp, slope)
+         case (repetition)
+            value = kinship(frame%family, frame%repetitions(i), unknowns) - condition%bound
+            call add_kinship_slope(frame%family, frame%repetitions(i), unknowns, 1.0_wp, slope)
+         case default
+            value = condition%side*(c(i) - condition%bound)
+            slope(size(unknowns) + i) = condition%side
+         end select
+      end associate
+   end subroutine value_and_slope
+
+   !> Of the three numbers that tell stability, as `stability_values` has them.
+   pure subroutine stability_slope(frame, unknowns, o, kind, value, slope)
+      type(frame_type), intent(in) :: frame
+      real(wp), intent(in) :: unknowns(:)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: kind
+      real(wp), intent(out) :: value
+      real(wp), contiguous, intent(inout) :: slope(:)
+      real(wp) :: parts(4, 4, most_impacts), p(4, 4), e(4), weights(4), factor, distance
+      logical :: regular
+      integer :: i
+
+      value = 0
+      call period_parts(o, parts, p, regular)
+      if (.not. regular) return
+      e = characteristic(p)
+      if (kind == neimark_sacker) then
+         value = resolvent(e)
+         weights = resolvent_slope(e)
+         if (fails_jury(e)) then
+            weights = -sign(1.0_wp, value)*weights
+            value = -abs(value)
+         end if
+         call add_period_slope(o, parts, characteristic_slope(p, weights), slope)
+         ! a zero that the value only touches is none
+         if (fails_jury(e) .and. abs(value) < 1.0e-6_wp*maxval(abs(slope))) slope = 0
+         return
+      end if
+      weights = 1
+      if (kind == fold) weights([1, 3]) = -1
+      value = 1 + dot_product(weights, e)
+      factor = 1
+      if (kind == fold) then
+         do i = 1, size(frame%repetitions)
+            distance = kinship(frame%family, frame%repetitions(i), unknowns)
+            factor = factor/max(0.1_wp*frame%apart, distance)**2
+         end do
+      end if
+      do i = 1, o%n
+         call approach_slope(o, i, factor*value*approaches(o, i), slope)
+      end do
+      factor = factor*approaches(o)
+      call add_period_slope(o, parts, characteristic_slope(p, factor*weights), slope)
+      value = factor*value
+      if (kind == flip) return
+      do i = 1, size(frame%repetitions)
+         distance = kinship(frame%family, frame%repetitions(i), unknowns)
+         if (distance > 0.1_wp*frame%apart) call add_kinship_slope(frame%family, &
+            frame%repetitions(i), unknowns, -2*value/distance, slope)
+      end do
+   end subroutine stability_slope
+
+   !> Adds that of the approach speed of an impact, times a weight.
+   pure subroutine approach_slope(o, i, weight, slope)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+      real(wp), intent(in) :: weight
+      real(wp), contiguous, intent(inout) :: slope(:)
+
+      call by_speed(o, i - 1, o%side(i)*weight*(1 - o%of_before(1, i)), slope)
+      call by_speed(o, i, -o%side(i)*weight*o%of_before(2, i), slope)
+   end subroutine approach_slope
+
+   !> Of the gap at a stationary point, which does not change with the instant.
+   pure subroutine touch_slope(o, condition, value, slope)
+      type(orbit_type), intent(in) :: o
+      type(condition_type), intent(in) :: condition
+      real(wp), intent(out) :: value
+      real(wp), contiguous, intent(inout) :: slope(:)
+      type(condition_type) :: touch
+      real(wp) :: t, free(2), c1, c2, sine, cosine, side
+      integer :: n, i
+
+      touch = condition
+      call polish_touch(o, touch, value)
+      n = o%n
+      i = touch%index
+      side = touch%side
+      t = touch%share*o%time(i)
+      c1 = exp(-o%xi*t)*sin(eta(o%xi)*t)/eta(o%xi)
+      c2 = exp(-o%xi*t)*cos(eta(o%xi)*t)
+      free = side*[c2 + o%xi*c1, c1]
+      sine = side*o%amplitude*sin(o%r*t + o%theta(i))
+      cosine = side*o%amplitude*cos(o%r*t + o%theta(i))
+      ! gap = 1/2 - side (z_i + z' t - x), x by equation (2)
+      slope(i) = slope(i) - side + free(1)
+      call by_speed(o, i, free(2)*o%of_after(2, i) - side*t, slope)
+      call by_speed(o, i - 1, free(2)*o%of_after(1, i), slope)
+      call by_forced(o, i, -free(1), -free(2), slope)
+      slope(n + i) = slope(n + i) + cosine
+      slope(2*n + by_r) = slope(2*n + by_r) + cosine*t + o%growth*sine
+      slope(2*n + by_clearance) = slope(2*n + by_clearance) - sine
+   end subroutine touch_slope
+
+end module vi_slopes
