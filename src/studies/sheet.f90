@@ -28,7 +28,7 @@ module vi_sheet
       integer :: points = 20000
    end type zone_request_type
 
-   !> The unit of length along r and log D, unless the window is smaller: the window of the 1983 charts.
+   !> Units of length along r and log D: the window of the 1983 charts, unless it is smaller.
    real(wp), parameter :: unit(2) = [0.4_wp, log(100.0_wp)]
 
 contains
