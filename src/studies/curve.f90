@@ -66,7 +66,7 @@ contains
          ! differences, and so less sharp; and where a fold leaves a pitchfork the equations are met
          ! to rounding before the place is known as well as that
          if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated) .or. (residual < rounding .and. &
-            moved < 1.0e-5_wp .and. moved > 0.9_wp*before)) then
+            moved < 1.0e-4_wp .and. moved > 0.9_wp*before)) then
             if (in_order(curve, point)) iterations = i
             if (present(tangent)) tangent = b(2, :n)/norm2(b(2, :n))
             return

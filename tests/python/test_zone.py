@@ -327,6 +327,22 @@ def test_the_very_narrow_zone_of_figure_3_at_its_tip():
         assert 0.99 < np.abs(motion.multipliers[0]) < 1
 
 
+@pytest.mark.parametrize(
+    ("xi", "mu", "restitution"),
+    [
+        (4.0626886423228203e-02, 0.12512331964573317, 0.68306655697676577),
+        (5.8715467556254798e-03, 0.10542967208554099, 0.46245902839207498),
+    ],
+)
+def test_zones_close_where_a_fold_leaves_a_pitchfork(xi, mu, restitution):
+    """There the equations are met to rounding long before the place is known as well as that."""
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
+    zone = vi.zone(osc, vi.Pattern("RL"), (0.7, 1.4), (1, 150), symmetric=False)
+    assert zone.complete
+    pieces = [(p.loop, p.type) for p in zone.boundary]
+    assert any((loop, "pitchfork") in pieces for loop, kind in pieces if kind == "fold")
+
+
 def impact_pair_limits(restitution, cycles):
     """D/A at the pitchfork and at the fold of the symmetric motion of the impact pair.
 
