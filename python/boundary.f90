@@ -26,6 +26,26 @@ subroutine periodic(n, m, xi, mu, walls, r, cycles, sides, restitution, phases, 
       status)
 end subroutine periodic
 
+!> Verdicts alone on motions with given phases (m, n) at many points; see vi_flags.
+subroutine stability_flags(n, m, xi, mu, walls, r, cycles, sides, restitution, phases, acceptance, &
+   with_radius, threads, wide, consistent, stable, radius, status, referred)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_flags, only: flags => stability_flags
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, cycles, sides(n), with_radius, threads, wide
+   real(c_double), intent(in) :: xi, mu, walls(2), r(m), restitution(n), phases(m, n), acceptance
+   integer(c_int), intent(out) :: consistent(m), stable(m)
+   real(c_double), intent(out) :: radius(m)
+   integer(c_int), intent(out) :: status(m), referred
+
+   call flags(oscillator_type(xi, mu, walls), r, pattern_type(sides, cycles), restitution, &
+      phases, acceptance, with_radius /= 0, threads, wide /= 0, consistent, stable, radius, &
+      status, referred)
+end subroutine stability_flags
+
 !> Both equispaced motions at many points; two columns a point.
 subroutine equispaced(m, xi, mu, walls, r, clearance, cycles, acceptance, single, flights, &
    impacts, &

@@ -6,6 +6,7 @@ from . import errors
 from .bundle import Bundle, simulate_bundle
 from .chart import chart
 from .find import FoundMotions, Search, find
+from .flags import StabilityFlags, stability_flags
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
 from .newton import exact
@@ -43,6 +44,7 @@ __all__ = [
     "Sample",
     "Search",
     "SpecialPoint",
+    "StabilityFlags",
     "Trajectory",
     "Units",
     "Zone",
@@ -64,6 +66,7 @@ __all__ = [
     "run_namelists",
     "simulate",
     "simulate_bundle",
+    "stability_flags",
     "status_text",
     "zone",
 ]

@@ -33,6 +33,27 @@ class _Periodic(Protocol):
     ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
+class _StabilityFlags(Protocol):
+    # consistent, stable, radius, status, referred
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        phases: ArrayLike,
+        acceptance: float,
+        with_radius: int,
+        threads: int,
+        wide: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> tuple[_Integer, _Integer, _Real, _Integer, int]: ...
+
+@type_check_only
 class _Equispaced(Protocol):
     # impacts, scalars, multipliers, verdicts, status
     def __call__(
@@ -508,6 +529,7 @@ class _Basins(Protocol):
     ) -> tuple[_Integer, _Integer, _Real, _Real, _Real]: ...
 
 periodic: _Periodic
+stability_flags: _StabilityFlags
 equispaced: _Equispaced
 linear_system: _LinearSystem
 impact_maps: _ImpactMaps

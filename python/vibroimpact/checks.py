@@ -152,8 +152,8 @@ def phases(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
     return array
 
 
-def phase_table(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
-    """Many sets of impact phases (n, m), each as in `phases`."""
+def phase_table(values: Any, n: int, cycles: int, first: int = 0) -> NDArray[np.float64]:
+    """Many sets of impact phases (n, m), each as in `phases`; messages count columns from `first`."""
     period = 2 * math.pi * cycles
     wanted = f"an array (N = {n}, M), each column increasing from 0 to below 2 pi k = {period:.6g}"
     array = real_array(values, "phases", wanted)
@@ -162,7 +162,7 @@ def phase_table(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
     bad = ~((array[0] == 0) & (np.diff(array, axis=0) > 0).all(axis=0) & (array[-1] < period))
     if bad.any():
         j = int(np.argmax(bad))
-        raise ParameterError(f"phases[:, {j}] = {array[:, j].tolist()!r}: must be {wanted}")
+        raise ParameterError(f"phases[:, {first + j}] = {array[:, j].tolist()!r}: must be {wanted}")
     return array
 
 

@@ -141,16 +141,7 @@ def periodic_batch(
     checks.plain_pattern(pattern)
     table = checks.phase_table(phases, len(pattern), pattern.cycles)
     m = table.shape[1]
-    ratios = checks.real_array(r, "r", f"one number or {m}, one a column of phases")
-    if ratios.ndim > 1 or ratios.size not in (1, m):
-        raise ParameterError(
-            f"r of shape {ratios.shape}: must be one number or {m}, one a column of phases"
-        )
-    for value in ratios.ravel() if ratios.size == 1 else (ratios.min(), ratios.max()):
-        checks.number(float(value), "r")
-    if osc.xi == 0 and (ratios == 1).any():
-        checks.frequency_ratio(1.0, osc.xi)
-    ratios = np.broadcast_to(ratios.ravel(), m) if ratios.size == 1 else ratios
+    ratios = frequency_ratios(r, m, osc.xi)
     each = impact_restitution(osc, pattern, restitution)
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
     acceptance = checks.number(acceptance, "acceptance")
@@ -278,6 +269,19 @@ def impact_restitution(osc: Oscillator, pattern: Pattern, restitution: Any) -> N
         right, left = osc.restitution
         return frozen(np.where(pattern.signs > 0, right, left))
     return frozen(checks.restitution_list(restitution, len(pattern)))
+
+
+def frequency_ratios(values: Any, m: int, xi: float) -> NDArray[np.float64]:
+    """One frequency ratio for each of m points, given as one number or m."""
+    wanted = f"one number or {m}, one a column of phases"
+    ratios = checks.real_array(values, "r", wanted)
+    if ratios.ndim > 1 or ratios.size not in (1, m):
+        raise ParameterError(f"r of shape {ratios.shape}: must be {wanted}")
+    for value in ratios.ravel() if ratios.size == 1 else (ratios.min(), ratios.max()):
+        checks.number(float(value), "r")
+    if xi == 0 and (ratios == 1).any():
+        checks.frequency_ratio(1.0, xi)
+    return np.broadcast_to(ratios.ravel(), m) if ratios.size == 1 else ratios
 
 
 def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,0 +1,68 @@
+!> From phases to the verdicts `consistent` and `stable`, many points at a time.
+!!
+!! A lane answers only where rounding cannot change the answer; otherwise it says `unsure`.
+module vi_lane_verdicts
+   use vi_kinds, only: wp
+   use vi_lane_motion, only: lane_chain
+   use vi_lane_spectrum, only: lane_circle, lane_polynomial, lane_radius
+   use vi_plan, only: lanes, plan_type, unsure
+   implicit none (type, external)
+   private
+
+   public :: lane_verdicts
+
+   !> Estimates of rounding errors are multiplied by it before a verdict is given.
+   real(wp), parameter :: caution = 100.0_wp
+   !> Largest estimated relative error of a spectral radius that is given.
+   real(wp), parameter :: radius_error = 4.0e-12_wp
+   !> A residual this near to the accepted one is judged by the reference chain.
+   real(wp), parameter :: residual_margin = 1.0e-9_wp
+
+contains
+
+   !> Verdicts on the motions with given frequency ratios and phases.
+   pure subroutine lane_verdicts(plan, n, m, r, phases, with_radius, system, x, flight, &
+      consistent, stable, radius)
+      type(plan_type), intent(in) :: plan
+      !> N impacts, m = 2N equations.
+      integer, intent(in) :: n, m
+      real(wp), intent(in) :: r(lanes), phases(lanes, n)
+      logical, intent(in) :: with_radius
+      !> Scratch.
+      real(wp), intent(inout) :: system(lanes, m, n + 3), x(lanes, n + 2), flight(lanes, 7, n)
+      !> 1, 0, or `unsure`.
+      integer, intent(out) :: consistent(lanes), stable(lanes)
+      !> Largest modulus of a multiplier, if it is wanted; `stable` is unsure where it is.
+      real(wp), intent(out) :: radius(lanes)
+      real(wp) :: p(lanes, 4, 4), e(lanes, 4)
+      real(wp), dimension(lanes) :: residual, quality, largest, least, slope
+      real(wp) :: noise, rest
+      integer :: l
+
+      call lane_chain(plan, n, m, r, phases, system, x, flight, p, residual, quality)
+      if (n == 2) residual = 0                        ! as many equations as unknowns
+      call lane_polynomial(p, e, largest)
+      call lane_circle(e, least)
+      do l = 1, lanes
+         rest = sqrt(residual(l))
+         consistent(l) = merge(1, 0, rest <= plan%acceptance)
+         if (n > 2 .and. .not. abs(rest - plan%acceptance) > residual_margin) &
+            consistent(l) = unsure
+         noise = caution*epsilon(1.0_wp)*max(largest(l), 1.0_wp)**3 &
+            *(1 + abs(e(l, 1)) + abs(e(l, 2)) + abs(e(l, 3)))
+         stable(l) = merge(1, 0, least(l) > 0)
+         if (.not. abs(least(l))*quality(l) > noise) stable(l) = unsure
+      end do
+      if (.not. with_radius) return
+      call lane_radius(e, radius, slope)
+      do l = 1, lanes
+         ! errors of the coefficients, and of [P], in the zero of the polynomial
+         associate (q => max(largest(l), radius(l)), s => radius(l))
+            noise = (q*s**3 + q**2*s**2 + q**3*(s + 1))/(slope(l)*s) &
+               + (q*s**2/slope(l) + 1)/quality(l)
+         end associate
+         if (.not. noise*epsilon(1.0_wp) < radius_error) stable(l) = unsure
+      end do
+   end subroutine lane_verdicts
+
+end module vi_lane_verdicts

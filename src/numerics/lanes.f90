@@ -1,0 +1,73 @@
+!> Sines, cosines and exponentials of many numbers at a time, one number a lane.
+!!
+!! Plain loops over `lanes` numbers, which compilers turn into vector instructions. Nothing here
+!! calls a library, so a lane's answer has the same bits beside whatever neighbours it has.
+module vi_lanes
+   use vi_kinds, only: wp
+   use vi_plan, only: lanes
+   implicit none (type, external)
+   private
+
+   public :: sine_cosine, shrinkage
+
+   !> Largest angle whose sine is as good as a library's; beyond it a caller must go another way.
+   real(wp), parameter, public :: largest_angle = 1.0e5_wp
+   !> Largest exponent of `shrinkage`.
+   real(wp), parameter, public :: largest_exponent = 600.0_wp
+
+   !> Adding and subtracting it rounds to a whole number.
+   real(wp), parameter :: rounder = 1.5_wp*2.0_wp**52
+   !> pi and ln 2 in parts; small multiples of the first ones are exact.
+   real(wp), parameter :: pi_parts(3) = [3.14159265346825122833_wp, 1.21542010126079319532e-10_wp, &
+      4.04453249759190126308e-21_wp]
+   real(wp), parameter :: inverse_pi = 0.318309886183790671538_wp
+   real(wp), parameter :: ln2_parts(2) = [6.93147180369123816490e-1_wp, 1.90821492927058770002e-10_wp]
+   real(wp), parameter :: inverse_ln2 = 1.44269504088896340736_wp
+
+contains
+
+   !> Sines and cosines: x less the nearest multiple of pi, and a Taylor series about 0.
+   pure subroutine sine_cosine(x, sine, cosine)
+      real(wp), intent(in) :: x(lanes)
+      real(wp), intent(out) :: sine(lanes), cosine(lanes)
+      integer :: k
+      !> The series of sin(y)/y and cos(y) in y^2, to pi/2.
+      real(wp), parameter :: s(10) = [((-1)**k/gamma(2*k + 2.0_wp), k=1, 10)]
+      real(wp), parameter :: c(11) = [((-1)**k/gamma(2*k + 1.0_wp), k=1, 11)]
+      real(wp) :: turns, y, q, flip
+      integer :: l
+
+      do l = 1, lanes
+         turns = (x(l)*inverse_pi + rounder) - rounder
+         y = ((x(l) - turns*pi_parts(1)) - turns*pi_parts(2)) - turns*pi_parts(3)
+         flip = 1 - 2*abs(turns - 2*((0.5_wp*turns + rounder) - rounder))
+         q = y*y
+         sine(l) = flip*(y + y*(q*(s(1) + q*(s(2) + q*(s(3) + q*(s(4) + q*(s(5) + q*(s(6) &
+            + q*(s(7) + q*(s(8) + q*(s(9) + q*s(10))))))))))))
+         cosine(l) = flip*(1 + q*(c(1) + q*(c(2) + q*(c(3) + q*(c(4) + q*(c(5) + q*(c(6) &
+            + q*(c(7) + q*(c(8) + q*(c(9) + q*(c(10) + q*c(11))))))))))))
+      end do
+   end subroutine sine_cosine
+
+   !> exp(-x) for 0 <= x <= `largest_exponent`.
+   pure subroutine shrinkage(x, y)
+      real(wp), intent(in) :: x(lanes)
+      real(wp), intent(out) :: y(lanes)
+      integer :: k
+      real(wp), parameter :: e(13) = [(1/gamma(k + 1.0_wp), k=1, 13)]
+      real(wp) :: halvings, f, shifted
+      integer(selected_int_kind(18)) :: bits
+      integer :: l
+
+      do l = 1, lanes
+         shifted = rounder - x(l)*inverse_ln2
+         halvings = shifted - rounder
+         f = (-x(l) - halvings*ln2_parts(1)) - halvings*ln2_parts(2)
+         ! the last bits of `shifted` are the whole number itself: the exponent of 2**halvings
+         bits = ishft(transfer(shifted, bits) + 1023, 52)
+         y(l) = transfer(bits, f)*(1 + f*(e(1) + f*(e(2) + f*(e(3) + f*(e(4) + f*(e(5) + f*(e(6) &
+            + f*(e(7) + f*(e(8) + f*(e(9) + f*(e(10) + f*(e(11) + f*(e(12) + f*e(13))))))))))))))
+      end do
+   end subroutine shrinkage
+
+end module vi_lanes

@@ -1,0 +1,172 @@
+!> Is the motion stable? For very many points with given phases: yes or no, and little else.
+!!
+!! Points are computed side by side (vi_lane_verdicts). Where those procedures are unsure the point
+!! goes through the reference chain, that is, LAPACK.
+module vi_flags
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_c_binding, only: c_int
+   use vi_chain, only: periodic_chain
+   use vi_impact, only: impact, primary_velocities
+   use vi_kinds, only: wp
+   use vi_lane_verdicts, only: lane_verdicts
+   use vi_lane_verdicts_wide, only: lane_verdicts_wide => lane_verdicts
+   use vi_motion, only: motion_type
+   use vi_oscillator, only: eta, oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_periodic, only: linear_system_type
+   use vi_plan, only: lanes, most_impacts, plan_type, unsure
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: stability_flags
+
+   interface
+      !> Whether this processor runs the vi_*_wide procedures.
+      integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
+         import :: c_int
+         implicit none (type, external)
+      end function runs_wide
+   end interface
+
+   !> Room for one block of points, and for one point of the reference chain.
+   type :: room_type
+      real(wp), allocatable :: phases(:, :), system(:, :, :), x(:, :), flight(:, :, :)
+      type(linear_system_type) :: linear
+      type(motion_type) :: motion
+   end type room_type
+
+contains
+
+   !> The verdicts of `periodic_chain` on the motions with given phases (m, N) at ratios r (m).
+   subroutine stability_flags(osc, r, pattern, restitution, phases, acceptance, with_radius, &
+      threads, wide, consistent, stable, radius, status, referred)
+      type(oscillator_type), intent(in) :: osc
+      !> The phases of a point are a row here; its first one is 0.
+      real(wp), intent(in) :: r(:), restitution(:), phases(:, :)
+      type(pattern_type), intent(in) :: pattern
+      !> Largest relative residual that counts as consistent.
+      real(wp), intent(in) :: acceptance
+      !> Whether the spectral radius of [P] is wanted too.
+      logical, intent(in) :: with_radius
+      integer, intent(in) :: threads
+      !> Whether wide registers may be used if the processor has them; the bits are the same.
+      logical, intent(in) :: wide
+      !> 1, 0, or -1 for unknown; and a code of vi_status.
+      integer, intent(out) :: consistent(:), stable(:), status(:)
+      !> NaN where it is not wanted or not there.
+      real(wp), intent(out) :: radius(:)
+      !> Points that went through the reference chain.
+      integer, intent(out) :: referred
+      type(plan_type) :: plan
+      type(room_type) :: room
+      integer :: k, first, last, n
+      logical :: use_wide
+
+      n = size(restitution)
+      referred = 0
+      use_wide = .false.
+      if (wide) use_wide = runs_wide() /= 0
+      if (n <= most_impacts) plan = new_plan(osc, pattern, restitution, acceptance)
+      !$omp parallel do schedule(dynamic, 16) num_threads(threads) private(room, first, last) &
+      !$omp& reduction(+:referred)
+      do k = 1, (size(r) + lanes - 1)/lanes
+         first = (k - 1)*lanes + 1
+         last = min(k*lanes, size(r))
+         if (n <= most_impacts) then
+            call block(plan, r(first:last), phases(first:last, :), with_radius, use_wide, room, &
+               consistent(first:last), stable(first:last), radius(first:last))
+         else
+            stable(first:last) = unsure
+         end if
+         call refer(osc, r(first:last), pattern, restitution, phases(first:last, :), acceptance, &
+            with_radius, room, consistent(first:last), stable(first:last), radius(first:last), &
+            status(first:last), referred)
+      end do
+      !$omp end parallel do
+   end subroutine stability_flags
+
+   !> What the points have in common.
+   pure type(plan_type) function new_plan(osc, pattern, restitution, acceptance) result(plan)
+      type(oscillator_type), intent(in) :: osc
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: restitution(:), acceptance
+      real(wp), parameter :: pi = acos(-1.0_wp), first(2) = [1, 0], second(2) = [0, 1]
+      integer :: i
+
+      plan%n = size(restitution)
+      plan%xi = osc%xi
+      plan%frequency = eta(osc%xi)
+      plan%period = 2*pi*pattern%cycles
+      plan%acceptance = acceptance
+      do i = 1, plan%n
+         plan%y(i) = 0.5_wp*pattern%sides(i)                                              ! (18)
+         call primary_velocities(osc%mu, restitution(i), first, second, plan%x_dot_before(:, i), &
+            plan%x_dot_after(:, i))
+         call impact(osc%mu, restitution(i), first, second, plan%x_row(:, i), plan%z_row(:, i))
+      end do
+   end function new_plan
+
+   !> One block of points; lanes that are left over repeat the last one.
+   pure subroutine block(plan, r, phases, with_radius, wide, room, consistent, stable, radius)
+      type(plan_type), intent(in) :: plan
+      real(wp), intent(in) :: r(:), phases(:, :)
+      logical, intent(in) :: with_radius, wide
+      type(room_type), intent(inout) :: room
+      integer, intent(out) :: consistent(:), stable(:)
+      real(wp), intent(out) :: radius(:)
+      real(wp) :: ratio(lanes), spectral(lanes)
+      integer :: verdict(lanes, 2), i, m
+
+      if (.not. allocated(room%x)) then
+         allocate (room%phases(lanes, plan%n), room%system(lanes, 2*plan%n, plan%n + 3), &
+            room%x(lanes, plan%n + 2), room%flight(lanes, 7, plan%n))
+      end if
+      m = size(r)
+      ratio(:m) = r
+      ratio(m + 1:) = r(m)
+      do i = 1, plan%n
+         room%phases(:m, i) = phases(:, i)
+         room%phases(m + 1:, i) = phases(m, i)
+      end do
+      if (wide) then
+         call lane_verdicts_wide(plan, plan%n, 2*plan%n, ratio, room%phases, with_radius, &
+            room%system, room%x, room%flight, verdict(:, 1), verdict(:, 2), spectral)
+      else
+         call lane_verdicts(plan, plan%n, 2*plan%n, ratio, room%phases, with_radius, &
+            room%system, room%x, room%flight, verdict(:, 1), verdict(:, 2), spectral)
+      end if
+      consistent = verdict(:m, 1)
+      stable = verdict(:m, 2)
+      radius = ieee_value(1.0_wp, ieee_quiet_nan)
+      if (with_radius) radius = spectral(:m)
+   end subroutine block
+
+   !> The points of a block that are unsure, by the reference chain.
+   subroutine refer(osc, r, pattern, restitution, phases, acceptance, with_radius, room, &
+      consistent, stable, radius, status, referred)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r(:), restitution(:), phases(:, :), acceptance
+      type(pattern_type), intent(in) :: pattern
+      logical, intent(in) :: with_radius
+      type(room_type), intent(inout) :: room
+      integer, intent(inout) :: consistent(:), stable(:), referred
+      real(wp), intent(inout) :: radius(:)
+      integer, intent(out) :: status(:)
+      integer :: j
+
+      status = stat%ok
+      do j = 1, size(r)
+         if (min(consistent(j), stable(j)) > unsure) cycle
+         referred = referred + 1
+         call periodic_chain(osc, r(j), pattern, restitution, phases(j, :), acceptance, .false., &
+            room%linear, room%motion)
+         consistent(j) = room%motion%consistent
+         stable(j) = room%motion%stable
+         status(j) = room%motion%status
+         radius(j) = ieee_value(1.0_wp, ieee_quiet_nan)
+         if (with_radius .and. status(j) == stat%ok) radius(j) = abs(room%motion%multipliers(1))
+      end do
+   end subroutine refer
+
+end module vi_flags
