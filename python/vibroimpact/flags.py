@@ -75,7 +75,7 @@ def stability_flags(
         One set of impact phases a column.
     spectral_radius : bool
         Whether the largest modulus of a multiplier is wanted too. It agrees with LAPACK's to a
-        relative 1e-11.
+        relative 1e-11, or within what the last bits of r and the phases do to it.
     threads : int, optional
         By default as many as there are processors.
     osc, pattern, restitution, acceptance
