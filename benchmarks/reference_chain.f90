@@ -5,7 +5,6 @@
 !! turns within one run, so that a slow moment of the machine hits them alike; the median of the
 !! turns counts.
 module bench_chain
-   use, intrinsic :: iso_fortran_env, only: int64
    use vi_assess, only: paper_acceptance
    use vi_kinds, only: wp
    use vi_lapack, only: least_squares_work
@@ -176,11 +175,9 @@ contains
          work%verdicts, work%status)
    end subroutine chain
 
+   !> CPU time: other programs do not count.
    real(wp) function seconds()
-      integer(int64) :: ticks, rate
-
-      call system_clock(ticks, rate)
-      seconds = real(ticks, wp)/real(rate, wp)
+      call cpu_time(seconds)
    end function seconds
 
    pure real(wp) function median(times)

@@ -1,7 +1,7 @@
 !> Motions whose impact phases are given, many at a time: one point a lane.
 !!
-!! The same equations as in vi_periodic and vi_impact_map, with d = 1 throughout, since no multiplier
-!! depends on the unit of length. Every step is a loop over the lanes.
+!! The same equations as in vi_periodic and vi_impact_map, with d = 1 throughout, since no
+!! multiplier depends on the unit of length. Every step is a loop over the lanes.
 module vi_lane_motion
    use vi_kinds, only: wp
    use vi_lane_least_squares, only: lane_least_squares
@@ -20,7 +20,7 @@ contains
       integer, intent(in) :: n, m
       !> The first phase is 0.
       real(wp), intent(in) :: r(lanes), phases(lanes, n)
-      !> Scratch: the equations, and c_1, c_2, sine, cosine, duration, 1/duration, z' of each flight.
+      !> Scratch: equations; of each flight c_1, c_2, sine, cosine, duration, 1/duration, z'.
       real(wp), intent(inout) :: system(lanes, m, n + 3), x(lanes, n + 2), flight(lanes, 7, n)
       real(wp), intent(out) :: p(lanes, 4, 4)
       !> Square of the relative residual of (26), (30).

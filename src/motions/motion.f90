@@ -62,7 +62,7 @@ contains
       n = size(phases)
       motion%osc = osc
       motion%r = r
-      motion%pattern = pattern
+      call copy_pattern(pattern, motion%pattern)
       motion%restitution = restitution
       call set_phases(motion, phases)
       if (allocated(motion%x)) then
@@ -77,11 +77,20 @@ contains
       motion%status = stat%ok
    end subroutine start_motion
 
+   !> A copy without new room, where the room is there.
+   pure subroutine copy_pattern(pattern, copy)
+      type(pattern_type), intent(in) :: pattern
+      type(pattern_type), intent(inout) :: copy
+
+      copy%sides = pattern%sides
+      copy%cycles = pattern%cycles
+   end subroutine copy_pattern
+
    !> Sets the impact phases and what follows from them alone.
    pure subroutine set_phases(motion, phases)
       type(motion_type), intent(inout) :: motion
       real(wp), intent(in) :: phases(:)
-      real(wp) :: shrink, t, frequency
+      real(wp) :: shrink, t, frequency, angle
       integer :: i, n
 
       n = size(phases)
@@ -96,12 +105,14 @@ contains
       motion%length(n) = phases(1) + two_pi*motion%pattern%cycles - phases(n)           ! (25)
       frequency = eta(motion%osc%xi)
       do i = 1, n
-         motion%sine(i) = sin(phases(i))
-         motion%cosine(i) = cos(phases(i))
+         angle = phases(i)
+         motion%sine(i) = sin(angle)
+         motion%cosine(i) = cos(angle)
          t = motion%length(i)/motion%r
+         angle = frequency*t
          shrink = exp(-motion%osc%xi*t)
-         motion%c1(i) = shrink*sin(frequency*t)                                             ! (9)
-         motion%c2(i) = shrink*cos(frequency*t)                                             ! (10)
+         motion%c1(i) = shrink*sin(angle)                                                   ! (9)
+         motion%c2(i) = shrink*cos(angle)                                                   ! (10)
       end do
    end subroutine set_phases
 

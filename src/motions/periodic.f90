@@ -85,18 +85,19 @@ contains
       !> Of this motion the given data count: oscillator, r, pattern, restitution, phases.
       type(motion_type), intent(in) :: motion
       type(linear_system_type), intent(inout) :: system
-      real(wp) :: w(6), v(7), y(4)
+      real(wp) :: w(6), v(7), y(4), h
       integer :: n, i, previous, next, after_next
 
       n = size(motion%phases)
       call make_room(system, n)
       system%matrix = 0
+      h = eta(motion%osc%xi)
       do i = 1, n
          previous = modulo(i - 2, n) + 1
          next = modulo(i, n) + 1
          after_next = modulo(i + 1, n) + 1
          y = 0.5_wp*motion%pattern%sides([previous, i, next, after_next])                 ! (18)
-         call coefficients(motion%osc, motion%r, motion%restitution([i, next]), &
+         call coefficients(motion%osc, h, motion%r, motion%restitution([i, next]), &
             motion%length([previous, i, next]), motion%c1(i), motion%c2(i), &
             motion%sine([i, next]), motion%cosine([i, next]), y(2:4) - y(1:3), w, v)
          ! the columns may coincide (N = 2), so the terms are added
@@ -117,18 +118,18 @@ contains
    end subroutine assemble
 
    !> W_1i..W_6i of (26) and V_1i..V_7i of (30) for one flight.
-   pure subroutine coefficients(osc, r, restitution, length, c1, c2, sine, cosine, y_step, w, v)
+   pure subroutine coefficients(osc, h, r, restitution, length, c1, c2, sine, cosine, y_step, w, v)
       type(oscillator_type), intent(in) :: osc
-      real(wp), intent(in) :: r
+      !> eta of (3), and the frequency ratio.
+      real(wp), intent(in) :: h, r
       !> R of impacts i and i+1; phase lengths of flights i-1, i, i+1; C_1i, C_2i of (9), (10);
       !! sine and
       !> cosine of the phases alpha_i and alpha_(i+1); change of y in flights i-1, i, i+1.
       real(wp), intent(in) :: restitution(2), length(3), c1, c2, sine(2), cosine(2), y_step(3)
       real(wp), intent(out) :: w(6), v(7)
-      real(wp) :: h, c3, c4, g1, g2, g3, g4, sine_term, cosine_term, pull, c1h, c3h
+      real(wp) :: c3, c4, g1, g2, g3, g4, sine_term, cosine_term, pull, c1h, c3h
 
       associate (xi => osc%xi, mu => osc%mu)
-         h = eta(xi)
          c3 = h*c2 - xi*c1                                                                ! (A4)
          c4 = -(h*c1 + xi*c2)
          g1 = (1 + mu)*restitution(1)*r/((1 + restitution(1))*length(1))                  ! (A1)

@@ -187,8 +187,8 @@ contains
          d = e(l, 4)/b(l)
          root = b(l) - d
          product = 2*e(l, 3) - e(l, 1)*sum(l)                    ! (a - c)(b - d)
-         gap = merge(product/root, sign(sqrt(abs(e(l, 1)**2 - 4*(e(l, 2) - sum(l)))), product*root), &
-            gap > 1.0e-3_wp*sum(l)**2)
+         gap = merge(product/root, sign(sqrt(abs(e(l, 1)**2 - 4*(e(l, 2) - sum(l)))), &
+            product*root), gap > 1.0e-3_wp*sum(l)**2)
          a(l) = 0.5_wp*(gap - e(l, 1))
       end do
    end subroutine split

@@ -21,7 +21,8 @@ module vi_lanes
    real(wp), parameter :: pi_parts(3) = [3.14159265346825122833_wp, 1.21542010126079319532e-10_wp, &
       4.04453249759190126308e-21_wp]
    real(wp), parameter :: inverse_pi = 0.318309886183790671538_wp
-   real(wp), parameter :: ln2_parts(2) = [6.93147180369123816490e-1_wp, 1.90821492927058770002e-10_wp]
+   real(wp), parameter :: ln2_parts(2) = [6.93147180369123816490e-1_wp, &
+      1.90821492927058770002e-10_wp]
    real(wp), parameter :: inverse_ln2 = 1.44269504088896340736_wp
 
 contains

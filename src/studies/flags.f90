@@ -19,7 +19,7 @@ module vi_flags
    implicit none (type, external)
    private
 
-   public :: stability_flags
+   public :: new_plan, stability_flags
 
    interface
       !> Whether this processor runs the vi_*_wide procedures.
@@ -61,12 +61,12 @@ contains
       type(plan_type) :: plan
       type(room_type) :: room
       integer :: k, first, last, n
-      logical :: use_wide
+      logical :: wide_here
 
       n = size(restitution)
       referred = 0
-      use_wide = .false.
-      if (wide) use_wide = runs_wide() /= 0
+      wide_here = .false.
+      if (wide) wide_here = runs_wide() /= 0
       if (n <= most_impacts) plan = new_plan(osc, pattern, restitution, acceptance)
       !$omp parallel do schedule(dynamic, 16) num_threads(threads) private(room, first, last) &
       !$omp& reduction(+:referred)
@@ -74,7 +74,7 @@ contains
          first = (k - 1)*lanes + 1
          last = min(k*lanes, size(r))
          if (n <= most_impacts) then
-            call block(plan, r(first:last), phases(first:last, :), with_radius, use_wide, room, &
+            call block(plan, r(first:last), phases(first:last, :), with_radius, wide_here, room, &
                consistent(first:last), stable(first:last), radius(first:last))
          else
             stable(first:last) = unsure

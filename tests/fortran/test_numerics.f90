@@ -9,6 +9,7 @@ program test_numerics
    use vi_kinds_single, only: sp => wp
    use vi_lapack, only: eigenvalues, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
+   use vi_lapack_routines, only: geev, gels, gesv
    use vi_status, only: stat, status_text
    use vi_unit_circle, only: all_inside, locate_spectrum, near_circle, some_outside
    implicit none (type, external)
@@ -20,6 +21,7 @@ program test_numerics
    call test_least_squares()
    call test_eigenvalues()
    call test_known_eigenvalues()
+   call test_drivers()
    call test_unit_circle()
    call test_between_nodes()
    call test_status()
@@ -181,6 +183,52 @@ contains
          call check_close(abs(product(lambda) - determinant(a)), 0.0_wp, 1e-13_wp, 'determinant')
       end do
    end subroutine test_eigenvalues
+
+   !> What the drivers would answer, also where they scale, or where balancing isolates eigenvalues.
+   subroutine test_drivers()
+      real(wp) :: a(6, 4), b(6), c(6, 4), d(6), work(300), unused(1, 1), unit
+      real(wp) :: p(4, 4), q(4, 4), real_part(4), imaginary_part(4), residual
+      complex(wp) :: lambda(4)
+      integer :: i, pivot(4), info, status
+
+      do i = 1, 1000
+         call random_matrix(p)
+         if (mod(i, 3) == 0) p(2:, 1) = 0
+         if (mod(i, 5) == 0) p(4, :3) = 0
+         unit = 1
+         if (mod(i, 7) == 0) unit = 2.0_wp**(maxexponent(unit) - 10)
+         if (mod(i, 7) == 1) unit = 2.0_wp**(minexponent(unit) + 60)
+         p = p*unit
+         q = p
+         call geev('N', 'N', 4, q, 4, real_part, imaginary_part, unused, 1, unused, 1, work, &
+            size(work), info)
+         q = p
+         call eigenvalues(q, lambda, status)
+         call check(status == stat%ok, 'drivers: eigenvalues')
+         call check_close(maxval(abs(lambda/unit - cmplx(real_part/unit, imaginary_part/unit, &
+            wp))), 0.0_wp, 1.0e-13_wp, 'drivers: xGEEV')
+         call random_matrix(p)
+         a(:4, :) = p
+         call random_matrix(p)
+         a(5:, :) = p(:2, :)
+         b = a(:, 1) + p(1, 1)
+         c = a*unit
+         d = b*unit
+         call gels('N', 6, 4, 1, c, 6, d, 6, work, size(work), info)
+         c = a*unit
+         b = b*unit
+         call least_squares(c, b, work, residual, status)
+         call check_close(maxval(abs(b(:4) - d(:4))), 0.0_wp, 1.0e-12_wp*(1 + maxval(abs(d(:4)))), &
+            'drivers: xGELS')
+         q = p
+         d = a(:, 2)
+         call gesv(4, 1, q, 4, pivot, d, 4, info)
+         b = a(:, 2)
+         call solve(p, b(:4), status)
+         call check_close(maxval(abs(b(:4) - d(:4))), 0.0_wp, 1.0e-12_wp*(1 + maxval(abs(d(:4)))), &
+            'drivers: xGESV')
+      end do
+   end subroutine test_drivers
 
    !> A similarity transform of a known block diagonal matrix keeps its eigenvalues.
    subroutine test_known_eigenvalues()

@@ -1,0 +1,193 @@
+!> Motions side by side in lanes: against the scalar procedures, and against laws.
+module motions_lanes
+   use, intrinsic :: iso_c_binding, only: c_int
+   use checks, only: check, check_close
+   use random_numbers, only: draw, draw_log, random_type
+   use random_systems, only: pi, random_frequency, random_motion, random_phases
+   use vi_characteristic, only: characteristic, is_contraction
+   use vi_flags, only: new_plan
+   use vi_kinds, only: wp
+   use vi_lane_least_squares, only: lane_least_squares
+   use vi_lane_motion, only: lane_chain
+   use vi_lane_spectrum, only: lane_circle, lane_polynomial, lane_radius
+   use vi_lane_verdicts, only: lane_verdicts
+   use vi_lane_verdicts_wide, only: lane_verdicts_wide => lane_verdicts
+   use vi_lanes, only: largest_angle, largest_exponent, shrinkage, sine_cosine
+   use vi_lapack, only: eigenvalues, least_squares, least_squares_work
+   use vi_motion, only: motion_type
+   use vi_periodic, only: linear_system_type, solve_periodic
+   use vi_plan, only: lanes, plan_type, unsure
+   use vi_stability, only: stability_matrix
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: test_lanes
+
+   interface
+      integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
+         import :: c_int
+         implicit none (type, external)
+      end function runs_wide
+   end interface
+
+   type(random_type) :: random
+
+contains
+
+   subroutine test_lanes()
+      call test_functions()
+      call test_equations()
+      call test_spectra()
+      call test_maps(2)
+      call test_maps(3)
+      call test_maps(5)
+   end subroutine test_lanes
+
+   !> The functions are those of the language to two units in the last place of 1.
+   subroutine test_functions()
+      real(wp), dimension(lanes) :: x, sine, cosine
+      integer :: i, l
+
+      do i = 1, 2000
+         do l = 1, lanes
+            x(l) = draw_log(random, 1.0e-6_wp, largest_angle)*sign(1, mod(l, 2) - 1)
+         end do
+         if (i == 1) x(:4) = [0.0_wp, 0.5_wp*pi, pi, 1.5_wp*pi]
+         call sine_cosine(x, sine, cosine)
+         call check_close(maxval(abs(sine - sin(x))), 0.0_wp, 2*epsilon(1.0_wp), 'lanes: sine')
+         call check_close(maxval(abs(cosine - cos(x))), 0.0_wp, 2*epsilon(1.0_wp), 'lanes: cosine')
+         x = min(abs(x), largest_exponent)
+         call shrinkage(x, sine)
+         call check_close(maxval(abs(sine/exp(-x) - 1)), 0.0_wp, 4*epsilon(1.0_wp), 'lanes: exp')
+      end do
+   end subroutine test_functions
+
+   !> Overdetermined systems, against QR by LAPACK.
+   subroutine test_equations()
+      integer, parameter :: m = 7, n = 4
+      real(wp) :: system(lanes, m, n + 1), a(m, n), b(m), work(least_squares_work(m, n))
+      real(wp) :: x(lanes, n), residual(lanes), total(lanes), quality(lanes), rest, size_b
+      real(wp) :: copy(lanes, m, n + 1)
+      integer :: i, j, k, l, status
+
+      do k = 1, 200
+         do j = 1, n + 1
+            do i = 1, m
+               do l = 1, lanes
+                  system(l, i, j) = draw(random, -1.0_wp, 1.0_wp)
+               end do
+            end do
+         end do
+         copy = system
+         call lane_least_squares(m, n, system, x, residual, total, quality)
+         do l = 1, lanes
+            a = copy(l, :, :n)
+            b = copy(l, :, n + 1)
+            size_b = norm2(b)
+            call least_squares(a, b, work, rest, status)
+            call check_close(maxval(abs(x(l, :) - b(:n))), 0.0_wp, &
+               1.0e-14_wp*(1 + maxval(abs(b(:n))))/quality(l)**2, 'lanes: least squares')
+            call check_close(sqrt(residual(l)), rest, 1.0e-14_wp/quality(l), 'lanes: residual')
+            call check_close(sqrt(total(l)), size_b, 1.0e-14_wp, 'lanes: right side')
+         end do
+      end do
+      copy(:, :, 2) = copy(:, :, 1)
+      call lane_least_squares(m, n, copy, x, residual, total, quality)
+      call check(.not. any(quality > 1.0e-12_wp), 'lanes: dependent columns')
+   end subroutine test_equations
+
+   !> Polynomial, Jury's conditions and radius of matrices of every size, against eigenvalues.
+   subroutine test_spectra()
+      real(wp) :: p(lanes, 4, 4), e(lanes, 4), largest(lanes), least(lanes), radius(lanes), &
+         slope(lanes), one(4, 4), scale, noise
+      complex(wp) :: lambda(4)
+      integer :: i, j, k, l, status, given
+
+      given = 0
+      do k = 1, 1000
+         scale = draw_log(random, 0.3_wp, 30.0_wp)
+         do j = 1, 4
+            do i = 1, 4
+               do l = 1, lanes
+                  p(l, i, j) = draw(random, -scale, scale)
+               end do
+            end do
+         end do
+         call lane_polynomial(p, e, largest)
+         call lane_circle(e, least)
+         call lane_radius(e, radius, slope)
+         do l = 1, lanes
+            one = p(l, :, :)
+            call check_close(maxval(abs(e(l, :) - characteristic(one))), 0.0_wp, &
+               1.0e-13_wp*max(1.0_wp, scale)**4, 'lanes: polynomial')
+            call eigenvalues(one, lambda, status)
+            if (abs(maxval(abs(lambda)) - 1) > 1.0e-9_wp) call check((least(l) > 0) .eqv. &
+               is_contraction(e(l, :)), 'lanes: inside the circle')
+            noise = largest(l)**3*(radius(l) + largest(l))/(slope(l)*radius(l))
+            if (.not. noise < 1.0e4_wp) cycle
+            given = given + 1
+            call check_close(radius(l), maxval(abs(lambda)), &
+               100*(1 + noise)*epsilon(1.0_wp)*radius(l), &
+               'lanes: radius')
+         end do
+      end do
+      call check(given > 20000, 'lanes: most radii are given')
+   end subroutine test_spectra
+
+   !> [P] is that of the scalar procedures; its determinant is the product of the multipliers, and
+   !! of a motion with two impacts exp(-4 pi xi k/r) R_1^2 R_2^2; both builds give the same bits.
+   subroutine test_maps(n)
+      integer, intent(in) :: n
+      type(motion_type) :: motion
+      type(linear_system_type) :: linear
+      type(plan_type) :: plan
+      real(wp) :: r(lanes), phases(lanes, n), system(lanes, 2*n, n + 3), x(lanes, n + 2), &
+         flight(lanes, 7, n), p(lanes, 4, 4), reference(4, 4), e(lanes, 4), largest(lanes), &
+         residual(lanes), quality(lanes), radius(lanes, 2), unit(4), error
+      complex(wp) :: lambda(4)
+      integer :: i, j, l, status, verdicts(lanes, 2, 2)
+
+      do i = 1, 300
+         call random_motion(random, n, motion)
+         plan = new_plan(motion%osc, motion%pattern, motion%restitution, 0.03_wp)
+         do l = 1, lanes
+            r(l) = random_frequency(random)
+            call random_phases(random, motion%pattern%cycles, phases(l, :))
+         end do
+         call lane_chain(plan, n, 2*n, r, phases, system, x, flight, p, residual, quality)
+         call lane_polynomial(p, e, largest)
+         do l = 1, lanes
+            call solve_periodic(motion%osc, r(l), motion%pattern, motion%restitution, &
+               phases(l, :), linear, motion)
+            if (motion%status /= stat%ok .or. .not. quality(l) > 1.0e-4_wp) cycle
+            call stability_matrix(motion, reference, status)
+            unit = [1.0_wp, 1.0_wp, 1.0_wp, 1/motion%clearance]
+            do j = 1, 4
+               reference(:, j) = reference(:, j)*unit(j)/unit
+            end do
+            error = 1.0e-13_wp/quality(l)
+            call check_close(maxval(abs(p(l, :, :) - reference)), 0.0_wp, &
+               error*maxval(abs(reference)), 'lanes: [P]')
+            call check_close(sqrt(residual(l)), motion%residual, 1.0e-12_wp/quality(l), &
+               'lanes: residual of the motion')
+            call eigenvalues(reference, lambda, status)
+            call check_close(abs(e(l, 4) - product(lambda)), 0.0_wp, error*largest(l)**4, &
+               'lanes: determinant and multipliers')
+            if (n == 2) call check_close(e(l, 4), exp(-4*pi*plan%xi*motion%pattern%cycles/r(l)) &
+               *product(motion%restitution**2), error*largest(l)**4, 'lanes: determinant')
+         end do
+         call lane_verdicts(plan, n, 2*n, r, phases, .true., system, x, flight, &
+            verdicts(:, 1, 1), verdicts(:, 2, 1), radius(:, 1))
+         call check(all(verdicts(:, :, 1) >= unsure .and. verdicts(:, :, 1) <= 1), &
+            'lanes: verdicts are yes, no or unsure')
+         if (runs_wide() == 0) cycle
+         call lane_verdicts_wide(plan, n, 2*n, r, phases, .true., system, x, flight, &
+            verdicts(:, 1, 2), verdicts(:, 2, 2), radius(:, 2))
+         call check(all(verdicts(:, :, 1) == verdicts(:, :, 2)), 'lanes: the same verdicts')
+         call check(all(transfer(radius(:, 1), [0]) == transfer(radius(:, 2), [0])), &
+            'lanes: the same bits')
+      end do
+   end subroutine test_maps
+
+end module motions_lanes
