@@ -10,7 +10,7 @@ module vi_lane_motion
    implicit none (type, external)
    private
 
-   public :: lane_chain
+   public :: lane_chain, rows
 
 contains
 

@@ -11,8 +11,6 @@ module vi_lane_verdicts
 
    public :: lane_verdicts
 
-   !> Estimates of rounding errors are multiplied by it before a verdict is given.
-   real(wp), parameter :: caution = 100.0_wp
    !> Largest estimated relative error of a spectral radius that is given.
    real(wp), parameter :: radius_error = 4.0e-12_wp
    !> A residual this near to the accepted one is judged by the reference chain.
@@ -35,23 +33,21 @@ contains
       !> Largest modulus of a multiplier, if it is wanted; `stable` is unsure where it is.
       real(wp), intent(out) :: radius(lanes)
       real(wp) :: p(lanes, 4, 4), e(lanes, 4)
-      real(wp), dimension(lanes) :: residual, quality, largest, least, slope
+      real(wp), dimension(lanes) :: residual, quality, largest, least, doubt, slope
       real(wp) :: noise, rest
       integer :: l
 
       call lane_chain(plan, n, m, r, phases, system, x, flight, p, residual, quality)
       if (n == 2) residual = 0                        ! as many equations as unknowns
       call lane_polynomial(p, e, largest)
-      call lane_circle(e, least)
+      call lane_circle(e, largest, least, doubt)
       do l = 1, lanes
          rest = sqrt(residual(l))
          consistent(l) = merge(1, 0, rest <= plan%acceptance)
          if (n > 2 .and. .not. abs(rest - plan%acceptance) > residual_margin) &
             consistent(l) = unsure
-         noise = caution*epsilon(1.0_wp)*max(largest(l), 1.0_wp)**3 &
-            *(1 + abs(e(l, 1)) + abs(e(l, 2)) + abs(e(l, 3)))
          stable(l) = merge(1, 0, least(l) > 0)
-         if (.not. abs(least(l))*quality(l) > noise) stable(l) = unsure
+         if (.not. abs(least(l))*quality(l) > doubt(l)) stable(l) = unsure
       end do
       if (.not. with_radius) return
       call lane_radius(e, radius, slope)

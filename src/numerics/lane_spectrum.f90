@@ -9,6 +9,9 @@ module vi_lane_spectrum
 
    public :: lane_circle, lane_polynomial, lane_radius
 
+   !> Estimates of rounding errors are multiplied by it before a verdict is given.
+   real(wp), parameter :: caution = 100.0_wp
+
 contains
 
    !> The elementary symmetric functions of the eigenvalues, as `characteristic`, and the largest
@@ -57,11 +60,13 @@ contains
       largest = max(largest, sqrt(row*column))
    end subroutine lane_polynomial
 
-   !> The least of Jury's conditions for all eigenvalues to lie inside the unit circle, each over
-   !! the size of its terms: positive inside, negative outside.
-   pure subroutine lane_circle(e, least)
-      real(wp), intent(in) :: e(lanes, 4)
-      real(wp), intent(out) :: least(lanes)
+   !> The least of Jury's conditions for all eigenvalues to lie inside the unit circle: positive
+   !! inside, negative outside.
+   pure subroutine lane_circle(e, largest, least, noise)
+      !> As from `lane_polynomial`.
+      real(wp), intent(in) :: e(lanes, 4), largest(lanes)
+      !> `noise` is what rounding may do to it where the digits of the matrix are good.
+      real(wp), intent(out) :: least(lanes), noise(lanes)
       real(wp) :: a1, a2, a3, a4, d
       integer :: l
 
@@ -74,6 +79,8 @@ contains
          ! the last one is the product of all 1 - lambda_i lambda_j, i < j
          least(l) = min(1 - abs(a4), (d + a2) - abs(a1 + a3), (1 - a4)*d - abs(a3 - a1*a4), &
             ((d - a2)*d + a1*a3 - 4*a4)*d - (a1*a1*a4 - 4*a2*a4 + a3*a3))
+         noise(l) = caution*epsilon(1.0_wp)*max(largest(l), 1.0_wp)**3 &
+            *(1 + abs(a1) + abs(a2) + abs(a3))
       end do
    end subroutine lane_circle
 

@@ -5,7 +5,7 @@
 !! for any number of threads.
 module vi_chart
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_equispaced_row, only: new_row, row_pair, row_type, summary_type
+   use vi_equispaced_row, only: new_row, row_pair, row_pairs, row_type, summary_type
    use vi_exact, only: setting_type
    use vi_flood, only: seed_flood, sweep_flood
    use vi_kinds, only: wp
@@ -14,6 +14,7 @@ module vi_chart
    use vi_oscillator, only: oscillator_type
    use vi_points, only: exact_point
    use vi_sheets, only: assign_slots
+   use vi_processor, only: runs_wide
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -45,17 +46,26 @@ contains
       !> (2, m, n)
       integer, intent(out) :: status(:, :, :)
       type(row_type) :: row
-      type(summary_type) :: pair(2)
+      type(summary_type), allocatable :: pairs(:, :)
+      logical :: wide
       integer :: i, j, k
 
-      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(row, pair, i, j)
+      wide = runs_wide() /= 0
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(row, pairs, i, j)
       do k = 1, size(r)
+         if (.not. allocated(pairs)) allocate (pairs(2, size(clearance)))
          call new_row(osc, r(k), cycles, row)
+         if (with_multipliers) then
+            do j = 1, size(clearance)
+               call row_pair(row, clearance(j), with_multipliers, pairs(:, j))
+            end do
+         else
+            call row_pairs(row, clearance, wide, pairs)
+         end if
          do j = 1, size(clearance)
-            call row_pair(row, clearance(j), with_multipliers, pair)
             do i = 1, 2
-               call store(pair(i), scalars(:, i, j, k), multipliers(:, i, j, k), verdicts(:, i, &
-                  j, k), status(i, j, k))
+               call store(pairs(i, j), scalars(:, i, j, k), multipliers(:, i, j, k), &
+                  verdicts(:, i, j, k), status(i, j, k))
             end do
          end do
       end do

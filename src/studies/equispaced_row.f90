@@ -12,17 +12,21 @@ module vi_equispaced_row
    use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
    use vi_motion, only: complete_motion, motion_type, start_motion, unknown, yes
+   use vi_lane_half, only: lane_halves
+   use vi_lane_half_wide, only: lane_halves_wide => lane_halves
    use vi_nodes, only: find_largest, most_nodes, new_nodes, nodes_type
+   use vi_new_plan, only: new_plan
    use vi_oscillator, only: eta, oscillator_type
    use vi_pattern, only: new_pattern
    use vi_periodic, only: linear_system_type
+   use vi_plan, only: lanes, plan_type, unsure
    use vi_stability, only: multipliers_of_half
    use vi_status, only: stat
    use vi_unit_circle, only: all_inside, locate_spectrum, near_circle
    implicit none (type, external)
    private
 
-   public :: new_row, row_pair
+   public :: new_row, row_pair, row_pairs
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -30,6 +34,8 @@ module vi_equispaced_row
       type(line_type) :: line
       !> A motion of the row without its numbers.
       type(motion_type) :: motion
+      !> What the lanes of a block have in common.
+      type(plan_type) :: plan
       !> Time from an impact to the next one, and the nodes of such a flight.
       real(wp) :: flight_time = 0
       type(nodes_type) :: nodes
@@ -66,6 +72,7 @@ contains
       call start_motion(row%motion, osc, r, new_pattern('RL', cycles), osc%restitution, &
          [0.0_wp, cycles*pi])
       call new_line(row%motion, system, row%line)
+      row%plan = new_plan(osc, row%motion%pattern, osc%restitution, paper_acceptance)
       row%flight_time = cycles*pi/r
       call new_nodes(osc%xi, r, row%flight_time, row%nodes)
    end subroutine new_row
@@ -77,30 +84,114 @@ contains
       !> Whether the multipliers are wanted, or only the verdict on them.
       logical, intent(in) :: with_multipliers
       type(summary_type), intent(out) :: pair(2)
-      type(half_type) :: half
       real(wp) :: x(2), forced(2, 2)
-      logical :: certain
       integer :: i, status(2)
 
       call symmetric_pair(row%line, clearance, x, forced, status)
       pair%status = status
       do i = 1, 2
-         if (pair(i)%status /= stat%ok) cycle
-         half = new_half(row, clearance, x(i), forced(:, i))
-         ! two equations for two unknowns leave no residual
-         pair(i)%consistent = consistency(0.0_wp, paper_acceptance)
-         pair(i)%x = x(i)
-         pair(i)%tau = atan2(forced(2, i), forced(1, i))
-         call find_stability(row, half, with_multipliers, pair(i))
-         call find_extremes(row, half, pair(i), certain)
-         if (certain) cycle
-         call complete_motion(row%motion, [x(i), -x(i)], forced(1, i), forced(2, i), clearance)
-         call assess_flights(row%motion)
-         pair(i)%admissible = row%motion%admissible
-         pair(i)%x_min = row%motion%x_min
-         pair(i)%x_max = row%motion%x_max
+         if (pair(i)%status == stat%ok) call summarize(row, clearance, x(i), forced(:, i), &
+            with_multipliers, pair(i))
       end do
    end subroutine row_pair
+
+   !> Both motions of a row at many clearances, with their verdicts: as many calls of `row_pair`
+   !! without multipliers, but side by side.
+   pure subroutine row_pairs(row, clearance, wide, pairs)
+      type(row_type), intent(inout) :: row
+      real(wp), intent(in) :: clearance(:)
+      !> Whether the processor runs the wide procedures.
+      logical, intent(in) :: wide
+      !> (2, size(clearance))
+      type(summary_type), intent(out) :: pairs(:, :)
+      real(wp) :: x(2), forced(2, 2), block(lanes, 4)
+      integer :: i, j, n, status(2), place(2, lanes)
+
+      n = 0
+      do j = 1, size(clearance)
+         call symmetric_pair(row%line, clearance(j), x, forced, status)
+         pairs(:, j)%status = status
+         do i = 1, 2
+            if (status(i) /= stat%ok) cycle
+            n = n + 1
+            place(:, n) = [i, j]
+            block(n, :) = [clearance(j), x(i), forced(:, i)]
+            if (n == lanes) call row_block(row, n, block, place, wide, pairs)
+         end do
+      end do
+      if (n > 0) call row_block(row, n, block, place, wide, pairs)
+   end subroutine row_pairs
+
+   !> The first n lanes of a block, which is empty afterwards.
+   pure subroutine row_block(row, n, block, place, wide, pairs)
+      type(row_type), intent(inout) :: row
+      integer, intent(inout) :: n
+      !> (lanes, 4): clearance, x_1, A cos(tau), A sin(tau).
+      real(wp), intent(inout) :: block(:, :)
+      !> (2, lanes): where in `pairs` a lane belongs.
+      integer, intent(in) :: place(:, :)
+      logical, intent(in) :: wide
+      type(summary_type), intent(inout) :: pairs(:, :)
+      real(wp) :: largest(lanes)
+      integer :: l, stable(lanes), admissible(lanes)
+
+      do l = n + 1, lanes
+         block(l, :) = block(n, :)
+      end do
+      admissible = unsure
+      if (row%nodes%n > 0) then
+         if (wide) then
+            call lane_halves_wide(row%plan, row%motion%r, row%flight_time, row%line%amplitude, &
+               [row%motion%c1(1), row%motion%c2(1)], row%nodes%n, row%nodes%step, &
+               row%nodes%position, row%nodes%rise, block, stable, admissible, largest)
+         else
+            call lane_halves(row%plan, row%motion%r, row%flight_time, row%line%amplitude, &
+               [row%motion%c1(1), row%motion%c2(1)], row%nodes%n, row%nodes%step, &
+               row%nodes%position, row%nodes%rise, block, stable, admissible, largest)
+         end if
+      end if
+      do l = 1, n
+         associate (summary => pairs(place(1, l), place(2, l)))
+            if (admissible(l) == unsure .or. stable(l) == unsure) then
+               call summarize(row, block(l, 1), block(l, 2), block(l, 3:4), .false., summary)
+               cycle
+            end if
+            summary%x = block(l, 2)
+            summary%tau = atan2(block(l, 4), block(l, 3))
+            summary%x_min = -largest(l)
+            summary%x_max = largest(l)
+            summary%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
+            summary%consistent = consistency(0.0_wp, paper_acceptance)
+            summary%admissible = admission(admissible(l) == 1, .true.)
+            summary%stable = stability(merge(0.0_wp, huge(1.0_wp), stable(l) == 1))
+         end associate
+      end do
+      n = 0
+   end subroutine row_block
+
+   !> One motion of a row, with its verdicts.
+   pure subroutine summarize(row, clearance, x, forced, with_multipliers, summary)
+      type(row_type), intent(inout) :: row
+      real(wp), intent(in) :: clearance, x, forced(2)
+      logical, intent(in) :: with_multipliers
+      type(summary_type), intent(inout) :: summary
+      type(half_type) :: half
+      logical :: certain
+
+      half = new_half(row, clearance, x, forced)
+      ! two equations for two unknowns leave no residual
+      summary%consistent = consistency(0.0_wp, paper_acceptance)
+      summary%x = x
+      summary%tau = atan2(forced(2), forced(1))
+      call find_stability(row, half, with_multipliers, summary)
+      call find_extremes(row, half, summary, certain)
+      if (certain) return
+      call complete_motion(row%motion, [x, -x], forced(1), forced(2), clearance)
+      call assess_flights(row%motion)
+      summary%admissible = row%motion%admissible
+      summary%x_min = row%motion%x_min
+      summary%x_max = row%motion%x_max
+   end subroutine summarize
 
    pure type(half_type) function new_half(row, clearance, x, forced) result(half)
       type(row_type), intent(in) :: row

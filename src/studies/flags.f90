@@ -4,30 +4,22 @@
 !! goes through the reference chain, that is, LAPACK.
 module vi_flags
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_c_binding, only: c_int
    use vi_chain, only: periodic_chain
-   use vi_impact, only: impact, primary_velocities
    use vi_kinds, only: wp
    use vi_lane_verdicts, only: lane_verdicts
    use vi_lane_verdicts_wide, only: lane_verdicts_wide => lane_verdicts
    use vi_motion, only: motion_type
-   use vi_oscillator, only: eta, oscillator_type
+   use vi_new_plan, only: new_plan
+   use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
    use vi_periodic, only: linear_system_type
    use vi_plan, only: lanes, most_impacts, plan_type, unsure
+   use vi_processor, only: runs_wide
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: new_plan, stability_flags
-
-   interface
-      !> Whether this processor runs the vi_*_wide procedures.
-      integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
-         import :: c_int
-         implicit none (type, external)
-      end function runs_wide
-   end interface
+   public :: stability_flags
 
    !> Room for one block of points, and for one point of the reference chain.
    type :: room_type
@@ -85,27 +77,6 @@ contains
       end do
       !$omp end parallel do
    end subroutine stability_flags
-
-   !> What the points have in common.
-   pure type(plan_type) function new_plan(osc, pattern, restitution, acceptance) result(plan)
-      type(oscillator_type), intent(in) :: osc
-      type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: restitution(:), acceptance
-      real(wp), parameter :: pi = acos(-1.0_wp), first(2) = [1, 0], second(2) = [0, 1]
-      integer :: i
-
-      plan%n = size(restitution)
-      plan%xi = osc%xi
-      plan%frequency = eta(osc%xi)
-      plan%period = 2*pi*pattern%cycles
-      plan%acceptance = acceptance
-      do i = 1, plan%n
-         plan%y(i) = 0.5_wp*pattern%sides(i)                                              ! (18)
-         call primary_velocities(osc%mu, restitution(i), first, second, plan%x_dot_before(:, i), &
-            plan%x_dot_after(:, i))
-         call impact(osc%mu, restitution(i), first, second, plan%x_row(:, i), plan%z_row(:, i))
-      end do
-   end function new_plan
 
    !> One block of points; lanes that are left over repeat the last one.
    pure subroutine block(plan, r, phases, with_radius, wide, room, consistent, stable, radius)

@@ -1,11 +1,10 @@
 !> Motions side by side in lanes: against the scalar procedures, and against laws.
 module motions_lanes
-   use, intrinsic :: iso_c_binding, only: c_int
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_log, random_type
    use random_systems, only: pi, random_frequency, random_motion, random_phases
    use vi_characteristic, only: characteristic, is_contraction
-   use vi_flags, only: new_plan
+   use vi_new_plan, only: new_plan
    use vi_kinds, only: wp
    use vi_lane_least_squares, only: lane_least_squares
    use vi_lane_motion, only: lane_chain
@@ -17,19 +16,13 @@ module motions_lanes
    use vi_motion, only: motion_type
    use vi_periodic, only: linear_system_type, solve_periodic
    use vi_plan, only: lanes, plan_type, unsure
+   use vi_processor, only: runs_wide
    use vi_stability, only: stability_matrix
    use vi_status, only: stat
    implicit none (type, external)
    private
 
    public :: test_lanes
-
-   interface
-      integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
-         import :: c_int
-         implicit none (type, external)
-      end function runs_wide
-   end interface
 
    type(random_type) :: random
 
@@ -100,7 +93,7 @@ contains
    !> Polynomial, Jury's conditions and radius of matrices of every size, against eigenvalues.
    subroutine test_spectra()
       real(wp) :: p(lanes, 4, 4), e(lanes, 4), largest(lanes), least(lanes), radius(lanes), &
-         slope(lanes), one(4, 4), scale, noise
+         slope(lanes), doubt(lanes), one(4, 4), scale, noise
       complex(wp) :: lambda(4)
       integer :: i, j, k, l, status, given
 
@@ -115,7 +108,7 @@ contains
             end do
          end do
          call lane_polynomial(p, e, largest)
-         call lane_circle(e, least)
+         call lane_circle(e, largest, least, doubt)
          call lane_radius(e, radius, slope)
          do l = 1, lanes
             one = p(l, :, :)

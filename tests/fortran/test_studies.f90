@@ -7,6 +7,7 @@ program test_studies
       random_phases, random_sides, scale_of
    use studies_atlas, only: test_atlas, test_rings
    use studies_conditions, only: test_conditions
+   use studies_rows, only: test_rows
    use vi_assess, only: paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_kinds, only: wp
@@ -38,6 +39,7 @@ program test_studies
    call test_rings()
    call test_atlas()
    call test_conditions()
+   call test_rows()
    call finish()
 
 contains
