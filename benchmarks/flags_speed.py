@@ -42,7 +42,12 @@ def linear_motion(xi, mu, r, alpha, y, wall, a, x):
         g2 = (1 - mu * wall[i]) * r / ((1 + wall[i]) * li)
         g3 = (wall[j] - mu) * r / ((1 + wall[j]) * li)
         g4 = (1 + mu) * r / ((1 + wall[j]) * lj)
-        s, c, s2, k2 = math.sin(alpha[i]), math.cos(alpha[i]), math.sin(alpha[j]), math.cos(alpha[j])
+        s, c, s2, k2 = (
+            math.sin(alpha[i]),
+            math.cos(alpha[i]),
+            math.sin(alpha[j]),
+            math.cos(alpha[j]),
+        )
         su, cu = (r * c + xi * s) / h, (-r * s + xi * c) / h
         pull = g1 * (y[i] - y[p]) + g2 * (y[j] - y[i])
         a[i, i] += c1 / h * (g2 - g1 - xi) - c2
@@ -95,7 +100,12 @@ def monodromy(xi, mu, r, alpha, y, wall, x, p):
         e, t = math.exp(-xi * li / r), h * li / r
         c1, c2 = e * math.sin(t), e * math.cos(t)
         c3, c4 = h * c2 - xi * c1, -(h * c1 + xi * c2)
-        sa, ca, sb, cb = math.sin(alpha[i]), math.cos(alpha[i]), math.sin(alpha[j]), math.cos(alpha[j])
+        sa, ca, sb, cb = (
+            math.sin(alpha[i]),
+            math.cos(alpha[i]),
+            math.sin(alpha[j]),
+            math.cos(alpha[j]),
+        )
         s, c = sa * x[n] + ca * x[n + 1], ca * x[n] - sa * x[n + 1]
         s_, c_ = sb * x[n] + cb * x[n + 1], cb * x[n] - sb * x[n + 1]
         b, f = x[i] - s, v - r * c
@@ -109,7 +119,12 @@ def monodromy(xi, mu, r, alpha, y, wall, x, p):
         low = s2 * c + r * s4 * s - s13
         k1, k2 = (1 - mu * wall[j]) / (1 + mu), mu * (1 + wall[j]) / (1 + mu)
         k3, k4 = (1 + wall[j]) / (1 + mu), (mu - wall[j]) / (1 + mu)
-        part[0, 0], part[0, 1], part[0, 2], part[0, 3] = s1 + s12 * t1, s2 + s12 * t2, s12 * t3, top + s12 * t4
+        part[0, 0], part[0, 1], part[0, 2], part[0, 3] = (
+            s1 + s12 * t1,
+            s2 + s12 * t2,
+            s12 * t3,
+            top + s12 * t4,
+        )
         w1, w2, w3, w4 = s14 * t1 - s2, s4 + s14 * t2, s14 * t3, low + s14 * t4
         part[1, 0], part[1, 1], part[1, 2], part[1, 3] = k1 * w1, k1 * w2, k1 * w3 + k2, k1 * w4
         part[2, 0], part[2, 1], part[2, 2], part[2, 3] = k3 * w1, k3 * w2, k3 * w3 + k4, k3 * w4
@@ -270,7 +285,7 @@ def rows():
         same = bool(
             ((flags.stable == 1) == (radii < 1))[clear].all() and np.quantile(apart, 0.999) < 1e-9
         )
-        fast, both, loop = microseconds([lambda: ours(False), lambda: ours(True), peer])  # noqa: B023
+        fast, both, loop = microseconds([lambda: ours(False), lambda: ours(True), peer])
         for work, mine, wanted in (
             ("stable", fast, target),
             ("stable, radius", both, RADIUS_TARGET),
