@@ -91,8 +91,8 @@ def stability_flags(
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> second = np.linspace(1.01, 1.9, 100_000) * np.pi
     >>> flags = vi.stability_flags(osc, 0.94, [np.zeros_like(second), second], vi.Pattern("RL"))
-    >>> flags.stable[:3]
-    array([0, 0, 0], dtype=int8)
+    >>> round(float(np.mean(flags.stable == 1)), 3)
+    0.441
     """
     checks.instance(osc, "osc", Oscillator)
     checks.plain_pattern(pattern)

@@ -44,8 +44,9 @@ contains
       do l = 1, lanes
          rest = sqrt(residual(l))
          consistent(l) = merge(1, 0, rest <= plan%acceptance)
-         if (n > 2 .and. .not. abs(rest - plan%acceptance) > residual_margin) &
+         if (n > 2 .and. .not. abs(rest - plan%acceptance) > residual_margin) then
             consistent(l) = unsure
+         end if
          stable(l) = merge(1, 0, least(l) > 0)
          if (.not. abs(least(l))*quality(l) > doubt(l)) stable(l) = unsure
       end do

@@ -5,7 +5,7 @@
 !! for any number of threads.
 module vi_chart
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_equispaced_row, only: new_row, row_pair, row_pairs, row_type, summary_type
+   use vi_equispaced_row, only: new_row, row_pairs, row_type, summary_type
    use vi_exact, only: setting_type
    use vi_flood, only: seed_flood, sweep_flood
    use vi_kinds, only: wp
@@ -55,13 +55,7 @@ contains
       do k = 1, size(r)
          if (.not. allocated(pairs)) allocate (pairs(2, size(clearance)))
          call new_row(osc, r(k), cycles, row)
-         if (with_multipliers) then
-            do j = 1, size(clearance)
-               call row_pair(row, clearance(j), with_multipliers, pairs(:, j))
-            end do
-         else
-            call row_pairs(row, clearance, wide, pairs)
-         end if
+         call row_pairs(row, clearance, with_multipliers, wide, pairs)
          do j = 1, size(clearance)
             do i = 1, 2
                call store(pairs(i, j), scalars(:, i, j, k), multipliers(:, i, j, k), &

@@ -95,13 +95,13 @@ contains
       end do
    end subroutine row_pair
 
-   !> Both motions of a row at many clearances, with their verdicts: as many calls of `row_pair`
-   !! without multipliers, but side by side.
-   pure subroutine row_pairs(row, clearance, wide, pairs)
+   !> Both motions of a row at many clearances, with their verdicts: as many calls of `row_pair`,
+   !! but side by side.
+   pure subroutine row_pairs(row, clearance, with_multipliers, wide, pairs)
       type(row_type), intent(inout) :: row
       real(wp), intent(in) :: clearance(:)
-      !> Whether the processor runs the wide procedures.
-      logical, intent(in) :: wide
+      !> Whether the multipliers are wanted, and whether the processor runs the wide procedures.
+      logical, intent(in) :: with_multipliers, wide
       !> (2, size(clearance))
       type(summary_type), intent(out) :: pairs(:, :)
       real(wp) :: x(2), forced(2, 2), block(lanes, 4)
@@ -116,21 +116,22 @@ contains
             n = n + 1
             place(:, n) = [i, j]
             block(n, :) = [clearance(j), x(i), forced(:, i)]
-            if (n == lanes) call row_block(row, n, block, place, wide, pairs)
+            if (n == lanes) call row_block(row, n, block, place, with_multipliers, wide, &
+               pairs)
          end do
       end do
-      if (n > 0) call row_block(row, n, block, place, wide, pairs)
+      if (n > 0) call row_block(row, n, block, place, with_multipliers, wide, pairs)
    end subroutine row_pairs
 
    !> The first n lanes of a block, which is empty afterwards.
-   pure subroutine row_block(row, n, block, place, wide, pairs)
+   pure subroutine row_block(row, n, block, place, with_multipliers, wide, pairs)
       type(row_type), intent(inout) :: row
       integer, intent(inout) :: n
       !> (lanes, 4): clearance, x_1, A cos(tau), A sin(tau).
       real(wp), intent(inout) :: block(:, :)
       !> (2, lanes): where in `pairs` a lane belongs.
       integer, intent(in) :: place(:, :)
-      logical, intent(in) :: wide
+      logical, intent(in) :: with_multipliers, wide
       type(summary_type), intent(inout) :: pairs(:, :)
       real(wp) :: largest(lanes)
       integer :: l, stable(lanes), admissible(lanes)
@@ -153,7 +154,8 @@ contains
       do l = 1, n
          associate (summary => pairs(place(1, l), place(2, l)))
             if (admissible(l) == unsure .or. stable(l) == unsure) then
-               call summarize(row, block(l, 1), block(l, 2), block(l, 3:4), .false., summary)
+               call summarize(row, block(l, 1), block(l, 2), block(l, 3:4), with_multipliers, &
+                  summary)
                cycle
             end if
             summary%x = block(l, 2)
@@ -164,6 +166,8 @@ contains
             summary%consistent = consistency(0.0_wp, paper_acceptance)
             summary%admissible = admission(admissible(l) == 1, .true.)
             summary%stable = stability(merge(0.0_wp, huge(1.0_wp), stable(l) == 1))
+            if (with_multipliers) call find_stability(row, new_half(row, block(l, 1), &
+               block(l, 2), block(l, 3:4)), .true., summary)
          end associate
       end do
       n = 0

@@ -29,7 +29,9 @@ def systems(seed, count, most):
 
 def same_bits(one, other):
     """Whether two results of the core are the same to the last bit."""
-    return all(np.asarray(a).tobytes() == np.asarray(b).tobytes() for a, b in zip(one, other, strict=True))
+    return all(
+        np.asarray(a).tobytes() == np.asarray(b).tobytes() for a, b in zip(one, other, strict=True)
+    )
 
 
 def sensitivity(rng, osc, r, phases, pattern, radius):
@@ -102,7 +104,9 @@ def test_chunks_do_not_show(monkeypatch):
     monkeypatch.setattr(flags, "CHUNK", 37)
     parts = vi.stability_flags(osc, r, phases, pattern, spectral_radius=True)
     for name in ("consistent", "stable", "status", "spectral_radius", "referred"):
-        assert np.asarray(getattr(whole, name)).tobytes() == np.asarray(getattr(parts, name)).tobytes()
+        assert (
+            np.asarray(getattr(whole, name)).tobytes() == np.asarray(getattr(parts, name)).tobytes()
+        )
     with pytest.raises(ValueError, match=r"phases\[:, 40\]"):
         vi.stability_flags(osc, r, np.where(np.arange(1000) == 40, 7.0, phases), pattern)
 
