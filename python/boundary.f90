@@ -604,10 +604,10 @@ subroutine survey(m, most_letters, xi, mu, walls, r, clearance, settling, most_c
    end do
 end subroutine survey
 
-!> Lyapunov exponents (per unit of time) at m points, of all batches and of each; `ranks`
-!! of them are finite.
+!> Lyapunov exponents (per unit of time) at m points, their standard errors, and Kaplan and Yorke's
+!! dimension.
 subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, discard, cycles, &
-   batches, threads, exponents, ranks, counts, errors, status)
+   batches, threads, exponents, deviations, dimensions, counts, errors, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_attractor_lyapunov, only: lyapunov_points
    use vi_oscillator, only: oscillator_type
@@ -615,11 +615,12 @@ subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, disc
    !f2py threadsafe
    integer(c_int), intent(in) :: m, contacts(3, m), discard, cycles, batches, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r(m), load(m), clearance(m), states(7, m)
-   real(c_double), intent(out) :: exponents(4, batches + 1, m), errors(m)
-   integer(c_int), intent(out) :: ranks(m), counts(2, m), status(m)
+   real(c_double), intent(out) :: exponents(4, m), deviations(4, m), dimensions(m), errors(m)
+   integer(c_int), intent(out) :: counts(2, m), status(m)
 
    call lyapunov_points(oscillator_type(xi, mu, walls), r, load, clearance, states, contacts, &
-      discard, cycles, threads, exponents, ranks, counts, errors, status)
+      discard, cycles, batches, threads, exponents, deviations, dimensions, counts, errors, &
+      status)
 end subroutine lyapunov
 
 !> What chains of simulations settle on; rows of `parameters`: r, D, xi, mu, R1, R2, of `starts` and

@@ -452,7 +452,7 @@ __f2py_numpy_version__: str
 
 @type_check_only
 class _Lyapunov(Protocol):
-    # exponents, ranks, counts, errors, status
+    # exponents, deviations, dimensions, counts, errors, status
     def __call__(
         self,
         xi: float,
@@ -468,7 +468,7 @@ class _Lyapunov(Protocol):
         batches: int,
         threads: int,
         m: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, _Real, _Integer]: ...
+    ) -> tuple[_Real, _Real, _Real, _Integer, _Real, _Integer]: ...
 
 @type_check_only
 class _SettleChains(Protocol):

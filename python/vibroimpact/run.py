@@ -23,6 +23,7 @@ from .progress import INTERVAL
 from .solve import equispaced, periodic
 from .studies.atlas import Atlas, atlas
 from .studies.branch import Branch, branch
+from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.zone import Zone, zone
 from .trajectory import Trajectory, simulate
 
@@ -30,7 +31,9 @@ __all__ = ["RunLog", "run_namelists"]
 
 
 #: Kinds of cases.
-KINDS = ("periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas")
+KINDS = (
+    "periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas", "lyapunov",
+)  # fmt: skip
 
 
 class Case(NamedTuple):
@@ -40,10 +43,10 @@ class Case(NamedTuple):
     ----------
     name : str
         Of the result.
-    kind : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas"}
+    kind : one of KINDS
     osc : Oscillator
     r : float or None
-        A chart, a zone and an atlas have a window of them.
+        Of a case that has several, None.
     keys : dict
         All other keys of its groups, with the values of those that were missing; of a branch also
         motion_kind, the kind of its &motion.
@@ -136,13 +139,32 @@ class Case(NamedTuple):
             **{name: keys[name] for name in limits}, progress=progress,
         )  # fmt: skip
 
+    def lyapunov(self) -> Lyapunov:
+        """The exponents that a &lyapunov case asks for."""
+        keys = self.keys
+        line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
+        return lyapunov(
+            self.osc, line["r"], line["clearance"], keys["cycles"], self._state(), keys["load"],
+            keys["discard"], keys["batches"],
+        )  # fmt: skip
+
+    def _values(self) -> dict[str, Any]:
+        """The parameter of a line of points, if there is one, with its values."""
+        keys = self.keys
+        if "parameter" not in keys:
+            return {}
+        return {keys["parameter"]: np.linspace(keys["low"], keys["high"], keys["values"])}
+
+    def _state(self) -> dict[str, float]:
+        """The initial state."""
+        return {name: self.keys[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
+
     def trajectory(self) -> Trajectory:
         """The simulation that a &simulate case asks for."""
         keys = self.keys
-        state = {name: keys[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
         return simulate(
-            self.osc, self.r, keys["clearance"], keys["cycles"], state, keys["load"], keys["discard"],
-            keys["max_events"],
+            self.osc, self.r, keys["clearance"], keys["cycles"], self._state(), keys["load"],
+            keys["discard"], keys["max_events"],
         )  # fmt: skip
 
 
@@ -175,11 +197,11 @@ def run_namelists(
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion, &simulate, &chart, &branch, &zone or &atlas,
-        &output (see inputs/README.md), or earlier results.
+        Files with the groups &system, &motion, &simulate, &chart, &branch, &zone, &atlas or
+        &lyapunov, &output (see inputs/README.md), or earlier results.
     folder : path
         Made if it is not there.
-    only : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas"}, optional
+    only : str, optional
         The one kind of cases to run; a file without any is then an input that is wrong.
     progress : callable, optional
         Called a few times a second with the share that is done of the atlases begun.
@@ -247,7 +269,7 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
             cases.append({})
         elif group and key == "&branch":
             cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
-        elif group and key in ("&motion", "&simulate", "&chart", "&zone", "&atlas"):
+        elif group and key != "&output":
             cases[-1].setdefault("kind", key[1:])
         elif equals and not key.startswith("!"):
             cases[-1][key] = _value(value)

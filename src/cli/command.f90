@@ -2,6 +2,7 @@
 module vi_command
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use vi_batch, only: done, failed, log_type, run_file, wrong
+   use vi_keys, only: group_list
    use vi_text, only: append, line_type
    use vi_version, only: version
    implicit none (type, external)
@@ -97,12 +98,12 @@ contains
       write (unit, '(a)') &
          'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
          '', &
-         'Computes the motions, simulations, charts, branches, zones and atlases that namelist', &
-         'files ask for and writes each case to DIR/NAME.csv and, if it asks for a table, to', &
-         'DIR/NAME.txt (DIR is "results" unless given). A result is itself an input that', &
-         'reproduces it.', &
-         'Groups: &system, &motion, &simulate, &chart, &branch, &zone, &atlas, &output; see', &
-         'inputs/README.md.', &
+         'Computes the motions, simulations, charts, branches, zones, atlases and attractors', &
+         'that namelist files ask for and writes each case to DIR/NAME.csv and, if it asks', &
+         'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
+         'input that reproduces it.', &
+         'Groups: &system, &output and, for each case,', &
+         group_list('')//'; see inputs/README.md.', &
          '', &
          'example: vibroimpact-batch inputs/table1.nml -o results', &
          '', &

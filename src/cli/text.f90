@@ -1,10 +1,11 @@
 !> Small text helpers of the command-line side.
 module vi_text
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: append, counted, detab, exact, is_result, join, last_part, lower, printable, &
+   public :: append, columns, counted, detab, exact, is_result, join, last_part, lower, printable, &
       read_lines, shown, split, whole
 
    !> A line of text.
@@ -80,6 +81,24 @@ contains
       write (buffer, '(es24.16e3)') value
       text = trim(adjustl(buffer))
    end function exact
+
+   !> Numbers as columns of a table, each behind a comma; what is not finite as Python reads it.
+   pure function columns(values) result(text)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(values)
+         if (ieee_is_finite(values(i))) then
+            text = text//','//exact(values(i))
+         else if (ieee_is_nan(values(i))) then
+            text = text//',nan'
+         else
+            text = text//trim(merge(',inf ', ',-inf', values(i) > 0))
+         end if
+      end do
+   end function columns
 
    !> A number with a few digits, for messages and printed tables.
    pure function shown(value, format) result(text)

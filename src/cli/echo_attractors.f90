@@ -1,0 +1,57 @@
+!> The groups of studies of attractors, for the header of the result.
+module vi_echo_attractors
+   use vi_case_type, only: case_type
+   use vi_text, only: append, exact, line_type, whole
+   implicit none (type, external)
+   private
+
+   public :: echo_attractor
+
+contains
+
+   !> The complete group, each line behind `#`.
+   pure subroutine echo_attractor(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
+      call append(lines, '# &'//case%kind)
+      associate (a => case%attractor)
+         call echo_line(case, lines)
+         call append(lines, '#   cycles = '//whole(a%cycles))
+         call append(lines, '#   discard = '//whole(a%discard))
+         call append(lines, '#   batches = '//whole(a%batches))
+         call append(lines, '#   load = '//exact(a%load))
+         call echo_start(case, lines)
+      end associate
+      call append(lines, '# /')
+   end subroutine echo_attractor
+
+   !> The parameter with its values, and the clearance.
+   pure subroutine echo_line(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
+      associate (a => case%attractor)
+         if (case%parameter /= 'clearance') call append(lines, '#   clearance = ' &
+            //exact(a%clearance))
+         if (len(case%parameter) == 0) return
+         call append(lines, '#   parameter = '''//case%parameter//'''')
+         call append(lines, '#   low = '//exact(a%low(1)))
+         call append(lines, '#   high = '//exact(a%high(1)))
+         call append(lines, '#   values = '//whole(a%values(1)))
+      end associate
+   end subroutine echo_line
+
+   !> The initial state.
+   pure subroutine echo_start(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      character(5), parameter :: names(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
+      integer :: i
+
+      do i = 1, 5
+         call append(lines, '#   '//trim(names(i))//' = '//exact(case%attractor%start(i)))
+      end do
+   end subroutine echo_start
+
+end module vi_echo_attractors
