@@ -642,6 +642,77 @@ subroutine settle_chains(links, chains, parameters, load, starts, settling, keep
       periods, extremes, ends, status)
 end subroutine settle_chains
 
+!> What runs along a parameter settle on: arrays (.., values, runs), contents as of `settle_chains`.
+!!
+!! `directions` of the runs: 1 up, -1 down, 0 anew at each value; `start` is used if `started`.
+subroutine bifurcation(n, runs, xi, mu, walls, r, clearance, load, place, tied, along, directions, &
+   started, start, settling, keep, points, threads, impacts, labels, found, periods, extremes, &
+   status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_diagram, only: diagram, diagram_type, path_type
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, runs, place, tied, directions(runs), started, settling, keep, &
+      points, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r, clearance, load, along(n), start(5)
+   real(c_double), intent(out) :: impacts(7, points, n, runs), extremes(2, n, runs)
+   integer(c_int), intent(out) :: labels(2, points, n, runs), found(n, runs), &
+      periods(4, n, runs), status(n, runs)
+   type(diagram_type) :: result
+
+   call diagram(path_type(oscillator_type(xi, mu, walls), r, clearance, load, place, tied /= 0, &
+      along), directions, start(:merge(5, 0, started /= 0)), settling, keep, points, threads, &
+      result)
+   impacts = result%impacts
+   labels = result%labels
+   found = result%found
+   periods = result%periods
+   extremes = result%extremes
+   status = result%status
+end subroutine bifurcation
+
+!> Stretches of a run (load cycles and letters of the period at each value) that keep both: places
+!! from 1, of `windows` of them.
+subroutine periodic_windows(n, periods, first, last, windows)
+   use, intrinsic :: iso_c_binding, only: c_int
+   use vi_attractor_diagram, only: find_windows
+   implicit none (type, external)
+   integer(c_int), intent(in) :: n, periods(2, n)
+   integer(c_int), intent(out) :: first(n), last(n), windows
+
+   call find_windows(periods, first, last, windows)
+end subroutine periodic_windows
+
+!> max|X|/A of what initial states settle on at n points, with its least and greatest value;
+!! `periods` as of `settle_chains`.
+subroutine response(n, states, xi, mu, walls, r, clearance, load, settling, keep, threads, &
+   attenuation, envelope, periods, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_response, only: respond
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, states, settling, keep, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(n), load
+   real(c_double), intent(out) :: attenuation(states, n), envelope(2, n)
+   integer(c_int), intent(out) :: periods(4, states, n), status(states, n)
+
+   call respond(oscillator_type(xi, mu, walls), r, clearance, load, settling, keep, threads, &
+      attenuation, envelope, periods, status)
+end subroutine response
+
+!> A length that initial states are spread over.
+subroutine spread_scale(xi, r, load, clearance, length)
+   use, intrinsic :: iso_c_binding, only: c_double
+   use vi_attractor_spread, only: scale_of => spread_scale
+   implicit none (type, external)
+   real(c_double), intent(in) :: xi, r, load, clearance
+   real(c_double), intent(out) :: length
+
+   length = scale_of(xi, r, load, clearance)
+end subroutine spread_scale
+
 !> To which of n known motions m states go (0: none).
 !!
 !! `middles` are the states of one event of each motion, (x, x', z', alpha) of an impact or (v,

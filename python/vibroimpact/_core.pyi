@@ -488,6 +488,59 @@ class _SettleChains(Protocol):
     ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Real, _Integer]: ...
 
 @type_check_only
+class _Bifurcation(Protocol):
+    # impacts, labels, found, periods, extremes, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        clearance: float,
+        load: float,
+        place: int,
+        tied: int,
+        along: ArrayLike,
+        directions: ArrayLike,
+        started: int,
+        start: ArrayLike,
+        settling: int,
+        keep: int,
+        points: int,
+        threads: int,
+        n: int = ...,
+        runs: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Integer]: ...
+
+@type_check_only
+class _PeriodicWindows(Protocol):
+    # first, last, windows
+    def __call__(self, periods: ArrayLike, n: int = ...) -> tuple[_Integer, _Integer, int]: ...
+
+@type_check_only
+class _Response(Protocol):
+    # attenuation, envelope, periods, status
+    def __call__(
+        self,
+        states: int,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        load: float,
+        settling: int,
+        keep: int,
+        threads: int,
+        n: int = ...,
+    ) -> tuple[_Real, _Real, _Integer, _Integer]: ...
+
+@type_check_only
+class _SpreadScale(Protocol):
+    # length
+    def __call__(self, xi: float, r: float, load: float, clearance: float) -> float: ...
+
+@type_check_only
 class _Basins(Protocol):
     # labels, impacts, ends, radii, contractions
     def __call__(
@@ -535,4 +588,8 @@ winding: _Winding
 survey: _Survey
 lyapunov: _Lyapunov
 settle_chains: _SettleChains
+bifurcation: _Bifurcation
+periodic_windows: _PeriodicWindows
+response: _Response
+spread_scale: _SpreadScale
 basins: _Basins

@@ -22,8 +22,10 @@ from .newton import exact
 from .progress import INTERVAL
 from .solve import equispaced, periodic
 from .studies.atlas import Atlas, atlas
+from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.branch import Branch, branch
 from .studies.lyapunov import Lyapunov, lyapunov
+from .studies.response import Response, response
 from .studies.zone import Zone, zone
 from .trajectory import Trajectory, simulate
 
@@ -33,6 +35,7 @@ __all__ = ["RunLog", "run_namelists"]
 #: Kinds of cases.
 KINDS = (
     "periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas", "lyapunov",
+    "bifurcation", "response",
 )  # fmt: skip
 
 
@@ -148,6 +151,25 @@ class Case(NamedTuple):
             keys["discard"], keys["batches"],
         )  # fmt: skip
 
+    def bifurcation(self) -> BifurcationDiagram:
+        """The diagram that a &bifurcation case asks for."""
+        keys = self.keys
+        line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
+        values = line[keys["parameter"]]
+        others = {name: line[name] for name in ("r", "clearance") if name != keys["parameter"]}
+        limits = ("sweep", "states", "load", "settling", "keep", "points")
+        return bifurcation_diagram(
+            self.osc, keys["parameter"], values, **others, state=self._state() if "t" in keys else None,
+            **{name: keys[name] for name in limits if name in keys},
+        )  # fmt: skip
+
+    def response(self) -> Response:
+        """The response that a &response case asks for."""
+        keys = self.keys
+        names = ("clearance", "inverse_clearance", "states", "load", "settling", "keep")
+        line = np.linspace(keys["r_min"], keys["r_max"], keys["r_points"])
+        return response(self.osc, line, **{name: keys[name] for name in names if name in keys})
+
     def _values(self) -> dict[str, Any]:
         """The parameter of a line of points, if there is one, with its values."""
         keys = self.keys
@@ -197,8 +219,8 @@ def run_namelists(
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion, &simulate, &chart, &branch, &zone, &atlas or
-        &lyapunov, &output (see inputs/README.md), or earlier results.
+        Files with the groups &system, &motion, &simulate, &chart, &branch, &zone, &atlas,
+        &lyapunov, &bifurcation or &response, &output (see inputs/README.md), or earlier results.
     folder : path
         Made if it is not there.
     only : str, optional

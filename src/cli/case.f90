@@ -6,14 +6,15 @@
 !! The ranges are those of the Python package.
 module vi_case
    use vi_case_atlas, only: take_atlas
-   use vi_case_attractor, only: take_lyapunov
+   use vi_case_attractor, only: take_bifurcation, take_lyapunov
    use vi_case_branch, only: take_branch, take_start
    use vi_case_chart, only: take_chart
    use vi_case_motion, only: take_motion
+   use vi_case_response, only: take_response
    use vi_case_simulation, only: take_simulation
    use vi_case_type, only: case_type
    use vi_case_zone, only: take_zone
-   use vi_keys, only: complain, forbid, given, group_list, makes_case, read_group
+   use vi_keys, only: complain, forbid, given, group_list, has_own_r, makes_case, read_group
    use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
@@ -112,6 +113,10 @@ contains
          call take_atlas(groups(1), raw, case, line, message)
       case ('lyapunov')
          call take_lyapunov(groups(1), case, line, message)
+      case ('bifurcation')
+         call take_bifurcation(groups(1), case, line, message)
+      case ('response')
+         call take_response(groups(1), case, line, message)
       case default
          call take_chart(groups(1), raw, case, line, message)
       end select
@@ -152,21 +157,6 @@ contains
          needs_r = needs_r .or. (makes_case(rest(i)%name) .and. .not. has_own_r(rest(i)))
       end do
    end function needs_r
-
-   !> Whether a group has frequency ratios of its own: a window, or a parameter that is r.
-   pure logical function has_own_r(group)
-      type(group_type), intent(in) :: group
-      integer :: i
-
-      has_own_r = any(group%name == [character(8) :: 'chart', 'zone', 'atlas', 'response'])
-      if (all(group%name /= [character(11) :: 'lyapunov', 'bifurcation'])) return
-      do i = 1, size(group%items)
-         associate (value => group%items(i)%value)
-            if (group%items(i)%key /= 'parameter' .or. len(value) < 3) cycle
-            has_own_r = lower(value(2:len(value) - 1)) == 'r'
-         end associate
-      end do
-   end function has_own_r
 
    !> Whether the group just before is a case.
    pure logical function follows_case(before)
@@ -217,8 +207,8 @@ contains
          call check_r(group, raw, line, message)
       else if (given(group, 'r')) then
          call forbid(group, 'r', line, message, &
-            'must be left out: it is not for a &chart, &zone or &atlas, which has r_min and &
-            &r_max, nor for a &lyapunov with parameter = ''r''')
+            'must be left out: it is not for a &chart, &zone, &atlas or &response, which has &
+            &r_min and r_max, nor for parameter = ''r''')
       end if
       if (len(message) == 0) then
          if (is_blank(raw%restitution(2))) raw%restitution(2) = raw%restitution(1)

@@ -1,6 +1,7 @@
 !> The cases of &lyapunov and &bifurcation, checked, and what the studies of attractors share.
 module vi_case_attractor
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_fortran_env, only: int64
    !$ use omp_lib, only: omp_get_max_threads
    use vi_case_branch, only: least, most, parameters, ranges
    use vi_case_type, only: case_type
@@ -8,12 +9,15 @@ module vi_case_attractor
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
    use vi_raw, only: is_blank, no_number
-   use vi_text, only: lower
-   use vi_window, only: even
+   use vi_text, only: lower, whole
+   use vi_window, only: even, most_numbers
    implicit none (type, external)
    private
 
-   public :: available_threads, check_number, check_start, check_whole, line_points, take_lyapunov
+   public :: available_threads, check_number, check_start, check_whole, line_points
+   public :: take_bifurcation, take_lyapunov
+
+   character(5), parameter :: coordinates(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
 
 contains
 
@@ -31,10 +35,45 @@ contains
          call check_whole(group, 'discard', a%discard, 0, 10**9, line, message)
          call check_number(group, 'load', a%load, 0.0_wp, 1.0e12_wp, line, message)
          ! the walls may move with the parameter: the state is between the nearest of them
-         call check_start(group, case, merge(a%low(1), a%clearance, case%parameter == 'clearance'), &
-            line, message)
+         call check_start(group, case, merge(a%low(1), a%clearance, case%parameter == &
+            'clearance'), line, message)
       end associate
    end subroutine take_lyapunov
+
+   !> Checks the variables of &bifurcation, which are in the case.
+   subroutine take_bifurcation(group, case, line, message)
+      type(group_type), intent(in) :: group
+      type(case_type), intent(inout) :: case
+      integer, intent(inout) :: line
+      character(:), allocatable, intent(inout) :: message
+      integer :: i
+
+      call check_line(group, case, line, message)
+      associate (a => case%attractor)
+         case%sweep = trim(lower(a%sweep))
+         if (len(message) == 0 .and. all(case%sweep /= [character(6) :: 'up', 'down', 'both', &
+            'states'])) call complain(group, 'sweep', line, message)
+         do i = 1, 5
+            if (.not. given(group, trim(coordinates(i)))) cycle
+            case%started = .true.
+            if (len(message) == 0 .and. case%sweep == 'states') call forbid(group, &
+               trim(coordinates(i)), line, message, 'must be left out: sweep = ''states'' has &
+               &states of its own')
+         end do
+         if (len(message) == 0 .and. case%sweep /= 'states') call forbid(group, 'states', line, &
+            message, 'must be left out: it is for sweep = ''states''')
+         call check_whole(group, 'states', a%states, 1, 1000000, line, message)
+         call check_whole(group, 'settling', a%settling, 0, 10**7, line, message)
+         call check_whole(group, 'keep', a%keep, 3, 10**4, line, message)
+         call check_whole(group, 'points', a%points, 1, 4096, line, message)
+         call check_number(group, 'load', a%load, 0.0_wp, 1.0e12_wp, line, message)
+         if (len(message) == 0 .and. int(a%values(1), int64)*a%points*merge(a%states, 2, &
+            case%sweep == 'states') > most_numbers) call complain(group, 'points', line, message, &
+            'values x runs x points must be at most '//whole(most_numbers))
+         call check_start(group, case, merge(merge(a%high(1), a%low(1), case%sweep == 'down'), &
+            a%clearance, case%parameter == 'clearance'), line, message)
+      end associate
+   end subroutine take_bifurcation
 
    !> Checks the parameter with its values, and the clearance.
    subroutine check_line(group, case, line, message)
@@ -128,14 +167,13 @@ contains
       real(wp), intent(in) :: clearance
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
-      character(5), parameter :: names(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
       integer :: i
 
       if (len(message) > 0) return
       associate (start => case%attractor%start)
          do i = 1, 5
             if (ieee_is_finite(start(i))) cycle
-            call complain(group, trim(names(i)), line, message)
+            call complain(group, trim(coordinates(i)), line, message)
             return
          end do
          if (abs(start(4) - start(2)) > 0.5_wp*clearance*(1 + 1.0e-9_wp)) call complain(group, &

@@ -15,7 +15,8 @@ module vi_case_type
       type(oscillator_type) :: osc
       real(wp) :: r = 0
       !> 'periodic' (phases given), 'equispaced' (clearance given), 'exact' (clearance given, phases
-      !! guessed), 'simulate', 'chart', 'branch', 'zone', 'atlas' or 'lyapunov'
+      !! guessed), 'simulate', 'chart', 'branch', 'zone', 'atlas',
+      !! 'lyapunov', 'bifurcation' or 'response'
       character(:), allocatable :: kind
       !> The kind of the motion, also of that which a branch starts from.
       character(:), allocatable :: motion_kind
@@ -44,6 +45,9 @@ module vi_case_type
       type(atlas_request_type) :: atlas
       !> Of a study of attractors, its keys as they were read.
       type(attractor_keys_type) :: attractor
+      !> Of a bifurcation diagram: 'up', 'down', 'both' or 'states', and whether a state was given.
+      character(:), allocatable :: sweep
+      logical :: started = .false.
       !> Where the name was given, for messages.
       integer :: line = 0
    end type case_type

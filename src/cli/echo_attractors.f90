@@ -16,15 +16,47 @@ contains
 
       call append(lines, '# &'//case%kind)
       associate (a => case%attractor)
-         call echo_line(case, lines)
-         call append(lines, '#   cycles = '//whole(a%cycles))
-         call append(lines, '#   discard = '//whole(a%discard))
-         call append(lines, '#   batches = '//whole(a%batches))
+         select case (case%kind)
+         case ('lyapunov')
+            call echo_line(case, lines)
+            call append(lines, '#   cycles = '//whole(a%cycles))
+            call append(lines, '#   discard = '//whole(a%discard))
+            call append(lines, '#   batches = '//whole(a%batches))
+            call echo_start(case, lines)
+         case ('bifurcation')
+            call echo_line(case, lines)
+            call append(lines, '#   sweep = '''//case%sweep//'''')
+            call echo_settling(case, lines)
+            call append(lines, '#   points = '//whole(a%points))
+            if (case%started) call echo_start(case, lines)
+         case default
+            call append(lines, '#   r_min = '//exact(a%r_min))
+            call append(lines, '#   r_max = '//exact(a%r_max))
+            call append(lines, '#   r_points = '//whole(a%r_points))
+            if (a%inverse_clearance > 0) then
+               call append(lines, '#   inverse_clearance = '//exact(a%inverse_clearance))
+            else
+               call append(lines, '#   clearance = '//exact(a%clearance))
+            end if
+            call echo_settling(case, lines)
+         end select
          call append(lines, '#   load = '//exact(a%load))
-         call echo_start(case, lines)
       end associate
       call append(lines, '# /')
    end subroutine echo_attractor
+
+   !> How many states are simulated, and how long.
+   pure subroutine echo_settling(case, lines)
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable, intent(inout) :: lines(:)
+
+      associate (a => case%attractor)
+         if (case%kind == 'response' .or. case%sweep == 'states') call append(lines, &
+            '#   states = '//whole(a%states))
+         call append(lines, '#   settling = '//whole(a%settling))
+         call append(lines, '#   keep = '//whole(a%keep))
+      end associate
+   end subroutine echo_settling
 
    !> The parameter with its values, and the clearance.
    pure subroutine echo_line(case, lines)

@@ -4,15 +4,15 @@ module vi_keys
    use vi_keys_studies, only: study_keys, wanted_of_study
    use vi_namelist, only: group_type
    use vi_raw, only: blank, blank_motion, most_letters, raw_type, read_value
-   use vi_text, only: whole
+   use vi_text, only: lower, whole
    implicit none (type, external)
    private
 
-   public :: complain, forbid, given, group_list, makes_case, read_group
+   public :: complain, forbid, given, group_list, has_own_r, makes_case, read_group
 
    !> The groups that ask for a result.
-   character(11), parameter :: case_groups(7) = [character(11) :: 'motion', 'simulate', 'chart', &
-      'branch', 'zone', 'atlas', 'lyapunov']
+   character(11), parameter :: case_groups(9) = [character(11) :: 'motion', 'simulate', 'chart', &
+      'branch', 'zone', 'atlas', 'lyapunov', 'bifurcation', 'response']
 
 contains
 
@@ -107,6 +107,21 @@ contains
 
       makes_case = any(name == case_groups)
    end function makes_case
+
+   !> Whether a group has frequency ratios of its own: a window, or a parameter that is r.
+   pure logical function has_own_r(group)
+      type(group_type), intent(in) :: group
+      integer :: i
+
+      has_own_r = any(group%name == [character(8) :: 'chart', 'zone', 'atlas', 'response'])
+      if (all(group%name /= [character(11) :: 'lyapunov', 'bifurcation'])) return
+      do i = 1, size(group%items)
+         associate (value => group%items(i)%value)
+            if (group%items(i)%key /= 'parameter' .or. len(value) < 3) cycle
+            has_own_r = lower(value(2:len(value) - 1)) == 'r'
+         end associate
+      end do
+   end function has_own_r
 
    !> These groups for messages, without some: '&motion, &simulate or ...'.
    pure function group_list(without) result(text)

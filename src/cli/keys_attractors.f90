@@ -70,6 +70,11 @@ contains
       case ('lyapunov')
          text = 'clearance, parameter, low, high, values, cycles, discard, batches, load, t, x, &
             &x_dot, z, z_dot'
+      case ('bifurcation')
+         text = 'parameter, low, high, values, clearance, sweep, states, load, settling, keep, &
+            &points, t, x, x_dot, z, z_dot'
+      case ('response')
+         text = 'r_min, r_max, r_points, clearance, inverse_clearance, states, load, settling, keep'
       case default
          text = ''
       end select

@@ -8,7 +8,7 @@ module vi_run_lyapunov
    use vi_kinds, only: wp
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_status, only: stat, status_text
-   use vi_text, only: append, columns, counted, line_type, whole
+   use vi_text, only: append, columns, counted, lengthen, line_type, whole
    use vi_trajectory, only: pack_state
    implicit none (type, external)
    private
@@ -80,18 +80,14 @@ contains
       type(case_type), intent(in) :: case
       type(spectra_type), intent(in) :: found
       type(line_type), allocatable, intent(out) :: lines(:)
-      type(line_type), allocatable :: head(:)
       character(:), allocatable :: text
       integer :: j, n
 
-      call echo(case, head)
-      call append(head, 'r,clearance,exponent_1,exponent_2,exponent_3,exponent_4,error_1,'// &
+      call echo(case, lines)
+      call append(lines, 'r,clearance,exponent_1,exponent_2,exponent_3,exponent_4,error_1,'// &
          'error_2,error_3,error_4,dimension,identity_error,impacts,rests')
-      n = size(head)
-      allocate (lines(n + size(found%r)))
-      do j = 1, n
-         call move_alloc(head(j)%text, lines(j)%text)
-      end do
+      n = size(lines)
+      call lengthen(lines, size(found%r))
       do j = 1, size(found%r)
          associate (cycle_time => two_pi/found%r(j))
             text = columns([found%r(j), found%clearance(j), found%exponents(:, j)*cycle_time, &

@@ -5,8 +5,8 @@ module vi_text
    implicit none (type, external)
    private
 
-   public :: append, columns, counted, detab, exact, is_result, join, last_part, lower, printable, &
-      read_lines, shown, split, whole
+   public :: append, columns, counted, detab, exact, is_result, join, last_part, lengthen, lower, &
+      printable, read_lines, shown, split, whole
 
    !> A line of text.
    type, public :: line_type
@@ -22,19 +22,27 @@ contains
    pure subroutine append(lines, text)
       type(line_type), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: text
+
+      call lengthen(lines, 1)
+      lines(size(lines))%text = text
+   end subroutine append
+
+   !> Adds room for more lines.
+   pure subroutine lengthen(lines, more)
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      integer, intent(in) :: more
       type(line_type), allocatable :: longer(:)
       integer :: i, n
 
       ! not [lines, line_type(text)]: gfortran 12 loses the memory of such a constructor
       n = 0
       if (allocated(lines)) n = size(lines)
-      allocate (longer(n + 1))
+      allocate (longer(n + more))
       do i = 1, n
          call move_alloc(lines(i)%text, longer(i)%text)
       end do
-      longer(n + 1)%text = text
       call move_alloc(longer, lines)
-   end subroutine append
+   end subroutine lengthen
 
    !> The text with blanks for tabs.
    pure function detab(text) result(clean)

@@ -1,6 +1,11 @@
 """Studies of attractors in namelists: laws, and the digits of the API from both programs."""
 
+import inspect
 import math
+import re
+import signal
+import subprocess
+import time
 
 import numpy as np
 import pytest
@@ -15,6 +20,16 @@ MOVING = "x_dot = 6, z_dot = 9"
 LYAPUNOV = f"""{EQUAL}&lyapunov parameter = 'clearance'
   low = 5, high = 40, values = 6
   cycles = 400, discard = 300, {MOVING}
+/
+"""
+
+DIAGRAM = f"""{EQUAL}&bifurcation parameter = 'clearance'
+  low = 20, high = 26, values = 4
+  sweep = 'both', settling = 60
+/
+"""
+RESPONSE = f"""{FREE}&response inverse_clearance = 0.03, states = 3
+  r_min = 1.0, r_max = 1.04, r_points = 5
 /
 """
 
@@ -160,25 +175,203 @@ def test_clearance_is_missing(batch):
 
 def test_r_is_where_it_belongs(batch):
     """Of the &system, unless r is the parameter."""
-    along_r = f"&lyapunov parameter = 'r', low = .9, high = 1, values = 3, clearance = 9 {MOVING} /\n"
+    along_r = "&lyapunov parameter = 'r', low = .9, high = 1, values = 3, clearance = 9 /\n"
     refused(EQUAL + along_r, "system", "r = 1.04: must be left out", 1, batch)
     refused(FREE + f"&lyapunov clearance = 9, {MOVING} /\n", "system", "r: is missing", 1, batch)
     undamped = FREE.replace("0.0114", "0")
     refused(undamped + along_r, "lyapunov", "r = 1 with xi = 0", 2, batch)
 
 
+def compare_diagram(table, result):
+    """Digit by digit."""
+    points = result.points
+    assert [row["run"] for row in table] == [result.runs[i] for i in points["run"]]
+    assert column(table, result.parameter).tolist() == result.values[points["index"]].tolist()
+    labels = result.labels[points["run"], points["index"]]
+    assert [row["label"] for row in table] == labels.tolist()
+    assert [row["side"] for row in table] == points["side"].tolist()
+    for name in ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"):
+        assert column(table, name).tolist() == points[name].tolist()
+
+
+@pytest.mark.parametrize("text", [
+    DIAGRAM,
+    DIAGRAM.replace("'both'", "'up', t = 1, x = 2, x_dot = 3, z = 4"),
+    *[FREE.replace("/", ", r = 1.04 /") + f"&bifurcation clearance = 9, sweep = 'down', settling = 30, {line} /\n"
+      for line in ("parameter = 'xi', low = 0, high = 0.05, values = 3, load = 2",
+                   "parameter = 'Mu', low = 0, high = 0.1, values = 2, points = 5",
+                   "parameter = 'R1', low = 0.5, high = 1, values = 4, keep = 9",
+                   "parameter = 'r2', low = 0.5, high = 1, values = 4",
+                   "parameter = 'restitution', low = 0, high = 1, values = 4")],
+    f"{FREE}&bifurcation parameter = 'r', low = 0.9, high = 1.1, values = 4, clearance = 20, settling = 50 /\n",
+    f"{WALLS}&bifurcation parameter = 'clearance', low = 5, high = 8, values = 3, sweep = 'states', states = 5 /\n",
+])  # fmt: skip
+def test_diagrams_of_the_api(text, batch, command, same_build):
+    table = both(text, batch, command)
+    result = case_of(batch).bifurcation()
+    compare_diagram(table, result)
+    header = (batch.cwd / "results/case.csv").read_text().split("\n")
+    said = [re.fullmatch(r"# ! (.+): (.+) from (.+) to (.+)", line) for line in header]
+    assert [(line[1], float(line[3]), float(line[4]), line[2]) for line in said if line] == [
+        tuple(window) for window in result.windows
+    ]
+
+
+def test_sweeps_agree_outside_the_hysteresis(batch):
+    """Up and down end on one motion or its mirror image but for a stretch in between."""
+    text = DIAGRAM.replace("low = 20, high = 26, values = 4", "low = 50, high = 75, values = 26")
+    assert batch.case(text.replace("settling = 60", "settling = 300")).status == 0
+    reach = {}
+    for row in rows(batch.cwd / "results/case.csv"):
+        place = row["run"], float(row["clearance"])
+        assert place not in reach or reach[place][0] == row["label"]
+        x = abs(float(row["x"]))
+        reach[place] = row["label"], max(x, reach.get(place, ("", 0))[1])
+    values = sorted({value for _, value in reach})
+    labels = [(reach["up", value][0], reach["down", value][0]) for value in values]
+    both_ways = [pair == ("2/1", "2/1") for pair in labels]
+    only_up = [pair[0] == "2/1" != pair[1] for pair in labels]
+    neither = ["2/1" not in pair for pair in labels]
+    # first both, then only the sweep up, then neither: no gaps
+    assert [*both_ways] == sorted(both_ways, reverse=True)
+    assert [*neither] == sorted(neither)
+    assert sum(both_ways) > 3 < sum(only_up)
+    assert any(neither)
+    for value, same in zip(values, both_ways, strict=True):
+        if same:
+            assert reach["up", value][1] == pytest.approx(reach["down", value][1], rel=1e-6)
+
+
+BAD_DIAGRAM = [
+    *[("'clearance'", v, "'restitution' (both walls)", 2) for v in ("'q'", "''", "r", "1")],
+    *[("low = 20", f"low = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("nan", "0", "26, 27", "x")],
+    *[("high = 26", f"high = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("20", "inf", "1e13")],
+    *[("values = 4", f"values = {v}", "2 <= values", 3) for v in ("1", "4, 5", "1.5", "2000000")],
+    *[("'both'", v, "'up', 'down', 'both' or 'states'", 4) for v in ("'left'", "''", "up")],
+    *[("settling = 60", f"settling = {v}", "0 <= settling", 4) for v in ("-1", "20000000", "1e2")],
+    *[("settling = 60", f"keep = {v}", "3 <= keep", 4) for v in ("2", "10001")],
+    *[("settling = 60", f"points = {v}", "1 <= points", 4) for v in ("0", "4097")],
+    ("settling = 60", "load = -1", "0 <= load", 4),
+    ("settling = 60", "states = 4", "must be left out: it is for sweep = 'states'", 4),
+    ("'both'", "'states', x = 1", "must be left out: sweep = 'states' has states of its own", 4),
+    ("'both'", "'states', states = 0", "1 <= states", 4),
+    ("'both'", "'states', states = 1000000", "values x runs x points must be at most", 2),
+    ("settling = 60", "z = 10.1", "z - x must be within half the clearance", 4),
+    ("settling = 60", "t = nan", "a finite number", 4),
+    ("settling = 60", "clearance = 3", "must be left out: it is the parameter", 4),
+    ("settling = 60", "cycles = 3", "is not a key of &bifurcation; must be one of parameter", 4),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_DIAGRAM)
+def test_bad_diagram(old, new, wanted, line, batch):
+    assert old in DIAGRAM
+    refused(DIAGRAM.replace(old, new, 1), "bifurcation", wanted, line, batch)
+
+
+@pytest.mark.parametrize("text", [
+    RESPONSE,
+    RESPONSE.replace("inverse_clearance = 0.03", "clearance = 25, load = 1.3, settling = 50, keep = 7"),
+    RESPONSE.replace("0.75", "0.75, 0.61"),
+])  # fmt: skip
+def test_response_of_the_api(text, batch, command, same_build):
+    table = both(text, batch, command)
+    result = case_of(batch).response()
+    for name in ("r", "clearance", "lowest", "highest"):
+        assert column(table, name).tolist() == getattr(result, name).tolist()
+    assert (column(table, "lowest") <= column(table, "highest")).all()
+
+
+def test_response_is_that_of_the_motions(batch):
+    """Of the stable two-impact motion, which is what is left there, by its closed form."""
+    assert batch.case(RESPONSE.replace("inverse_clearance = 0.03", "clearance = 40")).status == 0
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    table = rows(batch.cwd / "results/case.csv")[-2:]
+    for row in table:
+        pair = vi.equispaced(osc, float(row["r"]), 40.0)
+        (attenuation,) = (motion.attenuation for motion in pair if motion.stable)
+        assert float(row["highest"]) == pytest.approx(attenuation, rel=1e-5)
+
+
+BAD_RESPONSE = [
+    *[("r_min = 1.0", f"r_min = {v}", "r_min <= 1e6", 3) for v in ("nan", "0", "x")],
+    *[("r_max = 1.04", f"r_max = {v}", "r_min below r_max", 3) for v in ("1", "0.5", "nan", "inf")],
+    *[("r_points = 5", f"r_points = {v}", "2 <= r_points", 3) for v in ("1", "2.5", "2000000")],
+    *[("inverse_clearance = 0.03", f"{name} = {v}", f"1e-12 <= {name} <= 1e12", 2)
+      for name in ("clearance", "inverse_clearance") for v in ("0", "-1", "nan", "1e13")],
+    ("inverse_clearance = 0.03", "inverse_clearance = 0.03, clearance = 9", "beside inverse_clearance", 2),
+    ("inverse_clearance = 0.03,", "", "clearance: is missing", 2),
+    *[("states = 3", f"load = {v}", "0 < load <= 1e12", 2) for v in ("0", "-1", "nan")],
+    *[("states = 3", f"states = {v}", "1 <= states", 2) for v in ("0", "1.5")],
+    ("states = 3", "states = 3, settling = -1", "0 <= settling", 2),
+    ("states = 3", "states = 3, keep = 2", "3 <= keep", 2),
+    ("states = 3", "sweep = 'up'", "is not a key of &response; must be one of r_min", 2),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_RESPONSE)
+def test_bad_response(old, new, wanted, line, batch):
+    assert old in RESPONSE
+    refused(RESPONSE.replace(old, new, 1), "response", wanted, line, batch)
+
+
+def test_resonance_without_damping(batch):
+    undamped = FREE.replace("0.0114", "0")
+    refused(undamped + RESPONSE.replace(FREE, ""), "response", "r = 1 with xi = 0", 3, batch)
+    text = DIAGRAM.replace("1.04", "1").replace("'clearance'", "'xi', clearance = 9")
+    text = text.replace("low = 20, high = 26", "low = 0, high = 0.1")
+    refused(text, "bifurcation", "r = 1 with xi = 0", 3, batch)
+    text = DIAGRAM.replace(EQUAL, undamped).replace("'clearance'", "'r', clearance = 9")
+    text = text.replace("low = 20, high = 26, values = 4", "low = 0.9, high = 1.1, values = 3")
+    refused(text, "bifurcation", "r = 1 with xi = 0", 3, batch)
+
+
 def test_defaults_are_those_of_the_api(tmp_path):
     """What a namelist leaves out is what a call leaves out."""
-    import inspect
+    line = "parameter = 'clearance', low = 9, high = 10, values = 2"
+    text = (
+        f"{EQUAL}&lyapunov clearance = 9 /\n&bifurcation {line} /\n&bifurcation {line}, sweep = 'states' /\n"
+        "&response r_min = 1, r_max = 2, r_points = 2, clearance = 9 /\n"
+    )
+    cases = read_namelist(write(tmp_path / "case.nml", text))
+    functions = (vi.lyapunov, vi.bifurcation_diagram, vi.bifurcation_diagram, vi.response)
+    compared = 0
+    for case, function in zip(cases, functions, strict=True):
+        for name, item in inspect.signature(function).parameters.items():
+            if item.default not in (inspect.Parameter.empty, None) and name in case.keys:
+                assert case.keys[name] == (
+                    "states" if case is cases[2] and name == "sweep" else item.default
+                )
+                compared += 1
+    assert compared == 4 + 5 + 6 + 4
 
-    text = f"{EQUAL}&lyapunov clearance = 9 /\n"
-    (case,) = read_namelist(write(tmp_path / "case.nml", text))
-    given = {name: item.default for name, item in inspect.signature(vi.lyapunov).parameters.items()}
-    names = ("cycles", "discard", "batches", "load")
-    assert {name: case.keys[name] for name in names}.items() <= given.items()
+
+@pytest.mark.parametrize("program", ["batch", "command"])
+def test_interrupt_leaves_whole_items(program, request):
+    """What was done before is there, of what was not nothing is."""
+    run = request.getfixturevalue(program)
+    longest = "&bifurcation parameter = 'clearance', low = 9, high = 10, values = 100, settling = 1000000 /\n"
+    done = f"&lyapunov clearance = 9, cycles = 50, {MOVING} /\n"
+    write(run.cwd / "case.nml", EQUAL + done + longest)
+    with subprocess.Popen(
+        [*run.start, "case.nml", "-o", "out"],
+        cwd=run.cwd,
+        stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    ) as process:
+        for _ in range(400):
+            if contents(run.cwd / "out").keys() >= {"case_1.csv"}:
+                break
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+    assert process.returncode != 0
+    assert list(contents(run.cwd / "out")) == ["case_1.csv"]
+    assert run("out/case_1.csv", "-o", "again").status == 0
+    assert contents(run.cwd / "again") == contents(run.cwd / "out")
 
 
-@pytest.mark.parametrize("name", ["lyapunov"])
+@pytest.mark.parametrize("name", ["lyapunov", "bifurcation", "response"])
 def test_inputs(name, batch, command, same_build):
     """The files that show what there is, from both programs and again from the results."""
     path = str(ROOT / "inputs" / f"{name}.nml")

@@ -57,8 +57,7 @@ class Settled:
 
 
 def settle_chains(
-    parameters: _Array, load: float, starts: _Array, settling: int, keep: int, room: int,
-    threads: int, kick: float = 0.0,
+    parameters: _Array, load: float, starts: _Array, settling: int, keep: int, room: int, threads: int
 ) -> Settled:  # fmt: skip
     """Simulate chains: `parameters` (6, links, chains) from `starts` (5, chains)."""
     values, labels, found, periods, extremes, ends, status = _core.settle_chains(
@@ -67,7 +66,7 @@ def settle_chains(
         np.asfortranarray(starts),
         settling,
         keep,
-        kick,
+        0.0,
         room,
         threads,
     )
@@ -97,27 +96,9 @@ def column(osc: Oscillator, r: float, clearance: float) -> _Array:
     return np.array([r, clearance, osc.xi, osc.mu, *osc.restitution])
 
 
-def spread(dimensions: int, n: int) -> _Array:
-    """Points (dimensions, n) that fill the unit cube evenly: the same ones every time."""
-    golden = 1.0
-    for _ in range(60):
-        golden = (1 + golden) ** (1 / (dimensions + 1))
-    steps = golden ** -np.arange(1.0, dimensions + 1)
-    return np.mod(0.5 + steps[:, None] * np.arange(1, n + 1), 1.0)
-
-
 def scale(osc: Oscillator, r: float, clearance: float, load: float) -> float:
     """A length that initial states are spread over: that of the motion without impacts, within limits."""
-    amplitude = load / max(1e-300, math.hypot((1 - r) * (1 + r), 2 * osc.xi * r))
-    return min(max(amplitude, 0.5 * clearance), 3 * clearance)
-
-
-def spread_states(osc: Oscillator, r: float, clearance: float, load: float, n: int) -> _Array:
-    """Initial states (5, n) at t = 0, spread evenly in x, x', y, z'."""
-    size = scale(osc, r, clearance, load)
-    u = 2 * spread(4, n) - 1
-    x = size * u[0]
-    return np.array([np.zeros(n), x, size * u[1], x + 0.499 * clearance * u[2], size * u[3]])
+    return float(_core.spread_scale(osc.xi, r, load, clearance))
 
 
 def one_state(state: Mapping[str, float], clearance: float) -> _Array:
