@@ -623,26 +623,9 @@ subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, disc
       status)
 end subroutine lyapunov
 
-!> What chains of simulations settle on; rows of `parameters`: r, D, xi, mu, R1, R2, of `starts` and
-!! `ends`: t, x, x', z, z', of `periods`: load cycles, letters, impacts, rests.
-subroutine settle_chains(links, chains, parameters, load, starts, settling, keep, kick, room, &
-   threads, values, labels, found, periods, extremes, ends, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_attractor_settled, only: settle => settle_chains
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: links, chains, settling, keep, room, threads
-   real(c_double), intent(in) :: parameters(6, links, chains), load, starts(5, chains), kick
-   real(c_double), intent(out) :: values(7, room, links, chains), extremes(2, links, chains), &
-      ends(5, links, chains)
-   integer(c_int), intent(out) :: labels(2, room, links, chains), found(links, chains), &
-      periods(4, links, chains), status(links, chains)
-
-   call settle(parameters, load, starts, settling, keep, kick, threads, values, labels, found, &
-      periods, extremes, ends, status)
-end subroutine settle_chains
-
-!> What runs along a parameter settle on: arrays (.., values, runs), contents as of `settle_chains`.
+!> What runs along a parameter settle on: arrays (.., values, runs), per impact time, phase, x,
+!! x_dot and z_dot before and after, and kind and side; `periods`: load cycles, letters, impacts,
+!! rests.
 !!
 !! `directions` of the runs: 1 up, -1 down, 0 anew at each value; `start` is used if `started`.
 subroutine bifurcation(n, runs, xi, mu, walls, r, clearance, load, place, tied, along, directions, &
@@ -713,35 +696,42 @@ subroutine spread_scale(xi, r, load, clearance, length)
    length = scale_of(xi, r, load, clearance)
 end subroutine spread_scale
 
-!> To which of n known motions m states go (0: none).
+!> The attractors of m states (labels from 1, 0: not decided), n of them, by falling share.
 !!
-!! `middles` are the states of one event of each motion, (x, x', z', alpha) of an impact or (v,
-!! alpha) of a release; rows of `kinds` are side, release, cycles.
-subroutine basins(n, m, xi, mu, walls, r, load, clearance, kinds, middles, starts, cycles, &
-   threads, labels, impacts, ends, radii, contractions)
+!! Rows of `kinds`: kind, load cycles, letters; of `balls`: radius and contraction of the largest
+!! neighbourhood that decides, and the greatest multiplier or exponent.
+subroutine basins(m, most, room, xi, mu, walls, r, load, clearance, starts, cycles, probes, &
+   max_cycles, threads, labels, events, n, kinds, letters, states, balls)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_attractor_basin, only: decide
-   use vi_attractor_neighbourhood, only: find_neighbourhoods
-   use vi_attractor_target, only: target_type
+   use vi_attractor_catalogue, only: catalogue_type, label_states
+   use vi_attractor_known, only: ball
+   use vi_drive, only: new_drive
    use vi_oscillator, only: oscillator_type
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, m, kinds(3, n), cycles, threads
-   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, middles(4, n), starts(5, m)
-   integer(c_int), intent(out) :: labels(m), impacts(m)
-   real(c_double), intent(out) :: ends(5, m), radii(n), contractions(n)
-   type(target_type) :: targets(n)
-   integer :: i
+   integer(c_int), intent(in) :: m, most, room, cycles, probes, max_cycles, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, starts(5, m)
+   integer(c_int), intent(out) :: labels(m), n, kinds(3, most), letters(room, most)
+   real(c_double), intent(out) :: events, states(5, most), balls(3, most)
+   type(catalogue_type) :: catalogue
+   integer :: i, size_i
 
-   do i = 1, n
-      targets(i)%side = kinds(1, i)
-      targets(i)%release = kinds(2, i) /= 0
-      targets(i)%cycles = kinds(3, i)
-      targets(i)%middle = middles(:, i)
+   catalogue%drive = new_drive(oscillator_type(xi, mu, walls), r, load, clearance)
+   catalogue%max_cycles = max_cycles
+   catalogue%threads = threads
+   call label_states(catalogue, starts, cycles, probes, labels, events)
+   n = catalogue%n
+   kinds = 0
+   letters = 0
+   states = 0
+   balls = 0
+   do i = 1, min(n, most)
+      associate (known => catalogue%known(i))
+         size_i = min(size(known%letters), room)
+         kinds(:, i) = [known%kind, known%cycles, size(known%letters)]
+         letters(:size_i, i) = known%letters(:size_i)
+         states(:, i) = known%state
+         balls(:, i) = [ball(known), known%largest]
+      end associate
    end do
-   call find_neighbourhoods(oscillator_type(xi, mu, walls), r, load, clearance, targets, threads)
-   call decide(oscillator_type(xi, mu, walls), r, load, clearance, targets, starts, cycles, &
-      threads, labels, impacts, ends)
-   radii = targets%radius
-   contractions = targets%contraction
 end subroutine basins

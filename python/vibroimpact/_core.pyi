@@ -471,23 +471,6 @@ class _Lyapunov(Protocol):
     ) -> tuple[_Real, _Real, _Real, _Integer, _Real, _Integer]: ...
 
 @type_check_only
-class _SettleChains(Protocol):
-    # values, labels, found, periods, extremes, ends, status
-    def __call__(
-        self,
-        parameters: ArrayLike,
-        load: float,
-        starts: ArrayLike,
-        settling: int,
-        keep: int,
-        kick: float,
-        room: int,
-        threads: int,
-        links: int = ...,
-        chains: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Real, _Integer]: ...
-
-@type_check_only
 class _Bifurcation(Protocol):
     # impacts, labels, found, periods, extremes, status
     def __call__(
@@ -542,23 +525,24 @@ class _SpreadScale(Protocol):
 
 @type_check_only
 class _Basins(Protocol):
-    # labels, impacts, ends, radii, contractions
+    # labels, events, n, kinds, letters, states, balls
     def __call__(
         self,
+        most: int,
+        room: int,
         xi: float,
         mu: float,
         walls: ArrayLike,
         r: float,
         load: float,
         clearance: float,
-        kinds: ArrayLike,
-        middles: ArrayLike,
         starts: ArrayLike,
         cycles: int,
+        probes: int,
+        max_cycles: int,
         threads: int,
-        n: int = ...,
         m: int = ...,
-    ) -> tuple[_Integer, _Integer, _Real, _Real, _Real]: ...
+    ) -> tuple[_Integer, float, int, _Integer, _Integer, _Real, _Real]: ...
 
 periodic: _Periodic
 equispaced: _Equispaced
@@ -587,7 +571,6 @@ dense_ring: _DenseRing
 winding: _Winding
 survey: _Survey
 lyapunov: _Lyapunov
-settle_chains: _SettleChains
 bifurcation: _Bifurcation
 periodic_windows: _PeriodicWindows
 response: _Response

@@ -22,6 +22,7 @@ from .newton import exact
 from .progress import INTERVAL
 from .solve import equispaced, periodic
 from .studies.atlas import Atlas, atlas
+from .studies.basins import Basins, basins
 from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.branch import Branch, branch
 from .studies.lyapunov import Lyapunov, lyapunov
@@ -35,7 +36,7 @@ __all__ = ["RunLog", "run_namelists"]
 #: Kinds of cases.
 KINDS = (
     "periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas", "lyapunov",
-    "bifurcation", "response",
+    "bifurcation", "response", "basins",
 )  # fmt: skip
 
 
@@ -170,6 +171,19 @@ class Case(NamedTuple):
         line = np.linspace(keys["r_min"], keys["r_max"], keys["r_points"])
         return response(self.osc, line, **{name: keys[name] for name in names if name in keys})
 
+    def basins(self) -> Basins:
+        """The basins that a &basins case asks for."""
+        keys = self.keys
+        first, second = zip(
+            *(keys[name] for name in ("axes", "low", "high", "values")), strict=True
+        )
+        others = ("t", "x", "x_dot", "y", "z_dot")
+        fixed: dict[str, float] = {name: keys[name] for name in others if name in keys}
+        return basins(
+            self.osc, self.r, keys["clearance"], (first, second), fixed=fixed,
+            **{name: keys[name] for name in ("load", "cycles", "probes", "max_cycles")},
+        )  # fmt: skip
+
     def _values(self) -> dict[str, Any]:
         """The parameter of a line of points, if there is one, with its values."""
         keys = self.keys
@@ -220,7 +234,7 @@ def run_namelists(
     ----------
     paths : iterable of path
         Files with the groups &system, &motion, &simulate, &chart, &branch, &zone, &atlas,
-        &lyapunov, &bifurcation or &response, &output (see inputs/README.md), or earlier results.
+        &lyapunov, &bifurcation, &response or &basins, &output (see inputs/README.md), or earlier results.
     folder : path
         Made if it is not there.
     only : str, optional
@@ -306,9 +320,10 @@ def _case(keys: dict[str, Any]) -> Case:
 
 
 def _value(text: str) -> Any:
-    """A text, a number, or a list of numbers."""
+    """A text, a number, or a list of texts or numbers."""
     if text.startswith("'"):
-        return text[1:-1]
+        words = text[1:-1].split("', '")
+        return words if len(words) > 1 else words[0]
     numbers = [float(item) if "." in item else int(item) for item in text.split(", ")]
     return numbers if len(numbers) > 1 else numbers[0]
 

@@ -12,6 +12,7 @@ module vi_batch
    use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
    use vi_report_chart, only: chart_lines
    use vi_run_atlas, only: run_atlas
+   use vi_run_basins, only: run_basins
    use vi_run_bifurcation, only: run_bifurcation
    use vi_run_branch, only: run_branch
    use vi_run_lyapunov, only: run_lyapunov
@@ -72,6 +73,8 @@ contains
             call run_lyapunov(cases(i), folder, log, written)
          case ('bifurcation')
             call run_bifurcation(cases(i), folder, log, written)
+         case ('basins')
+            call run_basins(cases(i), folder, log, written)
          case ('response')
             call run_response(cases(i), folder, log, written)
          case ('branch')

@@ -7,6 +7,7 @@
 module vi_case
    use vi_case_atlas, only: take_atlas
    use vi_case_attractor, only: take_bifurcation, take_lyapunov
+   use vi_case_basins, only: take_basins
    use vi_case_branch, only: take_branch, take_start
    use vi_case_chart, only: take_chart
    use vi_case_motion, only: take_motion
@@ -115,6 +116,8 @@ contains
          call take_lyapunov(groups(1), case, line, message)
       case ('bifurcation')
          call take_bifurcation(groups(1), case, line, message)
+      case ('basins')
+         call take_basins(groups(1), case, line, message)
       case ('response')
          call take_response(groups(1), case, line, message)
       case default

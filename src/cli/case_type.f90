@@ -16,7 +16,7 @@ module vi_case_type
       real(wp) :: r = 0
       !> 'periodic' (phases given), 'equispaced' (clearance given), 'exact' (clearance given, phases
       !! guessed), 'simulate', 'chart', 'branch', 'zone', 'atlas',
-      !! 'lyapunov', 'bifurcation' or 'response'
+      !! 'lyapunov', 'bifurcation', 'response' or 'basins'
       character(:), allocatable :: kind
       !> The kind of the motion, also of that which a branch starts from.
       character(:), allocatable :: motion_kind

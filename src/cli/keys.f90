@@ -11,8 +11,8 @@ module vi_keys
    public :: complain, forbid, given, group_list, has_own_r, makes_case, read_group
 
    !> The groups that ask for a result.
-   character(11), parameter :: case_groups(9) = [character(11) :: 'motion', 'simulate', 'chart', &
-      'branch', 'zone', 'atlas', 'lyapunov', 'bifurcation', 'response']
+   character(11), parameter :: case_groups(10) = [character(11) :: 'motion', 'simulate', 'chart', &
+      'branch', 'zone', 'atlas', 'lyapunov', 'bifurcation', 'response', 'basins']
 
 contains
 

@@ -73,6 +73,9 @@ contains
       case ('bifurcation')
          text = 'parameter, low, high, values, clearance, sweep, states, load, settling, keep, &
             &points, t, x, x_dot, z, z_dot'
+      case ('basins')
+         text = 'clearance, axes, low, high, values, t, x, x_dot, y, z_dot, load, cycles, probes, &
+            &max_cycles'
       case ('response')
          text = 'r_min, r_max, r_points, clearance, inverse_clearance, states, load, settling, keep'
       case default

@@ -13,6 +13,7 @@ import vibroimpact as vi
 from programs import ROOT, contents, rows, write
 from vibroimpact.run import read_namelist
 
+TABLE = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
 EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
 WALLS = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"
 FREE = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
@@ -30,6 +31,12 @@ DIAGRAM = f"""{EQUAL}&bifurcation parameter = 'clearance'
 """
 RESPONSE = f"""{FREE}&response inverse_clearance = 0.03, states = 3
   r_min = 1.0, r_max = 1.04, r_points = 5
+/
+"""
+PLANE = f"""{TABLE}&basins clearance = 37
+  axes = 'x', 'x_dot'
+  low = -30, -30, high = 30, 30, values = 8, 9
+  probes = 50
 /
 """
 
@@ -204,7 +211,8 @@ def compare_diagram(table, result):
                    "parameter = 'r2', low = 0.5, high = 1, values = 4",
                    "parameter = 'restitution', low = 0, high = 1, values = 4")],
     f"{FREE}&bifurcation parameter = 'r', low = 0.9, high = 1.1, values = 4, clearance = 20, settling = 50 /\n",
-    f"{WALLS}&bifurcation parameter = 'clearance', low = 5, high = 8, values = 3, sweep = 'states', states = 5 /\n",
+    f"{WALLS}&bifurcation parameter = 'clearance', low = 5, high = 8, values = 3, sweep = 'states', states = 5"
+    " /\n",
 ])  # fmt: skip
 def test_diagrams_of_the_api(text, batch, command, same_build):
     table = both(text, batch, command)
@@ -315,6 +323,130 @@ def test_bad_response(old, new, wanted, line, batch):
     refused(RESPONSE.replace(old, new, 1), "response", wanted, line, batch)
 
 
+def told(path):
+    """What the header says of each attractor: name, kind, share, greatest multiplier or exponent."""
+    pattern = (
+        r"# ! (\d+): (.+) \((.+)\), share (\S+?)(?:, (?:greatest|largest)[^,;]* (\S+?))?[,;].*"
+    )
+    found = [re.fullmatch(pattern, line) for line in path.read_text().split("\n")]
+    return [item.groups() for item in found if item]
+
+
+@pytest.mark.parametrize("text", [
+    PLANE,
+    PLANE.replace("'x', 'x_dot'", "'y', 'Z_dot'").replace("probes", "t = 1, x = 3, x_dot = -2, probes")
+    .replace("30", "3"),
+    PLANE.replace("= 37", "= 25, load = 0.7").replace("'x_dot'", "'t'"),
+    PLANE.replace(TABLE, WALLS).replace("= 37", "= 6"),
+    PLANE.replace(TABLE, EQUAL).replace("= 37", "= 72, cycles = 300").replace("8, 9", "4, 3"),
+])  # fmt: skip
+def test_basins_of_the_api(text, batch, command, same_build):
+    table = both(text, batch, command)
+    result = case_of(batch).basins()
+    for name, values in zip(("t", "x", "x_dot", "z", "z_dot"), result.states, strict=True):
+        assert column(table, name).tolist() == values.ravel().tolist()
+    assert column(table, "label").tolist() == result.labels.ravel().tolist()
+    names = [*(item.name for item in result.attractors), ""]
+    assert [row["attractor"] for row in table] == [names[i] for i in result.labels.ravel()]
+    said = told(batch.cwd / "results/case.csv")
+    assert [(item[1], item[2]) for item in said] == [
+        (item.name, item.kind) for item in result.attractors
+    ]
+    assert [float(item[3]) for item in said] == result.fractions.tolist()
+    for item, attractor in zip(said, result.attractors, strict=True):
+        if attractor.motion is not None:
+            # the derivative of the simulation, and [P] of the exact motion
+            largest = abs(attractor.motion.multipliers).max()
+            assert float(item[4]) == pytest.approx(largest, rel=1e-6)
+        elif attractor.lyapunov is not None:
+            assert float(item[4]) == attractor.lyapunov.per_cycle[0]
+
+
+def test_shares_sum_to_one(batch):
+    """... and are those of the labels; the attractors come by falling share."""
+    assert batch.case(PLANE).status == 0
+    shares = [float(item[3]) for item in told(batch.cwd / "results/case.csv")]
+    labels = [int(row["label"]) for row in rows(batch.cwd / "results/case.csv")]
+    assert sum(shares) == pytest.approx(1, abs=1e-15)
+    assert shares == sorted(shares, reverse=True)
+    assert shares == [labels.count(i) / len(labels) for i in range(len(shares))]
+
+
+def test_attractors_are_motions(batch):
+    """The greatest multiplier is that of the motion that &motion finds."""
+    motion = "&motion kind = 'exact', sides = 'RL', clearance = 37, phases_over_pi = 0, 1.37 /\n"
+    assert batch.case(TABLE + motion + PLANE.replace(TABLE, "")).status == 0
+    row = rows(batch.cwd / "results/case_1.csv")[0]
+    moduli = [
+        math.hypot(float(row[f"multiplier_{i}_re"]), float(row[f"multiplier_{i}_im"]))
+        for i in range(1, 5)
+    ]
+    said = {item[1]: float(item[4]) for item in told(batch.cwd / "results/case_2.csv") if item[4]}
+    for name in ("RL/1 (1)", "RL/1 (2)"):
+        assert said[name] == pytest.approx(max(moduli), rel=1e-7)
+
+
+def test_mirror_images_go_to_mirror_images(batch):
+    """States near an attractor go to it; their mirror images half a load cycle later to its own."""
+    plane = PLANE.replace(TABLE, EQUAL).replace("= 37", "= 14").replace("8, 9", "3, 3")
+    assert batch.case(plane).status == 0
+    header = (batch.cwd / "results/case.csv").read_text()
+    said = re.search(r"# ! 0: (\S+) .*; t, x, x_dot, z, z_dot = (.*)", header)
+    t, x, x_dot, z, z_dot = (float(item) for item in said[2].split(", "))
+    text = EQUAL
+    for s, later in ((1, 0.0), (-1, math.pi / 1.04)):
+        text += (
+            "&basins clearance = 14, axes = 'x', 'x_dot', values = 3, 3\n"
+            f"low = {s * x - 0.02!r}, {s * x_dot - 0.02!r}, high = {s * x + 0.02!r}, {s * x_dot + 0.02!r}\n"
+            f"t = {t + later!r}, y = {s * (z - x)!r}, z_dot = {s * z_dot!r} /\n"
+        )
+    assert batch.case(text).status == 0
+    here, there = (
+        {row["attractor"] for row in rows(batch.cwd / f"results/case_{i}.csv")} for i in (1, 2)
+    )
+    assert here == {said[1]}
+    assert here | there == {"RRL/1", "RLL/1"}
+    assert len(there) == 1
+
+
+def test_what_never_settles_is_not_decided(batch, command):
+    """Free vibration dies out for ever: nothing is written, status 1."""
+    done = batch.case(PLANE.replace("probes", "load = 0, cycles = 50, probes"))
+    assert (done.status, done.out) == (1, b"")
+    assert done.faults == ["case: 72 of 72 states not decided"]
+    assert command("case.nml", "-o", "command") == done
+    assert list(contents(batch.cwd)) == ["case.nml"]
+
+
+BAD_PLANE = [
+    *[("axes = 'x', 'x_dot'", f"axes = {v}", "two of 'x', 'x_dot', 'y'", 3)
+      for v in ("'x'", "'x', 'x'", "'x', 'q'", "'', 'x'", "x, y", "'x', 'y', 't'", "'z', 'x'")],
+    *[("low = -30, -30", f"low = {v}", "two finite numbers", 4)
+      for v in ("-30", "nan, 1", "1, 2, 3", "-inf, -30", "30, -30", "-30, 31")],
+    *[("high = 30, 30", f"high = {v}", "two finite numbers", 4) for v in ("30", "30, -30", "30, inf")],
+    *[("values = 8, 9", f"values = {v}", "two whole numbers", 4)
+      for v in ("8", "8, 1", "1, 9", "8, 9, 9", "8.5, 9", "100001, 2")],
+    ("values = 8, 9", "values = 100000, 100000", "together at most 12500000 states", 4),
+    *[("clearance = 37", f"clearance = {v}", "1e-12 <= clearance", 2) for v in ("0", "nan", "1e13", "-1")],
+    ("clearance = 37", "", "clearance: is missing", 2),
+    ("'x', 'x_dot'", "'y', 'x_dot'", "y must be within half the clearance", 4),
+    *[("probes = 50", f"probes = {v}", "1 <= probes", 5) for v in ("0", "1e2", "2000000")],
+    *[("probes = 50", f"cycles = {v}", "1 <= cycles <= 10000000", 5) for v in ("0", "20000000")],
+    *[("probes = 50", f"max_cycles = {v}", "1 <= max_cycles <= 100", 5) for v in ("0", "101")],
+    ("probes = 50", "load = -1", "0 <= load", 5),
+    ("probes = 50", "t = nan", "a finite number", 5),
+    ("probes = 50", "y = 18.6", "y must be within half the clearance", 5),
+    ("probes = 50", "x = 3", "x = 3: must be left out: it is an axis", 5),
+    ("probes = 50", "z = 3", "is not a key of &basins; must be one of clearance, axes", 5),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_PLANE)
+def test_bad_plane(old, new, wanted, line, batch):
+    assert old in PLANE
+    refused(PLANE.replace(old, new, 1), "basins", wanted, line, batch)
+
+
 def test_resonance_without_damping(batch):
     undamped = FREE.replace("0.0114", "0")
     refused(undamped + RESPONSE.replace(FREE, ""), "response", "r = 1 with xi = 0", 3, batch)
@@ -332,9 +464,16 @@ def test_defaults_are_those_of_the_api(tmp_path):
     text = (
         f"{EQUAL}&lyapunov clearance = 9 /\n&bifurcation {line} /\n&bifurcation {line}, sweep = 'states' /\n"
         "&response r_min = 1, r_max = 2, r_points = 2, clearance = 9 /\n"
+        "&basins clearance = 9, axes = 'x', 'x_dot', low = 2*0, high = 2*1, values = 2*2 /\n"
     )
     cases = read_namelist(write(tmp_path / "case.nml", text))
-    functions = (vi.lyapunov, vi.bifurcation_diagram, vi.bifurcation_diagram, vi.response)
+    functions = (
+        vi.lyapunov,
+        vi.bifurcation_diagram,
+        vi.bifurcation_diagram,
+        vi.response,
+        vi.basins,
+    )
     compared = 0
     for case, function in zip(cases, functions, strict=True):
         for name, item in inspect.signature(function).parameters.items():
@@ -343,7 +482,7 @@ def test_defaults_are_those_of_the_api(tmp_path):
                     "states" if case is cases[2] and name == "sweep" else item.default
                 )
                 compared += 1
-    assert compared == 4 + 5 + 6 + 4
+    assert compared == 4 + 5 + 6 + 4 + 4
 
 
 @pytest.mark.parametrize("program", ["batch", "command"])
@@ -371,7 +510,7 @@ def test_interrupt_leaves_whole_items(program, request):
     assert contents(run.cwd / "again") == contents(run.cwd / "out")
 
 
-@pytest.mark.parametrize("name", ["lyapunov", "bifurcation", "response"])
+@pytest.mark.parametrize("name", ["lyapunov", "bifurcation", "response", "basins"])
 def test_inputs(name, batch, command, same_build):
     """The files that show what there is, from both programs and again from the results."""
     path = str(ROOT / "inputs" / f"{name}.nml")
