@@ -99,7 +99,8 @@ contains
 
       call read_group(groups(1), raw, line, message)
       if (len(message) > 0) return
-      case%attractor = raw%attractor
+      if (any(groups(1)%name == [character(11) :: 'lyapunov', 'bifurcation', 'response', &
+         'basins'])) allocate (case%attractor, source=raw%attractor)
       if (groups(1)%name /= 'motion') case%kind = groups(1)%name
       select case (groups(1)%name)
       case ('motion')

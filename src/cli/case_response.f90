@@ -6,6 +6,7 @@ module vi_case_response
    use vi_keys, only: complain, forbid, given
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
+   use vi_raw, only: is_blank
    use vi_text, only: whole
    use vi_window, only: even, most_numbers
    implicit none (type, external)
@@ -55,7 +56,9 @@ contains
       type(case_type), intent(in) :: case
 
       clearance = case%attractor%clearance
-      if (case%attractor%inverse_clearance > 0) clearance = 1/case%attractor%inverse_clearance
+      associate (inverse => case%attractor%inverse_clearance)
+         if (.not. is_blank(inverse)) clearance = 1/inverse
+      end associate
    end function response_clearance
 
 end module vi_case_response

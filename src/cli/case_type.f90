@@ -44,7 +44,7 @@ module vi_case_type
       !> Of an atlas.
       type(atlas_request_type) :: atlas
       !> Of a study of attractors, its keys as they were read.
-      type(attractor_keys_type) :: attractor
+      type(attractor_keys_type), allocatable :: attractor
       !> Of a bifurcation diagram: 'up', 'down', 'both' or 'states', and whether a state was given.
       character(:), allocatable :: sweep
       logical :: started = .false.

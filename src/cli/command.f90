@@ -2,7 +2,6 @@
 module vi_command
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use vi_batch, only: done, failed, log_type, run_file, wrong
-   use vi_keys, only: group_list
    use vi_text, only: append, line_type
    use vi_version, only: version
    implicit none (type, external)
@@ -102,8 +101,8 @@ contains
          'that namelist files ask for and writes each case to DIR/NAME.csv and, if it asks', &
          'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
          'input that reproduces it.', &
-         'Groups: &system, &output and, for each case,', &
-         group_list('')//'; see inputs/README.md.', &
+         'Groups: &system, &output and, for each case, &motion, &simulate, &chart, &branch,', &
+         '&zone, &atlas, &lyapunov, &bifurcation, &response or &basins; see inputs/README.md.', &
          '', &
          'example: vibroimpact-batch inputs/table1.nml -o results', &
          '', &

@@ -2,6 +2,7 @@
 module vi_echo_attractors
    use vi_case_basins, only: axis_names, fixed_value
    use vi_case_type, only: case_type
+   use vi_raw, only: is_blank
    use vi_text, only: append, exact, line_type, whole
    implicit none (type, external)
    private
@@ -36,10 +37,10 @@ contains
             call append(lines, '#   r_min = '//exact(a%r_min))
             call append(lines, '#   r_max = '//exact(a%r_max))
             call append(lines, '#   r_points = '//whole(a%r_points))
-            if (a%inverse_clearance > 0) then
-               call append(lines, '#   inverse_clearance = '//exact(a%inverse_clearance))
-            else
+            if (is_blank(a%inverse_clearance)) then
                call append(lines, '#   clearance = '//exact(a%clearance))
+            else
+               call append(lines, '#   inverse_clearance = '//exact(a%inverse_clearance))
             end if
             call echo_settling(case, lines)
          end select
