@@ -625,10 +625,10 @@ subroutine survey(m, most_letters, xi, mu, walls, r, clearance, settling, most_c
    end do
 end subroutine survey
 
-!> Lyapunov exponents (per unit of time) at m points, of all batches and of each; `ranks`
-!! of them are finite.
+!> Lyapunov exponents (per unit of time) at m points, their standard errors, and Kaplan and Yorke's
+!! dimension.
 subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, discard, cycles, &
-   batches, threads, exponents, ranks, counts, errors, status)
+   batches, threads, exponents, deviations, dimensions, counts, errors, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_attractor_lyapunov, only: lyapunov_points
    use vi_oscillator, only: oscillator_type
@@ -636,61 +636,123 @@ subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, disc
    !f2py threadsafe
    integer(c_int), intent(in) :: m, contacts(3, m), discard, cycles, batches, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r(m), load(m), clearance(m), states(7, m)
-   real(c_double), intent(out) :: exponents(4, batches + 1, m), errors(m)
-   integer(c_int), intent(out) :: ranks(m), counts(2, m), status(m)
+   real(c_double), intent(out) :: exponents(4, m), deviations(4, m), dimensions(m), errors(m)
+   integer(c_int), intent(out) :: counts(2, m), status(m)
 
    call lyapunov_points(oscillator_type(xi, mu, walls), r, load, clearance, states, contacts, &
-      discard, cycles, threads, exponents, ranks, counts, errors, status)
+      discard, cycles, batches, threads, exponents, deviations, dimensions, counts, errors, &
+      status)
 end subroutine lyapunov
 
-!> What chains of simulations settle on; rows of `parameters`: r, D, xi, mu, R1, R2, of `starts` and
-!! `ends`: t, x, x', z, z', of `periods`: load cycles, letters, impacts, rests.
-subroutine settle_chains(links, chains, parameters, load, starts, settling, keep, kick, room, &
-   threads, values, labels, found, periods, extremes, ends, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_attractor_settled, only: settle => settle_chains
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: links, chains, settling, keep, room, threads
-   real(c_double), intent(in) :: parameters(6, links, chains), load, starts(5, chains), kick
-   real(c_double), intent(out) :: values(7, room, links, chains), extremes(2, links, chains), &
-      ends(5, links, chains)
-   integer(c_int), intent(out) :: labels(2, room, links, chains), found(links, chains), &
-      periods(4, links, chains), status(links, chains)
-
-   call settle(parameters, load, starts, settling, keep, kick, threads, values, labels, found, &
-      periods, extremes, ends, status)
-end subroutine settle_chains
-
-!> To which of n known motions m states go (0: none).
+!> What runs along a parameter settle on: arrays (.., values, runs), per impact time, phase, x,
+!! x_dot and z_dot before and after, and kind and side; `periods`: load cycles, letters, impacts,
+!! rests.
 !!
-!! `middles` are the states of one event of each motion, (x, x', z', alpha) of an impact or (v,
-!! alpha) of a release; rows of `kinds` are side, release, cycles.
-subroutine basins(n, m, xi, mu, walls, r, load, clearance, kinds, middles, starts, cycles, &
-   threads, labels, impacts, ends, radii, contractions)
+!! `directions` of the runs: 1 up, -1 down, 0 anew at each value; `start` is used if `started`.
+subroutine bifurcation(n, runs, xi, mu, walls, r, clearance, load, place, tied, along, directions, &
+   started, start, settling, keep, points, threads, impacts, labels, found, periods, extremes, &
+   status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_attractor_basin, only: decide
-   use vi_attractor_neighbourhood, only: find_neighbourhoods
-   use vi_attractor_target, only: target_type
+   use vi_attractor_diagram, only: diagram, diagram_type, path_type
    use vi_oscillator, only: oscillator_type
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, m, kinds(3, n), cycles, threads
-   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, middles(4, n), starts(5, m)
-   integer(c_int), intent(out) :: labels(m), impacts(m)
-   real(c_double), intent(out) :: ends(5, m), radii(n), contractions(n)
-   type(target_type) :: targets(n)
-   integer :: i
+   integer(c_int), intent(in) :: n, runs, place, tied, directions(runs), started, settling, keep, &
+      points, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r, clearance, load, along(n), start(5)
+   real(c_double), intent(out) :: impacts(7, points, n, runs), extremes(2, n, runs)
+   integer(c_int), intent(out) :: labels(2, points, n, runs), found(n, runs), &
+      periods(4, n, runs), status(n, runs)
+   type(diagram_type) :: result
 
-   do i = 1, n
-      targets(i)%side = kinds(1, i)
-      targets(i)%release = kinds(2, i) /= 0
-      targets(i)%cycles = kinds(3, i)
-      targets(i)%middle = middles(:, i)
+   call diagram(path_type(oscillator_type(xi, mu, walls), r, clearance, load, place, tied /= 0, &
+      along), directions, start(:merge(5, 0, started /= 0)), settling, keep, points, threads, &
+      result)
+   impacts = result%impacts
+   labels = result%labels
+   found = result%found
+   periods = result%periods
+   extremes = result%extremes
+   status = result%status
+end subroutine bifurcation
+
+!> Stretches of a run (load cycles and letters of the period at each value) that keep both: places
+!! from 1, of `windows` of them.
+subroutine periodic_windows(n, periods, first, last, windows)
+   use, intrinsic :: iso_c_binding, only: c_int
+   use vi_attractor_diagram, only: find_windows
+   implicit none (type, external)
+   integer(c_int), intent(in) :: n, periods(2, n)
+   integer(c_int), intent(out) :: first(n), last(n), windows
+
+   call find_windows(periods, first, last, windows)
+end subroutine periodic_windows
+
+!> max|X|/A of what initial states settle on at n points, with its least and greatest value;
+!! `periods` as of `settle_chains`.
+subroutine response(n, states, xi, mu, walls, r, clearance, load, settling, keep, threads, &
+   attenuation, envelope, periods, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_response, only: respond
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, states, settling, keep, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(n), load
+   real(c_double), intent(out) :: attenuation(states, n), envelope(2, n)
+   integer(c_int), intent(out) :: periods(4, states, n), status(states, n)
+
+   call respond(oscillator_type(xi, mu, walls), r, clearance, load, settling, keep, threads, &
+      attenuation, envelope, periods, status)
+end subroutine response
+
+!> A length that initial states are spread over.
+subroutine spread_scale(xi, r, load, clearance, length)
+   use, intrinsic :: iso_c_binding, only: c_double
+   use vi_attractor_spread, only: scale_of => spread_scale
+   implicit none (type, external)
+   real(c_double), intent(in) :: xi, r, load, clearance
+   real(c_double), intent(out) :: length
+
+   length = scale_of(xi, r, load, clearance)
+end subroutine spread_scale
+
+!> The attractors of m states (labels from 1, 0: not decided), n of them, by falling share.
+!!
+!! Rows of `kinds`: kind, load cycles, letters; of `balls`: radius and contraction of the largest
+!! neighbourhood that decides, and the greatest multiplier or exponent.
+subroutine basins(m, most, room, xi, mu, walls, r, load, clearance, starts, cycles, probes, &
+   max_cycles, threads, labels, events, n, kinds, letters, states, balls)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_catalogue, only: catalogue_type, label_states
+   use vi_attractor_known, only: ball
+   use vi_drive, only: new_drive
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, most, room, cycles, probes, max_cycles, threads
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, starts(5, m)
+   integer(c_int), intent(out) :: labels(m), n, kinds(3, most), letters(room, most)
+   real(c_double), intent(out) :: events, states(5, most), balls(3, most)
+   type(catalogue_type) :: catalogue
+   integer :: i, size_i
+
+   catalogue%drive = new_drive(oscillator_type(xi, mu, walls), r, load, clearance)
+   catalogue%max_cycles = max_cycles
+   catalogue%threads = threads
+   call label_states(catalogue, starts, cycles, probes, labels, events)
+   n = catalogue%n
+   kinds = 0
+   letters = 0
+   states = 0
+   balls = 0
+   do i = 1, min(n, most)
+      associate (known => catalogue%known(i))
+         size_i = min(size(known%letters), room)
+         kinds(:, i) = [known%kind, known%cycles, size(known%letters)]
+         letters(:size_i, i) = known%letters(:size_i)
+         states(:, i) = known%state
+         balls(:, i) = [ball(known), known%largest]
+      end associate
    end do
-   call find_neighbourhoods(oscillator_type(xi, mu, walls), r, load, clearance, targets, threads)
-   call decide(oscillator_type(xi, mu, walls), r, load, clearance, targets, starts, cycles, &
-      threads, labels, impacts, ends)
-   radii = targets%radius
-   contractions = targets%contraction
 end subroutine basins

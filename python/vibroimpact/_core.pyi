@@ -474,7 +474,7 @@ __f2py_numpy_version__: str
 
 @type_check_only
 class _Lyapunov(Protocol):
-    # exponents, ranks, counts, errors, status
+    # exponents, deviations, dimensions, counts, errors, status
     def __call__(
         self,
         xi: float,
@@ -490,44 +490,81 @@ class _Lyapunov(Protocol):
         batches: int,
         threads: int,
         m: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, _Real, _Integer]: ...
+    ) -> tuple[_Real, _Real, _Real, _Integer, _Real, _Integer]: ...
 
 @type_check_only
-class _SettleChains(Protocol):
-    # values, labels, found, periods, extremes, ends, status
-    def __call__(
-        self,
-        parameters: ArrayLike,
-        load: float,
-        starts: ArrayLike,
-        settling: int,
-        keep: int,
-        kick: float,
-        room: int,
-        threads: int,
-        links: int = ...,
-        chains: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Real, _Integer]: ...
-
-@type_check_only
-class _Basins(Protocol):
-    # labels, impacts, ends, radii, contractions
+class _Bifurcation(Protocol):
+    # impacts, labels, found, periods, extremes, status
     def __call__(
         self,
         xi: float,
         mu: float,
         walls: ArrayLike,
         r: float,
-        load: float,
         clearance: float,
-        kinds: ArrayLike,
-        middles: ArrayLike,
-        starts: ArrayLike,
-        cycles: int,
+        load: float,
+        place: int,
+        tied: int,
+        along: ArrayLike,
+        directions: ArrayLike,
+        started: int,
+        start: ArrayLike,
+        settling: int,
+        keep: int,
+        points: int,
         threads: int,
         n: int = ...,
+        runs: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Integer]: ...
+
+@type_check_only
+class _PeriodicWindows(Protocol):
+    # first, last, windows
+    def __call__(self, periods: ArrayLike, n: int = ...) -> tuple[_Integer, _Integer, int]: ...
+
+@type_check_only
+class _Response(Protocol):
+    # attenuation, envelope, periods, status
+    def __call__(
+        self,
+        states: int,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        load: float,
+        settling: int,
+        keep: int,
+        threads: int,
+        n: int = ...,
+    ) -> tuple[_Real, _Real, _Integer, _Integer]: ...
+
+@type_check_only
+class _SpreadScale(Protocol):
+    # length
+    def __call__(self, xi: float, r: float, load: float, clearance: float) -> float: ...
+
+@type_check_only
+class _Basins(Protocol):
+    # labels, events, n, kinds, letters, states, balls
+    def __call__(
+        self,
+        most: int,
+        room: int,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        starts: ArrayLike,
+        cycles: int,
+        probes: int,
+        max_cycles: int,
+        threads: int,
         m: int = ...,
-    ) -> tuple[_Integer, _Integer, _Real, _Real, _Real]: ...
+    ) -> tuple[_Integer, float, int, _Integer, _Integer, _Real, _Real]: ...
 
 periodic: _Periodic
 stability_flags: _StabilityFlags
@@ -557,5 +594,8 @@ dense_ring: _DenseRing
 winding: _Winding
 survey: _Survey
 lyapunov: _Lyapunov
-settle_chains: _SettleChains
+bifurcation: _Bifurcation
+periodic_windows: _PeriodicWindows
+response: _Response
+spread_scale: _SpreadScale
 basins: _Basins

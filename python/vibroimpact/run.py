@@ -20,7 +20,11 @@ from .motion import Motion
 from .newton import exact
 from .solve import equispaced, periodic
 from .studies.atlas import Atlas, atlas
+from .studies.basins import Basins, basins
+from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.branch import Branch, branch
+from .studies.lyapunov import Lyapunov, lyapunov
+from .studies.response import Response, response
 from .studies.zone import Zone, zone
 from .trajectory import Trajectory, simulate
 
@@ -28,7 +32,10 @@ __all__ = ["RunLog", "run_namelists"]
 
 
 #: Kinds of cases.
-KINDS = ("periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas")
+KINDS = (
+    "periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas", "lyapunov",
+    "bifurcation", "response", "basins",
+)  # fmt: skip
 
 
 class Case(NamedTuple):
@@ -38,10 +45,10 @@ class Case(NamedTuple):
     ----------
     name : str
         Of the result.
-    kind : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas"}
+    kind : one of KINDS
     osc : Oscillator
     r : float or None
-        A chart, a zone and an atlas have a window of them.
+        Of a case that has several, None.
     keys : dict
         All other keys of its groups, with the values of those that were missing; of a branch also
         motion_kind, the kind of its &motion.
@@ -134,13 +141,64 @@ class Case(NamedTuple):
             **{name: keys[name] for name in limits}, progress=progress,
         )  # fmt: skip
 
+    def lyapunov(self) -> Lyapunov:
+        """The exponents that a &lyapunov case asks for."""
+        keys = self.keys
+        line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
+        return lyapunov(
+            self.osc, line["r"], line["clearance"], keys["cycles"], self._state(), keys["load"],
+            keys["discard"], keys["batches"],
+        )  # fmt: skip
+
+    def bifurcation(self) -> BifurcationDiagram:
+        """The diagram that a &bifurcation case asks for."""
+        keys = self.keys
+        line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
+        values = line[keys["parameter"]]
+        others = {name: line[name] for name in ("r", "clearance") if name != keys["parameter"]}
+        limits = ("sweep", "states", "load", "settling", "keep", "points")
+        return bifurcation_diagram(
+            self.osc, keys["parameter"], values, **others, state=self._state() if "t" in keys else None,
+            **{name: keys[name] for name in limits if name in keys},
+        )  # fmt: skip
+
+    def response(self) -> Response:
+        """The response that a &response case asks for."""
+        keys = self.keys
+        names = ("clearance", "inverse_clearance", "states", "load", "settling", "keep")
+        line = np.linspace(keys["r_min"], keys["r_max"], keys["r_points"])
+        return response(self.osc, line, **{name: keys[name] for name in names if name in keys})
+
+    def basins(self) -> Basins:
+        """The basins that a &basins case asks for."""
+        keys = self.keys
+        first, second = zip(
+            *(keys[name] for name in ("axes", "low", "high", "values")), strict=True
+        )
+        others = ("t", "x", "x_dot", "y", "z_dot")
+        fixed: dict[str, float] = {name: keys[name] for name in others if name in keys}
+        return basins(
+            self.osc, self.r, keys["clearance"], (first, second), fixed=fixed,
+            **{name: keys[name] for name in ("load", "cycles", "probes", "max_cycles")},
+        )  # fmt: skip
+
+    def _values(self) -> dict[str, Any]:
+        """The parameter of a line of points, if there is one, with its values."""
+        keys = self.keys
+        if "parameter" not in keys:
+            return {}
+        return {keys["parameter"]: np.linspace(keys["low"], keys["high"], keys["values"])}
+
+    def _state(self) -> dict[str, float]:
+        """The initial state."""
+        return {name: self.keys[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
+
     def trajectory(self) -> Trajectory:
         """The simulation that a &simulate case asks for."""
         keys = self.keys
-        state = {name: keys[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
         return simulate(
-            self.osc, self.r, keys["clearance"], keys["cycles"], state, keys["load"], keys["discard"],
-            keys["max_events"],
+            self.osc, self.r, keys["clearance"], keys["cycles"], self._state(), keys["load"],
+            keys["discard"], keys["max_events"],
         )  # fmt: skip
 
 
@@ -173,11 +231,11 @@ def run_namelists(
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion, &simulate, &chart, &branch, &zone or &atlas,
-        &output (see inputs/README.md), or earlier results.
+        Files with the groups &system, &motion, &simulate, &chart, &branch, &zone, &atlas,
+        &lyapunov, &bifurcation, &response or &basins, &output (see inputs/README.md), or earlier results.
     folder : path
         Made if it is not there.
-    only : {"periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas"}, optional
+    only : str, optional
         The one kind of cases to run; a file without any is then an input that is wrong.
     progress : callable, optional
         Called a few times a second with the share that is done of the zones and atlases begun.
@@ -243,7 +301,7 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
             cases.append({})
         elif group and key == "&branch":
             cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
-        elif group and key in ("&motion", "&simulate", "&chart", "&zone", "&atlas"):
+        elif group and key != "&output":
             cases[-1].setdefault("kind", key[1:])
         elif equals and not key.startswith("!"):
             cases[-1][key] = _value(value)
@@ -258,9 +316,10 @@ def _case(keys: dict[str, Any]) -> Case:
 
 
 def _value(text: str) -> Any:
-    """A text, a number, or a list of numbers."""
+    """A text, a number, or a list of texts or numbers."""
     if text.startswith("'"):
-        return text[1:-1]
+        words = text[1:-1].split("', '")
+        return words if len(words) > 1 else words[0]
     numbers = [float(item) if "." in item else int(item) for item in text.split(", ")]
     return numbers if len(numbers) > 1 else numbers[0]
 

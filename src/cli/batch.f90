@@ -12,7 +12,11 @@ module vi_batch
    use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
    use vi_report_chart, only: chart_lines
    use vi_run_atlas, only: run_atlas
+   use vi_run_basins, only: run_basins
+   use vi_run_bifurcation, only: run_bifurcation
    use vi_run_branch, only: run_branch
+   use vi_run_lyapunov, only: run_lyapunov
+   use vi_run_response, only: run_response
    use vi_run_zone, only: run_zone
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
@@ -65,6 +69,14 @@ contains
             call run_zone(cases(i), folder, log, written, tally)
          case ('atlas')
             call run_atlas(cases(i), folder, log, written, tally)
+         case ('lyapunov')
+            call run_lyapunov(cases(i), folder, log, written)
+         case ('bifurcation')
+            call run_bifurcation(cases(i), folder, log, written)
+         case ('basins')
+            call run_basins(cases(i), folder, log, written)
+         case ('response')
+            call run_response(cases(i), folder, log, written)
          case ('branch')
             call compute(cases(i), motions)
             call run_branch(cases(i), motions, folder, log, written)

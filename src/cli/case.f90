@@ -1,20 +1,24 @@
 !> The cases of a namelist file, checked.
 !!
-!! Each `&motion`, `&simulate`, `&chart`, `&branch`, `&zone` and `&atlas` makes a case. It uses the
-!! `&system` before it, and the `&output` that follows it, if one does. A `&branch` starts from the
+!! Each group but `&system` and `&output` makes a case. It uses the `&system` before it, and the
+!! `&output` that follows it, if one does. A `&branch` starts from the
 !! `&motion` before it; a `&motion` with a `&branch` right behind it is this start and nothing else.
 !! The ranges are those of the Python package.
 module vi_case
    use vi_case_atlas, only: take_atlas
+   use vi_case_attractor, only: take_bifurcation, take_lyapunov
+   use vi_case_basins, only: take_basins
    use vi_case_branch, only: take_branch, take_start
    use vi_case_chart, only: take_chart
    use vi_case_motion, only: take_motion
+   use vi_case_response, only: take_response
    use vi_case_simulation, only: take_simulation
    use vi_case_type, only: case_type
    use vi_case_zone, only: take_zone
-   use vi_keys, only: complain, forbid, given, makes_case, read_group
+   use vi_keys, only: complain, forbid, given, group_list, has_own_r, makes_case, read_group
    use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist
+   use vi_oscillator, only: oscillator_type
    use vi_raw, only: blank, is_blank, raw_type
    use vi_text, only: lower, whole
    implicit none (type, external)
@@ -57,21 +61,24 @@ contains
          case ('system')
             call take_system(groups(i:), raw, line, message)
             has_system = .true.
-         case ('motion', 'simulate', 'chart', 'branch', 'zone', 'atlas')
-            if (.not. has_system) message = '&'//groups(i)%name//': no &system stands before it'
-            if (len(message) == 0 .and. is_case(groups(i:))) then
+         case ('output')
+            if (.not. follows_case(groups(:i - 1))) message = '&output: no '//group_list('')// &
+               ' stands before it'
+         case default
+            if (.not. makes_case(groups(i)%name)) then
+               message = '&'//groups(i)%name//': is not a group; must be &system, &output, '// &
+                  group_list('')
+            else if (.not. has_system) then
+               message = '&'//groups(i)%name//': no &system stands before it'
+            else if (is_case(groups(i:))) then
                n = n + 1
+               cases(n)%osc = oscillator_type(raw%xi, raw%mu, raw%restitution)
+               cases(n)%r = raw%r
                if (groups(i)%name == 'branch') call take_start(groups(:i), raw, cases(n), line, &
                   message)
                if (len(message) == 0) call take_case(path, n, groups(i:), size(cases), raw, &
                   cases(n), line, message)
             end if
-         case ('output')
-            if (.not. follows_case(groups(:i - 1))) message = &
-               '&output: no &motion, &simulate, &chart, &branch, &zone or &atlas stands before it'
-         case default
-            message = '&'//groups(i)%name//': is not a group; must be &system, '// &
-               '&motion, &simulate, &chart, &branch, &zone, &atlas or &output'
          end select
          if (len(message) > 0) exit
       end do
@@ -92,6 +99,9 @@ contains
 
       call read_group(groups(1), raw, line, message)
       if (len(message) > 0) return
+      if (any(groups(1)%name == [character(11) :: 'lyapunov', 'bifurcation', 'response', &
+         'basins'])) allocate (case%attractor, source=raw%attractor)
+      if (groups(1)%name /= 'motion') case%kind = groups(1)%name
       select case (groups(1)%name)
       case ('motion')
          call take_motion(groups(1), raw, case, line, message)
@@ -103,6 +113,14 @@ contains
          call take_zone(groups(1), raw, case, line, message)
       case ('atlas')
          call take_atlas(groups(1), raw, case, line, message)
+      case ('lyapunov')
+         call take_lyapunov(groups(1), case, line, message)
+      case ('bifurcation')
+         call take_bifurcation(groups(1), case, line, message)
+      case ('basins')
+         call take_basins(groups(1), case, line, message)
+      case ('response')
+         call take_response(groups(1), case, line, message)
       case default
          call take_chart(groups(1), raw, case, line, message)
       end select
@@ -127,7 +145,7 @@ contains
       character(:), allocatable, intent(inout) :: message
 
       if (.not. motion_follows(groups(2:))) message = '&system: no '// &
-         '&motion, &simulate, &chart, &zone or &atlas follows'
+         group_list('branch')//' follows'
       if (len(message) == 0) call read_group(groups(1), raw, line, message)
       if (len(message) == 0) call check_system(groups(1), needs_r(groups(2:)), raw, line, message)
    end subroutine take_system
@@ -140,8 +158,7 @@ contains
       needs_r = .false.
       do i = 1, size(rest)
          if (rest(i)%name == 'system') return
-         needs_r = needs_r .or. (makes_case(rest(i)%name) .and. &
-            all(rest(i)%name /= [character(5) :: 'chart', 'zone', 'atlas']))
+         needs_r = needs_r .or. (makes_case(rest(i)%name) .and. .not. has_own_r(rest(i)))
       end do
    end function needs_r
 
@@ -194,7 +211,8 @@ contains
          call check_r(group, raw, line, message)
       else if (given(group, 'r')) then
          call forbid(group, 'r', line, message, &
-            'must be left out: it is not for a &chart, &zone or &atlas, which has r_min and r_max')
+            'must be left out: it is not for a &chart, &zone, &atlas or &response, which has &
+            &r_min and r_max, nor for parameter = ''r''')
       end if
       if (len(message) == 0) then
          if (is_blank(raw%restitution(2))) raw%restitution(2) = raw%restitution(1)

@@ -6,7 +6,6 @@ module vi_case_atlas
    use vi_case_zone, only: check_window
    use vi_keys, only: complain
    use vi_namelist, only: group_type
-   use vi_oscillator, only: oscillator_type
    use vi_raw, only: raw_type
    implicit none (type, external)
    private
@@ -24,8 +23,6 @@ contains
       character(:), allocatable, intent(inout) :: message
       integer :: threads
 
-      case%osc = oscillator_type(raw%xi, raw%mu, raw%restitution)
-      case%kind = 'atlas'
       threads = 1
       !$ threads = omp_get_max_threads()
       associate (atlas => raw%atlas, zone => case%zone)

@@ -16,10 +16,11 @@ module vi_case_branch
    private
 
    public :: parameter_place, take_branch, take_start
+   public :: least, most, parameters, ranges
 
    !> What a branch can follow, in the order of the core, and their ranges.
-   character(11), parameter :: names(7) = [character(11) :: 'r', 'clearance', 'xi', 'mu', 'R1', &
-      'R2', 'restitution']
+   character(11), parameter :: parameters(7) = [character(11) :: 'r', 'clearance', 'xi', 'mu', &
+      'R1', 'R2', 'restitution']
    real(wp), parameter :: least(7) = [1.0e-6_wp, 1.0e-12_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
    real(wp), parameter :: most(7) = [1.0e6_wp, 1.0e12_wp, nearest(1.0_wp, -1.0_wp), 1.0e6_wp, &
       1.0_wp, 1.0_wp, 1.0_wp]
@@ -69,18 +70,17 @@ contains
       character(:), allocatable, intent(inout) :: message
       integer :: i
 
-      case%kind = 'branch'
       case%bounds = [raw%branch%low, raw%branch%high]
       case%longest_step = raw%branch%longest_step
       case%max_points = raw%branch%max_points
-      do i = 1, size(names)
-         if (lower(names(i)) == lower(raw%branch%parameter)) exit
+      do i = 1, size(parameters)
+         if (lower(parameters(i)) == lower(raw%branch%parameter)) exit
       end do
-      if (i > size(names)) then
+      if (i > size(parameters)) then
          call complain(group, 'parameter', line, message)
          return
       end if
-      case%parameter = trim(names(i))
+      case%parameter = trim(parameters(i))
       if (i > n_parameters .and. abs(case%osc%restitution(1) - case%osc%restitution(2)) > 0) then
          call complain(group, 'parameter', line, message, &
             '''restitution'' needs equal restitution on both walls')
@@ -125,8 +125,8 @@ contains
       character(:), allocatable :: text
 
       text = trim(ranges(place))
-      if (start(1) <= start(2)) text = text//', and the motion has '//trim(names(place))//' = ' &
-         //shown(start(1), 'g0.10')
+      if (start(1) <= start(2)) text = text//', and the motion has '//trim( &
+         parameters(place))//' = '//shown(start(1), 'g0.10')
    end function limits
 
    !> Where the parameter starts: at least and at most.
@@ -163,7 +163,7 @@ contains
       integer, intent(out) :: place
       logical, intent(out) :: tied
 
-      place = findloc(names == name, .true., 1)
+      place = findloc(parameters == name, .true., 1)
       tied = place > n_parameters
       if (tied) place = by_right
    end subroutine parameter_place

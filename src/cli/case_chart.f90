@@ -6,7 +6,6 @@ module vi_case_chart
    use vi_kinds, only: wp
    use vi_likeness, only: allows_symmetry
    use vi_namelist, only: group_type
-   use vi_oscillator, only: oscillator_type
    use vi_pattern, only: new_pattern
    use vi_raw, only: raw_type
    use vi_text, only: lower, whole
@@ -29,8 +28,6 @@ contains
       character(:), allocatable, intent(inout) :: message
       integer :: n
 
-      case%osc = oscillator_type(raw%xi, raw%mu, raw%restitution)
-      case%kind = 'chart'
       case%window = raw%window
       n = len_trim(raw%sides)
       case%pattern = new_pattern(trim(raw%sides), raw%cycles)

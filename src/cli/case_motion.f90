@@ -5,7 +5,6 @@ module vi_case_motion
    use vi_keys, only: complain, forbid, given
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
-   use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, new_pattern
    use vi_raw, only: is_blank, most_impacts, raw_type
    use vi_text, only: counted, lower, shown, whole
@@ -27,8 +26,6 @@ contains
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
 
-      case%osc = oscillator_type(raw%xi, raw%mu, raw%restitution)
-      case%r = raw%r
       case%kind = trim(lower(raw%kind))
       case%motion_kind = case%kind
       case%single = lower(raw%precision) == 'single'

@@ -5,7 +5,6 @@ module vi_case_simulation
    use vi_keys, only: complain
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
-   use vi_oscillator, only: oscillator_type
    use vi_raw, only: raw_type
    implicit none (type, external)
    private
@@ -24,9 +23,6 @@ contains
       character(5), parameter :: names(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
       integer :: i
 
-      case%osc = oscillator_type(raw%xi, raw%mu, raw%restitution)
-      case%r = raw%r
-      case%kind = 'simulate'
       case%clearance = raw%clearance
       case%duration = raw%duration
       case%discard = raw%discard

@@ -4,6 +4,7 @@ module vi_case_type
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
+   use vi_raw_attractors, only: attractor_keys_type
    use vi_window, only: window_type
    use vi_sheet, only: zone_request_type
    implicit none (type, external)
@@ -14,7 +15,8 @@ module vi_case_type
       type(oscillator_type) :: osc
       real(wp) :: r = 0
       !> 'periodic' (phases given), 'equispaced' (clearance given), 'exact' (clearance given, phases
-      !! guessed), 'simulate', 'chart', 'branch', 'zone' or 'atlas'
+      !! guessed), 'simulate', 'chart', 'branch', 'zone', 'atlas',
+      !! 'lyapunov', 'bifurcation', 'response' or 'basins'
       character(:), allocatable :: kind
       !> The kind of the motion, also of that which a branch starts from.
       character(:), allocatable :: motion_kind
@@ -31,7 +33,8 @@ module vi_case_type
       integer :: max_events = 0
       !> Of a chart.
       type(window_type) :: window
-      !> Of a branch: the parameter and its bounds, longest step, most points each way.
+      !> Of a branch: the parameter and its bounds, longest step, most points each way. Of a line
+      !! of points: the parameter, empty if there is only one point.
       character(:), allocatable :: parameter
       real(wp) :: bounds(2) = 0, longest_step = 0
       integer :: max_points = 0
@@ -40,6 +43,11 @@ module vi_case_type
       character(:), allocatable :: symmetric
       !> Of an atlas.
       type(atlas_request_type) :: atlas
+      !> Of a study of attractors, its keys as they were read.
+      type(attractor_keys_type), allocatable :: attractor
+      !> Of a bifurcation diagram: 'up', 'down', 'both' or 'states', and whether a state was given.
+      character(:), allocatable :: sweep
+      logical :: started = .false.
       !> Where the name was given, for messages.
       integer :: line = 0
    end type case_type

@@ -6,7 +6,6 @@ module vi_case_zone
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
    use vi_orbit, only: most_impacts
-   use vi_oscillator, only: oscillator_type
    use vi_pattern, only: starred_pattern
    use vi_raw, only: raw_type
    use vi_text, only: lower
@@ -27,8 +26,6 @@ contains
       character(:), allocatable, intent(inout) :: message
       integer :: n
 
-      case%osc = oscillator_type(raw%xi, raw%mu, raw%restitution)
-      case%kind = 'zone'
       associate (zone => raw%zone)
          case%symmetric = trim(lower(zone%symmetric))
          case%pattern = starred_pattern(trim(zone%sides), zone%cycles)

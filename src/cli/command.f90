@@ -97,12 +97,12 @@ contains
       write (unit, '(a)') &
          'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
          '', &
-         'Computes the motions, simulations, charts, branches, zones and atlases that namelist', &
-         'files ask for and writes each case to DIR/NAME.csv and, if it asks for a table, to', &
-         'DIR/NAME.txt (DIR is "results" unless given). A result is itself an input that', &
-         'reproduces it.', &
-         'Groups: &system, &motion, &simulate, &chart, &branch, &zone, &atlas, &output; see', &
-         'inputs/README.md.', &
+         'Computes the motions, simulations, charts, branches, zones, atlases and attractors', &
+         'that namelist files ask for and writes each case to DIR/NAME.csv and, if it asks', &
+         'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
+         'input that reproduces it.', &
+         'Groups: &system, &output and, for each case, &motion, &simulate, &chart, &branch,', &
+         '&zone, &atlas, &lyapunov, &bifurcation, &response or &basins; see inputs/README.md.', &
          '', &
          'example: vibroimpact-batch inputs/table1.nml -o results', &
          '', &

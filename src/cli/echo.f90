@@ -1,6 +1,7 @@
 !> The complete case as a namelist, for the header of its result.
 module vi_echo
    use vi_case_type, only: case_type
+   use vi_echo_attractors, only: echo_attractor
    use vi_kinds, only: wp
    use vi_pattern, only: side_letters, starred_letters
    use vi_text, only: append, exact, line_type, whole
@@ -24,8 +25,7 @@ contains
       call append(lines, '#   xi = '//exact(case%osc%xi))
       call append(lines, '#   mu = '//exact(case%osc%mu))
       call append(lines, '#   restitution = '//list(case%osc%restitution))
-      if (all(case%kind /= [character(5) :: 'chart', 'zone', 'atlas'])) call append(lines, &
-         '#   r = '//exact(case%r))
+      if (.not. has_own_r(case)) call append(lines, '#   r = '//exact(case%r))
       call append(lines, '# /')
       select case (case%kind)
       case ('simulate')
@@ -36,6 +36,8 @@ contains
          call echo_zone(case, lines)
       case ('atlas')
          call echo_atlas(case, lines)
+      case ('lyapunov', 'bifurcation', 'response', 'basins')
+         call echo_attractor(case, lines)
       case default
          call echo_motion(case, lines)
          if (case%kind == 'branch') call echo_branch(case, lines)
@@ -45,6 +47,16 @@ contains
       call append(lines, '#   format = '''//case%format//'''')
       call append(lines, '# /')
    end subroutine echo
+
+   !> Whether a case has frequency ratios of its own: a window, or values of r.
+   pure logical function has_own_r(case)
+      type(case_type), intent(in) :: case
+
+      has_own_r = any(case%kind == [character(8) :: 'chart', 'zone', 'atlas', 'response'])
+      if (any(case%kind == [character(11) :: 'lyapunov', 'bifurcation'])) then
+         has_own_r = case%parameter == 'r'
+      end if
+   end function has_own_r
 
    pure subroutine echo_motion(case, lines)
       type(case_type), intent(in) :: case

@@ -1,13 +1,18 @@
 !> The keys of the namelist groups: what each takes, and reading them one at a time.
 module vi_keys
+   use vi_keys_attractors, only: attractor_keys, wanted_of_attractor
    use vi_keys_studies, only: study_keys, wanted_of_study
    use vi_namelist, only: group_type
    use vi_raw, only: blank, blank_motion, most_letters, raw_type, read_value
-   use vi_text, only: whole
+   use vi_text, only: lower, whole
    implicit none (type, external)
    private
 
-   public :: complain, forbid, given, makes_case, read_group
+   public :: complain, forbid, given, group_list, has_own_r, makes_case, read_group
+
+   !> The groups that ask for a result.
+   character(11), parameter :: case_groups(10) = [character(11) :: 'motion', 'simulate', 'chart', &
+      'branch', 'zone', 'atlas', 'lyapunov', 'bifurcation', 'response', 'basins']
 
 contains
 
@@ -18,7 +23,7 @@ contains
 
       select case (group//' '//key)
       case default
-         text = wanted_of_study(group, key)
+         text = wanted_of_study(group, key)//wanted_of_attractor(group, key)
          if (group == 'chart') text = wanted_of_chart(key)
       case ('system xi')
          text = 'a number with 0 <= xi < 1'
@@ -100,9 +105,41 @@ contains
    pure logical function makes_case(name)
       character(*), intent(in) :: name
 
-      makes_case = any(name == [character(8) :: 'motion', 'simulate', 'chart', 'branch', 'zone', &
-         'atlas'])
+      makes_case = any(name == case_groups)
    end function makes_case
+
+   !> Whether a group has frequency ratios of its own: a window, or a parameter that is r.
+   pure logical function has_own_r(group)
+      type(group_type), intent(in) :: group
+      integer :: i
+
+      has_own_r = any(group%name == [character(8) :: 'chart', 'zone', 'atlas', 'response'])
+      if (all(group%name /= [character(11) :: 'lyapunov', 'bifurcation'])) return
+      do i = 1, size(group%items)
+         associate (value => group%items(i)%value)
+            if (group%items(i)%key /= 'parameter' .or. len(value) < 3) cycle
+            has_own_r = lower(value(2:len(value) - 1)) == 'r'
+         end associate
+      end do
+   end function has_own_r
+
+   !> These groups for messages, without some: '&motion, &simulate or ...'.
+   pure function group_list(without) result(text)
+      character(*), intent(in) :: without
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(case_groups)
+         if (index(' '//without//' ', ' '//trim(case_groups(i))//' ') > 0) cycle
+         if (i == size(case_groups)) then
+            text = text//' or '
+         else if (len(text) > 0) then
+            text = text//', '
+         end if
+         text = text//'&'//trim(case_groups(i))
+      end do
+   end function group_list
 
    !> The keys of a group, for messages.
    pure function keys(group) result(text)
@@ -122,8 +159,10 @@ contains
             &clearance_points, spacing, symmetric, room, guesses, seeds'
       case ('branch', 'zone', 'atlas')
          text = study_keys(group)
-      case default
+      case ('output')
          text = 'name, format'
+      case default
+         text = attractor_keys(group)
       end select
    end function keys
 
@@ -135,7 +174,7 @@ contains
       character(:), allocatable, intent(inout) :: message
       integer :: i, j, status
 
-      if (makes_case(group%name)) call blank_motion(raw)
+      if (makes_case(group%name)) call blank_motion(raw, group%name)
       if (group%name == 'system') call blank(raw)
       do i = 1, size(group%items)
          associate (item => group%items(i))

@@ -2,6 +2,8 @@
 module vi_raw
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
+   use vi_raw_attractors, only: attractor_keys_type, blank_attractor, no_number, &
+      read_attractor
    use vi_raw_studies, only: blank_studies, raw_atlas_type, raw_branch_type, raw_zone_type, &
       read_atlas, read_branch, read_zone
    use vi_room, only: most_impacts, most_letters
@@ -9,7 +11,7 @@ module vi_raw
    implicit none (type, external)
    private
 
-   public :: blank, blank_motion, is_blank, most_impacts, most_letters, read_value
+   public :: blank, blank_motion, is_blank, most_impacts, most_letters, no_number, read_value
 
    !> A number that nobody can type stands for one that was not given.
    integer(int64), parameter :: not_given = int(z'7FF8C0DE0000C0DE', int64)
@@ -30,6 +32,7 @@ module vi_raw
       type(raw_branch_type) :: branch
       type(raw_zone_type) :: zone
       type(raw_atlas_type) :: atlas
+      type(attractor_keys_type) :: attractor
    end type raw_type
 
 contains
@@ -44,11 +47,13 @@ contains
       raw%mu = nan
       raw%restitution = nan
       raw%r = nan
-      call blank_motion(raw)
+      call blank_motion(raw, '')
    end subroutine blank
 
-   subroutine blank_motion(raw)
+   subroutine blank_motion(raw, group)
       type(raw_type), intent(inout) :: raw
+      !> Some defaults depend on it.
+      character(*), intent(in) :: group
       real(wp) :: nan
 
       nan = transfer(not_given, nan)
@@ -76,6 +81,7 @@ contains
       raw%spacing = 'linear'
       raw%symmetric = 'both'
       call blank_studies(nan, raw%branch, raw%zone, raw%atlas)
+      call blank_attractor(nan, group, raw%attractor)
    end subroutine blank_motion
 
    !> One assignment through the compiler's namelist input.
@@ -99,6 +105,8 @@ contains
          call read_zone(text, raw%zone, status)
       case ('atlas')
          call read_atlas(text, raw%atlas, status)
+      case ('lyapunov', 'bifurcation', 'response', 'basins')
+         call read_attractor('&attractor'//text(len(group) + 2:), raw%attractor, status)
       case default
          call read_output(text, raw, status)
       end select

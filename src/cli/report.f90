@@ -10,7 +10,7 @@ module vi_report
    use vi_simulate, only: event_type, state_time, state_type
    use vi_stability, only: leading_kind
    use vi_status, only: stat, status_text
-   use vi_text, only: append, exact, line_type, shown, whole
+   use vi_text, only: append, columns, exact, line_type, shown, whole
    implicit none (type, external)
    private
 
@@ -73,7 +73,7 @@ contains
          associate (e => events(i))
             lines(n + i)%text = exact(state_time(e%cycle, e%phase, case%r))//',' &
                //trim(kinds(e%kind))// &
-               ','//side_letters([e%side])//numbers([e%phase, e%x, e%x_dot_before, e%x_dot_after, &
+               ','//side_letters([e%side])//columns([e%phase, e%x, e%x_dot_before, e%x_dot_after, &
                e%z_dot_before, e%z_dot_after])
          end associate
       end do
@@ -91,7 +91,7 @@ contains
       integer, intent(in) :: j
       character(:), allocatable :: text
 
-      text = ','//side_letters(motion%pattern%sides(j:j))//numbers([motion%restitution(j), &
+      text = ','//side_letters(motion%pattern%sides(j:j))//columns([motion%restitution(j), &
          motion%phases(j), motion%x(j), motion%z(j), motion%x_dot_before(j), &
          motion%x_dot_after(j), &
          motion%z_dot_before(j), motion%z_dot_after(j)])
@@ -103,30 +103,19 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = numbers([motion%r, motion%clearance, motion%amplitude, motion%tau, motion%residual])
+      text = columns([motion%r, motion%clearance, motion%amplitude, motion%tau, motion%residual])
       text = text//','//verdict_word(motion%consistent)//','//verdict_word(motion%admissible) &
          //','// &
          verdict_word(motion%stable)
-      text = text//numbers([motion%x_min, motion%x_max, attenuation(motion)])
+      text = text//columns([motion%x_min, motion%x_max, attenuation(motion)])
       do i = 1, 4
          if (ieee_is_nan(motion%multipliers(i)%re)) then
             text = text//',nan,nan'
          else
-            text = text//numbers([motion%multipliers(i)%re, motion%multipliers(i)%im])
+            text = text//columns([motion%multipliers(i)%re, motion%multipliers(i)%im])
          end if
       end do
    end function motion_columns
-
-   pure function numbers(values) result(text)
-      real(wp), intent(in) :: values(:)
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ''
-      do i = 1, size(values)
-         text = text//','//exact(values(i))
-      end do
-   end function numbers
 
    pure function verdict_word(verdict) result(word)
       integer, intent(in) :: verdict

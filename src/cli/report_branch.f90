@@ -1,6 +1,5 @@
 !> Branches as CSV: one row a point.
 module vi_report_branch
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use vi_branch, only: end_bound, end_closed, end_full, end_repetition
    use vi_branch_of, only: points_type
    use vi_case_type, only: case_type
@@ -8,7 +7,7 @@ module vi_report_branch
    use vi_echo, only: echo
    use vi_kinds, only: wp
    use vi_report, only: verdict_word
-   use vi_text, only: append, exact, line_type, whole
+   use vi_text, only: append, columns, line_type, whole
    implicit none (type, external)
    private
 
@@ -22,7 +21,7 @@ contains
       type(points_type), intent(in) :: branches(:)
       type(line_type), allocatable, intent(out) :: lines(:)
       type(line_type), allocatable :: head(:)
-      character(:), allocatable :: columns
+      character(:), allocatable :: header
       integer :: i, j, k, n
 
       call echo(case, head)
@@ -30,16 +29,16 @@ contains
          call append(head, '# ! branch '//whole(i)//': first end: '// &
             end_text(branches(i)%reasons(1))//'; last end: '//end_text(branches(i)%reasons(2)))
       end do
-      columns = 'branch,point,r,clearance,xi,mu,R1,R2,consistent,admissible,stable,'// &
+      header = 'branch,point,r,clearance,xi,mu,R1,R2,consistent,admissible,stable,'// &
          'multiplier_1_modulus,multiplier_2_modulus,multiplier_3_modulus,multiplier_4_modulus,'// &
          'A,tau,residual,x_min,x_max,attenuation'
       do j = 1, size(case%pattern%sides)
-         columns = columns//',phase_'//whole(j)
+         header = header//',phase_'//whole(j)
       end do
       do j = 1, size(case%pattern%sides)
-         columns = columns//',X_'//whole(j)
+         header = header//',X_'//whole(j)
       end do
-      call append(head, columns//',special,detail')
+      call append(head, header//',special,detail')
       n = size(head)
       allocate (lines(n + sum(branches%n)))
       do i = 1, n
@@ -60,14 +59,14 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = numbers(branch%parameters(:, k))
+      text = columns(branch%parameters(:, k))
       do i = 1, 3
          text = text//','//verdict_word(branch%verdicts(i, k))
       end do
       associate (s => branch%scalars(:, k), special => branch%special(:, k))
-         text = text//numbers(abs(branch%multipliers(:, k)))//numbers(s(2:))// &
-            numbers([max(-s(5), s(6))/s(2)])//numbers(branch%phases(:, k))// &
-            numbers(branch%impacts(:, 1, k))//','//special_name(branch, k)//','// &
+         text = text//columns(abs(branch%multipliers(:, k)))//columns(s(2:))// &
+            columns([max(-s(5), s(6))/s(2)])//columns(branch%phases(:, k))// &
+            columns(branch%impacts(:, 1, k))//','//special_name(branch, k)//','// &
             trim(condition_detail(special(1), special(2), special(3)))
       end associate
    end function row
@@ -82,21 +81,6 @@ contains
       if (branch%special(1, k) > 0) name = trim(condition_name( &
          branch%special(1, k), branch%special(2, k), branch%symmetric, branch%mirrored))
    end function special_name
-
-   pure function numbers(values) result(text)
-      real(wp), intent(in) :: values(:)
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ''
-      do i = 1, size(values)
-         if (ieee_is_nan(values(i))) then
-            text = text//',nan'
-         else
-            text = text//','//exact(values(i))
-         end if
-      end do
-   end function numbers
 
    !> Why a branch ends.
    pure function end_text(reason) result(text)

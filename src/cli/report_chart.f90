@@ -1,12 +1,11 @@
 !> A chart as CSV: one row a motion.
 module vi_report_chart
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use vi_case_type, only: case_type
    use vi_echo, only: echo
    use vi_kinds, only: wp
    use vi_report, only: verdict_word
    use vi_status, only: stat
-   use vi_text, only: append, exact, line_type, whole
+   use vi_text, only: append, columns, exact, line_type, whole
    use vi_window, only: clearance_axis, map_type, r_axis
    implicit none (type, external)
    private
@@ -39,26 +38,14 @@ contains
             do i = 1, size(map%status, 1)
                if (map%status(i, j, k) == stat%no_motion) cycle
                n = n + 1
-               lines(n)%text = exact(r(k))//','//exact(clearance(j))//','//whole(i)//','// &
+               lines(n)%text = exact(r(k))//columns([clearance(j)])//','//whole(i)//','// &
                   verdict_word(map%verdicts(1, i, j, k))//','// &
                   verdict_word(map%verdicts(2, i, j, k))//','// &
-                  verdict_word(map%verdicts(3, i, j, k))//','//shown(map%leading(i, j, k))//','// &
-                  shown(map%x_max(i, j, k))//','//whole(map%status(i, j, k))
+                  verdict_word(map%verdicts(3, i, j, k))//columns([map%leading(i, j, k), &
+                  map%x_max(i, j, k)])//','//whole(map%status(i, j, k))
             end do
          end do
       end do
    end subroutine chart_lines
-
-   !> A number with all its digits, or nan.
-   pure function shown(value) result(text)
-      real(wp), intent(in) :: value
-      character(:), allocatable :: text
-
-      if (ieee_is_nan(value)) then
-         text = 'nan'
-      else
-         text = exact(value)
-      end if
-   end function shown
 
 end module vi_report_chart

@@ -1,11 +1,12 @@
 !> Small text helpers of the command-line side.
 module vi_text
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: append, counted, detab, exact, is_result, join, last_part, lower, printable, &
-      read_lines, shown, split, whole
+   public :: append, columns, counted, detab, exact, is_result, join, last_part, lengthen, lower, &
+      printable, read_lines, shown, split, whole
 
    !> A line of text.
    type, public :: line_type
@@ -21,19 +22,27 @@ contains
    pure subroutine append(lines, text)
       type(line_type), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: text
+
+      call lengthen(lines, 1)
+      lines(size(lines))%text = text
+   end subroutine append
+
+   !> Adds room for more lines.
+   pure subroutine lengthen(lines, more)
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      integer, intent(in) :: more
       type(line_type), allocatable :: longer(:)
       integer :: i, n
 
       ! not [lines, line_type(text)]: gfortran 12 loses the memory of such a constructor
       n = 0
       if (allocated(lines)) n = size(lines)
-      allocate (longer(n + 1))
+      allocate (longer(n + more))
       do i = 1, n
          call move_alloc(lines(i)%text, longer(i)%text)
       end do
-      longer(n + 1)%text = text
       call move_alloc(longer, lines)
-   end subroutine append
+   end subroutine lengthen
 
    !> The text with blanks for tabs.
    pure function detab(text) result(clean)
@@ -80,6 +89,24 @@ contains
       write (buffer, '(es24.16e3)') value
       text = trim(adjustl(buffer))
    end function exact
+
+   !> Numbers as columns of a table, each behind a comma; what is not finite as Python reads it.
+   pure function columns(values) result(text)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(values)
+         if (ieee_is_finite(values(i))) then
+            text = text//','//exact(values(i))
+         else if (ieee_is_nan(values(i))) then
+            text = text//',nan'
+         else
+            text = text//trim(merge(',inf ', ',-inf', values(i) > 0))
+         end if
+      end do
+   end function columns
 
    !> A number with a few digits, for messages and printed tables.
    pure function shown(value, format) result(text)

@@ -11,6 +11,8 @@
 !! at the end of the flight. As u = R v at each impact, the sum of the logarithms telescopes to
 !! -2 xi t + 2 sum(log R) + log(u_first/u_last).
 module vi_attractor_lyapunov
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_negative_inf, ieee_quiet_nan, &
+      ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, orthonormalise, &
       restitution_at
@@ -44,8 +46,8 @@ module vi_attractor_lyapunov
 contains
 
    !> The exponents at m points, by batches of time after one that is not counted.
-   subroutine lyapunov_points(osc, r, load, clearance, states, contacts, discard, cycles, threads, &
-      exponents, ranks, counts, errors, status)
+   subroutine lyapunov_points(osc, r, load, clearance, states, contacts, discard, cycles, batches, &
+      threads, exponents, deviations, dimensions, counts, errors, status)
       type(oscillator_type), intent(in) :: osc
       !> (m) each
       real(wp), intent(in) :: r(:), load(:), clearance(:)
@@ -54,11 +56,12 @@ contains
       integer, intent(in) :: contacts(:, :)
       !> Load cycles before the first batch, and in each batch.
       integer, intent(in) :: discard, cycles
-      integer, intent(in) :: threads
-      !> (4, 1 + batches, m): per unit of time, first of all batches together.
-      real(wp), intent(out) :: exponents(:, :, :)
-      !> (m): how many exponents are finite.
-      integer, intent(out) :: ranks(:)
+      integer, intent(in) :: batches, threads
+      !> (4, m): per unit of time, -inf of directions that are lost; standard errors by the scatter
+      !! of the batches.
+      real(wp), intent(out) :: exponents(:, :), deviations(:, :)
+      !> (m): Kaplan and Yorke's.
+      real(wp), intent(out) :: dimensions(:)
       !> (2, m): impacts and rests.
       integer, intent(out) :: counts(:, :)
       !> (m): difference of the sum of logarithms from what volume says, per unit of time.
@@ -69,15 +72,57 @@ contains
 
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do j = 1, size(r)
-         call lyapunov(new_drive(osc, r(j), load(j), clearance(j)), &
-            unpack_state(states(:, j), contacts(:, j)), discard, cycles, exponents(:, :, j), &
-            ranks(j), counts(:, j), errors(j), status(j))
+         call exponents_of(new_drive(osc, r(j), load(j), clearance(j)), &
+            unpack_state(states(:, j), contacts(:, j)), discard, cycles, batches, exponents(:, j), &
+            deviations(:, j), dimensions(j), counts(:, j), errors(j), status(j))
       end do
       !$omp end parallel do
    end subroutine lyapunov_points
 
-   !> The exponents of one trajectory.
-   pure subroutine lyapunov(drive, start, discard, cycles, exponents, rank, counts, error, status)
+   !> The exponents of one trajectory, and what its batches tell of them.
+   pure subroutine exponents_of(drive, start, discard, cycles, batches, exponents, deviations, &
+      dimension, counts, error, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: start
+      integer, intent(in) :: discard, cycles, batches
+      real(wp), intent(out) :: exponents(4), deviations(4), dimension
+      integer, intent(out) :: counts(2)
+      real(wp), intent(out) :: error
+      integer, intent(out) :: status
+      real(wp) :: each(4, 0:batches), mean(4), sum_before
+      integer :: i, rank
+
+      call carry_along(drive, start, discard, cycles, each, rank, counts, error, status)
+      mean = sum(each(:, 1:), dim=2)/batches
+      deviations = 0
+      do i = 1, batches
+         deviations = deviations + (each(:, i) - mean)**2
+      end do
+      deviations = sqrt(deviations/(batches - 1))/sqrt(real(batches, wp))
+      exponents = each(:, 0)
+      exponents(rank + 1:) = ieee_value(error, ieee_negative_inf)
+      deviations(rank + 1:) = 0
+      if (status /= stat%ok) then
+         exponents = ieee_value(error, ieee_quiet_nan)
+         deviations = exponents
+      end if
+      ! as many directions as volumes grow in, and the part of the next that makes up for them
+      dimension = 0
+      if (ieee_is_nan(exponents(1))) dimension = exponents(1)
+      sum_before = 0
+      do i = 1, 4
+         if (.not. sum_before + exponents(i) >= 0) exit
+         sum_before = sum_before + exponents(i)
+         dimension = dimension + 1
+      end do
+      if (i <= 4) then
+         if (exponents(i) < 0) dimension = dimension - sum_before/exponents(i)
+      end if
+   end subroutine exponents_of
+
+   !> The averages of all batches together and of each, along a trajectory.
+   pure subroutine carry_along(drive, start, discard, cycles, exponents, rank, counts, error, &
+      status)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(in) :: start
       integer, intent(in) :: discard, cycles
@@ -132,7 +177,7 @@ contains
       rank = tangent%rank
       counts = tangent%counts
       error = abs(tangent%difference)/max(tangent%time, tiny(1.0_wp))
-   end subroutine lyapunov
+   end subroutine carry_along
 
    !> Carries the directions on to an event and adds what they grow by.
    pure subroutine carry(drive, event, weights, tangent, sums)

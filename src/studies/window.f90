@@ -10,7 +10,7 @@ module vi_window
    implicit none (type, external)
    private
 
-   public :: chart_window, clearance_axis, r_axis
+   public :: chart_window, clearance_axis, even, r_axis
 
    !> Limits of a chart: points, and points x room x impacts.
    integer, parameter, public :: most_points = 1000000, most_numbers = 12500000

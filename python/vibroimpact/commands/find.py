@@ -99,7 +99,7 @@ def _points_of(file: str) -> list[Point | None]:
     """The points of the cases of a file; phases that are given have a clearance of their own."""
     points: list[Point | None] = []
     for case in read_namelist(file):
-        if case.kind in ("chart", "zone", "atlas"):
+        if case.r is None or (case.kind != "branch" and "parameter" in case.keys):
             raise ParameterError(
                 f"{file}: {case.name}: must be a &motion, &simulate or &branch; "
                 f"&{case.kind} has no point to search at"

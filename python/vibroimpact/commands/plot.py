@@ -83,6 +83,8 @@ def pictured(case: Case) -> Sequence[Callable[[], Any]]:
         return [atlas.plot] if atlas.zones else []
     if case.kind == "simulate":
         return [case.trajectory().plot]
+    if case.kind in ("lyapunov", "bifurcation", "response", "basins"):
+        return [getattr(case, case.kind)().plot]
     if case.kind == "branch":
         return [branch.plot for branch in case.branches()]
     return [motion.plot for motion in case.motions()]

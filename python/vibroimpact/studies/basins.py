@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks
 from ..errors import ParameterError
 from ..model import Oscillator
-from .catalogue import BasinAttractor, Catalogue
+from .catalogue import BasinAttractor, find_attractors
 from .lattice import distance_to_other
 from .settling import scale, thread_count
 
@@ -243,10 +243,9 @@ def basins(
     else:
         starts = checks.real_array(states, "states", "a number or an array (5, M)")  # type: ignore[arg-type]
     _check_states(starts, clearance)
-    catalogue = Catalogue(osc, r, clearance, load, max_cycles, workers)
-    labels, impacts = catalogue.label(np.asfortranarray(starts), cycles, probes)
-    order, attractors = catalogue.by_share(labels)
-    labels = np.where(labels >= 0, order[labels], -1).astype(np.int32)
+    attractors, labels, impacts = find_attractors(
+        osc, r, clearance, load, starts, cycles, probes, max_cycles, workers
+    )
     shape = labels.shape if axes is None else (axes[0].n, axes[1].n)
     return Basins(
         osc, r, clearance, load, attractors, labels.reshape(shape), axes,

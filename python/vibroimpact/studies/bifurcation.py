@@ -9,18 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks
+from .. import _core, checks
 from ..errors import ParameterError
 from ..model import Oscillator
-from .settling import (
-    PARAMETERS,
-    Settled,
-    column,
-    one_state,
-    settle_chains,
-    spread_states,
-    thread_count,
-)
+from .settling import PARAMETERS, one_state, thread_count
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
@@ -29,8 +21,8 @@ NAMES = (*PARAMETERS, "restitution")
 SWEEPS = ("up", "down", "both", "states")
 #: Columns of an impact as the core gives them.
 COLUMNS = ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-#: Added to x' from value to value, over D: what is unstable is left.
-KICK = 1e-9
+#: Of the sweeps, as the core has them; other runs start anew at each value.
+DIRECTIONS = {"up": 1, "down": -1}
 
 
 class PeriodicWindow(NamedTuple):
@@ -99,12 +91,11 @@ class BifurcationDiagram:
     def windows(self) -> list[PeriodicWindow]:
         """The stretches with one label, run by run."""
         result = []
-        for run, labels in zip(self.runs, self.labels, strict=True):
-            ends = np.flatnonzero(labels[1:] != labels[:-1]) + 1
-            for first, last in zip([0, *ends], [*ends, len(labels)], strict=True):
-                if labels[first]:
-                    low, high = self.values[first], self.values[last - 1]
-                    result.append(PeriodicWindow(run, float(low), float(high), str(labels[first])))
+        for i, (run, labels) in enumerate(zip(self.runs, self.labels, strict=True)):
+            first, last, n = _core.periodic_windows(np.array([self.cycles[i], self.letters[i]]))
+            for low, high in zip(first[:n] - 1, last[:n] - 1, strict=True):
+                ends = float(self.values[low]), float(self.values[high])
+                result.append(PeriodicWindow(run, *ends, str(labels[low])))
         return result
 
     @property
@@ -256,78 +247,44 @@ def bifurcation_diagram(
             raise ParameterError(f"{name} = {value!r}: must be left out, it is the parameter")
         else:
             fixed[name] = float(along[0])
-    table = np.repeat(column(osc, fixed["r"], fixed["clearance"])[:, None], along.size, axis=1)
-    rows = [4, 5] if parameter == "restitution" else [PARAMETERS.index(parameter)]
-    table[rows] = along
     kind = "restitution" if parameter in ("R1", "R2") else parameter
     for value in (along[0], along[-1]):
         checks.number(float(value), kind, parameter)
-    if np.any((table[0] == 1) & (table[2] == 0)):
-        checks.frequency_ratio(1.0, 0.0)
+    if np.any((along if parameter == "r" else fixed["r"]) == 1):
+        xi = float(along[0]) if parameter == "xi" else osc.xi
+        checks.frequency_ratio(1.0, xi)
     workers = thread_count(threads)
-    r0, clearance0 = float(table[0, 0]), float(table[1, 0])
-    if sweep == "states":
-        starts = np.stack(
-            [spread_states(osc, float(a), float(b), load, states) for a, b in table[:2].T], axis=1
-        )
-        parameters = np.repeat(table[:, :, None], states, axis=2).reshape(6, 1, -1)
-        settled = settle_chains(
-            parameters, load, starts.reshape(5, -1), settling, keep, points, workers
-        )
-        runs = [f"state {j + 1}" for j in range(states)]
-        order = [np.arange(along.size)] * states
-    else:
-        runs = ["up", "down"] if sweep == "both" else [sweep]
-        rises = np.arange(along.size)
-        order = [rises if run == "up" else rises[::-1] for run in runs]
-        starts = np.stack([_start(osc, table[:, o[0]], load, state) for o in order], axis=1)
-        parameters = np.stack([table[:, o] for o in order], axis=2)
-        settled = settle_chains(parameters, load, starts, settling, keep, points, workers, KICK)
-    return _assembled(osc, parameter, along, (r0, clearance0, load), runs, order, settled)
-
-
-def _start(
-    osc: Oscillator, parameters: _Array, load: float, state: Mapping[str, float] | None
-) -> _Array:
-    """Where a sweep starts."""
-    r, clearance = parameters[:2].tolist()
-    if state is None:
-        return spread_states(osc, r, clearance, load, 1)[:, 0]
-    return one_state(state, clearance)
-
-
-def _assembled(
-    osc: Oscillator, parameter: str, along: _Array, fixed: tuple[float, float, float],
-    runs: list[str], order: list[NDArray[np.intp]], settled: Settled,
-) -> BifurcationDiagram:  # fmt: skip
-    """The answer of the core by runs and rising values."""
-    n, m = along.size, len(runs)
-    back = np.argsort(np.array(order), axis=1)
-
-    def arranged(array: NDArray[Any]) -> NDArray[Any]:
-        """(..., links, chains) to (..., runs, n)."""
-        lead = array.shape[:-2]
-        if runs[0].startswith("state"):
-            return np.moveaxis(array.reshape(*lead, n, m), -1, -2)
-        return np.take_along_axis(
-            np.swapaxes(array, -1, -2), back.reshape((1,) * len(lead) + (m, n)), -1
-        )
-
-    found, sides, values = (
-        arranged(item) for item in (settled.found, settled.sides, settled.values)
+    runs = {"both": ["up", "down"], "states": [f"state {j + 1}" for j in range(states)]}.get(
+        sweep, [sweep]
     )
-    kept = np.arange(sides.shape[0])[:, None, None] < found
-    row, run, index = np.nonzero(kept)
-    first = np.lexsort((row, index, run))
-    row, run, index = row[first], run[first], index[first]
+    start = np.zeros(5)
+    if state is not None:
+        ends = along if parameter == "clearance" else [fixed["clearance"]] * 2
+        for run, clearance_there in zip(("up", "down"), (ends[0], ends[-1]), strict=True):
+            if run in runs:
+                start = one_state(state, float(clearance_there))
+    impacts, labels, found, periods, extremes, status = _core.bifurcation(
+        osc.xi, osc.mu, osc.restitution, fixed["r"], fixed["clearance"], load,
+        5 if parameter == "restitution" else PARAMETERS.index(parameter) + 1,
+        parameter == "restitution", along, [DIRECTIONS.get(run, 0) for run in runs],
+        state is not None, start, settling, keep, points, workers,
+    )  # fmt: skip
+    cycles, letters, counts, rests = periods.transpose(0, 2, 1)
+    x_min, x_max = extremes.transpose(0, 2, 1)
+    return BifurcationDiagram(
+        osc, parameter, along, fixed["r"], fixed["clearance"], load, runs, cycles, letters, counts,
+        rests, x_min, x_max, status.T, _impacts(impacts, labels[1], found),
+    )  # fmt: skip
+
+
+def _impacts(values: _Array, sides: NDArray[np.int32], found: NDArray[np.int32]) -> NDArray[Any]:
+    """The kept impacts (.., points, values, runs) as one list, by run and value."""
+    kept = np.arange(sides.shape[0]) < found.T[..., None]
+    run, index, row = np.nonzero(kept)
     dtype = [("run", "i4"), ("index", "i4"), ("side", "U1"), *((name, "f8") for name in COLUMNS)]
     points = np.empty(row.size, dtype=dtype)
     points["run"], points["index"] = run, index
-    points["side"] = np.where(sides[row, run, index] > 0, "R", "L")
+    points["side"] = np.where(sides[row, index, run] > 0, "R", "L")
     for i, name in enumerate(COLUMNS):
-        points[name] = values[i + 1, row, run, index]
-    return BifurcationDiagram(
-        osc, parameter, along, *fixed, runs, arranged(settled.cycles), arranged(settled.letters),
-        arranged(settled.impacts), arranged(settled.rests), arranged(settled.x_min),
-        arranged(settled.x_max), arranged(settled.status), points,
-    )  # fmt: skip
+        points[name] = values[i + 1, row, index, run]
+    return points

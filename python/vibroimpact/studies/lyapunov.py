@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -43,6 +42,8 @@ class Lyapunov:
         Per unit of time 1/omega, largest first; NaN where there were no impacts.
     standard_error : ndarray (4, ...)
         Of the exponents, from the scatter of the batches.
+    dimension : ndarray (...)
+        Kaplan and Yorke's dimension of the attractor in the section, 0 to 4.
     identity_error : ndarray (...)
         Difference of the sum of all logarithms from -2 xi t + 2 sum log R + log(u_first/u_last), per unit
         of time, over all flights from impact to impact: a check of the whole computation. u is the speed
@@ -59,6 +60,7 @@ class Lyapunov:
     load: float
     exponents: _Array
     standard_error: _Array
+    dimension: _Array
     identity_error: _Array
     impacts: NDArray[np.int32]
     rests: NDArray[np.int32]
@@ -73,17 +75,6 @@ class Lyapunov:
     def largest(self) -> _Array:
         """The largest exponent per unit of time (...): positive in chaos."""
         return np.asarray(self.exponents[0])
-
-    @property
-    def dimension(self) -> _Array:
-        """Kaplan and Yorke's dimension of the attractor in the section (...), 0 to 4."""
-        each = self.exponents.reshape(4, -1)
-        sums = np.vstack([np.zeros(each.shape[1]), np.cumsum(each, axis=0)])
-        whole = (sums[1:] >= 0).sum(axis=0)
-        column = np.arange(each.shape[1])
-        lost = -each[np.minimum(whole, 3), column]
-        part = np.where(whole < 4, sums[whole, column] / np.where(lost > 0, lost, np.inf), 0.0)
-        return np.where(np.isnan(each[0]), np.nan, whole + part).reshape(self.r.shape)
 
     def to_xarray(self) -> Any:
         """The numbers as an xarray.Dataset over the points (extra `data`)."""
@@ -209,7 +200,7 @@ def lyapunov(
         each_clearance = checks.number(float(one_clearance), "clearance")
         system = (osc.xi, osc.mu, osc.restitution, each_r, load, each_clearance)
         states[:, j], contacts[:, j] = _start(system, state)[1]
-    exponents, ranks, counts, errors, status = _core.lyapunov(
+    exponents, deviations, dimensions, counts, errors, status = _core.lyapunov(
         osc.xi, osc.mu, osc.restitution, rs.ravel(), np.full(rs.size, load), clearances.ravel(), states,
         contacts, discard, cycles // batches, batches, threads,
     )  # fmt: skip
@@ -218,14 +209,9 @@ def lyapunov(
 
         why = "no impacts in a batch" if status[0] == NO_MOTION else status_text(int(status[0]))
         raise SingularError(f"Lyapunov exponents: {why}")
-    mean, each = exponents[:, 0], exponents[:, 1:]
-    error = each.std(axis=1, ddof=1) / math.sqrt(batches)
-    lost = np.arange(4)[:, None] >= ranks
-    mean[lost], error[lost] = -math.inf, 0.0
-    mean[:, status != 0] = error[:, status != 0] = np.nan
     shape = rs.shape
     return Lyapunov(
-        osc, rs, clearances, load, mean.reshape(4, *shape), error.reshape(4, *shape),
-        errors.reshape(shape), counts[0].reshape(shape), counts[1].reshape(shape),
-        cycles // batches * batches,
+        osc, rs, clearances, load, exponents.reshape(4, *shape), deviations.reshape(4, *shape),
+        dimensions.reshape(shape), errors.reshape(shape), counts[0].reshape(shape),
+        counts[1].reshape(shape), cycles // batches * batches,
     )  # fmt: skip

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks
+from .. import _core, checks
 from ..errors import ParameterError
 from ..model import Oscillator
-from .settling import column, settle_chains, spread_states, thread_count
+from .settling import thread_count
 
 __all__ = ["Response", "response"]
 
@@ -30,6 +29,8 @@ class Response:
     load : float
     attenuation : ndarray (n, states)
         max|X|/A of what each initial state settles on; NaN where it failed.
+    lowest, highest : ndarray (n,)
+        The least and the greatest of these over the attractors at each r.
     cycles, letters : ndarray (n, states) of int
         Load cycles of the period (0: none was seen), and letters in it.
     """
@@ -39,22 +40,10 @@ class Response:
     clearance: _Array
     load: float
     attenuation: _Array
+    lowest: _Array
+    highest: _Array
     cycles: NDArray[np.int32]
     letters: NDArray[np.int32]
-
-    @property
-    def lowest(self) -> _Array:
-        """The least over the attractors at each r (n)."""
-        return np.asarray(
-            np.where(np.isnan(self.attenuation), np.inf, self.attenuation).min(axis=1)
-        )
-
-    @property
-    def highest(self) -> _Array:
-        """The greatest over the attractors at each r (n)."""
-        return np.asarray(
-            np.where(np.isnan(self.attenuation), -np.inf, self.attenuation).max(axis=1)
-        )
 
     def to_xarray(self) -> Any:
         """Columns over r and state, and the envelopes over r (extra `data`)."""
@@ -121,8 +110,8 @@ def response(
     --------
     >>> import numpy as np, vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-    >>> vi.response(osc, np.linspace(0.98, 1.02, 11), inverse_clearance=0.03, states=6)
-    <Response at 11 r from 0.98 to 1.02: max|X|/A from 0.3899 to 1.648>
+    >>> vi.response(osc, np.linspace(1.0, 1.02, 6), inverse_clearance=0.03, states=6)
+    <Response at 6 r from 1 to 1.02: max|X|/A from 0.3899 to 0.4468>
     """
     checks.instance(osc, "osc", Oscillator)
     load = checks.number(load, "load")
@@ -152,15 +141,10 @@ def response(
     settling = checks.integer(settling, "settling", 0, 10**7)
     keep = checks.integer(keep, "keep", 3, 10**4)
     workers = thread_count(threads)
-    points = list(zip(along.tolist(), distance.tolist(), strict=True))
-    starts = np.concatenate([spread_states(osc, *point, load, states) for point in points], axis=1)
-    parameters = np.repeat(np.array([column(osc, *point) for point in points]).T, states, axis=1)
-    settled = settle_chains(parameters[:, None], load, starts, settling, keep, 1, workers)
-    reach = np.maximum(-settled.x_min, settled.x_max)[0].reshape(-1, states)
-    reach[(settled.status[0] != 0).reshape(-1, states)] = math.nan
-    amplitude = load / np.hypot((1 - along) * (1 + along), 2 * osc.xi * along)
-    shape = (along.size, states)
+    attenuation, envelope, periods, _ = _core.response(
+        states, osc.xi, osc.mu, osc.restitution, along, distance, load, settling, keep, workers
+    )
     return Response(
-        osc, along, np.array(distance), load, reach / amplitude[:, None],
-        settled.cycles[0].reshape(shape), settled.letters[0].reshape(shape),
+        osc, along, np.array(distance), load, attenuation.T, envelope[0], envelope[1], periods[0].T,
+        periods[1].T,
     )  # fmt: skip

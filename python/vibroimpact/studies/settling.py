@@ -1,11 +1,10 @@
-"""What simulations settle on: initial states, chains of parameters, and exact motions of the ends."""
+"""What simulations settle on: initial states, and exact motions of the ends."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,102 +21,14 @@ _Array = NDArray[np.float64]
 PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
 
 
-@dataclass(frozen=True, eq=False)
-class Settled:
-    """Ends of chains of simulations: arrays (..., links, chains).
-
-    Attributes
-    ----------
-    values : ndarray (7, room, links, chains)
-        time, phase, x, x_dot_before, x_dot_after, z_dot_before, z_dot_after of the kept impacts.
-    sides : ndarray (room, links, chains)
-    found : ndarray (links, chains)
-        How many impacts were kept.
-    cycles, letters, impacts, rests : ndarray (links, chains)
-        Load cycles of the period (0: none was seen), and what is in it; letters count an accumulation as
-        one. Without a period, impacts and rests of all kept cycles.
-    x_min, x_max : ndarray (links, chains)
-        Extreme positions over the period, or over the kept cycles.
-    ends : ndarray (5, links, chains)
-        t, x, x_dot, z, z_dot.
-    status : ndarray (links, chains)
-    """
-
-    values: _Array
-    sides: NDArray[np.int32]
-    found: NDArray[np.int32]
-    cycles: NDArray[np.int32]
-    letters: NDArray[np.int32]
-    impacts: NDArray[np.int32]
-    rests: NDArray[np.int32]
-    x_min: _Array
-    x_max: _Array
-    ends: _Array
-    status: NDArray[np.int32]
-
-
-def settle_chains(
-    parameters: _Array, load: float, starts: _Array, settling: int, keep: int, room: int,
-    threads: int, kick: float = 0.0,
-) -> Settled:  # fmt: skip
-    """Simulate chains: `parameters` (6, links, chains) from `starts` (5, chains)."""
-    values, labels, found, periods, extremes, ends, status = _core.settle_chains(
-        np.asfortranarray(parameters),
-        load,
-        np.asfortranarray(starts),
-        settling,
-        keep,
-        kick,
-        room,
-        threads,
-    )
-    cycles, letters, impacts, rests = periods
-    return Settled(
-        values,
-        labels[1],
-        found,
-        cycles,
-        letters,
-        impacts,
-        rests,
-        extremes[0],
-        extremes[1],
-        ends,
-        status,
-    )
-
-
 def thread_count(threads: int | None) -> int:
     """Threads that were asked for, or one for each processor."""
     return checks.integer(os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024)
 
 
-def column(osc: Oscillator, r: float, clearance: float) -> _Array:
-    """The six parameters of the core."""
-    return np.array([r, clearance, osc.xi, osc.mu, *osc.restitution])
-
-
-def spread(dimensions: int, n: int) -> _Array:
-    """Points (dimensions, n) that fill the unit cube evenly: the same ones every time."""
-    golden = 1.0
-    for _ in range(60):
-        golden = (1 + golden) ** (1 / (dimensions + 1))
-    steps = golden ** -np.arange(1.0, dimensions + 1)
-    return np.mod(0.5 + steps[:, None] * np.arange(1, n + 1), 1.0)
-
-
 def scale(osc: Oscillator, r: float, clearance: float, load: float) -> float:
     """A length that initial states are spread over: that of the motion without impacts, within limits."""
-    amplitude = load / max(1e-300, math.hypot((1 - r) * (1 + r), 2 * osc.xi * r))
-    return min(max(amplitude, 0.5 * clearance), 3 * clearance)
-
-
-def spread_states(osc: Oscillator, r: float, clearance: float, load: float, n: int) -> _Array:
-    """Initial states (5, n) at t = 0, spread evenly in x, x', y, z'."""
-    size = scale(osc, r, clearance, load)
-    u = 2 * spread(4, n) - 1
-    x = size * u[0]
-    return np.array([np.zeros(n), x, size * u[1], x + 0.499 * clearance * u[2], size * u[3]])
+    return float(_core.spread_scale(osc.xi, r, load, clearance))
 
 
 def one_state(state: Mapping[str, float], clearance: float) -> _Array:

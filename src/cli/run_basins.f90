@@ -1,0 +1,150 @@
+!> Runs a case with basins of attraction: one row a state.
+module vi_run_basins
+   use vi_attractor_catalogue, only: catalogue_type, label_states
+   use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
+   use vi_case_attractor, only: available_threads
+   use vi_case_basins, only: plane_states
+   use vi_case_type, only: case_type
+   use vi_drive, only: new_drive
+   use vi_echo, only: echo, list
+   use vi_kinds, only: wp
+   use vi_log, only: done, failed, log_type, say, write_table
+   use vi_pattern, only: starred_letters
+   use vi_text, only: append, columns, counted, exact, lengthen, line_type, shown, whole
+   implicit none (type, external)
+   private
+
+   public :: run_basins
+
+   character(14), parameter :: kinds(6) = [character(14) :: 'periodic', 'rest', 'quasi-periodic', &
+      'chaotic', 'no impacts', 'periodic?']
+
+contains
+
+   !> Finds to which attractor each state of a plane goes, and writes the states.
+   subroutine run_basins(case, folder, log, written)
+      type(case_type), intent(in) :: case
+      character(*), intent(in) :: folder
+      type(log_type), intent(inout) :: log
+      !> False if the result could not be written.
+      logical, intent(out) :: written
+      type(catalogue_type) :: catalogue
+      type(line_type), allocatable :: names(:), lines(:)
+      real(wp), allocatable :: states(:, :)
+      integer, allocatable :: labels(:)
+      character(:), allocatable :: text
+      real(wp) :: events
+      integer :: i, lost
+
+      written = .true.
+      associate (a => case%attractor)
+         catalogue%drive = new_drive(case%osc, case%r, a%load, a%clearance)
+         catalogue%max_cycles = a%max_cycles
+         catalogue%threads = available_threads()
+         allocate (states, source=plane_states(case))
+         allocate (labels(size(states, 2)))
+         call label_states(catalogue, states, a%cycles, a%probes, labels, events)
+      end associate
+      lost = count(labels == 0)
+      if (lost < size(labels)) then
+         call find_names(catalogue, names)
+         call basin_lines(case, catalogue, names, states, labels, lines)
+         call write_table(folder//'/'//case%name//'.csv', lines, log, written)
+         if (.not. written) return
+         text = counted(size(labels), 'state')
+         do i = 1, catalogue%n
+            text = text//', '//names(i)%text//' '//shown(100*share(labels, i), 'f12.2')//'%'
+         end do
+         call say(log, done, case%name//': '//text)
+      end if
+      if (lost > 0) call say(log, failed, case%name//': '//whole(lost)//' of '//counted( &
+         size(labels), 'state')//' not decided')
+   end subroutine run_basins
+
+   !> The states with the numbers of their attractors; header as in `csv_lines`, with those.
+   pure subroutine basin_lines(case, catalogue, names, states, labels, lines)
+      type(case_type), intent(in) :: case
+      type(catalogue_type), intent(in) :: catalogue
+      type(line_type), intent(in) :: names(:)
+      real(wp), intent(in) :: states(:, :)
+      integer, intent(in) :: labels(:)
+      type(line_type), allocatable, intent(out) :: lines(:)
+      character(:), allocatable :: text
+      integer :: i, j, n
+
+      call echo(case, lines)
+      do i = 1, catalogue%n
+         call append(lines, '# ! '//whole(i - 1)//': '//names(i)%text//' ('//trim(kinds( &
+            catalogue%known(i)%kind))//'), share '//exact(share(labels, i))//details( &
+            catalogue%known(i)))
+      end do
+      call append(lines, 't,x,x_dot,z,z_dot,label,attractor')
+      n = size(lines)
+      call lengthen(lines, size(labels))
+      do j = 1, size(labels)
+         text = columns(states(:, j))
+         text = text(2:)//','//whole(labels(j) - 1)//','
+         if (labels(j) > 0) text = text//names(labels(j))%text
+         lines(n + j)%text = text
+      end do
+   end subroutine basin_lines
+
+   !> Share of the states that go to an attractor.
+   pure real(wp) function share(labels, i)
+      integer, intent(in) :: labels(:), i
+
+      share = real(count(labels == i), wp)/size(labels)
+   end function share
+
+   !> What else is known of an attractor.
+   pure function details(known) result(text)
+      type(known_type), intent(in) :: known
+      character(:), allocatable :: text
+      real(wp) :: numbers(2)
+
+      select case (known%kind)
+      case (periodic, resting)
+         numbers = ball(known)
+         text = ', greatest multiplier '//exact(known%largest)//', radius '//exact(numbers(1))
+      case (no_impacts, repeating)
+         text = ''
+      case default
+         text = ', largest exponent per load cycle '//exact(known%largest)
+      end select
+      text = text//'; t, x, x_dot, z, z_dot = '//list(known%state)
+   end function details
+
+   !> Sides and load cycles, or the kind; a number tells those of one name apart.
+   pure subroutine find_names(catalogue, names)
+      type(catalogue_type), intent(in) :: catalogue
+      type(line_type), allocatable, intent(out) :: names(:)
+      type(line_type) :: plain(catalogue%n)
+      integer :: i, j, before, alike
+
+      allocate (names(catalogue%n))
+      do i = 1, catalogue%n
+         associate (known => catalogue%known(i))
+            select case (known%kind)
+            case (periodic, resting)
+               plain(i)%text = starred_letters(known%letters)//'/'//whole(known%cycles)
+            case (repeating)
+               plain(i)%text = whole(size(known%letters))//'/'//whole(known%cycles)//'?'
+            case default
+               plain(i)%text = trim(kinds(known%kind))
+            end select
+         end associate
+      end do
+      do i = 1, catalogue%n
+         before = 0
+         alike = 0
+         do j = 1, catalogue%n
+            if (plain(j)%text /= plain(i)%text) cycle
+            alike = alike + 1
+            if (j <= i) before = before + 1
+         end do
+         names(i)%text = plain(i)%text
+         if (alike > 1) names(i)%text = names(i)%text//' ('//whole(before)//')'
+      end do
+   end subroutine find_names
+
+end module vi_run_basins

@@ -1,0 +1,294 @@
+!> The attractors of a point as they become known, and the states that go to each.
+module vi_attractor_catalogue
+   use vi_attractor_basin, only: decide
+   use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, within
+   use vi_attractor_settled, only: settle_chains
+   use vi_attractor_target, only: target_type
+   use vi_attractor_wandering, only: group_type, tell_apart
+   use vi_drive, only: drive_type
+   use vi_kinds, only: wp
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: label_states
+
+   !> Attractors at most: without damping every state may have its own.
+   integer, parameter, public :: most_attractors = 1000
+   !> Rounds in which motions that were not known are added; they go on while they decide a share
+   !! at least, as when transients are long.
+   integer, parameter :: rounds = 16
+   real(wp), parameter :: lively = 0.02_wp
+   !> States that are described at a time, and impacts that are kept of each.
+   integer, parameter :: block = 2000, impacts_kept = 200
+
+   !> What is known, and how it is found out.
+   type, public :: catalogue_type
+      type(drive_type) :: drive
+      !> Longest period that is looked for, in load cycles; threads.
+      integer :: max_cycles = 16, threads = 1
+      integer :: n = 0
+      type(known_type), allocatable :: known(:)
+      !> Of attractors that are not periodic.
+      type(group_type), allocatable :: groups(:)
+   end type catalogue_type
+
+   !> What some states settle on: contents as of `settle_chains`, one link.
+   type :: ends_type
+      real(wp), allocatable :: values(:, :, :, :), extremes(:, :, :), ends(:, :, :)
+      integer, allocatable :: labels(:, :, :, :), found(:, :), periods(:, :, :), status(:, :)
+   end type ends_type
+
+contains
+
+   !> The attractor of each state (0: not decided), by falling share of the states.
+   subroutine label_states(catalogue, starts, cycles, probes, labels, events)
+      !> In: drive, longest period and threads.
+      type(catalogue_type), intent(inout) :: catalogue
+      !> (5, m): t, x, x', z, z'
+      real(wp), intent(in) :: starts(:, :)
+      !> Load cycles in which a state should be decided, and states simulated first.
+      integer, intent(in) :: cycles, probes
+      !> (m)
+      integer, intent(out) :: labels(:)
+      !> Events simulated to decide.
+      real(wp), intent(out) :: events
+      real(wp), allocatable :: ends(:, :), after(:, :)
+      integer, allocatable :: open_ones(:), found(:), counts(:)
+      integer :: i, known, round
+
+      allocate (catalogue%known(most_attractors), catalogue%groups(0))
+      labels = 0
+      events = 0
+      allocate (ends, source=starts)
+      allocate (open_ones(size(labels)))
+      open_ones = [(i, i=1, size(labels))]
+      call discover(catalogue, starts(:, some(size(labels), probes)), cycles/2)
+      do round = 1, rounds
+         known = catalogue%n
+         allocate (found(size(open_ones)), counts(size(open_ones)), after(5, size(open_ones)))
+         call decide_known(catalogue, ends, cycles, found, counts, after)
+         events = events + sum(real(counts, wp))
+         labels(open_ones) = found
+         call keep_open(found, after, open_ones, ends)
+         known = count(found > 0)
+         deallocate (found, counts, after)
+         if (size(open_ones) == 0) exit
+         i = catalogue%n
+         call discover(catalogue, ends(:, some(size(open_ones), 2*probes)), 0)
+         if (catalogue%n == i .and. .not. known > lively*(known + size(open_ones))) exit
+      end do
+      do i = 1, size(open_ones), block
+         associate (members => open_ones(i:min(i + block - 1, size(open_ones))))
+            call describe(catalogue, ends(:, i:i + size(members) - 1), labels, members)
+         end associate
+      end do
+      call order_by_share(catalogue, labels)
+   end subroutine label_states
+
+   !> Some of n places, spread evenly, each once.
+   pure function some(n, wanted) result(places)
+      integer, intent(in) :: n, wanted
+      integer, allocatable :: places(:)
+      integer :: i, m
+
+      m = min(n, wanted)
+      allocate (places(m))
+      places = [(1 + int(real(i, wp)*(n - 1)/max(1, m - 1)), i=0, m - 1)]
+   end function some
+
+   !> Leaves the states that are not decided, where they are now.
+   pure subroutine keep_open(found, after, open_ones, ends)
+      integer, intent(in) :: found(:)
+      real(wp), intent(in) :: after(:, :)
+      integer, allocatable, intent(inout) :: open_ones(:)
+      real(wp), allocatable, intent(inout) :: ends(:, :)
+      integer, allocatable :: still(:), left(:)
+      integer :: i
+
+      still = pack([(i, i=1, size(found))], found == 0)
+      left = open_ones(still)
+      call move_alloc(left, open_ones)
+      deallocate (ends)
+      allocate (ends(5, size(still)))
+      ends = after(:, still)
+   end subroutine keep_open
+
+   !> Simulates states to what they settle on.
+   subroutine settle(catalogue, starts, settling, room, found)
+      type(catalogue_type), intent(in) :: catalogue
+      real(wp), intent(in) :: starts(:, :)
+      integer, intent(in) :: settling, room
+      type(ends_type), intent(out) :: found
+      real(wp), allocatable :: parameters(:, :, :)
+      integer :: m, j
+
+      m = size(starts, 2)
+      allocate (parameters(6, 1, m), found%values(7, room, 1, m), found%labels(2, room, 1, m), &
+         found%found(1, m), found%periods(4, 1, m), found%extremes(2, 1, m), found%ends(5, 1, m), &
+         found%status(1, m))
+      associate (drive => catalogue%drive)
+         do j = 1, m
+            parameters(:, 1, j) = [drive%r, drive%clearance, drive%osc%xi, drive%osc%mu, &
+               drive%osc%restitution]
+         end do
+         call settle_chains(parameters, drive%load, starts, settling, 2*catalogue%max_cycles + 1, &
+            0.0_wp, catalogue%threads, found%values, found%labels, found%found, found%periods, &
+            found%extremes, found%ends, found%status)
+      end associate
+   end subroutine settle
+
+   !> Adds the periodic motions that some states settle on.
+   subroutine discover(catalogue, starts, settling)
+      type(catalogue_type), intent(inout) :: catalogue
+      real(wp), intent(in) :: starts(:, :)
+      integer, intent(in) :: settling
+      type(ends_type) :: found
+      type(known_type) :: new
+      integer :: i, j, n, seen(size(starts, 2))
+      logical :: good
+
+      call settle(catalogue, starts, settling, 1, found)
+      n = 0
+      do j = 1, size(starts, 2)
+         if (found%status(1, j) /= stat%ok .or. found%periods(1, 1, j) == 0 .or. &
+            found%periods(3, 1, j) == 0 .or. catalogue%n == most_attractors) cycle
+         ! what has the numbers of one before is that one
+         do i = 1, n
+            if (all(found%periods(:2, 1, seen(i)) == found%periods(:2, 1, j)) .and. &
+               maxval(abs(found%extremes(:, 1, seen(i)) - found%extremes(:, 1, j))) < &
+               1.0e-3_wp*catalogue%drive%clearance) exit
+         end do
+         if (i <= n) cycle
+         n = n + 1
+         seen(n) = j
+         call identify(catalogue%drive, found%ends(:, 1, j), found%periods(1, 1, j), &
+            catalogue%threads, new, good)
+         if (.not. good) cycle
+         do i = 1, catalogue%n
+            if (alike(new, catalogue%known(i), catalogue%drive%clearance)) exit
+         end do
+         if (i > catalogue%n) call add(catalogue, new)
+      end do
+   end subroutine discover
+
+   subroutine add(catalogue, new)
+      type(catalogue_type), intent(inout) :: catalogue
+      type(known_type), intent(in) :: new
+
+      catalogue%n = catalogue%n + 1
+      catalogue%known(catalogue%n) = new
+   end subroutine add
+
+   !> The known periodic motion that each state comes near to.
+   subroutine decide_known(catalogue, starts, cycles, found, counts, after)
+      type(catalogue_type), intent(in) :: catalogue
+      real(wp), intent(in) :: starts(:, :)
+      integer, intent(in) :: cycles
+      integer, intent(out) :: found(:), counts(:)
+      real(wp), intent(out) :: after(:, :)
+      type(target_type), allocatable :: targets(:)
+      integer, allocatable :: owners(:)
+      integer :: i, n
+
+      n = 0
+      do i = 1, catalogue%n
+         n = n + size(catalogue%known(i)%targets)
+      end do
+      allocate (targets(n), owners(0:n))
+      owners = 0
+      n = 0
+      do i = 1, catalogue%n
+         associate (own => catalogue%known(i)%targets)
+            targets(n + 1:n + size(own)) = own
+            owners(n + 1:n + size(own)) = i
+            n = n + size(own)
+         end associate
+      end do
+      associate (drive => catalogue%drive)
+         call decide(drive%osc, drive%r, drive%load, drive%clearance, targets, starts, cycles, &
+            catalogue%threads, found, counts, after)
+      end associate
+      found = owners(found)
+   end subroutine decide_known
+
+   !> What states that come to no known motion are on.
+   subroutine describe(catalogue, starts, labels, members)
+      type(catalogue_type), intent(inout) :: catalogue
+      real(wp), intent(in) :: starts(:, :)
+      integer, intent(inout) :: labels(:)
+      !> The places of the states among all.
+      integer, intent(in) :: members(:)
+      type(ends_type) :: found
+      type(known_type) :: new
+      integer :: i, j, kind, n
+
+      call settle(catalogue, starts, 0, impacts_kept, found)
+      do j = 1, size(members)
+         if (found%status(1, j) /= stat%ok) cycle
+         new%state = within(found%ends(:, 1, j), catalogue%drive%clearance)
+         associate (period => found%periods(:, 1, j))
+            if (period(1) == 0) then
+               n = found%found(1, j)
+               i = catalogue%n + 1
+               if (i > most_attractors) cycle
+               call tell_apart(catalogue%drive, found%values(:, :n, 1, j), &
+                  found%labels(2, :n, 1, j), new, catalogue%groups, i, labels(members(j)))
+               if (labels(members(j)) == i) call add_described(catalogue, new)
+               cycle
+            end if
+            kind = merge(no_impacts, repeating, period(3) == 0)
+            do i = 1, catalogue%n
+               associate (known => catalogue%known(i))
+                  if (known%kind /= kind) cycle
+                  if (kind == no_impacts) exit
+                  if (known%cycles == period(1) .and. size(known%letters) == period(2)) exit
+               end associate
+            end do
+            new%kind = kind
+            new%cycles = merge(0, period(1), kind == no_impacts)
+            new%largest = 0
+            if (allocated(new%letters)) deallocate (new%letters)
+            allocate (new%letters(merge(0, period(2), kind == no_impacts)), source=0)
+            if (i > catalogue%n) call add_described(catalogue, new)
+            if (i <= catalogue%n) labels(members(j)) = i
+         end associate
+      end do
+   end subroutine describe
+
+   !> Adds an attractor that has no neighbourhood, if there is room.
+   subroutine add_described(catalogue, new)
+      type(catalogue_type), intent(inout) :: catalogue
+      type(known_type), intent(inout) :: new
+
+      if (catalogue%n == most_attractors) return
+      if (.not. allocated(new%targets)) allocate (new%targets(0))
+      if (.not. allocated(new%letters)) allocate (new%letters(0))
+      call add(catalogue, new)
+   end subroutine add_described
+
+   !> Renumbers the attractors by falling share; those that no state goes to are left out.
+   subroutine order_by_share(catalogue, labels)
+      type(catalogue_type), intent(inout) :: catalogue
+      integer, intent(inout) :: labels(:)
+      type(known_type), allocatable :: sorted(:)
+      integer :: counts(catalogue%n), place(0:catalogue%n), i, n
+
+      do i = 1, catalogue%n
+         counts(i) = count(labels == i)
+      end do
+      place = 0
+      allocate (sorted(catalogue%n))
+      do n = 1, catalogue%n
+         i = maxloc(counts, 1)
+         if (counts(i) <= 0) exit
+         sorted(n) = catalogue%known(i)
+         place(i) = n
+         counts(i) = 0
+      end do
+      catalogue%n = n - 1
+      catalogue%known(:n - 1) = sorted(:n - 1)
+      labels = place(labels)
+   end subroutine order_by_share
+
+end module vi_attractor_catalogue

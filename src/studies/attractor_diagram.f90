@@ -1,0 +1,161 @@
+!> Bifurcation diagrams: what simulations settle on along a parameter.
+!!
+!! A run sweeps up or down, with the state carried from value to value, or starts anew at each value
+!! from a state of its own.
+module vi_attractor_diagram
+   use vi_attractor_settled, only: settle_chains
+   use vi_attractor_spread, only: spread_states
+   use vi_kinds, only: wp
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   private
+
+   public :: diagram, find_windows
+
+   !> Added to x' from value to value, over D: what is unstable is left.
+   real(wp), parameter :: kick = 1.0e-9_wp
+
+   !> A system of which one parameter varies.
+   type, public :: path_type
+      type(oscillator_type) :: osc
+      real(wp) :: r = 0, clearance = 0, load = 1
+      !> The parameter: 1 to 6 for r, D, xi, mu, R1, R2; 5 and tied for both walls.
+      integer :: place = 0
+      logical :: tied = .false.
+      !> Rising.
+      real(wp), allocatable :: values(:)
+   end type path_type
+
+   !> What the runs settle on: arrays (..., values, runs), contents as of `settle_chains`.
+   type, public :: diagram_type
+      real(wp), allocatable :: impacts(:, :, :, :)
+      integer, allocatable :: labels(:, :, :, :), found(:, :), periods(:, :, :), status(:, :)
+      real(wp), allocatable :: extremes(:, :, :)
+   end type diagram_type
+
+contains
+
+   !> Simulates all runs.
+   subroutine diagram(path, directions, start, settling, keep, points, threads, result)
+      type(path_type), intent(in) :: path
+      !> (runs): 1 up, -1 down, 0 anew at each value.
+      integer, intent(in) :: directions(:)
+      !> (5): t, x, x', z, z' at the start of sweeps; empty for a state with plenty of motion.
+      real(wp), intent(in) :: start(:)
+      !> Load cycles simulated first, load cycles looked at, impacts kept.
+      integer, intent(in) :: settling, keep, points, threads
+      type(diagram_type), intent(out), target :: result
+      real(wp), allocatable, target :: parameters(:, :, :)
+      real(wp), allocatable :: starts(:, :), ends(:, :, :)
+      real(wp), pointer :: chain_parameters(:, :, :), impacts(:, :, :, :), extremes(:, :, :)
+      integer, pointer :: labels(:, :, :, :), found(:, :), periods(:, :, :), status(:, :)
+      integer :: n, runs, links, chains, i, j
+
+      n = size(path%values)
+      runs = size(directions)
+      ! what starts anew at each value are chains of one link, the values first
+      links = merge(1, n, all(directions == 0))
+      chains = n*runs/links
+      allocate (parameters(6, n, runs), starts(5, chains), ends(5, links, chains))
+      do j = 1, runs
+         parameters(:, :, j) = parameters_along(path, directions(j))
+         if (links == n) starts(:, j) = start_of(path, parameters(:, 1, j), start)
+      end do
+      do i = 1, merge(n, 0, links < n)
+         starts(:, i::n) = spread_states(path%osc, parameters(1, i, 1), path%load, &
+            parameters(2, i, 1), runs)
+      end do
+      call make_room(points, n, runs, result)
+      chain_parameters(1:6, 1:links, 1:chains) => parameters
+      impacts(1:7, 1:points, 1:links, 1:chains) => result%impacts
+      labels(1:2, 1:points, 1:links, 1:chains) => result%labels
+      found(1:links, 1:chains) => result%found
+      periods(1:4, 1:links, 1:chains) => result%periods
+      extremes(1:2, 1:links, 1:chains) => result%extremes
+      status(1:links, 1:chains) => result%status
+      call settle_chains(chain_parameters, path%load, starts, settling, keep, kick, threads, &
+         impacts, labels, found, periods, extremes, ends, status)
+      do j = 1, runs
+         if (directions(j) < 0) call turn_round(result, j)
+      end do
+   end subroutine diagram
+
+   !> The six parameters at each value, in the order of a run.
+   pure function parameters_along(path, direction) result(c)
+      type(path_type), intent(in) :: path
+      integer, intent(in) :: direction
+      real(wp) :: c(6, size(path%values))
+      integer :: n
+
+      n = size(path%values)
+      c = spread([path%r, path%clearance, path%osc%xi, path%osc%mu, path%osc%restitution], 2, n)
+      c(path%place, :) = path%values
+      if (path%tied) c(6, :) = path%values
+      if (direction < 0) c = c(:, n:1:-1)
+   end function parameters_along
+
+   !> Where a sweep starts.
+   pure function start_of(path, c, start) result(state)
+      type(path_type), intent(in) :: path
+      !> Its first parameters.
+      real(wp), intent(in) :: c(6)
+      real(wp), intent(in) :: start(:)
+      real(wp) :: state(5)
+
+      if (size(start) > 0) then
+         state = start
+      else
+         state = reshape(spread_states(path%osc, c(1), path%load, c(2), 1), [5])
+      end if
+   end function start_of
+
+   pure subroutine make_room(points, n, runs, result)
+      integer, intent(in) :: points, n, runs
+      type(diagram_type), intent(inout) :: result
+
+      allocate (result%impacts(7, points, n, runs), result%labels(2, points, n, runs), &
+         result%found(n, runs), result%periods(4, n, runs), result%extremes(2, n, runs), &
+         result%status(n, runs))
+   end subroutine make_room
+
+   !> A run that swept down, with its values rising.
+   pure subroutine turn_round(result, j)
+      type(diagram_type), intent(inout) :: result
+      integer, intent(in) :: j
+      integer :: n
+
+      n = size(result%found, 1)
+      result%impacts(:, :, :, j) = result%impacts(:, :, n:1:-1, j)
+      result%labels(:, :, :, j) = result%labels(:, :, n:1:-1, j)
+      result%found(:, j) = result%found(n:1:-1, j)
+      result%periods(:, :, j) = result%periods(:, n:1:-1, j)
+      result%extremes(:, :, j) = result%extremes(:, n:1:-1, j)
+      result%status(:, j) = result%status(n:1:-1, j)
+   end subroutine turn_round
+
+   !> The stretches of a run over which the motion keeps its period and its letters.
+   pure subroutine find_windows(periods, first, last, n)
+      !> (4, values)
+      integer, intent(in) :: periods(:, :)
+      !> (values) each; of n windows.
+      integer, intent(out) :: first(:), last(:)
+      integer, intent(out) :: n
+      integer :: i
+      logical :: goes_on
+
+      n = 0
+      first = 0
+      last = 0
+      goes_on = .false.
+      do i = 1, size(periods, 2)
+         if (goes_on) goes_on = all(periods(:2, i) == periods(:2, i - 1))
+         if (.not. goes_on .and. periods(1, i) > 0) then
+            n = n + 1
+            first(n) = i
+            goes_on = .true.
+         end if
+         if (goes_on) last(n) = i
+      end do
+   end subroutine find_windows
+
+end module vi_attractor_diagram

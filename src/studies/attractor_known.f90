@@ -1,0 +1,252 @@
+!> An attractor of a point; a periodic one is made exact as a fixed point of the simulation.
+module vi_attractor_known
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_neighbourhood, only: find_neighbourhoods
+   use vi_attractor_target, only: difference, over_period, period_derivative, target_type
+   use vi_drive, only: drive_type, event_type, impact_event, initial_state, release_event, &
+      state_type, stick_event, two_pi
+   use vi_kinds, only: wp
+   use vi_lapack, only: eigenvalues, solve
+   use vi_simulate, only: simulate
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: alike, ball, identify, within
+
+   !> Kinds: periodic without and with rest, neither, a simulation that repeats itself but is no
+   !! stable motion.
+   integer, parameter, public :: periodic = 1, resting = 2, quasi_periodic = 3, chaotic = 4, &
+      no_impacts = 5, repeating = 6
+
+   !> Events of a period at most.
+   integer, parameter :: room = 2048
+
+   type, public :: known_type
+      integer :: kind = 0
+      !> Load cycles, and letters of a period: sides, twice them where impacts accumulate, the
+      !! rotation that comes last in the alphabet.
+      integer :: cycles = 0
+      integer, allocatable :: letters(:)
+      !> t, x, x', z, z' of a state on it.
+      real(wp) :: state(5) = 0
+      !> Of a periodic one: its impacts, or its releases, with what is known to go there.
+      type(target_type), allocatable :: targets(:)
+      !> Of a periodic one: greatest modulus of its multipliers; of others: largest exponent per
+      !! load cycle.
+      real(wp) :: largest = 0
+   end type known_type
+
+contains
+
+   !> The stable periodic motion that a state of some period is on.
+   subroutine identify(drive, end, cycles, threads, known, good)
+      type(drive_type), intent(in) :: drive
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: end(5)
+      integer, intent(in) :: cycles, threads
+      type(known_type), intent(out) :: known
+      !> False if there is none.
+      logical, intent(out) :: good
+      type(event_type), allocatable :: events(:)
+      type(state_type) :: state, final
+      type(target_type) :: target
+      complex(wp) :: lambda(4)
+      real(wp) :: p(4, 4)
+      integer :: n, i, status
+
+      allocate (events(room))
+      state = initial_state(drive, within(end, drive%clearance))
+      state%cycle = 0
+      call simulate(drive, state, int(cycles, int64), state%phase, events, n, final, status)
+      good = status == stat%ok .and. n > 0
+      if (.not. good) return
+      i = n
+      if (any(events(:n)%kind /= impact_event)) i = findloc(events(:n)%kind, release_event, 1, &
+         back=.true.)
+      good = i > 0
+      if (.not. good) return
+      call start_target(events(i), cycles, target)
+      call converge(drive, target, events, n, p, good)
+      if (.not. good) return
+      call eigenvalues(p, lambda, status)
+      known%largest = maxval(abs(lambda))
+      good = status == stat%ok .and. known%largest < 1
+      if (.not. good) return
+      known%kind = merge(resting, periodic, target%release)
+      known%cycles = cycles
+      known%state = within(end, drive%clearance)
+      known%letters = letters_of(events(:n))
+      allocate (known%targets(count(events(:n)%kind == events(n)%kind)))
+      n = 0
+      do i = 1, size(known%targets)
+         n = n + findloc(events(n + 1:)%kind, merge(release_event, impact_event, target%release), 1)
+         call start_target(events(n), cycles, known%targets(i))
+      end do
+      call find_neighbourhoods(drive%osc, drive%r, drive%load, drive%clearance, known%targets, &
+         threads)
+   end subroutine identify
+
+   !> A state with the free mass between the walls, which rounding may leave it outside of.
+   pure function within(state, clearance) result(inside)
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: state(5)
+      real(wp), intent(in) :: clearance
+      real(wp) :: inside(5)
+
+      inside = state
+      inside(4) = state(2) + min(max(state(4) - state(2), -0.5_wp*clearance), 0.5_wp*clearance)
+   end function within
+
+   !> An event as a fixed point of a period.
+   pure subroutine start_target(event, cycles, target)
+      type(event_type), intent(in) :: event
+      integer, intent(in) :: cycles
+      type(target_type), intent(out) :: target
+
+      target%release = event%kind == release_event
+      target%side = event%side
+      target%cycles = cycles
+      target%n = merge(2, 4, target%release)
+      if (target%release) then
+         target%middle(:2) = [event%x_dot_after, event%phase]
+      else
+         target%middle = [event%x, event%x_dot_after, event%z_dot_after, event%phase]
+      end if
+   end subroutine start_target
+
+   !> Newton's method on the map over a period, from a state that is almost periodic.
+   pure subroutine converge(drive, target, events, n, p, good)
+      type(drive_type), intent(in) :: drive
+      type(target_type), intent(inout) :: target
+      !> Of the period, and their number.
+      type(event_type), intent(inout) :: events(:)
+      integer, intent(out) :: n
+      !> Its derivative.
+      real(wp), intent(out) :: p(4, 4)
+      logical, intent(out) :: good
+      real(wp) :: zero(4), off, before, scale(4), matrix(4, 4), step(4), begin(4)
+      integer :: i, j, status
+
+      zero = 0
+      begin = target%middle
+      scale = drive%clearance
+      scale(target%n:) = 1
+      before = huge(1.0_wp)
+      associate (m => target%n)
+         do i = 1, 20
+            call over_period(drive, target, zero, events, n, good)
+            if (.not. good) return
+            call period_derivative(drive, target, events(:n), p, good)
+            if (.not. good) return
+            step = difference(target, events(n))
+            off = maxval(abs(step(:m)/scale(:m)))
+            ! until rounding is all that is left
+            if (off < 1.0e-9_wp .and. off >= 0.5_wp*before) exit
+            before = off
+            matrix = -p
+            do j = 1, 4
+               matrix(j, j) = matrix(j, j) + 1
+            end do
+            call solve(matrix, step, status)
+            good = status == stat%ok
+            if (.not. good) return
+            target%middle(:m) = target%middle(:m) + step(:m)
+            target%middle(m) = modulo(target%middle(m), two_pi)
+         end do
+         begin = begin - target%middle
+         begin(m) = begin(m) - two_pi*anint(begin(m)/two_pi)
+         good = off < 1.0e-9_wp .and. all(abs(begin(:m)) < 1.0e-2_wp*scale(:m))
+      end associate
+   end subroutine converge
+
+   !> The letters of a period, which has no beginning: the rotation that comes last in the alphabet.
+   pure function letters_of(events) result(letters)
+      type(event_type), intent(in) :: events(:)
+      integer, allocatable :: letters(:)
+      integer :: ring(size(events)), i, n, side, best
+      logical :: later
+
+      ! backwards, twice round: the impacts before a stick on its wall are part of its letter
+      ring = 0
+      side = 0
+      do i = 2*size(events) - 1, 0, -1
+         n = modulo(i, size(events)) + 1
+         associate (event => events(n))
+            if (event%kind == stick_event) then
+               side = event%side
+               ring(n) = 2*side
+            else if (event%kind == release_event) then
+               side = 0
+            else
+               if (event%side /= side) side = 0
+               ring(n) = merge(event%side, 0, side == 0)
+            end if
+         end associate
+      end do
+      letters = pack(ring, ring /= 0)
+      best = 0
+      do i = 1, size(letters) - 1
+         later = comes_later(cshift(letters, i), cshift(letters, best))
+         if (later) best = i
+      end do
+      letters = cshift(letters, best)
+   end function letters_of
+
+   !> Whether one list of letters comes later in the alphabet than another, as texts: L* L R* R.
+   pure logical function comes_later(one, other)
+      integer, intent(in) :: one(:), other(:)
+      integer :: i
+
+      do i = 1, size(one)
+         comes_later = rank_of(one(i)) > rank_of(other(i))
+         if (one(i) /= other(i)) return
+      end do
+      comes_later = .false.
+   end function comes_later
+
+   !> Place of a letter in the alphabet.
+   pure integer function rank_of(letter)
+      integer, intent(in) :: letter
+
+      rank_of = merge(2, 0, letter > 0) - abs(letter)
+   end function rank_of
+
+   !> Radius and contraction of the largest neighbourhood that decides; 0 and 1 if there is none.
+   pure function ball(known) result(numbers)
+      type(known_type), intent(in) :: known
+      real(wp) :: numbers(2)
+      integer :: i
+
+      numbers = [0.0_wp, 1.0_wp]
+      do i = 1, size(known%targets)
+         associate (t => known%targets(i))
+            if (t%radius > numbers(1)) numbers = [t%radius, t%contraction]
+         end associate
+      end do
+   end function ball
+
+   !> Whether two periodic motions are one: an event of the other is the first of the one.
+   pure logical function alike(one, other, clearance)
+      type(known_type), intent(in) :: one, other
+      real(wp), intent(in) :: clearance
+      real(wp) :: off(4)
+      integer :: i
+
+      alike = .false.
+      if (one%cycles /= other%cycles .or. size(one%letters) /= size(other%letters)) return
+      associate (first => one%targets(1))
+         do i = 1, size(other%targets)
+            associate (t => other%targets(i))
+               if (t%side /= first%side .or. (t%release .neqv. first%release)) cycle
+               off = (t%middle - first%middle)/clearance
+               off(first%n) = t%middle(first%n) - first%middle(first%n)
+               off(first%n) = off(first%n) - two_pi*anint(off(first%n)/two_pi)
+               alike = all(abs(off) < 1.0e-6_wp)
+            end associate
+            if (alike) return
+         end do
+      end associate
+   end function alike
+
+end module vi_attractor_known

@@ -1,0 +1,67 @@
+!> The response of the primary mass over all attractors that coexist.
+module vi_attractor_response
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_negative_inf, ieee_positive_inf, &
+      ieee_quiet_nan, ieee_value
+   use vi_attractor_settled, only: settle_chains
+   use vi_attractor_spread, only: spread_states
+   use vi_kinds, only: wp
+   use vi_oscillator, only: gain, oscillator_type
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: respond
+
+contains
+
+   !> max|X|/A of what initial states spread evenly settle on, at n points.
+   subroutine respond(osc, r, clearance, load, settling, keep, threads, attenuation, envelope, &
+      periods, status)
+      type(oscillator_type), intent(in) :: osc
+      !> (n) each
+      real(wp), intent(in) :: r(:), clearance(:)
+      real(wp), intent(in) :: load
+      !> Load cycles simulated first, and load cycles looked at.
+      integer, intent(in) :: settling, keep
+      integer, intent(in) :: threads
+      !> (states, n): NaN where a simulation failed.
+      real(wp), intent(out) :: attenuation(:, :)
+      !> (2, n): least and greatest over the states; inf and -inf if all failed.
+      real(wp), intent(out) :: envelope(:, :)
+      !> (4, states, n): period, letters, impacts, rests; (states, n).
+      integer, intent(out) :: periods(:, :, :), status(:, :)
+      integer, parameter :: room = 1
+      real(wp), allocatable :: parameters(:, :, :), starts(:, :), impacts(:, :, :, :), &
+         extremes(:, :, :), ends(:, :, :)
+      integer, allocatable :: labels(:, :, :, :), found(:, :), counts(:, :, :), ends_status(:, :)
+      integer :: states, n, j, m
+
+      states = size(attenuation, 1)
+      n = size(r)
+      m = states*n
+      allocate (parameters(6, 1, m), starts(5, m), impacts(7, room, 1, m), labels(2, room, 1, m), &
+         found(1, m), counts(4, 1, m), extremes(2, 1, m), ends(5, 1, m), ends_status(1, m))
+      do j = 1, n
+         parameters(:, 1, (j - 1)*states + 1:j*states) = spread([r(j), clearance(j), osc%xi, &
+            osc%mu, osc%restitution], 2, states)
+         starts(:, (j - 1)*states + 1:j*states) = spread_states(osc, r(j), load, clearance(j), &
+            states)
+      end do
+      call settle_chains(parameters, load, starts, settling, keep, 0.0_wp, threads, impacts, &
+         labels, found, counts, extremes, ends, ends_status)
+      status = reshape(ends_status, [states, n])
+      periods = reshape(counts, [4, states, n])
+      attenuation = reshape(max(-extremes(1, 1, :), extremes(2, 1, :)), [states, n])
+      do j = 1, n
+         associate (each => attenuation(:, j))
+            each = each/(load*gain(osc%xi, r(j)))
+            where (status(:, j) /= stat%ok) each = ieee_value(load, ieee_quiet_nan)
+            envelope(1, j) = minval([ieee_value(load, ieee_positive_inf), pack(each, .not. &
+               ieee_is_nan(each))])
+            envelope(2, j) = maxval([ieee_value(load, ieee_negative_inf), pack(each, .not. &
+               ieee_is_nan(each))])
+         end associate
+      end do
+   end subroutine respond
+
+end module vi_attractor_response

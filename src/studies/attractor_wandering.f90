@@ -1,0 +1,132 @@
+!> Attractors that are not periodic, told apart by the places of their impacts.
+module vi_attractor_wandering
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_known, only: chaotic, known_type, quasi_periodic
+   use vi_attractor_lyapunov, only: lyapunov_points
+   use vi_drive, only: drive_type, event_type, impact_event, initial_state, state_type, two_pi
+   use vi_kinds, only: wp
+   use vi_simulate, only: simulate
+   use vi_status, only: stat
+   use vi_trajectory, only: pack_state
+   implicit none (type, external)
+   private
+
+   public :: tell_apart
+
+   !> Such attractors at most.
+   integer, parameter :: most_groups = 30
+   !> Load cycles after which the largest Lyapunov exponent is told from 0, those before, batches.
+   integer, parameter :: exponent_cycles = 4000, exponent_discard = 500, batches = 20
+   !> Least largest exponent of chaos per load cycle.
+   real(wp), parameter :: least_chaos = 2.0e-3_wp
+   !> Cells of the phase, and of x over the clearance either way.
+   integer, parameter :: cells = 24, reach = 240
+
+   !> Coarse cells (phase, x, wall) in which an attractor has impacts.
+   type, public :: group_type
+      integer :: owner = 0
+      logical :: hit(0:cells - 1, -reach:reach - 1, -1:1) = .false.
+   end type group_type
+
+contains
+
+   !> The attractor that a trajectory which does not repeat itself is on; it may be a new one.
+   subroutine tell_apart(drive, values, sides, known, groups, next, label)
+      type(drive_type), intent(in) :: drive
+      !> Its last impacts as in `store_events`.
+      real(wp), intent(in) :: values(:, :)
+      integer, intent(in) :: sides(:)
+      !> In: a state of it. Out: the attractor, if it is new.
+      type(known_type), intent(inout) :: known
+      type(group_type), allocatable, intent(inout) :: groups(:)
+      !> The number of a new attractor.
+      integer, intent(in) :: next
+      !> 0 if it cannot be told.
+      integer, intent(inout) :: label
+      type(group_type) :: own
+      type(group_type), allocatable :: more(:)
+      integer :: i, best, shared(size(groups))
+
+      do i = 1, size(sides)
+         call mark(own, drive, values(2, i), values(3, i), sides(i))
+      end do
+      do i = 1, size(groups)
+         shared(i) = count(own%hit .and. groups(i)%hit)
+      end do
+      best = maxloc([0, shared], 1) - 1
+      if (best > 0) then
+         if (2*shared(best) > count(own%hit)) then
+            label = groups(best)%owner
+            return
+         end if
+      end if
+      if (size(groups) >= most_groups) return
+      call find_kind(drive, known)
+      if (known%kind == 0) return
+      own = group_type(next)
+      call find_cells(drive, known%state, own)
+      label = next
+      allocate (more(size(groups) + 1))
+      more(:size(groups)) = groups
+      more(size(more)) = own
+      call move_alloc(more, groups)
+   end subroutine tell_apart
+
+   !> Marks the cell of an impact.
+   pure subroutine mark(group, drive, phase, x, side)
+      type(group_type), intent(inout) :: group
+      type(drive_type), intent(in) :: drive
+      real(wp), intent(in) :: phase, x
+      integer, intent(in) :: side
+      real(wp) :: place
+
+      place = min(max(x*(cells/drive%clearance), -real(reach, wp)), reach - 1.0_wp)
+      group%hit(modulo(floor(phase*(cells/two_pi)), cells), floor(place), side) = .true.
+   end subroutine mark
+
+   !> The cells in which a long simulation has impacts.
+   pure subroutine find_cells(drive, start, group)
+      type(drive_type), intent(in) :: drive
+      real(wp), intent(in) :: start(5)
+      type(group_type), intent(inout) :: group
+      type(event_type) :: events(64)
+      type(state_type) :: state, final
+      integer(int64) :: last
+      real(wp) :: phase
+      integer :: n, i, status
+
+      state = initial_state(drive, start)
+      last = state%cycle + exponent_cycles
+      phase = state%phase
+      do
+         call simulate(drive, state, last, phase, events, n, final, status)
+         do i = 1, n
+            if (events(i)%kind == impact_event) call mark(group, drive, events(i)%phase, &
+               events(i)%x, events(i)%side)
+         end do
+         if (status /= stat%more_events) exit
+      end do
+   end subroutine find_cells
+
+   !> Whether a state is on a chaotic or a quasi-periodic attractor; kind 0 if on neither.
+   subroutine find_kind(drive, known)
+      type(drive_type), intent(in) :: drive
+      type(known_type), intent(inout) :: known
+      real(wp) :: states(7, 1), exponents(4, 1), deviations(4, 1), dimensions(1), errors(1)
+      integer :: contacts(3, 1), counts(2, 1), status(1)
+
+      known%kind = 0
+      known%cycles = 0
+      if (allocated(known%letters)) deallocate (known%letters)
+      call pack_state(initial_state(drive, known%state), states(:, 1), contacts(:, 1))
+      call lyapunov_points(drive%osc, [drive%r], [drive%load], [drive%clearance], states, &
+         contacts, exponent_discard, exponent_cycles/batches, batches, 1, exponents, deviations, &
+         dimensions, counts, errors, status)
+      if (status(1) /= stat%ok) return                                     ! impacts die out
+      known%largest = exponents(1, 1)*(two_pi/drive%r)
+      ! below, it is a transient that has ended meanwhile
+      if (known%largest > -least_chaos) known%kind = merge(chaotic, quasi_periodic, &
+         known%largest > least_chaos)
+   end subroutine find_kind
+
+end module vi_attractor_wandering

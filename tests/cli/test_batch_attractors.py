@@ -1,0 +1,523 @@
+"""Studies of attractors in namelists: laws, and the digits of the API from both programs."""
+
+import inspect
+import math
+import re
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from programs import ROOT, contents, rows, write
+from vibroimpact.run import read_namelist
+
+TABLE = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
+EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
+WALLS = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"
+FREE = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
+MOVING = "x_dot = 6, z_dot = 9"
+LYAPUNOV = f"""{EQUAL}&lyapunov parameter = 'clearance'
+  low = 5, high = 40, values = 6
+  cycles = 400, discard = 300, {MOVING}
+/
+"""
+
+DIAGRAM = f"""{EQUAL}&bifurcation parameter = 'clearance'
+  low = 20, high = 26, values = 4
+  sweep = 'both', settling = 60
+/
+"""
+RESPONSE = f"""{FREE}&response inverse_clearance = 0.03, states = 3
+  r_min = 1.0, r_max = 1.04, r_points = 5
+/
+"""
+PLANE = f"""{TABLE}&basins clearance = 37
+  axes = 'x', 'x_dot'
+  low = -30, -30, high = 30, 30, values = 8, 9
+  probes = 50
+/
+"""
+
+
+def column(table, name):
+    """A column of rows as numbers."""
+    return np.array([float(row[name]) for row in table])
+
+
+def both(text, batch, command, status=0):
+    """The rows of a case, which both programs give alike, and which give themselves again."""
+    done = batch.case(text)
+    assert done.status == status, done
+    assert command("case.nml", "-o", "command") == done
+    found = contents(batch.cwd / "results")
+    assert contents(batch.cwd / "command") == found
+    again = batch("results/case.csv", "-o", "again")
+    assert (again.status, contents(batch.cwd / "again")) == (status, found)
+    assert read_namelist(batch.cwd / "case.nml") == read_namelist(batch.cwd / "results/case.csv")
+    return rows(batch.cwd / "results/case.csv")
+
+
+def case_of(batch):
+    """The case of the file that was run."""
+    (case,) = read_namelist(batch.cwd / "case.nml")
+    return case
+
+
+def compare_lyapunov(table, result):
+    """Digit by digit."""
+    assert column(table, "r").tolist() == np.broadcast_to(result.r, len(table)).tolist()
+    assert column(table, "clearance").tolist() == result.clearance.ravel().tolist()
+    exponents = result.per_cycle.reshape(4, -1)
+    errors = (result.standard_error * (2 * np.pi / result.r)).reshape(4, -1)
+    for i in range(4):
+        np.testing.assert_array_equal(column(table, f"exponent_{i + 1}"), exponents[i])
+        np.testing.assert_array_equal(column(table, f"error_{i + 1}"), errors[i])
+    for name in ("dimension", "identity_error", "impacts", "rests"):
+        np.testing.assert_array_equal(column(table, name), getattr(result, name).ravel())
+
+
+@pytest.mark.parametrize("text", [
+    LYAPUNOV,
+    LYAPUNOV.replace("EQUAL", "").replace(", r = 1.04", "")
+    .replace("'clearance'", "'R', clearance = 20").replace("low = 5, high = 40", "low = 0.98, high = 1.06"),
+    f"{WALLS}&lyapunov clearance = 6, cycles = 200, batches = 7, discard = 100, load = 1.1, {MOVING} /\n",
+    f"{EQUAL}&lyapunov clearance = 20, cycles = 100, t = 1.5, x = -3, x_dot = 5, z = 2, z_dot = -4 /\n",
+])  # fmt: skip
+def test_exponents_of_the_api(text, batch, command, same_build):
+    table = both(text, batch, command)
+    compare_lyapunov(table, case_of(batch).lyapunov())
+
+
+def test_sum_of_exponents_is_that_of_volume(batch):
+    """Per load cycle -4 pi xi/r + (impacts a cycle) 2 log R, where the motion is periodic."""
+    assert batch.case(LYAPUNOV.replace("discard = 300", "discard = 1500")).status == 0
+    table = rows(batch.cwd / "results/case.csv")
+    sums = sum(column(table, f"exponent_{i}") for i in range(1, 5))
+    volume = -4 * math.pi * 0.0114 / 1.04 + 2 * math.log(0.75) * column(table, "impacts") / 400
+    periodic = column(table, "exponent_1") < -1e-2
+    assert periodic.sum() > 3
+    assert not periodic.all()
+    np.testing.assert_allclose(sums[periodic], volume[periodic], rtol=1e-9)
+    assert column(table, "identity_error").max() < 1e-12
+
+
+def test_exponents_are_those_of_the_multipliers(batch):
+    """Of the stable motion that a &motion of the same file gives."""
+    motion = "&motion kind = 'equispaced', clearance = 30 /\n"
+    study = f"&lyapunov clearance = 30, cycles = 400, discard = 2000, {MOVING} /\n"
+    assert batch.case(EQUAL + motion + study).status == 0
+    stable = [row for row in rows(batch.cwd / "results/case_1.csv") if row["stable"] == "true"]
+    (row,) = rows(batch.cwd / "results/case_2.csv")
+    moduli = [
+        math.hypot(float(stable[0][f"multiplier_{i}_re"]), float(stable[0][f"multiplier_{i}_im"]))
+        for i in range(1, 5)
+    ]
+    exponents = [float(row[f"exponent_{i}"]) for i in range(1, 5)]
+    np.testing.assert_allclose(exponents, np.log(sorted(moduli, reverse=True)), atol=1e-6)
+
+
+def test_rest_extinguishes_two_directions(batch):
+    """They are written as Python reads them."""
+    assert batch.case(f"{WALLS}&lyapunov clearance = 6, cycles = 100, {MOVING} /\n").status == 0
+    (row,) = rows(batch.cwd / "results/case.csv")
+    assert (row["exponent_3"], row["exponent_4"], row["error_4"]) == (
+        "-inf", "-inf", "0.0000000000000000E+000",
+    )  # fmt: skip
+    assert int(row["rests"]) >= 100
+
+
+def test_points_without_impacts(batch, command):
+    """Some: their rows are nan, status 1. All: said, nothing written."""
+    far = LYAPUNOV.replace("high = 40", "high = 4000")
+    table = both(far, batch, command, status=1)
+    assert table[-1]["exponent_1"] == "nan"
+    assert table[0]["exponent_1"] != "nan"
+    done = batch.case(far.replace("low = 5", "low = 3900"), "-o", "none")
+    assert (done.status, done.out) == (1, b"")
+    assert done.faults == ["case: no exponents at 6 of 6 points: no impacts in a batch"]
+    assert not (batch.cwd / "none").exists() or not contents(batch.cwd / "none")
+
+
+BAD_LYAPUNOV = [
+    *[("parameter = 'clearance'", f"parameter = {v}", "'r' or 'clearance'", 2)
+      for v in ("'xi'", "'q'", "''", "r", "1")],
+    *[("low = 5", f"low = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("nan", "0", "-1", "5, 6")],
+    *[("high = 40", f"high = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("5", "1", "nan", "1e13")],
+    *[("values = 6", f"values = {v}", "2 <= values", 3) for v in ("1", "0", "6, 7", "2000000")],
+    ("low = 5, high", "high", "&lyapunov low: is missing", 2),
+    *[("cycles = 400", f"cycles = {v}", "2 batches <= cycles", 4) for v in ("39", "0", "-1", "2000000000")],
+    ("cycles = 400", "cycles = 1e3", "2 batches <= cycles", 4),
+    *[("cycles = 400", f"batches = {v}", "2 <= batches <= 1000", 4) for v in ("1", "1001")],
+    ("discard = 300", "discard = -1", "0 <= discard", 4),
+    ("discard = 300", "load = -1", "0 <= load", 4),
+    ("discard = 300", "load = nan", "0 <= load", 4),
+    *[("discard = 300", f"{v} = inf", "a finite number", 4) for v in ("t", "x", "z")],
+    ("discard = 300", "z = 2.6", "z - x must be within half the clearance", 4),
+    ("discard = 300", "clearance = 3", "must be left out: it is the parameter", 4),
+    ("discard = 300", "states = 3", "is not a key of &lyapunov; must be one of clearance", 4),
+    ("parameter = 'clearance'\n", "clearance = 9\n", "low = 5: must be left out: it goes with parameter", 3),
+]  # fmt: skip
+
+
+def refused(text, group, wanted, line, batch):
+    """One line with file, line, group, key, value and what is allowed; status 2; no result."""
+    done = batch.case(text)
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1), done
+    assert done.faults[0].startswith(f"case.nml:{line}: &{group} ")
+    assert wanted in done.faults[0]
+    assert list(contents(batch.cwd)) == ["case.nml"]
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_LYAPUNOV)
+def test_bad_lyapunov(old, new, wanted, line, batch):
+    assert old in LYAPUNOV
+    refused(LYAPUNOV.replace(old, new, 1), "lyapunov", wanted, line, batch)
+
+
+def test_clearance_is_missing(batch):
+    refused(f"{EQUAL}&lyapunov {MOVING} /\n", "lyapunov", "clearance: is missing", 2, batch)
+
+
+def test_r_is_where_it_belongs(batch):
+    """Of the &system, unless r is the parameter."""
+    along_r = "&lyapunov parameter = 'r', low = .9, high = 1, values = 3, clearance = 9 /\n"
+    refused(EQUAL + along_r, "system", "r = 1.04: must be left out", 1, batch)
+    refused(FREE + f"&lyapunov clearance = 9, {MOVING} /\n", "system", "r: is missing", 1, batch)
+    undamped = FREE.replace("0.0114", "0")
+    refused(undamped + along_r, "lyapunov", "r = 1 with xi = 0", 2, batch)
+
+
+def compare_diagram(table, result):
+    """Digit by digit."""
+    points = result.points
+    assert [row["run"] for row in table] == [result.runs[i] for i in points["run"]]
+    assert column(table, result.parameter).tolist() == result.values[points["index"]].tolist()
+    labels = result.labels[points["run"], points["index"]]
+    assert [row["label"] for row in table] == labels.tolist()
+    assert [row["side"] for row in table] == points["side"].tolist()
+    for name in ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"):
+        assert column(table, name).tolist() == points[name].tolist()
+
+
+@pytest.mark.parametrize("text", [
+    DIAGRAM,
+    DIAGRAM.replace("'both'", "'up', t = 1, x = 2, x_dot = 3, z = 4"),
+    *[FREE.replace("/", ", r = 1.04 /") + f"&bifurcation clearance = 9, sweep = 'down', settling = 30, {line} /\n"
+      for line in ("parameter = 'xi', low = 0, high = 0.05, values = 3, load = 2",
+                   "parameter = 'Mu', low = 0, high = 0.1, values = 2, points = 5",
+                   "parameter = 'R1', low = 0.5, high = 1, values = 4, keep = 9",
+                   "parameter = 'r2', low = 0.5, high = 1, values = 4",
+                   "parameter = 'restitution', low = 0, high = 1, values = 4")],
+    f"{FREE}&bifurcation parameter = 'r', low = 0.9, high = 1.1, values = 4, clearance = 20, settling = 50 /\n",
+    f"{WALLS}&bifurcation parameter = 'clearance', low = 5, high = 8, values = 3, sweep = 'states', states = 5"
+    " /\n",
+])  # fmt: skip
+def test_diagrams_of_the_api(text, batch, command, same_build):
+    table = both(text, batch, command)
+    result = case_of(batch).bifurcation()
+    compare_diagram(table, result)
+    header = (batch.cwd / "results/case.csv").read_text().split("\n")
+    said = [re.fullmatch(r"# ! (.+): (.+) from (.+) to (.+)", line) for line in header]
+    assert [(line[1], float(line[3]), float(line[4]), line[2]) for line in said if line] == [
+        tuple(window) for window in result.windows
+    ]
+
+
+def test_sweeps_agree_outside_the_hysteresis(batch):
+    """Up and down end on one motion or its mirror image but for a stretch in between."""
+    text = DIAGRAM.replace("low = 20, high = 26, values = 4", "low = 50, high = 75, values = 26")
+    assert batch.case(text.replace("settling = 60", "settling = 300")).status == 0
+    reach = {}
+    for row in rows(batch.cwd / "results/case.csv"):
+        place = row["run"], float(row["clearance"])
+        assert place not in reach or reach[place][0] == row["label"]
+        x = abs(float(row["x"]))
+        reach[place] = row["label"], max(x, reach.get(place, ("", 0))[1])
+    values = sorted({value for _, value in reach})
+    labels = [(reach["up", value][0], reach["down", value][0]) for value in values]
+    both_ways = [pair == ("2/1", "2/1") for pair in labels]
+    only_up = [pair[0] == "2/1" != pair[1] for pair in labels]
+    neither = ["2/1" not in pair for pair in labels]
+    # first both, then only the sweep up, then neither: no gaps
+    assert [*both_ways] == sorted(both_ways, reverse=True)
+    assert [*neither] == sorted(neither)
+    assert sum(both_ways) > 3 < sum(only_up)
+    assert any(neither)
+    for value, same in zip(values, both_ways, strict=True):
+        if same:
+            assert reach["up", value][1] == pytest.approx(reach["down", value][1], rel=1e-6)
+
+
+BAD_DIAGRAM = [
+    *[("'clearance'", v, "'restitution' (both walls)", 2) for v in ("'q'", "''", "r", "1")],
+    *[("low = 20", f"low = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("nan", "0", "26, 27", "x")],
+    *[("high = 26", f"high = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("20", "inf", "1e13")],
+    *[("values = 4", f"values = {v}", "2 <= values", 3) for v in ("1", "4, 5", "1.5", "2000000")],
+    *[("'both'", v, "'up', 'down', 'both' or 'states'", 4) for v in ("'left'", "''", "up")],
+    *[("settling = 60", f"settling = {v}", "0 <= settling", 4) for v in ("-1", "20000000", "1e2")],
+    *[("settling = 60", f"keep = {v}", "3 <= keep", 4) for v in ("2", "10001")],
+    *[("settling = 60", f"points = {v}", "1 <= points", 4) for v in ("0", "4097")],
+    ("settling = 60", "load = -1", "0 <= load", 4),
+    ("settling = 60", "states = 4", "must be left out: it is for sweep = 'states'", 4),
+    ("'both'", "'states', x = 1", "must be left out: sweep = 'states' has states of its own", 4),
+    ("'both'", "'states', states = 0", "1 <= states", 4),
+    ("'both'", "'states', states = 1000000", "values x runs x points must be at most", 2),
+    ("settling = 60", "z = 10.1", "z - x must be within half the clearance", 4),
+    ("settling = 60", "t = nan", "a finite number", 4),
+    ("settling = 60", "clearance = 3", "must be left out: it is the parameter", 4),
+    ("settling = 60", "cycles = 3", "is not a key of &bifurcation; must be one of parameter", 4),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_DIAGRAM)
+def test_bad_diagram(old, new, wanted, line, batch):
+    assert old in DIAGRAM
+    refused(DIAGRAM.replace(old, new, 1), "bifurcation", wanted, line, batch)
+
+
+@pytest.mark.parametrize("text", [
+    RESPONSE,
+    RESPONSE.replace("inverse_clearance = 0.03", "clearance = 25, load = 1.3, settling = 50, keep = 7"),
+    RESPONSE.replace("0.75", "0.75, 0.61"),
+])  # fmt: skip
+def test_response_of_the_api(text, batch, command, same_build):
+    table = both(text, batch, command)
+    result = case_of(batch).response()
+    for name in ("r", "clearance", "lowest", "highest"):
+        assert column(table, name).tolist() == getattr(result, name).tolist()
+    assert (column(table, "lowest") <= column(table, "highest")).all()
+
+
+def test_response_is_that_of_the_motions(batch):
+    """Of the stable two-impact motion, which is what is left there, by its closed form."""
+    assert batch.case(RESPONSE.replace("inverse_clearance = 0.03", "clearance = 40")).status == 0
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    table = rows(batch.cwd / "results/case.csv")[-2:]
+    for row in table:
+        pair = vi.equispaced(osc, float(row["r"]), 40.0)
+        (attenuation,) = (motion.attenuation for motion in pair if motion.stable)
+        assert float(row["highest"]) == pytest.approx(attenuation, rel=1e-5)
+
+
+BAD_RESPONSE = [
+    *[("r_min = 1.0", f"r_min = {v}", "r_min <= 1e6", 3) for v in ("nan", "0", "x")],
+    *[("r_max = 1.04", f"r_max = {v}", "r_min below r_max", 3) for v in ("1", "0.5", "nan", "inf")],
+    *[("r_points = 5", f"r_points = {v}", "2 <= r_points", 3) for v in ("1", "2.5", "2000000")],
+    *[("inverse_clearance = 0.03", f"{name} = {v}", f"1e-12 <= {name} <= 1e12", 2)
+      for name in ("clearance", "inverse_clearance") for v in ("0", "-1", "nan", "1e13")],
+    ("inverse_clearance = 0.03", "inverse_clearance = 0.03, clearance = 9", "beside inverse_clearance", 2),
+    ("inverse_clearance = 0.03,", "", "clearance: is missing", 2),
+    *[("states = 3", f"load = {v}", "0 < load <= 1e12", 2) for v in ("0", "-1", "nan")],
+    *[("states = 3", f"states = {v}", "1 <= states", 2) for v in ("0", "1.5")],
+    ("states = 3", "states = 3, settling = -1", "0 <= settling", 2),
+    ("states = 3", "states = 3, keep = 2", "3 <= keep", 2),
+    ("states = 3", "sweep = 'up'", "is not a key of &response; must be one of r_min", 2),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_RESPONSE)
+def test_bad_response(old, new, wanted, line, batch):
+    assert old in RESPONSE
+    refused(RESPONSE.replace(old, new, 1), "response", wanted, line, batch)
+
+
+def told(path):
+    """What the header says of each attractor: name, kind, share, greatest multiplier or exponent."""
+    pattern = (
+        r"# ! (\d+): (.+) \((.+)\), share (\S+?)(?:, (?:greatest|largest)[^,;]* (\S+?))?[,;].*"
+    )
+    found = [re.fullmatch(pattern, line) for line in path.read_text().split("\n")]
+    return [item.groups() for item in found if item]
+
+
+@pytest.mark.parametrize("text", [
+    PLANE,
+    PLANE.replace("'x', 'x_dot'", "'y', 'Z_dot'").replace("probes", "t = 1, x = 3, x_dot = -2, probes")
+    .replace("30", "3"),
+    PLANE.replace("= 37", "= 25, load = 0.7").replace("'x_dot'", "'t'"),
+    PLANE.replace(TABLE, WALLS).replace("= 37", "= 6"),
+    PLANE.replace(TABLE, EQUAL).replace("= 37", "= 72, cycles = 300").replace("8, 9", "4, 3"),
+])  # fmt: skip
+def test_basins_of_the_api(text, batch, command, same_build):
+    table = both(text, batch, command)
+    result = case_of(batch).basins()
+    for name, values in zip(("t", "x", "x_dot", "z", "z_dot"), result.states, strict=True):
+        assert column(table, name).tolist() == values.ravel().tolist()
+    assert column(table, "label").tolist() == result.labels.ravel().tolist()
+    names = [*(item.name for item in result.attractors), ""]
+    assert [row["attractor"] for row in table] == [names[i] for i in result.labels.ravel()]
+    said = told(batch.cwd / "results/case.csv")
+    assert [(item[1], item[2]) for item in said] == [
+        (item.name, item.kind) for item in result.attractors
+    ]
+    assert [float(item[3]) for item in said] == result.fractions.tolist()
+    for item, attractor in zip(said, result.attractors, strict=True):
+        if attractor.motion is not None:
+            # the derivative of the simulation, and [P] of the exact motion
+            largest = abs(attractor.motion.multipliers).max()
+            assert float(item[4]) == pytest.approx(largest, rel=1e-6)
+        elif attractor.lyapunov is not None:
+            assert float(item[4]) == attractor.lyapunov.per_cycle[0]
+
+
+def test_shares_sum_to_one(batch):
+    """... and are those of the labels; the attractors come by falling share."""
+    assert batch.case(PLANE).status == 0
+    shares = [float(item[3]) for item in told(batch.cwd / "results/case.csv")]
+    labels = [int(row["label"]) for row in rows(batch.cwd / "results/case.csv")]
+    assert sum(shares) == pytest.approx(1, abs=1e-15)
+    assert shares == sorted(shares, reverse=True)
+    assert shares == [labels.count(i) / len(labels) for i in range(len(shares))]
+
+
+def test_attractors_are_motions(batch):
+    """The greatest multiplier is that of the motion that &motion finds."""
+    motion = "&motion kind = 'exact', sides = 'RL', clearance = 37, phases_over_pi = 0, 1.37 /\n"
+    assert batch.case(TABLE + motion + PLANE.replace(TABLE, "")).status == 0
+    row = rows(batch.cwd / "results/case_1.csv")[0]
+    moduli = [
+        math.hypot(float(row[f"multiplier_{i}_re"]), float(row[f"multiplier_{i}_im"]))
+        for i in range(1, 5)
+    ]
+    said = {item[1]: float(item[4]) for item in told(batch.cwd / "results/case_2.csv") if item[4]}
+    for name in ("RL/1 (1)", "RL/1 (2)"):
+        assert said[name] == pytest.approx(max(moduli), rel=1e-7)
+
+
+def test_mirror_images_go_to_mirror_images(batch):
+    """States near an attractor go to it; their mirror images half a load cycle later to its own."""
+    plane = PLANE.replace(TABLE, EQUAL).replace("= 37", "= 14").replace("8, 9", "3, 3")
+    assert batch.case(plane).status == 0
+    header = (batch.cwd / "results/case.csv").read_text()
+    said = re.search(r"# ! 0: (\S+) .*; t, x, x_dot, z, z_dot = (.*)", header)
+    t, x, x_dot, z, z_dot = (float(item) for item in said[2].split(", "))
+    text = EQUAL
+    for s, later in ((1, 0.0), (-1, math.pi / 1.04)):
+        text += (
+            "&basins clearance = 14, axes = 'x', 'x_dot', values = 3, 3\n"
+            f"low = {s * x - 0.02!r}, {s * x_dot - 0.02!r}, high = {s * x + 0.02!r}, {s * x_dot + 0.02!r}\n"
+            f"t = {t + later!r}, y = {s * (z - x)!r}, z_dot = {s * z_dot!r} /\n"
+        )
+    assert batch.case(text).status == 0
+    here, there = (
+        {row["attractor"] for row in rows(batch.cwd / f"results/case_{i}.csv")} for i in (1, 2)
+    )
+    assert here == {said[1]}
+    assert here | there == {"RRL/1", "RLL/1"}
+    assert len(there) == 1
+
+
+def test_what_never_settles_is_not_decided(batch, command):
+    """Free vibration dies out for ever: nothing is written, status 1."""
+    done = batch.case(PLANE.replace("probes", "load = 0, cycles = 50, probes"))
+    assert (done.status, done.out) == (1, b"")
+    assert done.faults == ["case: 72 of 72 states not decided"]
+    assert command("case.nml", "-o", "command") == done
+    assert list(contents(batch.cwd)) == ["case.nml"]
+
+
+BAD_PLANE = [
+    *[("axes = 'x', 'x_dot'", f"axes = {v}", "two of 'x', 'x_dot', 'y'", 3)
+      for v in ("'x'", "'x', 'x'", "'x', 'q'", "'', 'x'", "x, y", "'x', 'y', 't'", "'z', 'x'")],
+    *[("low = -30, -30", f"low = {v}", "two finite numbers", 4)
+      for v in ("-30", "nan, 1", "1, 2, 3", "-inf, -30", "30, -30", "-30, 31")],
+    *[("high = 30, 30", f"high = {v}", "two finite numbers", 4) for v in ("30", "30, -30", "30, inf")],
+    *[("values = 8, 9", f"values = {v}", "two whole numbers", 4)
+      for v in ("8", "8, 1", "1, 9", "8, 9, 9", "8.5, 9", "100001, 2")],
+    ("values = 8, 9", "values = 100000, 100000", "together at most 12500000 states", 4),
+    *[("clearance = 37", f"clearance = {v}", "1e-12 <= clearance", 2) for v in ("0", "nan", "1e13", "-1")],
+    ("clearance = 37", "", "clearance: is missing", 2),
+    ("'x', 'x_dot'", "'y', 'x_dot'", "y must be within half the clearance", 4),
+    *[("probes = 50", f"probes = {v}", "1 <= probes", 5) for v in ("0", "1e2", "2000000")],
+    *[("probes = 50", f"cycles = {v}", "1 <= cycles <= 10000000", 5) for v in ("0", "20000000")],
+    *[("probes = 50", f"max_cycles = {v}", "1 <= max_cycles <= 100", 5) for v in ("0", "101")],
+    ("probes = 50", "load = -1", "0 <= load", 5),
+    ("probes = 50", "t = nan", "a finite number", 5),
+    ("probes = 50", "y = 18.6", "y must be within half the clearance", 5),
+    ("probes = 50", "x = 3", "x = 3: must be left out: it is an axis", 5),
+    ("probes = 50", "z = 3", "is not a key of &basins; must be one of clearance, axes", 5),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_PLANE)
+def test_bad_plane(old, new, wanted, line, batch):
+    assert old in PLANE
+    refused(PLANE.replace(old, new, 1), "basins", wanted, line, batch)
+
+
+def test_resonance_without_damping(batch):
+    undamped = FREE.replace("0.0114", "0")
+    refused(undamped + RESPONSE.replace(FREE, ""), "response", "r = 1 with xi = 0", 3, batch)
+    text = DIAGRAM.replace("1.04", "1").replace("'clearance'", "'xi', clearance = 9")
+    text = text.replace("low = 20, high = 26", "low = 0, high = 0.1")
+    refused(text, "bifurcation", "r = 1 with xi = 0", 3, batch)
+    text = DIAGRAM.replace(EQUAL, undamped).replace("'clearance'", "'r', clearance = 9")
+    text = text.replace("low = 20, high = 26, values = 4", "low = 0.9, high = 1.1, values = 3")
+    refused(text, "bifurcation", "r = 1 with xi = 0", 3, batch)
+
+
+def test_defaults_are_those_of_the_api(tmp_path):
+    """What a namelist leaves out is what a call leaves out."""
+    line = "parameter = 'clearance', low = 9, high = 10, values = 2"
+    text = (
+        f"{EQUAL}&lyapunov clearance = 9 /\n&bifurcation {line} /\n&bifurcation {line}, sweep = 'states' /\n"
+        "&response r_min = 1, r_max = 2, r_points = 2, clearance = 9 /\n"
+        "&basins clearance = 9, axes = 'x', 'x_dot', low = 2*0, high = 2*1, values = 2*2 /\n"
+    )
+    cases = read_namelist(write(tmp_path / "case.nml", text))
+    functions = (
+        vi.lyapunov,
+        vi.bifurcation_diagram,
+        vi.bifurcation_diagram,
+        vi.response,
+        vi.basins,
+    )
+    compared = 0
+    for case, function in zip(cases, functions, strict=True):
+        for name, item in inspect.signature(function).parameters.items():
+            if item.default not in (inspect.Parameter.empty, None) and name in case.keys:
+                assert case.keys[name] == (
+                    "states" if case is cases[2] and name == "sweep" else item.default
+                )
+                compared += 1
+    assert compared == 4 + 5 + 6 + 4 + 4
+
+
+@pytest.mark.parametrize("program", ["batch", "command"])
+def test_interrupt_leaves_whole_items(program, request):
+    """What was done before is there, of what was not nothing is."""
+    run = request.getfixturevalue(program)
+    longest = "&bifurcation parameter = 'clearance', low = 9, high = 10, values = 100, settling = 1000000 /\n"
+    done = f"&lyapunov clearance = 9, cycles = 50, {MOVING} /\n"
+    write(run.cwd / "case.nml", EQUAL + done + longest)
+    with subprocess.Popen(
+        [*run.start, "case.nml", "-o", "out"],
+        cwd=run.cwd,
+        stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    ) as process:
+        for _ in range(400):
+            if contents(run.cwd / "out").keys() >= {"case_1.csv"}:
+                break
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+    assert process.returncode != 0
+    assert list(contents(run.cwd / "out")) == ["case_1.csv"]
+    assert run("out/case_1.csv", "-o", "again").status == 0
+    assert contents(run.cwd / "again") == contents(run.cwd / "out")
+
+
+@pytest.mark.parametrize("name", ["lyapunov", "bifurcation", "response", "basins"])
+def test_inputs(name, batch, command, same_build):
+    """The files that show what there is, from both programs and again from the results."""
+    path = str(ROOT / "inputs" / f"{name}.nml")
+    done = batch(path, "-o", "out")
+    assert (done.status, done.err) == (0, b"")
+    assert command(path, "-o", "command") == done
+    found = contents(batch.cwd / "out")
+    assert contents(batch.cwd / "command") == found
+    assert batch(*[f"out/{item}" for item in found], "-o", "again").status == 0
+    assert contents(batch.cwd / "again") == found
