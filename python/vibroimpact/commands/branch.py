@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..studies.branch import CHOICES
 from . import picture_writer
-from .options import add_case, run_cases
+from .options import add_case, pair, run_cases
 from .run import tell
 
 HELP = "follow motions along a parameter"
@@ -49,7 +49,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Follow the branches, write and draw them."""
     save = picture_writer() if options.plot else None
-    low, high = options.bounds or (None, None)
+    low, high = pair(options, "bounds")
     guessed = options.phases_over_pi is not None
     groups = {
         "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution", "r")},

@@ -14,6 +14,11 @@ from ..errors import ParameterError
 from ..run import Case, RunLog, read_namelist, run_namelists
 from . import PICTURES, add_files, add_folder
 
+#: Options that give two keys each.
+SPANS = {
+    "r_min": "r", "r_max": "r", "clearance_min": "clearance", "clearance_max": "clearance",
+    "low": "bounds", "high": "bounds",
+}  # fmt: skip
 #: Namelist groups with their keys; those with the value None are left out.
 Groups = Mapping[str, Mapping[str, Any]]
 
@@ -66,7 +71,7 @@ def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
 
 def window_groups(options: argparse.Namespace, group: str, own: Sequence[str]) -> Groups:
     """The namelist of a zone or an atlas with some keys of its own."""
-    r, clearance = options.r or (None, None), options.clearance or (None, None)
+    r, clearance = pair(options, "r"), pair(options, "clearance")
     return {
         "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution")},
         group: {
@@ -109,7 +114,8 @@ def run_cases(
     """
     with _files(options, kind, groups, needed) as (files, made):
         log = run_namelists(files, folder, only=kind, progress=progress)
-    log = log._replace(lines=[(fault, _anonymous(line, made)) for fault, line in log.lines])
+    if made and log.status == 2 and not log.results:
+        raise ParameterError("\n".join(_anonymous(line, made) for _, line in log.lines))
     return log, [case for path in log.results for case in read_namelist(path)]
 
 
@@ -137,8 +143,16 @@ def read_cases(
 
 
 def _anonymous(line: str, made: str) -> str:
-    """A message without the file that the options were written to, which nobody knows."""
-    return re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line) if made else line
+    """A message in terms of options, without the namelist that they were written to, which nobody knows."""
+    if not made:
+        return line
+    line = re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)
+    return re.sub(r"^&\w+ (\w+)\S*( = (.*?))?(?=: )", lambda m: _option(m[1], m[3]), line)
+
+
+def _option(key: str, value: str | None) -> str:
+    """An option as it may have been typed, for the key of a namelist."""
+    return f"--{_word(SPANS.get(key, key))}" + ("" if value is None else f" {value}")
 
 
 @contextmanager
@@ -164,6 +178,17 @@ def _files(
         made = Path(place) / f"{kind}.nml"
         made.write_text(_namelist(groups), encoding="utf-8")
         yield [str(made)], str(made)
+
+
+def pair(options: argparse.Namespace, name: str) -> tuple[float | None, float | None]:
+    """The lower and the upper end that an option gives, in this order; without it two times None."""
+    ends = getattr(options, name)
+    if ends is None:
+        return None, None
+    low, high = ends
+    if low >= high:
+        raise ParameterError(f"--{name} {low:g} {high:g}: must be LOW HIGH with LOW below HIGH")
+    return low, high
 
 
 def _word(name: str) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from ..find import side_patterns
 from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from .conditions import can_be_symmetric
+from .settling import thread_count
 from .zone import ROOM, Window, Zone, assemble, span
 
 __all__ = ["Atlas", "Attractor", "atlas"]
@@ -211,7 +211,7 @@ def atlas(
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
     max_points = checks.integer(max_points, "max_points", 100, ROOM)
-    workers = checks.integer(threads or os.cpu_count() or 1, "threads", 1, 1024)
+    workers = thread_count(threads)
     tell = progress or (lambda share, what: None)
     tell(0.0, "survey by simulation")
     attractors, guesses_of = surveyed(
