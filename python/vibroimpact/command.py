@@ -7,11 +7,13 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext, redirect_stdout
 from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import as_file, files
+from io import StringIO
 
-from .commands import NAMES, PICTURES
+from .commands import NAMES, PICTURES, Record, add_common
 from .errors import VibroimpactError
 
 EXIT_STATUS = (
@@ -40,6 +42,7 @@ def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParse
             epilog=f"example: {module.EXAMPLE}\n\n{EXIT_STATUS}",
         )  # fmt: skip
         module.arguments(each[name])
+        add_common(each[name])
     return main_parser, each
 
 
@@ -52,14 +55,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     name = words[0]
     # files and names may stand on both sides of an option
     options = each[name].parse_intermixed_args(_separated(words[1:]))
+    options.record = Record(name)
+    heard = options.quiet or options.json
+    with redirect_stdout(StringIO()) if heard else nullcontext() as said:
+        status = outcome(name, options)
+    if options.json:
+        print(options.record.text(status, said.getvalue() if said else ""))
+    return status
+
+
+def outcome(name: str, options: argparse.Namespace) -> int:
+    """Run a command and give the exit status, whatever happens."""
+    status = 2
     try:
-        status: int = import_module(f".commands.{name}", __package__).run(options)
+        status = import_module(f".commands.{name}", __package__).run(options)
     except (VibroimpactError, OSError) as error:
+        options.record.fault = str(error)
         print(f"vibroimpact {name}: {error}", file=sys.stderr)
-        return 2
     except KeyboardInterrupt:
-        print(f"vibroimpact {name}: interrupted; what was finished is kept", file=sys.stderr)
-        return 1
+        status = 1
+        options.record.fault = "interrupted; what was finished is kept"
+        print(f"vibroimpact {name}: {options.record.fault}", file=sys.stderr)
     return status
 
 

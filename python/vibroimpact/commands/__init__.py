@@ -7,6 +7,7 @@ A module has HELP (one line), DESCRIPTION, EXAMPLE (works as pasted, in the fold
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,45 @@ from typing import Any
 #: In the order of the help text.
 NAMES = (
     "run", "simulate", "find", "branch", "zone", "atlas", "bifurcation", "basins", "lyapunov", "response",
-    "plot", "reproduce",
+    "plot", "reproduce", "doctor",
 )  # fmt: skip
 
 #: Formats of pictures, the first one if none is named.
 PICTURES = ("png", "svg", "pdf")
+
+
+class Record:
+    """What a command did, for scripts: `--json` prints it in place of what people read."""
+
+    def __init__(self, command: str) -> None:
+        self.command = command
+        self.fault = ""
+        self.files: list[str] = []
+        self.results: dict[str, Any] = {}
+
+    def add(self, name: str, result: Any) -> None:
+        """A result, as plain values or as one of the package's own objects; of one name, the latest."""
+        self.results[name] = result
+
+    def text(self, status: int, said: str) -> str:
+        """One JSON document."""
+        results = {
+            name: item.to_dict() if hasattr(item, "to_dict") else item
+            for name, item in self.results.items()
+        }
+        document = {
+            "command": self.command, "status": status, "fault": self.fault or None,
+            "said": said.splitlines(), "files": self.files, "results": results,
+        }  # fmt: skip
+        return json.dumps(document, allow_nan=False)
+
+
+def add_common(parser: argparse.ArgumentParser) -> None:
+    """Options that every command has."""
+    parser.add_argument("--quiet", action="store_true", help="say nothing but what went wrong")
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON document for scripts, and nothing else"
+    )
 
 
 def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:

@@ -160,7 +160,7 @@ def _files(
     options: argparse.Namespace, kind: str, groups: Groups, needed: Sequence[str]
 ) -> Iterator[tuple[list[str], str]]:
     """The files to run, and the one that is made of the options."""
-    apart = ("command", "files", "folder", "plot", "format")
+    apart = ("command", "files", "folder", "plot", "format", "quiet", "json", "record")
     given = [
         name for name, value in vars(options).items() if value is not None and name not in apart
     ]
