@@ -6,6 +6,7 @@ from . import errors
 from .bundle import Bundle, simulate_bundle
 from .chart import chart
 from .find import FoundMotions, Search, find
+from .interchange.result import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
 from .newton import exact
@@ -57,6 +58,7 @@ __all__ = [
     "exact",
     "find",
     "linear_system",
+    "load",
     "lyapunov",
     "periodic",
     "periodic_batch",

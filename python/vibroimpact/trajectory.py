@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError, ParameterTypeError, SingularError
+from .interchange.result import Result
 from .model import Oscillator
 from .motion import Sample
 
@@ -43,7 +44,7 @@ EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Trajectory:
+class Trajectory(Result):
     """A simulated trajectory. Lengths in F0/K (or any unit, if `load` is not 1), time in 1/omega.
 
     Attributes

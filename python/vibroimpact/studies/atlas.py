@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -14,8 +13,8 @@ from numpy.typing import NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
-from ..files import write_text
 from ..find import side_patterns
+from ..interchange.result import Result, load
 from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from .conditions import can_be_symmetric
@@ -38,7 +37,7 @@ class Attractor(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Atlas:
+class Atlas(Result):
     """All zones found in a window.
 
     Attributes
@@ -75,40 +74,15 @@ class Atlas:
             for zone in self.at(attractor.r, attractor.clearance)
         )
 
-    def save(self, path: str | Path) -> None:
-        """Write the atlas as JSON: rings with typed pieces, in the manner of GeoJSON."""
-        data = {
-            "type": "Atlas",
-            "osc": {
-                "xi": self.osc.xi,
-                "mu": self.osc.mu,
-                "restitution": list(self.osc.restitution),
-            },
-            "window": {"r": list(self.r), "clearance": list(self.clearance)},
-            "zones": [zone.to_dict() for zone in self.zones],
-            "attractors": [plain(item) for item in self.attractors],
-            "unexplained": [plain(item) for item in self.unexplained],
-        }
-        write_text(Path(path), json.dumps(data))
-
     @classmethod
     def load(cls, path: str | Path) -> Atlas:
-        """Read what `save` wrote."""
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
-        if not isinstance(data, dict) or data.get("type") != "Atlas":
-            raise ParameterError(f"path = {str(path)!r}: must be a file that Atlas.save wrote")
-        osc = Oscillator(
-            xi=data["osc"]["xi"],
-            mu=data["osc"]["mu"],
-            restitution=tuple(data["osc"]["restitution"]),
-        )
-        lists = (
-            [Attractor(item[0], item[1], Pattern(*item[2])) for item in data[name]]
-            for name in ("attractors", "unexplained")
-        )
-        zones = [Zone.from_dict(item) for item in data["zones"]]
-        window = data["window"]
-        return cls(osc, tuple(window["r"]), tuple(window["clearance"]), zones, *lists)
+        """Read an atlas that `save` wrote; see `vibroimpact.load`."""
+        atlas = load(path)
+        if not isinstance(atlas, cls):
+            raise ParameterError(
+                f"path = {str(path)!r}: must be a file that Atlas.save wrote, not a {type(atlas).__name__}"
+            )
+        return atlas
 
     def plot(self, ax: Any = None, inverse: bool = False) -> Any:
         """Draw all zones, each with its name; returns the Axes."""
@@ -121,11 +95,6 @@ class Atlas:
         return (
             f"<Atlas of {len(self.zones)} zones, {len(self.attractors)} attractors surveyed{gaps}>"
         )
-
-
-def plain(attractor: Attractor) -> list[Any]:
-    """An attractor for JSON."""
-    return [attractor.r, attractor.clearance, [attractor.pattern.sides, attractor.pattern.cycles]]
 
 
 def turns(pattern: Pattern) -> list[str]:

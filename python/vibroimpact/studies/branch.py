@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, SingularError
+from ..interchange.result import Result
 from ..model import Oscillator, Pattern
 from ..motion import VERDICT, Motion
 from ..solve import frozen, raise_status
@@ -98,7 +99,7 @@ class SpecialPoint:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Branch:
+class Branch(Result):
     """A family of exact motions along one parameter, as columns; points on the last axis.
 
     An index gives the `Motion` of a point. The branch is in order along its curve: the parameter turns back

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
+from ..interchange.result import Result
 from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from ..motion import Motion
@@ -90,7 +91,7 @@ class ZoneSearch:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Zone:
+class Zone(Result):
     """Where a pattern's motions are stable and admissible, in a window of the plane (r, d K/F0).
 
     Attributes
@@ -172,54 +173,6 @@ class Zone:
         from ..plot.zone import draw_zone
 
         return draw_zone(self, ax, inverse, label)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything as plain Python values, ready for JSON: rings with typed pieces."""
-        return {
-            "type": "Zone",
-            "osc": {"xi": self.osc.xi, "mu": self.osc.mu, "restitution": list(self.osc.restitution)},
-            "pattern": {"sides": self.pattern.sides, "cycles": self.pattern.cycles},
-            "window": {"r": list(self.r), "clearance": list(self.clearance)},
-            "symmetric": self.symmetric,
-            "complete": self.complete,
-            "search": vars(self.search),
-            "rings": [ring.tolist() for ring in self.loops],
-            "pieces": [
-                {
-                    "type": piece.type, "detail": piece.detail, "ring": piece.loop,
-                    "r": piece.r.tolist(), "clearance": piece.clearance.tolist(),
-                    "x": piece.x.tolist(), "theta": piece.theta.tolist(),
-                }
-                for piece in self.boundary
-            ],
-        }  # fmt: skip
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Zone:
-        """The inverse of `to_dict`."""
-        osc = Oscillator(
-            xi=data["osc"]["xi"],
-            mu=data["osc"]["mu"],
-            restitution=tuple(data["osc"]["restitution"]),
-        )
-        pieces = [
-            Piece(
-                item["type"],
-                np.array(item["r"]),
-                np.array(item["clearance"]),
-                np.array(item["x"]),
-                np.array(item["theta"]),
-                item["ring"],
-                item["detail"],
-            )
-            for item in data["pieces"]
-        ]
-        window = data["window"]
-        return cls(
-            osc, Pattern(**data["pattern"]), tuple(window["r"]), tuple(window["clearance"]),
-            data["symmetric"], pieces, [np.array(ring) for ring in data["rings"]], data["complete"],
-            ZoneSearch(**data["search"]),
-        )  # fmt: skip
 
     def __repr__(self) -> str:
         kinds = list(dict.fromkeys(piece.type for piece in self.boundary if piece.type != "window"))

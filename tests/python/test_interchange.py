@@ -1,0 +1,202 @@
+"""Results on their way to other programs and back: the same bits, and clear faults for what is broken."""
+
+import copy
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from test_exact import COLUMN, TABLE, rest_motion
+from vibroimpact.interchange import plain
+
+FIGURE6 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+STATE = {"t": 0, "x": 3.5, "x_dot": 0, "z": 0, "z_dot": -2}
+NAMES = ("motion", "rest", "free", "pair", "linear", "trajectory", "rests", "still", "branch", "zone", "atlas")
+
+
+@pytest.fixture(scope="module")
+def results():
+    """One result of each kind, and of the kinds within them."""
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    uneven = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    return {
+        "motion": motion,
+        "rest": rest_motion(),
+        "free": vi.exact(TABLE, 0.94, 74.0, motion, load=2.0),
+        "pair": vi.equispaced(TABLE, 0.94, 37.0)[0],
+        "linear": vi.periodic(TABLE, 0.94, [0, 2.0, 4.1], vi.Pattern("RRL"), [0.7, 0.8, 0.75], "single"),
+        "trajectory": vi.simulate(TABLE, 0.94, 37.0, 20, STATE),
+        "rests": vi.simulate(uneven, 0.9, 6.0, 4, discard=50),
+        "still": vi.simulate(TABLE, 0.94, 37.0, 0),
+        "branch": vi.branch(motion, "clearance", (15, 45)),
+        "zone": vi.zone(FIGURE6, vi.Pattern("RL"), (0.8, 1.2), (2, 200)),
+        "atlas": vi.atlas(FIGURE6, (1.0, 1.1), (20, 60), max_impacts=2, survey=12),
+    }
+
+
+def same(one, other):
+    """Whether two results are the same in type and in every bit, NaN, -0.0 and structure included."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
+    if isinstance(one, float):
+        return np.float64(one).tobytes() == np.float64(other).tobytes()
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    if hasattr(one, "__dataclass_fields__"):
+        return all(same(getattr(one, name), getattr(other, name)) for name in one.__dataclass_fields__)
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(same, one, other))
+    return one == other
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_json_gives_every_bit(name, results, tmp_path):
+    """Through text and through a file, in strict JSON."""
+    result = results[name]
+    text = result.to_json()
+    assert "NaN" not in text
+    assert "Infinity" not in text
+    again = type(result).from_json(text)
+    assert same(again, result)
+    assert repr(again) == repr(result)
+    result.save(tmp_path / "result.json")
+    assert same(vi.load(tmp_path / "result.json"), result)
+    assert json.loads((tmp_path / "result.json").read_text()) == result.to_dict()
+
+
+def test_same_tells_results_apart(results):
+    """The comparison of these tests sees one bit."""
+    motion = results["motion"]
+    data = motion.to_dict()
+    data["X"] = [math.nextafter(data["X"][0], 99), data["X"][1]]
+    assert not same(vi.Motion.from_dict(data), motion)
+    assert not same(results["rest"], motion)
+
+
+def test_numbers_that_json_does_not_have():
+    """NaN, infinity and minus zero come back."""
+    values = np.array([[np.nan, np.inf], [-np.inf, -0.0]])
+    coded = json.loads(json.dumps(plain.encode(values), allow_nan=False))
+    array = plain.decode(np.ndarray, coded, "values")
+    np.testing.assert_array_equal(array, values)
+    assert np.signbit(array[1, 1])
+    assert math.isnan(plain.decode(float, plain.encode(math.nan), "x"))
+
+
+def test_what_is_read_goes_on(results):
+    """A motion is sampled and followed, a simulation continues bit for bit, a zone contains."""
+    motion = vi.Motion.from_json(results["motion"].to_json())
+    times = np.linspace(0, 7, 50)
+    np.testing.assert_array_equal(motion.sample(times), results["motion"].sample(times))
+    assert len(vi.branch(motion, "clearance", (36, 38))) > 2
+    run = vi.Trajectory.from_json(results["trajectory"].to_json())
+    ours = vi.simulate(TABLE, 0.94, 37.0, 7, run.final_state)
+    theirs = vi.simulate(TABLE, 0.94, 37.0, 7, results["trajectory"].final_state)
+    np.testing.assert_array_equal(ours.events, theirs.events)
+    zone = vi.Zone.from_json(results["zone"].to_json())
+    assert zone.contains(1.04, [25.0, 3.0]).tolist() == results["zone"].contains(1.04, [25.0, 3.0]).tolist()
+    atlas = vi.Atlas.from_json(results["atlas"].to_json())
+    assert [len(atlas.at(r, 30.0)) for r in (1.01, 1.09)] == [
+        len(results["atlas"].at(r, 30.0)) for r in (1.01, 1.09)
+    ]
+
+
+BROKEN = [
+    ("motion", ["X"], [1.0], r"X of shape \(1,\): must be \(impact 2\)"),
+    ("motion", ["X"], "north", "X = 'north': must be a number"),
+    ("motion", ["X"], [1.0, "north"], "X = 'north': must be a number"),
+    ("motion", ["multipliers"], [[1, 2]], r"multipliers of shape \(1,\): must be \(multiplier 4\)"),
+    ("motion", ["multipliers"], [1, 2, 3, 4], r"multipliers = .*: must be pairs \[re, im\]"),
+    ("motion", ["stable"], 1, "stable = 1: must be true or false"),
+    ("motion", ["r"], True, "r = True: must be a number"),
+    ("motion", ["osc", "xi"], 2.0, "osc: xi = 2.0: must be a number with 0 <= xi < 1"),
+    ("motion", ["pattern", "sides"], "RR", "pattern: sides = 'RR': must name both walls"),
+    ("motion", ["pattern"], 3, "pattern = 3: must be an object with named values"),
+    ("motion", ["type"], "Zone", "type = 'Zone': must be 'Motion'"),
+    ("rest", ["rest_events", "kind"], ["nothing"] * 99, "rest_events.kind = .*: must be"),
+    ("trajectory", ["events", "x"], [], r"events.x = \[\]: must be a list of 46"),
+    ("trajectory", ["events", "side"], ["R"] * 45 + ["Q"], "events.side = 'Q': must be 'R' or 'L'"),
+    ("trajectory", ["final_state", "x"], "far", "final_state.x = 'far': must be a number"),
+    ("branch", ["verdicts"], [[1.5]], "verdicts = 1.5: must be lists of whole numbers"),
+    ("branch", ["special_points", 0, "motion", "A"], None, None),
+    ("zone", ["boundary", 1, "r"], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], r"boundary\[1\].clearance of"),
+    ("zone", ["loops", 0], [[1.0, 2.0, 3.0]], r"loops\[0\] of shape \(1, 3\): must be \(vertex, coordinate 2\)"),
+    ("zone", ["loops"], {}, "loops = {}: must be a list"),
+    ("zone", ["r"], [1.0], r"r = \[1.0\]: must be a list of 2"),
+    ("zone", ["search", "steps"], None, "search.steps = None: must be a whole number"),
+    ("atlas", ["zones", 0, "pattern", "cycles"], 0, r"zones\[0\].pattern: cycles = 0: must be"),
+    ("atlas", ["attractors", 0, "clearance"], [], r"attractors\[0\].clearance = \[\]: must be a number"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "path", "value", "said"), BROKEN)
+def test_broken_data_is_named(name, path, value, said, results):
+    """What is wrong, its value and what it must be; never a bare KeyError."""
+    data = copy.deepcopy(results[name].to_dict())
+    inner = data
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = value
+    if said is None:  # NaN is allowed
+        assert math.isnan(type(results[name]).from_dict(data).special_points[0].motion.A)
+        return
+    with pytest.raises(vi.errors.ParameterError, match=said):
+        type(results[name]).from_dict(data)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_missing_values_are_named(name, results):
+    """Each attribute without a default is asked for by name."""
+    data = results[name].to_dict()
+    optional = {"type", "vibroimpact", "attenuation"}
+    for key in data.keys() - optional:
+        less = {other: item for other, item in data.items() if other != key}
+        try:
+            again = type(results[name]).from_dict(less)
+        except vi.errors.ParameterError as error:
+            assert re.search(rf"must have '{key}'; it is missing", str(error))
+        else:
+            assert key in type(again).__dataclass_fields__
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1, 2]", "7", "{}", '{"type": "Nothing"}', '{"type": ["Zone"]}',
+                                  '{"type": "Zone"}', "\N{SNOWMAN}"])  # fmt: skip
+def test_files_of_another_kind(text, tmp_path):
+    """The file is named, and what it should be."""
+    path = tmp_path / "other.json"
+    path.write_text(text, encoding="utf-8")
+    for read in (vi.load, vi.Atlas.load):
+        with pytest.raises(vi.errors.ParameterError, match=r"other\.json': must be a file that") as caught:
+            read(path)
+        assert caught.value.__cause__ is None
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(vi.errors.ParameterError, match="must be a file that"):
+        vi.load(path)
+
+
+def test_cut_and_missing_files(results, tmp_path):
+    """Half of a file, and none."""
+    path = tmp_path / "zone.json"
+    results["zone"].save(path)
+    whole = path.read_text()
+    for part in (1, len(whole) // 2, len(whole) - 1):
+        path.write_text(whole[:part])
+        with pytest.raises(vi.errors.ParameterError, match="must be a file that"):
+            vi.load(path)
+    with pytest.raises(vi.errors.ParameterError, match="none.json.*No such file"):
+        vi.load(tmp_path / "none.json")
+    path.write_text(whole)
+    with pytest.raises(vi.errors.ParameterError, match="not a Zone"):
+        vi.Atlas.load(path)
+
+
+def test_names_of_files(results, tmp_path):
+    """The form is that of the name's end."""
+    with pytest.raises(vi.errors.ParameterError, match=r"motion.doc'.*must end with one of \.json"):
+        results["motion"].save(tmp_path / "motion.doc")
+    results["motion"].save(str(tmp_path / "MOTION.JSON"))
+    assert same(vi.load(str(tmp_path / "MOTION.JSON")), results["motion"])
