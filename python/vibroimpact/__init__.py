@@ -10,7 +10,7 @@ from .interchange.result import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
 from .newton import exact
-from .run import RunLog, run_namelists
+from .run import Case, RunLog, read_namelist, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
@@ -31,6 +31,7 @@ __all__ = [
     "BifurcationDiagram",
     "Branch",
     "Bundle",
+    "Case",
     "FoundMotions",
     "Lyapunov",
     "Motion",
@@ -62,6 +63,7 @@ __all__ = [
     "lyapunov",
     "periodic",
     "periodic_batch",
+    "read_namelist",
     "response",
     "run_namelists",
     "simulate",

@@ -81,6 +81,8 @@ class Motion(Result):
         Load amplitude f; 1 unless `exact` was given another one.
     kind : str
         How it was found: "periodic" or "equispaced" (the linear equations), or "exact".
+    guess : ndarray (N,) or None
+        Of an exact motion: the phases from which it was found, if it began with the linear equations.
     rest_events : structured ndarray or None
         For a pattern with a star: all impacts, sticks and releases of a period from the first
         impact on.
@@ -113,6 +115,7 @@ class Motion(Result):
     precision: str = "double"
     load: float = 1.0
     kind: str = "exact"
+    guess: NDArray[np.float64] | None = None
     rest_events: NDArray[Any] | None = None
 
     @property

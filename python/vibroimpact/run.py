@@ -26,7 +26,7 @@ from .studies.branch import Branch, branch
 from .studies.zone import Zone, zone
 from .trajectory import Trajectory, simulate
 
-__all__ = ["RunLog", "run_namelists"]
+__all__ = ["Case", "RunLog", "read_namelist", "run_namelists"]
 
 
 #: Kinds of cases.
@@ -47,6 +47,8 @@ class Case(NamedTuple):
     keys : dict
         All other keys of its groups, with the values of those that were missing; of a branch also
         motion_kind, the kind of its &motion.
+    text : str
+        The complete case as a namelist, as the header of its result has it.
     """
 
     name: str
@@ -54,12 +56,29 @@ class Case(NamedTuple):
     osc: Oscillator
     r: Any
     keys: dict[str, Any]
+    text: str
 
     @property
     def motion_kind(self) -> str:
         """The kind of the motion, also of that which a branch starts from."""
         kind: str = self.keys.get("motion_kind", self.kind)
         return kind
+
+    def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
+        """What the case asks for: its motions, branches, or one trajectory, zone, atlas or chart.
+
+        `progress` is as of `atlas`, and for atlases only.
+        """
+        if self.kind == "atlas":
+            return [self.atlas(progress)]
+        one = {"simulate": self.trajectory, "chart": self.chart, "zone": self.zone}.get(self.kind)
+        if one is not None:
+            return [one()]
+        return list(self.branches() if self.kind == "branch" else self.motions())
+
+    def to_namelist(self) -> str:
+        """The case as a namelist, with what was missing filled in."""
+        return self.text
 
     def motions(self) -> list[Motion]:
         """The motions that a &motion asks for, none if there is no such motion."""
@@ -230,7 +249,34 @@ def run_namelists(
 
 
 def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
-    """The cases of a namelist file, read by the compiled reader, which also fills in what is missing."""
+    """The cases of a namelist file, read by the compiled reader, which also fills in what is missing.
+
+    Parameters
+    ----------
+    path : path
+        A file with the groups &system, &motion, … (see inputs/README.md), or an earlier result.
+
+    Returns
+    -------
+    list of Case
+        Each with `run`, which gives the motions, branches, trajectory, zone, atlas or chart with the
+        digits that `run_namelists` writes.
+
+    Raises
+    ------
+    ParameterError
+        If the file is wrong: file, line, key, value and what is allowed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "pair.nml"
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> _ = path.write_text(vi.equispaced(osc, r=0.94, clearance=37.0)[0].to_namelist())
+    >>> (case,) = vi.read_namelist(path)
+    >>> case.run()
+    [<Motion RL/1 at r = 0.94, ...unstable...>, <Motion RL/1 at r = 0.94, ...unstable...>]
+    """
     name = _path(path)
     room = 65_536 + 40 * (Path(path).stat().st_size if os.path.isfile(path) else 0)
     text, length, status = _core.read_namelist(_characters(name), room)
@@ -244,21 +290,23 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     for line in said.split("\n"):
         group, (key, equals, value) = line[2:3] == "&", line[2:].strip().partition(" = ")
         if group and key == "&system":
-            cases.append({})
+            cases.append({"text": ""})
         elif group and key == "&branch":
             cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
         elif group and key in ("&motion", "&simulate", "&chart", "&zone", "&atlas"):
             cases[-1].setdefault("kind", key[1:])
         elif equals and not key.startswith("!"):
             cases[-1][key] = _value(value)
+        if cases and not line.startswith("# !"):
+            cases[-1]["text"] += line[2:] + "\n"
     return [_case(keys) for keys in cases]
 
 
 def _case(keys: dict[str, Any]) -> Case:
-    name, kind, xi, mu, walls, r = (
-        keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r")
+    name, kind, xi, mu, walls, r, text = (
+        keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r", "text")
     )
-    return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys)
+    return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys, text.strip("\n") + "\n")
 
 
 def _value(text: str) -> Any:

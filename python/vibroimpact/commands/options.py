@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import re
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from ..errors import ParameterError
+from ..interchange import namelist
+from ..interchange.namelist import Groups
 from ..run import Case, RunLog, read_namelist, run_namelists
 from . import PICTURES, add_files, add_folder
 
@@ -19,8 +20,6 @@ SPANS = {
     "r_min": "r", "r_max": "r", "clearance_min": "clearance", "clearance_max": "clearance",
     "low": "bounds", "high": "bounds",
 }  # fmt: skip
-#: Namelist groups with their keys; those with the value None are left out.
-Groups = Mapping[str, Mapping[str, Any]]
 
 
 def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None:
@@ -176,7 +175,7 @@ def _files(
             )
     with tempfile.TemporaryDirectory() as place:
         made = Path(place) / f"{kind}.nml"
-        made.write_text(_namelist(groups), encoding="utf-8")
+        made.write_text(namelist.text(groups), encoding="utf-8")
         yield [str(made)], str(made)
 
 
@@ -193,21 +192,3 @@ def pair(options: argparse.Namespace, name: str) -> tuple[float | None, float | 
 
 def _word(name: str) -> str:
     return name.replace("_", "-")
-
-
-def _namelist(groups: Groups) -> str:
-    """Groups as a namelist."""
-    lines = []
-    for group, keys in groups.items():
-        lines += [
-            f"&{group}",
-            *(f"{key} = {_value(x)}" for key, x in keys.items() if x is not None),
-            "/",
-        ]
-    return "\n".join(lines) + "\n"
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, str):
-        return "'" + value.replace("'", "''").replace("\n", " ") + "'"
-    return ", ".join(map(repr, value)) if isinstance(value, list) else repr(value)

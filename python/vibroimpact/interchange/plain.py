@@ -28,7 +28,7 @@ DIMENSIONS: dict[str, dict[str, tuple[str, ...]]] = {
             ("restitution", "phases", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before",
              "Z_dot_after"), ("impact",),
         ),
-        "multipliers": ("multiplier",), "rest_events": ("event",),
+        "multipliers": ("multiplier",), "guess": ("impact",), "rest_events": ("event",),
     },
     "Trajectory": {"events": ("event",)},
     "Branch": {

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from ..errors import ParameterError
 from ..files import write_text
-from . import plain
+from . import namelist, plain
 
 Self = TypeVar("Self", bound="Result")
 
@@ -49,6 +49,15 @@ class Result:
         except ValueError as error:
             raise ParameterError(f"text of {len(text)} characters: must be JSON; {error}") from None
         return cls.from_dict(data)
+
+    def to_namelist(self) -> str:
+        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` get it again.
+
+        The digits are the same, too, if the result came from what a namelist can tell: a motion from
+        phases, a branch from such a motion. Else its own phases stand there, as a guess for Newton's
+        method, which then ends within rounding of it. An equispaced motion comes with its twin.
+        """
+        return namelist.of(self)
 
     def save(self, path: str | Path) -> None:
         """Write a file whose form its name ends with: .json."""

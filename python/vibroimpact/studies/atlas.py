@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .. import _core, checks
 from ..errors import ParameterError
 from ..find import side_patterns
+from ..interchange import namelist
 from ..interchange.result import Result, load
 from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
@@ -53,6 +54,8 @@ class Atlas(Result):
         What the survey by simulation settled on, within the limits of impacts and cycles.
     unexplained : list of Attractor
         Those that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
+    case : str
+        What was asked for as a namelist (see `to_namelist`).
     """
 
     osc: Oscillator
@@ -61,6 +64,7 @@ class Atlas(Result):
     zones: list[Zone]
     attractors: list[Attractor]
     unexplained: list[Attractor]
+    case: str = ""
 
     def at(self, r: float, clearance: float) -> list[Zone]:
         """The zones that contain a point: the stable motions there."""
@@ -181,6 +185,10 @@ def atlas(
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
     max_points = checks.integer(max_points, "max_points", 100, ROOM)
     workers = thread_count(threads)
+    asked = namelist.case(osc, atlas={
+        **namelist.window(*window), "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey,
+        "settling": settling, "lines": lines, "guesses": guesses, "max_points": max_points,
+    })  # fmt: skip
     tell = progress or (lambda share, what: None)
     tell(0.0, "survey by simulation")
     attractors, guesses_of = surveyed(
@@ -232,6 +240,7 @@ def atlas(
             found,
             attractors,
             [item for item in attractors if not draft.explains(item)],
+            asked,
         )
 
     first = result()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, SingularError
+from ..interchange import namelist
 from ..interchange.result import Result
 from ..model import Oscillator, Pattern
 from ..motion import VERDICT, Motion
@@ -121,6 +122,8 @@ class Branch(Result):
         In the order of the branch.
     ends : (str, str)
         Why the branch ends, at its first and last point.
+    case : str
+        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
     """
 
     parameter: str
@@ -134,6 +137,7 @@ class Branch(Result):
     verdicts: NDArray[np.int32]
     special_points: list[SpecialPoint]
     ends: tuple[str, str]
+    case: str = ""
 
     r = property(lambda self: self.parameters[0])
     clearance = property(lambda self: self.parameters[1])
@@ -360,6 +364,10 @@ def branch(
         parameter, motion.pattern, bool(symmetric), parameters[:, keep], phases[:, keep],
         impacts[:, :, keep], scalars[:, keep], multipliers[:, keep], verdicts[:, keep], [],
         (REASONS[int(ends[0])], REASONS[int(ends[1])]),
+        namelist.case(motion.osc, motion.r, motion=namelist.of_motion(motion), branch={
+            "parameter": parameter, "low": low, "high": high, "longest_step": longest_step,
+            "max_points": max_points,
+        }) if motion.precision == "double" else "",
     )  # fmt: skip
     n_family = len(motion.pattern) // 2 if symmetric else len(motion.pattern)
     for i in np.flatnonzero(special[0, keep]).tolist():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
+from ..interchange import namelist
 from ..interchange.result import Result
 from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
@@ -108,6 +109,8 @@ class Zone(Result):
     complete : bool
         Whether all boundaries found could be closed.
     search : ZoneSearch
+    case : str
+        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
     """
 
     osc: Oscillator
@@ -119,6 +122,7 @@ class Zone(Result):
     loops: list[_Array]
     complete: bool
     search: ZoneSearch
+    case: str = ""
 
     def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
         """Whether there is a stable, admissible motion of the pattern at points.
@@ -276,7 +280,17 @@ def zone(
             f"restitution {osc.restitution!r} cannot be its own mirror image"
         )
     table = seed_table(pattern, seeds)
-    return assemble(osc, pattern, window, symmetric, kinds, lines, guesses, table, max_points)
+    found = assemble(osc, pattern, window, symmetric, kinds, lines, guesses, table, max_points)
+    if len(seeds):
+        return found
+    limits = {"lines": lines, "guesses": guesses, "max_points": max_points}
+    sides = {
+        "sides": pattern.sides,
+        "cycles": pattern.cycles,
+        "symmetric": namelist.SYMMETRIC[symmetric],
+    }
+    asked = namelist.case(osc, zone={**sides, **namelist.window(*window), **limits})
+    return replace(found, case=asked)
 
 
 def rest_seed(motion: Motion) -> _Array:
