@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
 from ..errors import ParameterError
 from ..files import write_text
-from . import namelist, plain
+from . import dataset, matlab, namelist, plain, table
 
 Self = TypeVar("Self", bound="Result")
 
@@ -59,8 +60,21 @@ class Result:
         """
         return namelist.of(self)
 
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset with named dimensions; units and meaning of each variable (extra `data`)."""
+        return dataset.to_xarray(self)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with the columns that `vibroimpact run` writes (extra `data`)."""
+        return table.to_pandas(self)
+
     def save(self, path: str | Path) -> None:
-        """Write a file whose form its name ends with: .json."""
+        """Write a file, whole or not at all, of the form that its name ends with.
+
+        .json, .nc (netCDF, labelled as `to_xarray`; extra `data`) and .mat (a MATLAB struct; extra
+        `matlab`) hold every bit, and `vibroimpact.load` reads them back. .csv holds the table that
+        `vibroimpact run` writes, with the case in its header, from which the result can be computed again.
+        """
         place = Path(path)
         suffix = place.suffix.lower()
         if suffix not in WRITERS:
@@ -70,7 +84,7 @@ class Result:
 
 
 def load(path: str | Path) -> Any:
-    """Read a result that its `save` wrote as .json: the same to the last bit.
+    """Read a result that its `save` wrote as .json, .nc or .mat: the same to the last bit.
 
     Parameters
     ----------
@@ -96,7 +110,8 @@ def load(path: str | Path) -> Any:
     """
     wanted = "must be a file that the save of a result wrote"
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        read = READERS.get(Path(path).suffix.lower(), READERS[".json"])
+        data = json.loads(read(Path(path)))
         kind = plain.mapping(data, "").get("type")
         known = {item.__name__: item for item in Result.__subclasses__()}
         return known[plain.known(kind, known)].from_dict(data)
@@ -105,4 +120,14 @@ def load(path: str | Path) -> Any:
     raise ParameterError(f"path = {str(path)!r}: {wanted}; {reason}")
 
 
-WRITERS = {".json": lambda result, path: write_text(path, result.to_json())}
+WRITERS: dict[str, Callable[[Any, Path], None]] = {
+    ".json": lambda result, path: write_text(path, result.to_json()),
+    ".csv": table.write_csv,
+    ".nc": dataset.write_netcdf,
+    ".mat": matlab.write_matlab,
+}
+READERS: dict[str, Callable[[Path], str]] = {
+    ".json": lambda path: path.read_text(encoding="utf-8"),
+    ".nc": dataset.read_netcdf,
+    ".mat": matlab.read_matlab,
+}

@@ -22,6 +22,7 @@ from .conditions import (
     PARAMETERS,
     REPETITION,
     can_be_symmetric,
+    detail_text,
     is_symmetric,
     type_name,
 )
@@ -59,6 +60,8 @@ class SpecialPoint:
         Of grazing: the wall that is touched, "R" or "L"; otherwise "".
     parameter : str
         That of the branch.
+    detail : str
+        In words: which flight touches which wall, which impact, which bound.
     """
 
     type: str
@@ -69,6 +72,7 @@ class SpecialPoint:
     impact: int = -1
     side: str = ""
     parameter: str = "clearance"
+    detail: str = ""
 
     def switch(self) -> list[Motion]:
         """Motions of the branches that begin here.
@@ -172,37 +176,6 @@ class Branch(Result):
             self.pattern, self.parameters[:, i], self.phases[:, i], self.impacts[:, :, i],
             self.scalars[:, i], self.multipliers[:, i], self.verdicts[:, i],
         )  # fmt: skip
-
-    def to_xarray(self) -> Any:
-        """The columns as an xarray.Dataset over the points (extra `data`)."""
-        from .tables import xarray
-
-        data: dict[str, Any] = {name: ("point", getattr(self, name)) for name in PARAMETERS}
-        for name in (
-            "A",
-            "tau",
-            "residual",
-            "x_min",
-            "x_max",
-            "attenuation",
-            "admissible",
-            "stable",
-        ):
-            data[name] = ("point", getattr(self, name))
-        data["phases"] = (("impact", "point"), self.phases)
-        data["X"] = (("impact", "point"), self.X)
-        data["multipliers_real"] = (("multiplier", "point"), self.multipliers.real)
-        data["multipliers_imag"] = (("multiplier", "point"), self.multipliers.imag)
-        special = np.full(len(self), "", dtype="U16")
-        for item in self.special_points:
-            special[item.index] = item.type
-        data["special"] = ("point", special)
-        names = {
-            "parameter": self.parameter,
-            "sides": self.pattern.sides,
-            "cycles": self.pattern.cycles,
-        }
-        return xarray().Dataset(data, attrs=names)
 
     def plot(self, ax: Any = None, y: str = "attenuation") -> Any:
         """Draw a column against the parameter: solid stable, dashed unstable, dotted inadmissible.
@@ -384,6 +357,7 @@ def branch(
                     index - 1 if kind not in (EDGE, REPETITION) and index <= n_family else -1,
                     ("R" if side > 0 else "L") if kind == GRAZING else "",
                     parameter,
+                    detail_text(kind, index, side),
                 )
             )
     return result

@@ -48,6 +48,8 @@ class Piece:
         The loop of `Zone.loops` that the piece belongs to.
     detail : str
         Of grazing: which flight touches which wall; of window: which edge.
+    symmetric : bool
+        Whether it bounds motions that are their own mirror image.
     """
 
     type: str
@@ -57,6 +59,7 @@ class Piece:
     theta: _Array
     loop: int
     detail: str = ""
+    symmetric: bool = False
 
     def __len__(self) -> int:
         return len(self.r)
@@ -321,8 +324,7 @@ def assemble(
     rings: list[_Array] = []
     for part_pieces, part_rings, _, _ in parts:
         pieces.extend(
-            Piece(p.type, p.r, p.clearance, p.x, p.theta, p.loop + len(rings), p.detail)
-            for p in part_pieces
+            p if p.loop < 0 else replace(p, loop=p.loop + len(rings)) for p in part_pieces
         )
         rings.extend(part_rings)
     work = np.sum([part[3] for part in parts], axis=0).tolist()
@@ -444,6 +446,7 @@ def split_pieces(
                 unknowns[n : 2 * n, run],
                 loop,
                 detail,
+                symmetric,
             )
         )
     return pieces
