@@ -70,12 +70,10 @@ def outcome(name: str, options: argparse.Namespace) -> int:
     try:
         status = import_module(f".commands.{name}", __package__).run(options)
     except (VibroimpactError, OSError) as error:
-        options.record.fault = str(error)
-        print(f"vibroimpact {name}: {error}", file=sys.stderr)
+        options.record.fault(f"vibroimpact {name}: {error}")
     except KeyboardInterrupt:
         status = 1
-        options.record.fault = "interrupted; what was finished is kept"
-        print(f"vibroimpact {name}: {options.record.fault}", file=sys.stderr)
+        options.record.fault(f"vibroimpact {name}: interrupted; what was finished is kept")
     return status
 
 

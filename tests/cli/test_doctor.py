@@ -69,5 +69,5 @@ def test_json_of_a_wrong_input(tool):
                 "--json")  # fmt: skip
     document = json.loads(done.out)
     assert (done.status, document["status"]) == (2, 2)
-    assert done.faults == [f"vibroimpact find: {document['fault']}"]
-    assert document["fault"].startswith("xi = 2")
+    assert done.faults == document["faults"]
+    assert document["faults"][0].startswith("vibroimpact find: xi = 2")

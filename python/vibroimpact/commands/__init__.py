@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 #: In the order of the help text.
 NAMES = (
-    "run", "simulate", "find", "branch", "zone", "atlas", "bifurcation", "basins", "lyapunov", "response",
+    "run", "simulate", "find", "branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response",
     "plot", "reproduce", "init", "doctor",
 )  # fmt: skip
 
+#: Forms of results, with what their names end with; the first one if none is named.
+FORMATS = {"csv": "csv", "netcdf": "nc", "json": "json", "matlab": "mat"}
 #: Formats of pictures, the first one if none is named.
 PICTURES = ("png", "svg", "pdf")
 
@@ -27,9 +30,14 @@ class Record:
 
     def __init__(self, command: str) -> None:
         self.command = command
-        self.fault = ""
+        self.faults: list[str] = []
         self.files: list[str] = []
         self.results: dict[str, Any] = {}
+
+    def fault(self, line: str) -> None:
+        """Say what went wrong."""
+        self.faults.append(line)
+        print(line, file=sys.stderr)
 
     def add(self, name: str, result: Any) -> None:
         """A result, as plain values or as one of the package's own objects; of one name, the latest."""
@@ -42,7 +50,7 @@ class Record:
             for name, item in self.results.items()
         }
         document = {
-            "command": self.command, "status": status, "fault": self.fault or None,
+            "command": self.command, "status": status, "faults": self.faults,
             "said": said.splitlines(), "files": self.files, "results": results,
         }  # fmt: skip
         return json.dumps(document, allow_nan=False)
@@ -68,6 +76,17 @@ def add_folder(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", dest="folder", default="results", metavar="DIR", help="folder for the results"
     )
+
+
+def add_forms(parser: argparse.ArgumentParser) -> None:
+    """The form of the results, and of pictures beside them."""
+    parser.add_argument(
+        "--format", choices=FORMATS, default="csv", help="form of the results (default: csv)"
+    )
+    parser.add_argument(
+        "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
+        help=f"draw it, as {', '.join(PICTURES)} (default: {PICTURES[0]})",
+    )  # fmt: skip
 
 
 def picture_writer() -> Callable[[Any, Path], Path]:

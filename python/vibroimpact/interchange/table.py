@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 
 #: Names of columns with the values of all rows.
 Columns = dict[str, list[Any]]
+#: A code of the core: there is no motion.
+NO_MOTION = 7
 VERDICTS = {1: True, 0: False, -1: None}
-INCOMPLETE = "not complete: a boundary could not be followed until it closes (its loop is 0)"
+#: As the compiled program says it.
+INCOMPLETE = "not complete: a boundary could not be followed until it closes"
 
 
 def columns(result: Any) -> Columns:
@@ -157,6 +160,24 @@ def atlas_columns(atlas: Atlas) -> Columns:
     return table
 
 
+def chart_columns(data: Any) -> Columns:
+    """One row a motion of a chart, all motions of a point together."""
+    order = ("r", "clearance", "motion")
+    status = data["status"].transpose(*order).values
+    i, j, k = np.nonzero(status != NO_MOTION)
+    table: Columns = {
+        "r": data["r"].values[i].tolist(), "clearance": data["clearance"].values[j].tolist(),
+        "slot": (k + 1).tolist(),
+    }  # fmt: skip
+    for name in ("consistent", "admissible", "stable"):
+        values = data[name].transpose(*order).values[i, j, k]
+        table[name] = [VERDICTS[code] for code in values.tolist()]
+    leading = data["multiplier_modulus"][0].transpose(*order).values[i, j, k]
+    table["multiplier_1_modulus"] = leading.tolist()
+    table["x_max"] = data["x_max"].transpose(*order).values[i, j, k].tolist()
+    return table | {"status": status[i, j, k].tolist()}
+
+
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
     "Zone": zone_columns, "Atlas": atlas_columns,
@@ -175,14 +196,23 @@ def notes(result: Any) -> list[str]:
     if name == "Branch":
         return [f"branch 1: first end: {result.ends[0]}; last end: {result.ends[1]}"]
     if name == "Zone":
-        return [] if result.complete else [INCOMPLETE]
+        return [] if result.complete else [f"{INCOMPLETE} (its loop is 0)"]
     if name == "Atlas":
-        cut = [f"{tag(zone)}: {INCOMPLETE}" for zone in result.zones if not zone.complete]
+        cut = [
+            f"{tag(zone)}: {INCOMPLETE} (its loop is 0)"
+            for zone in result.zones
+            if not zone.complete
+        ]
         return cut + [
             f"in no zone of its pattern: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"
             for item in result.unexplained
         ]
     return []
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def tag(thing: Any) -> str:
@@ -192,21 +222,24 @@ def tag(thing: Any) -> str:
 
 def csv_text(result: Any, name: str) -> str:
     """The bytes of the result that `vibroimpact run` writes for its case: an input again."""
+    try:
+        case = complete(result.to_namelist(), name)
+    except ParameterError:
+        case = []
+    table = columns(result)
+    head = head_text(case, notes(result))
+    return head + rows_text(table, zip(*table.values(), strict=True))
+
+
+def head_text(case: Sequence[str], remarks: Sequence[str] = ()) -> str:
+    """The header of a table: the lines of its case, and remarks."""
     from .. import __version__
 
-    head = [
-        f"! vibroimpact {__version__}; lengths in F0/K, time in 1/omega, angles in radians; this file is an "
-        "input too"
-    ]
-    try:
-        head += complete(result.to_namelist(), name)
-    except ParameterError:
-        head[0] = head[0].rpartition(";")[0] + "; no namelist tells how it began"
-    head += [f"! {note}" for note in notes(result)]
-    table = columns(result)
-    return "".join(f"# {line}\n" for line in head) + rows_text(
-        table, zip(*table.values(), strict=True)
+    last = "this file is an input too" if case else "no namelist tells how it began"
+    title = (
+        f"! vibroimpact {__version__}; lengths in F0/K, time in 1/omega, angles in radians; {last}"
     )
+    return "".join(f"# {line}\n" for line in (title, *case, *(f"! {note}" for note in remarks)))
 
 
 def complete(namelist: str, name: str) -> list[str]:
