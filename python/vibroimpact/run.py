@@ -71,10 +71,11 @@ class Case(NamedTuple):
         """
         if self.kind == "atlas":
             return [self.atlas(progress)]
-        one = {"simulate": self.trajectory, "chart": self.chart, "zone": self.zone}.get(self.kind)
-        if one is not None:
-            return [one()]
-        return list(self.branches() if self.kind == "branch" else self.motions())
+        if self.kind in ("periodic", "equispaced", "exact"):
+            return list(self.motions())
+        if self.kind == "branch":
+            return list(self.branches())
+        return [getattr(self, {"simulate": "trajectory"}.get(self.kind, self.kind))()]
 
     def to_namelist(self) -> str:
         """The case as a namelist, with what was missing filled in."""

@@ -452,3 +452,26 @@ def test_missing_libraries_are_named(results, tmp_path, monkeypatch):
     with pytest.raises(vi.errors.MissingExtraError, match=r"vibroimpact\[data\]"):
         results["motion"].to_pandas()
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def attractors():
+    """Results of the studies of attractors, with motions, exponents and states within them."""
+    return {
+        "lyapunov": vi.lyapunov(FIGURE6, 1.04, [25.0, 30.0], cycles=100, discard=50),
+        "one": vi.lyapunov(FIGURE6, 1.04, 25.0, cycles=100, discard=50),
+        "basins": vi.basins(TABLE, 0.94, 37.0, (("x", -30, 30, 6), ("x_dot", -30, 30, 5))),
+        "states": vi.basins(TABLE, 0.94, 37.0, states=9),
+        "bifurcation": vi.bifurcation_diagram(FIGURE6, "clearance", [20, 30, 40], r=1.04),
+        "response": vi.response(FIGURE6, [1.0, 1.02], clearance=25.0, states=3),
+    }
+
+
+@pytest.mark.parametrize("suffix", [".json", ".nc", ".mat"])
+@pytest.mark.parametrize("name", ["lyapunov", "one", "basins", "states", "bifurcation", "response"])
+def test_studies_of_attractors_come_back(name, suffix, attractors, tmp_path):
+    """Every bit of them too."""
+    pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy", ".json": "json"}[suffix])
+    path = tmp_path / f"result{suffix}"
+    attractors[name].save(path)
+    assert same(vi.load(path), attractors[name])

@@ -13,7 +13,15 @@ from ..files import write_text
 from ..interchange.dataset import save_dataset
 from ..interchange.namelist import Groups
 from ..interchange.plain import encode
-from ..interchange.table import INCOMPLETE, chart_columns, counted, head_text, rows_text, tag
+from ..interchange.table import (
+    INCOMPLETE,
+    chart_columns,
+    counted,
+    head_text,
+    is_closed,
+    rows_text,
+    tag,
+)
 from ..progress import Progress
 from ..run import Case, run_namelists
 from . import FORMATS, picture_writer
@@ -141,7 +149,7 @@ def zone_words(zone: Any) -> Words:
     """As the compiled program has them."""
     if zone.search.motions == 0:
         return [], [f"no motion {tag(zone)} was found anywhere in the window"], False
-    if not zone.boundary and zone.complete:
+    if not zone.boundary and is_closed(zone):
         return [], [
             f"no zone: motions {tag(zone)} were found in the window, but none that is both stable and admissible"
         ], False  # fmt: skip
@@ -150,12 +158,12 @@ def zone_words(zone: Any) -> Words:
         f"{tag(zone)}, {counted(len(zone.loops), 'loop')} in {counted(len(zone.boundary), 'piece')}"
     )
     said += f": {kinds}" if kinds else ""
-    return [said], [] if zone.complete else [INCOMPLETE], True
+    return [said], [] if is_closed(zone) else [INCOMPLETE], True
 
 
 def atlas_words(atlas: Any) -> Words:
     """As the compiled program has them."""
-    faults = [f"{tag(zone)} {INCOMPLETE}" for zone in atlas.zones if not zone.complete]
+    faults = [f"{tag(zone)} {INCOMPLETE}" for zone in atlas.zones if not is_closed(zone)]
     surveyed = counted(len(atlas.attractors), "attractor")
     if atlas.unexplained:
         lost = ", ".join(dict.fromkeys(map(tag, atlas.unexplained)))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
+from .table import is_closed
 
 if TYPE_CHECKING:
     from ..motion import Motion
@@ -212,7 +213,11 @@ def of_branch(branch: Branch) -> tuple[dict[str, Any], dict[str, Any]]:
 def of_zone(zone: Zone) -> tuple[dict[str, Any], dict[str, Any]]:
     """Vertices of the pieces, and points of the loops."""
     data = zones([zone])
-    window = {"r": list(zone.r), "clearance": list(zone.clearance), "complete": int(zone.complete)}
+    window = {
+        "r": list(zone.r),
+        "clearance": list(zone.clearance),
+        "complete": int(is_closed(zone)),
+    }
     words = {True: "yes", False: "no", None: "both"}
     return data, {**system(zone.osc, zone.pattern), **window, "symmetric": words[zone.symmetric]}
 

@@ -216,17 +216,22 @@ def decode_array(
 
 
 def decode_events(value: Mapping[str, Any], label: str, dimensions: Dimensions) -> NDArray[Any]:
-    """The events of a trajectory or of a motion with rest."""
+    """The events of a trajectory or of a motion with rest, or the impacts of a bifurcation diagram."""
+    from ..studies.bifurcation import COLUMNS
     from ..trajectory import EVENT_TYPE, KINDS
 
-    names = EVENT_TYPE.names or ()
+    record_type = EVENT_TYPE
+    if "run" in value:
+        own = [("run", "i4"), ("index", "i4"), ("side", "U1"), *((name, "f8") for name in COLUMNS)]
+        record_type = np.dtype(own)
+    names = record_type.names or ()
     missing = [name for name in names if name not in value]
     if missing:
         raise ParameterError(
             f"{label}: must have {', '.join(map(repr, names))}; missing: {missing}"
         )
     size = len(sequence(value[names[0]], f"{label}.{names[0]}"))
-    table = np.empty(size, dtype=EVENT_TYPE)
+    table = np.empty(size, dtype=record_type)
     words = {"kind": KINDS[1:].tolist(), "side": ["R", "L", "R*", "L*"]}
     for name in names:
         column = sequence(value[name], f"{label}.{name}", size)
@@ -236,7 +241,7 @@ def decode_events(value: Mapping[str, Any], label: str, dimensions: Dimensions) 
                 refuse(f"{label}.{name}", strange[0], " or ".join(map(repr, words[name])))
             table[name] = column
         else:
-            table[name] = numbers(column, "f", f"{label}.{name}")
+            table[name] = numbers(column, record_type[name].kind, f"{label}.{name}")
     dimensions.fit(table, label)
     table.flags.writeable = False
     return table

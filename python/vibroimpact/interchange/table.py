@@ -184,6 +184,11 @@ TABLES: dict[str, Any] = {
 }  # fmt: skip
 
 
+def is_closed(zone: Zone) -> bool:
+    """Whether all boundaries of a zone could be followed until they close."""
+    return zone.complete
+
+
 def notes(result: Any) -> list[str]:
     """What the header tells beside the case."""
     name = type(result).__name__
@@ -196,12 +201,12 @@ def notes(result: Any) -> list[str]:
     if name == "Branch":
         return [f"branch 1: first end: {result.ends[0]}; last end: {result.ends[1]}"]
     if name == "Zone":
-        return [] if result.complete else [f"{INCOMPLETE} (its loop is 0)"]
+        return [] if is_closed(result) else [f"{INCOMPLETE} (its loop is 0)"]
     if name == "Atlas":
         cut = [
             f"{tag(zone)}: {INCOMPLETE} (its loop is 0)"
             for zone in result.zones
-            if not zone.complete
+            if not is_closed(zone)
         ]
         return cut + [
             f"in no zone of its pattern: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"

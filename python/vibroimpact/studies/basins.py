@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError
+from ..interchange.result import Result
 from ..model import Oscillator
 from .catalogue import BasinAttractor, Catalogue
 from .lattice import distance_to_other
@@ -39,7 +40,7 @@ class Axis(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Basins:
+class Basins(Result):
     """To which attractor each of many initial states goes.
 
     Attributes

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError
+from ..interchange.result import Result
 from ..model import Oscillator
 from .settling import (
     PARAMETERS,
@@ -46,7 +47,7 @@ class PeriodicWindow(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class BifurcationDiagram:
+class BifurcationDiagram(Result):
     """What simulations settle on along a parameter.
 
     Attributes

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError
+from ..interchange.result import Result
 from ..model import Oscillator
 from .settling import column, settle_chains, spread_states, thread_count
 
@@ -20,7 +21,7 @@ _Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Response:
+class Response(Result):
     """max |X|/A against r.
 
     Attributes
