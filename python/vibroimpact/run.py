@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -120,7 +121,7 @@ class Case(NamedTuple):
     def chart(self) -> Any:
         """The dataset of a chart that a &chart case asks for."""
         keys = self.keys
-        axis = np.linspace if keys["spacing"] == "linear" else np.geomspace
+        axis = np.linspace if keys["spacing"] == "linear" else geometric
         return chart(
             self.osc, Pattern(keys["sides"], keys["cycles"]),
             np.linspace(keys["r_min"], keys["r_max"], keys["r_points"]),
@@ -164,6 +165,12 @@ class Case(NamedTuple):
             self.osc, self.r, keys["clearance"], keys["cycles"], state, keys["load"], keys["discard"],
             keys["max_events"],
         )  # fmt: skip
+
+
+def geometric(low: float, high: float, n: int) -> list[float]:
+    """Numbers with equal ratios, by the core's arithmetic to the last bit (numpy's exp is another one)."""
+    inner = np.linspace(math.log(low), math.log(high), n)[1:-1].tolist()
+    return [low, *map(math.exp, inner), high]
 
 
 class RunLog(NamedTuple):

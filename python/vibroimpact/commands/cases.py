@@ -76,12 +76,12 @@ def finish(
     with Progress(case.name) as bar:
         (result,) = case.run(bar.show)
     news, faults, there = WORDS[case.kind](result)
-    if there:
-        put(options, case, [result], folder, save)
     for line in news:
         print(f"{case.name}: {line}")
     for line in faults:
         options.record.fault(f"{case.name}: {line}")
+    if there:
+        put(options, case, [result], folder, save)
     return 1 if faults else 0
 
 
