@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from ..errors import ParameterError
 from ..files import write_text
-from . import dataset, matlab, namelist, plain, table
+from . import dataset, matlab, namelist, page, plain, table
 
 Self = TypeVar("Self", bound="Result")
 
@@ -67,6 +67,10 @@ class Result:
     def to_pandas(self) -> Any:
         """A pandas.DataFrame with the columns that `vibroimpact run` writes (extra `data`)."""
         return table.to_pandas(self)
+
+    def _repr_html_(self) -> str:
+        """What Jupyter shows, with a small picture if matplotlib is there."""
+        return page.html(self)
 
     def save(self, path: str | Path) -> None:
         """Write a file, whole or not at all, of the form that its name ends with.
