@@ -83,7 +83,8 @@ def of(result: Any) -> str:
 
     if isinstance(result, Motion):
         return case(result.osc, result.r, motion=of_motion(result))
-    known = getattr(result, "case", "")
+    request = getattr(result, "request", None)
+    known = case(result.osc, result.r, simulate=request) if request else getattr(result, "case", "")
     if not known:
         raise ParameterError(
             f"{result!r}: has no namelist, since it began with what a namelist cannot tell (seeds, the "
