@@ -13,7 +13,7 @@ from importlib.metadata import version
 from importlib.resources import as_file, files
 from io import StringIO
 
-from .commands import NAMES, PICTURES, Record, add_common
+from .commands import NAMES, PICTURES, Record, add_common, name_file
 from .errors import VibroimpactError
 
 EXIT_STATUS = (
@@ -56,6 +56,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # files and names may stand on both sides of an option
     options = each[name].parse_intermixed_args(_separated(words[1:]))
     options.record = Record(name)
+    try:
+        status = said_or_told(name, options)
+        sys.stdout.flush()
+    except BrokenPipeError:  # who read has gone; nothing is left to be flushed at the end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return status
+
+
+def said_or_told(name: str, options: argparse.Namespace) -> int:
+    """Run a command that says what it does, is quiet, or tells it in one document."""
     heard = options.quiet or options.json
     with redirect_stdout(StringIO()) if heard else nullcontext() as said:
         status = outcome(name, options)
@@ -68,7 +79,10 @@ def outcome(name: str, options: argparse.Namespace) -> int:
     """Run a command and give the exit status, whatever happens."""
     status = 2
     try:
+        name_file(options)
         status = import_module(f".commands.{name}", __package__).run(options)
+    except BrokenPipeError:
+        raise
     except (VibroimpactError, OSError) as error:
         options.record.fault(f"vibroimpact {name}: {error}")
     except KeyboardInterrupt:

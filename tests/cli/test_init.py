@@ -82,6 +82,7 @@ def test_defaults_are_those_that_are_shown(tmp_path):
         (theirs,) = read_namelist(write(tmp_path / f"{name}.nml", full))
         if name == "periodic":  # that impact_restitution was given is part of the case
             theirs.keys.pop("impact_restitution")
+            theirs = theirs._replace(text=ours.text)
         assert theirs == ours
 
 

@@ -48,7 +48,7 @@ def test_plane_outside_of_the_walls(tool):
     plane = ["--plane", "x", "-9", "9", "5", "y", "-9", "8", "5"]
     done = tool("basins", *EQUAL, "--r", "1", "--clearance", "9", *plane)
     assert (done.status, len(done.faults)) == (2, 1)
-    assert "plane: y from -9 to 8: must be between the walls, -4.5 to 4.5" in done.faults[0]
+    assert "plane: y from -9 to 8: must be within half the clearance, -4.5 to 4.5" in done.faults[0]
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1025, 1.5, True])

@@ -13,6 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..errors import ParameterError
+
 #: In the order of the help text.
 NAMES = (
     "run", "simulate", "find", "branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response",
@@ -71,17 +73,40 @@ def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:
     )
 
 
-def add_folder(parser: argparse.ArgumentParser) -> None:
+def add_folder(parser: argparse.ArgumentParser, file: str = "") -> None:
     """The folder that a command writes to."""
     parser.add_argument(
-        "-o", dest="folder", default="results", metavar="DIR", help="folder for the results"
+        "-o", dest="folder", default="results", metavar="DIR", help=f"folder for the results{file}"
     )
 
 
+def name_file(options: argparse.Namespace) -> None:
+    """Take `-o DIR/NAME.json` as the folder, the form and the name of the one result."""
+    options.stem = ""
+    if getattr(options, "folder", "results") == "":
+        raise ParameterError("-o '': must name a folder")
+    if not hasattr(options, "plot"):
+        return
+    options.format, asked = options.format or "csv", options.format
+    path = Path(options.folder)
+    forms = {suffix: form for form, suffix in FORMATS.items()}
+    form = forms.get(path.suffix[1:].lower())
+    if form is None:
+        return
+    if asked not in (None, form):
+        raise ParameterError(
+            f"-o {path}: is the name of a {form} file; must go with --format {asked}"
+        )
+    options.folder, options.format, options.stem = str(path.parent), form, path.stem
+
+
 def add_forms(parser: argparse.ArgumentParser) -> None:
-    """The form of the results, and of pictures beside them."""
+    """The folder and the form of the results, and of pictures beside them."""
+    add_folder(parser, ", or DIR/NAME.csv, .json, .nc or .mat for a single one")
     parser.add_argument(
-        "--format", choices=FORMATS, default="csv", help="form of the results (default: csv)"
+        "--format",
+        choices=FORMATS,
+        help="form of the results (default: csv, or that of the file's name)",
     )
     parser.add_argument(
         "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..errors import ParameterError
 from ..files import write_text
 from ..interchange.dataset import save_dataset
 from ..interchange.namelist import Groups
@@ -42,16 +44,31 @@ def run_kind(
     """
     folder = Path(options.folder)
     save = picture_writer() if options.plot else None
-    if save is None and options.format == "csv" and not options.json:
+    if save is None and options.format == "csv" and not (options.json or options.stem):
         with Progress(kind or "run") as bar:
-            log = run_cases(options, kind, groups, needed, folder, bar.show if bar.wanted else None)
+            # the core tells how far it is of atlases alone; elsewhere Ctrl-C is heard sooner without
+            show = bar.show if bar.wanted and kind == "atlas" else None
+            log = run_cases(options, kind, groups, needed, folder, show)
         tell(log)
         return log.status
     status = 0
-    for case in read_cases(options, kind, groups, needed):
+    for case in renamed(options, read_cases(options, kind, groups, needed)):
         one = finish if case.kind in LONG else shorter
         status = max(status, one(options, case, folder, save))
     return status
+
+
+def renamed(options: argparse.Namespace, cases: list[Case]) -> list[Case]:
+    """The cases; the only one with the name of the file that -o names."""
+    if not options.stem:
+        return cases
+    if len(cases) != 1:
+        raise ParameterError(
+            f"-o {options.stem}.{FORMATS[options.format]}: names a file, and there are {len(cases)} cases; must "
+            "be a folder"
+        )
+    text = re.sub(r"(?m)^(  name = ).*$", rf"\g<1>'{options.stem}'", cases[0].text)
+    return [cases[0]._replace(name=options.stem, text=text)]
 
 
 def shorter(

@@ -14,7 +14,7 @@ from ..errors import ParameterError
 from ..interchange import namelist
 from ..interchange.namelist import Groups
 from ..run import Case, RunLog, read_namelist, run_namelists
-from . import add_files, add_folder, add_forms
+from . import add_files, add_forms
 
 #: Options that give two keys each.
 SPANS = {
@@ -27,7 +27,6 @@ SPANS = {
 def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None:
     """Files, or the options that all cases have; the folder, and the forms of the results."""
     add_files(parser, "*")
-    add_folder(parser)
     parser.add_argument("--xi", type=float, metavar="XI", help="damping ratio")
     parser.add_argument("--mu", type=float, metavar="MU", help="mass ratio")
     parser.add_argument(
@@ -150,7 +149,7 @@ def _files(
     options: argparse.Namespace, kind: str | None, groups: Groups, needed: Sequence[str]
 ) -> Iterator[tuple[list[str], str]]:
     """The files to run, and the one that is made of the options."""
-    apart = ("command", "files", "folder", "plot", "format", "quiet", "json", "record")
+    apart = ("command", "files", "folder", "plot", "format", "quiet", "json", "record", "stem")
     given = [
         name for name, value in vars(options).items() if value is not None and name not in apart
     ]

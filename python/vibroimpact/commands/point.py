@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import ParameterError
 from ..files import write_text
 from ..model import Oscillator
-from . import FORMATS, add_folder, add_forms, picture_writer
+from . import FORMATS, add_forms, picture_writer
 
 
 def add_system(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +26,6 @@ def add_system(parser: argparse.ArgumentParser) -> None:
         "--restitution", type=float, nargs="+", required=True, metavar="R",
         help="coefficient of restitution of both walls, or of the right one and the left one",
     )  # fmt: skip
-    add_folder(parser)
     add_forms(parser)
 
 
@@ -61,7 +60,7 @@ def write_table(
     options: argparse.Namespace, name: str, columns: Sequence[str], rows: Iterable[Sequence[Any]], result: Any,
 ) -> None:  # fmt: skip
     """DIR/NAME.csv, numbers with all their digits; or the result in another form."""
-    path = Path(options.folder) / f"{name}.{FORMATS[options.format]}"
+    path = Path(options.folder) / f"{options.stem or name}.{FORMATS[options.format]}"
     path.parent.mkdir(parents=True, exist_ok=True)
     if options.format == "csv":
         lines = [",".join(columns), *(",".join(map(str, row)) for row in rows)]
@@ -77,6 +76,8 @@ def draw(options: argparse.Namespace, name: str, result: Any, **how: Any) -> Non
     """The picture beside it, if it is wanted."""
     if options.plot:
         save = picture_writer()
-        path = save(result.plot(**how), Path(options.folder) / f"{name}.{options.plot}")
+        path = save(
+            result.plot(**how), Path(options.folder) / f"{options.stem or name}.{options.plot}"
+        )
         options.record.files.append(str(path))
         print(f"{name}: {path}")

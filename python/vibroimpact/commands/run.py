@@ -7,7 +7,7 @@ import os
 import sys
 
 from ..run import RunLog
-from . import Record, add_files, add_folder, add_forms
+from . import Record, add_files, add_forms
 
 HELP = "run namelist files"
 DESCRIPTION = """Run namelist files: each case is written to DIR/NAME.csv, with the same digits as
@@ -20,7 +20,6 @@ EXAMPLE = "vibroimpact run inputs/table1.nml -o results"
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, folder and the forms of the results."""
     add_files(parser)
-    add_folder(parser)
     add_forms(parser)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from . import add_files, add_folder, add_forms
+from . import add_files, add_forms
 from .cases import run_kind
 
 HELP = "run the simulations of namelist files"
@@ -17,7 +17,6 @@ EXAMPLE = "vibroimpact simulate inputs/figure9.nml --plot -o results"
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, folder and the forms of the results."""
     add_files(parser)
-    add_folder(parser)
     add_forms(parser)
 
 

@@ -84,6 +84,8 @@ class Result:
         if suffix not in WRITERS:
             wanted = ", ".join(WRITERS)
             raise ParameterError(f"path = {str(path)!r}: must end with one of {wanted}")
+        if not place.parent.is_dir():
+            raise ParameterError(f"path = {str(path)!r}: must be in a folder that is there")
         WRITERS[suffix](self, place)
 
 

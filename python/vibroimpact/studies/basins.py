@@ -309,7 +309,7 @@ def _check_states(starts: _Array, clearance: float, on_plane: bool) -> None:
         j = int(np.argmax(outside))
         if on_plane:
             raise ParameterError(
-                f"plane: y from {y.min():.6g} to {y.max():.6g}: must be between the walls, "
+                f"plane: y from {y.min():.6g} to {y.max():.6g}: must be within half the clearance, "
                 f"-{half:.6g} to {half:.6g}"
             )
         raise ParameterError(
