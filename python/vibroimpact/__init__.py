@@ -7,10 +7,11 @@ from .bundle import Bundle, simulate_bundle
 from .chart import chart
 from .find import FoundMotions, Search, find
 from .flags import StabilityFlags, stability_flags
+from .interchange.result import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions, Sample
 from .newton import exact
-from .run import RunLog, run_namelists
+from .run import Case, RunLog, read_namelist, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
@@ -31,6 +32,7 @@ __all__ = [
     "BifurcationDiagram",
     "Branch",
     "Bundle",
+    "Case",
     "FoundMotions",
     "Lyapunov",
     "Motion",
@@ -59,9 +61,11 @@ __all__ = [
     "exact",
     "find",
     "linear_system",
+    "load",
     "lyapunov",
     "periodic",
     "periodic_batch",
+    "read_namelist",
     "response",
     "run_namelists",
     "simulate",

@@ -7,11 +7,13 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext, redirect_stdout
 from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import as_file, files
+from io import StringIO
 
-from .commands import NAMES, PICTURES
+from .commands import NAMES, PICTURES, Record, add_common, name_file
 from .errors import VibroimpactError
 
 EXIT_STATUS = (
@@ -40,6 +42,7 @@ def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParse
             epilog=f"example: {module.EXAMPLE}\n\n{EXIT_STATUS}",
         )  # fmt: skip
         module.arguments(each[name])
+        add_common(each[name])
     return main_parser, each
 
 
@@ -52,14 +55,39 @@ def main(arguments: Sequence[str] | None = None) -> int:
     name = words[0]
     # files and names may stand on both sides of an option
     options = each[name].parse_intermixed_args(_separated(words[1:]))
+    options.record = Record(name)
     try:
-        status: int = import_module(f".commands.{name}", __package__).run(options)
-    except (VibroimpactError, OSError) as error:
-        print(f"vibroimpact {name}: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print(f"vibroimpact {name}: interrupted; what was finished is kept", file=sys.stderr)
+        status = said_or_told(name, options)
+        sys.stdout.flush()
+    except BrokenPipeError:  # who read has gone; nothing is left to be flushed at the end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+    return status
+
+
+def said_or_told(name: str, options: argparse.Namespace) -> int:
+    """Run a command that says what it does, is quiet, or tells it in one document."""
+    heard = options.quiet or options.json
+    with redirect_stdout(StringIO()) if heard else nullcontext() as said:
+        status = outcome(name, options)
+    if options.json:
+        print(options.record.text(status, said.getvalue() if said else ""))
+    return status
+
+
+def outcome(name: str, options: argparse.Namespace) -> int:
+    """Run a command and give the exit status, whatever happens."""
+    status = 2
+    try:
+        name_file(options)
+        status = import_module(f".commands.{name}", __package__).run(options)
+    except BrokenPipeError:
+        raise
+    except (VibroimpactError, OSError) as error:
+        options.record.fault(f"vibroimpact {name}: {error}")
+    except KeyboardInterrupt:
+        status = 1
+        options.record.fault(f"vibroimpact {name}: interrupted; what was finished is kept")
     return status
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError
+from .interchange.result import Result
 from .model import Oscillator, Pattern
 
 __all__ = ["Motion", "Motions", "Sample"]
@@ -36,7 +37,7 @@ class Sample(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Motion:
+class Motion(Result):
     """A periodic motion with impacts. Lengths in F0/K, velocities in omega F0/K, angles in radians.
 
     Motions come from `periodic`, `equispaced`, `exact` and `find`; their arrays are read-only.
@@ -78,6 +79,10 @@ class Motion:
         "double", or "single" if the chain was computed in 32-bit arithmetic.
     load : float
         Load amplitude f; 1 unless `exact` was given another one.
+    kind : str
+        How it was found: "periodic" or "equispaced" (the linear equations), or "exact".
+    guess : ndarray (N,) or None
+        Of an exact motion: the phases from which it was found, if it began with the linear equations.
     rest_events : structured ndarray or None
         For a pattern with a star: all impacts, sticks and releases of a period from the first
         impact on.
@@ -109,6 +114,8 @@ class Motion:
     x_max: float
     precision: str = "double"
     load: float = 1.0
+    kind: str = "exact"
+    guess: NDArray[np.float64] | None = None
     rest_events: NDArray[Any] | None = None
 
     @property
@@ -244,24 +251,7 @@ class Motion:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain Python values, ready for JSON; complex numbers are [re, im] pairs."""
-        result: dict[str, Any] = {}
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if item.name == "rest_events":
-                if value is not None:
-                    result[item.name] = {name: value[name].tolist() for name in value.dtype.names}
-                continue
-            if isinstance(value, Oscillator):
-                value = {"xi": value.xi, "mu": value.mu, "restitution": list(value.restitution)}
-            elif isinstance(value, Pattern):
-                value = {"sides": value.sides, "cycles": value.cycles}
-            elif isinstance(value, np.ndarray):
-                if value.dtype.kind == "c":
-                    value = np.stack([value.real, value.imag], axis=-1)
-                value = value.tolist()
-            result[item.name] = value
-        result["attenuation"] = self.attenuation
-        return result
+        return {**Result.to_dict(self), "attenuation": self.attenuation if self.A > 0 else None}
 
     def verdicts(self) -> str:
         """The three verdicts in words, with the numbers behind them."""
@@ -389,7 +379,7 @@ class Motions:
                 value = value[..., index]
                 value = float(value) if value.ndim == 0 else value
             values[item.name] = value
-        return Motion(**values)
+        return Motion(**values, kind="periodic")
 
     def __repr__(self) -> str:
         good = self.status == 0

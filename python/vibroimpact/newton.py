@@ -87,13 +87,19 @@ def exact(
     r = checks.frequency_ratio(r, osc.xi)
     clearance = checks.number(clearance, "clearance")
     load = checks.number(load, "load")
-    each = None
+    each = given = None
     if isinstance(guess, Motion):
         pattern = guess.pattern
         if pattern.has_rest:
             return rest_motion(osc, r, clearance, load, pattern.cycles, guess.events)
         each = None if guess.osc.restitution != osc.restitution else guess.restitution
         scale = clearance / guess.clearance
+        if (
+            guess.kind == "periodic"
+            and (guess.osc, guess.r) == (osc, r)
+            and guess.precision == "double"
+        ):
+            given = guess.phases
         x, theta = scale * guess.X, guess.phases + guess.tau
     elif isinstance(guess, Trajectory):
         period = last_period(guess)
@@ -108,12 +114,13 @@ def exact(
     elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], Pattern):
         linear = periodic(osc, r, guess[0], guess[1])
         pattern = linear.pattern
+        given = linear.phases
         x, theta = linear.X * (clearance / linear.clearance), linear.phases + linear.tau
     else:
         raise ParameterTypeError(
             f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, Pattern)"
         )
-    return newton(osc, r, clearance, load, pattern, x, theta, each)
+    return newton(osc, r, clearance, load, pattern, x, theta, each, given)
 
 
 def lag(osc: Oscillator, r: float) -> float:
@@ -130,8 +137,12 @@ def newton(
     x: NDArray[np.float64],
     theta: NDArray[np.float64],
     restitution: NDArray[np.float64] | None = None,
+    given: NDArray[np.float64] | None = None,
 ) -> Motion:
-    """Newton's method on x_i and theta_i = alpha_i + tau of a pattern without rest."""
+    """Newton's method on x_i and theta_i = alpha_i + tau of a pattern without rest.
+
+    `given` are phases from which these are a solution of the linear equations, for the record.
+    """
     each = impact_restitution(osc, pattern, None) if restitution is None else restitution
     phases, impacts, scalars, multipliers, verdicts, status, _ = _core.exact(
         osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, each,
@@ -148,6 +159,7 @@ def newton(
         impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
         amplitude, tau, residual, multipliers,
         VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max, load=load,
+        guess=given,
     )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -28,7 +29,7 @@ from .studies.response import Response, response
 from .studies.zone import Zone, zone
 from .trajectory import Trajectory, simulate
 
-__all__ = ["RunLog", "run_namelists"]
+__all__ = ["Case", "RunLog", "read_namelist", "run_namelists"]
 
 
 #: Kinds of cases.
@@ -52,6 +53,8 @@ class Case(NamedTuple):
     keys : dict
         All other keys of its groups, with the values of those that were missing; of a branch also
         motion_kind, the kind of its &motion.
+    text : str
+        The complete case as a namelist, as the header of its result has it.
     """
 
     name: str
@@ -59,12 +62,30 @@ class Case(NamedTuple):
     osc: Oscillator
     r: Any
     keys: dict[str, Any]
+    text: str
 
     @property
     def motion_kind(self) -> str:
         """The kind of the motion, also of that which a branch starts from."""
         kind: str = self.keys.get("motion_kind", self.kind)
         return kind
+
+    def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
+        """What the case asks for: its motions, branches, or one trajectory, zone, atlas or chart.
+
+        `progress` is as of `atlas`, and for zones and atlases.
+        """
+        if self.kind in ("atlas", "zone"):
+            return [getattr(self, self.kind)(progress)]
+        if self.kind in ("periodic", "equispaced", "exact"):
+            return list(self.motions())
+        if self.kind == "branch":
+            return list(self.branches())
+        return [getattr(self, {"simulate": "trajectory"}.get(self.kind, self.kind))()]
+
+    def to_namelist(self) -> str:
+        """The case as a namelist, with what was missing filled in."""
+        return self.text
 
     def motions(self) -> list[Motion]:
         """The motions that a &motion asks for, none if there is no such motion."""
@@ -105,7 +126,7 @@ class Case(NamedTuple):
     def chart(self) -> Any:
         """The dataset of a chart that a &chart case asks for."""
         keys = self.keys
-        axis = np.linspace if keys["spacing"] == "linear" else np.geomspace
+        axis = np.linspace if keys["spacing"] == "linear" else geometric
         return chart(
             self.osc, Pattern(keys["sides"], keys["cycles"]),
             np.linspace(keys["r_min"], keys["r_max"], keys["r_points"]),
@@ -202,6 +223,12 @@ class Case(NamedTuple):
         )  # fmt: skip
 
 
+def geometric(low: float, high: float, n: int) -> list[float]:
+    """Numbers with equal ratios, by the core's arithmetic to the last bit (numpy's exp is another one)."""
+    inner = np.linspace(math.log(low), math.log(high), n)[1:-1].tolist()
+    return [low, *map(math.exp, inner), high]
+
+
 class RunLog(NamedTuple):
     """What was said while namelist files ran.
 
@@ -284,7 +311,34 @@ def run_namelists(
 
 
 def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
-    """The cases of a namelist file, read by the compiled reader, which also fills in what is missing."""
+    """The cases of a namelist file, read by the compiled reader, which also fills in what is missing.
+
+    Parameters
+    ----------
+    path : path
+        A file with the groups &system, &motion, … (see inputs/README.md), or an earlier result.
+
+    Returns
+    -------
+    list of Case
+        Each with `run`, which gives the motions, branches, trajectory, zone, atlas or chart with the
+        digits that `run_namelists` writes.
+
+    Raises
+    ------
+    ParameterError
+        If the file is wrong: file, line, key, value and what is allowed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "pair.nml"
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> _ = path.write_text(vi.equispaced(osc, r=0.94, clearance=37.0)[0].to_namelist())
+    >>> (case,) = vi.read_namelist(path)
+    >>> case.run()
+    [<Motion RL/1 at r = 0.94, ...unstable...>, <Motion RL/1 at r = 0.94, ...unstable...>]
+    """
     name = _path(path)
     room = 65_536 + 40 * (Path(path).stat().st_size if os.path.isfile(path) else 0)
     text, length, status = _core.read_namelist(_characters(name), room)
@@ -298,21 +352,23 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     for line in said.split("\n"):
         group, (key, equals, value) = line[2:3] == "&", line[2:].strip().partition(" = ")
         if group and key == "&system":
-            cases.append({})
+            cases.append({"text": ""})
         elif group and key == "&branch":
             cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
         elif group and key != "&output":
             cases[-1].setdefault("kind", key[1:])
         elif equals and not key.startswith("!"):
             cases[-1][key] = _value(value)
+        if cases and not line.startswith("# !"):
+            cases[-1]["text"] += line[2:] + "\n"
     return [_case(keys) for keys in cases]
 
 
 def _case(keys: dict[str, Any]) -> Case:
-    name, kind, xi, mu, walls, r = (
-        keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r")
+    name, kind, xi, mu, walls, r, text = (
+        keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r", "text")
     )
-    return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys)
+    return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys, text.strip("\n") + "\n")
 
 
 def _value(text: str) -> Any:

@@ -98,7 +98,7 @@ def periodic(
         acceptance, single, True,
     )  # fmt: skip
     raise_status(int(results[4][0]))
-    return _motion(osc, r, pattern, each, table, results, 0, precision)
+    return _motion(osc, r, pattern, each, table, results, 0, precision, "periodic")
 
 
 def periodic_batch(
@@ -226,7 +226,7 @@ def equispaced(
         if code == NO_MOTION:
             continue
         raise_status(code)
-        motions.append(_motion(osc, r, pattern, each, phases, results, j, precision))
+        motions.append(_motion(osc, r, pattern, each, phases, results, j, precision, "equispaced"))
     return motions
 
 
@@ -301,6 +301,7 @@ def _motion(
     results: Any,
     j: int,
     precision: str,
+    kind: str,
 ) -> Motion:
     """One column of the core's results as a Motion."""
     impacts, scalars, multipliers, verdicts, _ = results
@@ -312,5 +313,5 @@ def _motion(
         osc, r, clearance, pattern, restitution, frozen(phases),
         impacts[:, 0, j], impacts[:, 1, j], impacts[:, 2, j], impacts[:, 3, j], impacts[:, 4, j],
         impacts[:, 5, j], amplitude, tau, residual, multipliers[:, j], VERDICT[consistent],
-        VERDICT[admissible], VERDICT[stable], x_min, x_max, precision,
+        VERDICT[admissible], VERDICT[stable], x_min, x_max, precision, kind=kind,
     )  # fmt: skip

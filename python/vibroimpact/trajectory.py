@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError, ParameterTypeError, SingularError
+from .interchange.result import Result
 from .model import Oscillator
 from .motion import Sample
 
@@ -43,7 +44,7 @@ EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Trajectory:
+class Trajectory(Result):
     """A simulated trajectory. Lengths in F0/K (or any unit, if `load` is not 1), time in 1/omega.
 
     Attributes
@@ -57,6 +58,8 @@ class Trajectory:
         ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
     initial_state, final_state : dict
         States at both ends; a final state continues bit for bit when given to `simulate`.
+    request : dict or None
+        What was asked for, by the keys of a &simulate; None if a namelist cannot tell (see `to_namelist`).
     complete : bool
         False if there are more than `max_events` events before the end of time.
     """
@@ -69,6 +72,7 @@ class Trajectory:
     initial_state: State
     final_state: State
     complete: bool
+    request: dict[str, Any] | None = None
 
     def sample(self, t: ArrayLike) -> Sample:
         """Positions, velocities and load at times within the trajectory, from the closed form.
@@ -257,7 +261,15 @@ def simulate(
     first = _state(system, now, begun)
     events, now, begun, complete = _run(system, now, begun, cycles, max_events, keep=True)
     events.flags.writeable = False
-    return Trajectory(osc, r, clearance, load, events, first, _state(system, now, begun), complete)
+    request = None
+    if state is None or not any(name in state for name in (*EXTRA, "since")):
+        start = (
+            dict.fromkeys(NEEDED, 0.0) if state is None else {n: float(state[n]) for n in NEEDED}
+        )
+        request = {"clearance": clearance, "cycles": cycles, "discard": discard, "load": load, **start,
+                   "max_events": max_events}  # fmt: skip
+    last = _state(system, now, begun)
+    return Trajectory(osc, r, clearance, load, events, first, last, complete, request)
 
 
 #: A moment of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).

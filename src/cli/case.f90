@@ -20,7 +20,7 @@ module vi_case
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
    use vi_raw, only: blank, is_blank, raw_type
-   use vi_text, only: lower, whole
+   use vi_text, only: brief, lower, whole
    implicit none (type, external)
    private
 
@@ -46,7 +46,7 @@ contains
 
       call scan_namelist(path, groups, line, message)
       if (len(message) > 0) then
-         message = place(path, line)//message
+         message = place(path, line)//brief(message)
          allocate (cases(0))
          return
       end if
@@ -82,7 +82,7 @@ contains
          end select
          if (len(message) > 0) exit
       end do
-      if (len(message) > 0) message = place(path, line)//message
+      if (len(message) > 0) message = place(path, line)//brief(message)
    end subroutine read_cases
 
    !> One case from its group, and the &output group that may follow it.

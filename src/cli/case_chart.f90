@@ -8,7 +8,7 @@ module vi_case_chart
    use vi_namelist, only: group_type
    use vi_pattern, only: new_pattern
    use vi_raw, only: raw_type
-   use vi_text, only: lower, whole
+   use vi_text, only: lower, shown, whole
    use vi_window, only: most_numbers, most_points
    implicit none (type, external)
    private
@@ -52,11 +52,12 @@ contains
          if (.not. (w%r_min >= 1.0e-6_wp .and. w%r_min <= 1.0e6_wp)) then
             call complain(group, 'r_min', line, message)
          else if (.not. (w%r_max > w%r_min .and. w%r_max <= 1.0e6_wp)) then
-            call complain(group, 'r_max', line, message)
+            call complain(group, 'r_max', line, message, 'r_min is '//shown(w%r_min, 'g0.10'))
          else if (.not. (w%clearance_min >= 1.0e-12_wp .and. w%clearance_min <= 1.0e12_wp)) then
             call complain(group, 'clearance_min', line, message)
          else if (.not. (w%clearance_max > w%clearance_min .and. w%clearance_max <= 1.0e12_wp)) then
-            call complain(group, 'clearance_max', line, message)
+            call complain(group, 'clearance_max', line, message, &
+               'clearance_min is '//shown(w%clearance_min, 'g0.10'))
          else if (w%r_points < 2 .or. w%r_points > most_points) then
             call complain(group, 'r_points', line, message)
          else if (w%clearance_points < 2 .or. &

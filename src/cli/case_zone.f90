@@ -8,8 +8,8 @@ module vi_case_zone
    use vi_orbit, only: most_impacts
    use vi_pattern, only: starred_pattern
    use vi_raw, only: raw_type
-   use vi_text, only: lower
    use vi_sheet, only: zone_request_type
+   use vi_text, only: lower, shown
    implicit none (type, external)
    private
 
@@ -60,14 +60,15 @@ contains
          if (.not. (r(1) >= 1.0e-6_wp .and. r(1) <= 1.0e6_wp)) then
             call complain(group, 'r_min', line, message)
          else if (.not. (r(2) > r(1) .and. r(2) <= 1.0e6_wp)) then
-            call complain(group, 'r_max', line, message)
+            call complain(group, 'r_max', line, message, 'r_min is '//shown(r(1), 'g0.10'))
          else if (case%osc%xi <= 0 .and. r(1) <= 1 .and. r(2) >= 1) then
             call complain(group, 'r_min', line, message, &
                'r = 1 must not be in the window when xi = 0 (resonance without damping)')
          else if (.not. (d(1) >= 1.0e-12_wp .and. d(1) <= 1.0e12_wp)) then
             call complain(group, 'clearance_min', line, message)
          else if (.not. (d(2) > d(1) .and. d(2) <= 1.0e12_wp)) then
-            call complain(group, 'clearance_max', line, message)
+            call complain(group, 'clearance_max', line, message, &
+               'clearance_min is '//shown(d(1), 'g0.10'))
          else if (zone%lines < 5 .or. zone%lines > 129) then
             call complain(group, 'lines', line, message)
          else if (zone%guesses < 0 .or. zone%guesses > 100000) then

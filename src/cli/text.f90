@@ -5,8 +5,8 @@ module vi_text
    implicit none (type, external)
    private
 
-   public :: append, columns, counted, detab, exact, is_result, join, last_part, lengthen, lower, &
-      printable, read_lines, shown, split, whole
+   public :: append, brief, columns, counted, detab, exact, is_result, join, last_part, lengthen, &
+      lower, printable, read_lines, shown, split, whole
 
    !> A line of text.
    type, public :: line_type
@@ -67,6 +67,16 @@ contains
          if (iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) clean(i:i) = '?'
       end do
    end function printable
+
+   !> A message without the middle of a value of thousands of letters, which would fill screens.
+   pure function brief(text) result(short)
+      character(*), intent(in) :: text
+      character(:), allocatable :: short
+      integer, parameter :: kept = 300
+
+      short = text
+      if (len(text) > 2*kept + 5) short = text(:kept)//' ... '//text(len(text) - kept + 1:)
+   end function brief
 
    !> The text in lower case (ASCII).
    pure function lower(text) result(lowered)

@@ -543,22 +543,22 @@ def test_equispaced_pair_by_options(tool):
 
 
 @pytest.mark.parametrize(("words", "said"), [
-    (["zone", *WINDOW[:-2], "200", "2"], "&zone clearance_max = 2.0: must be a number with 1e-12"),
-    (["zone", *WINDOW, "--lines", "4"], "&zone lines = 4: must be a whole number with 5 <= lines <= 129"),
+    (["zone", *WINDOW[:-2], "200", "2"], "vibroimpact zone: --clearance 200 2: must be LOW HIGH with"),
+    (["zone", *WINDOW, "--lines", "4"], "vibroimpact zone: --lines 4: must be a whole number with 5 <= lines"),
     (["zone", *WINDOW[2:]], "vibroimpact zone: --xi: must be given, or a namelist file"),
     (["zone", "case.nml", "--xi", "0.1"], "vibroimpact zone: --xi: must be left out beside a namelist file"),
     (["zone", "case.nml"], "case.nml: must hold a group &zone; there is none"),
     *[(["atlas", *ATLAS_OPTIONS, "--max-impacts", "9", "--format", form], said)
-      for form, said in (("csv", "&atlas max_impacts = 9: must be a whole number with 2 <= max_impacts <= 8"),
-                         ("json", "vibroimpact atlas: &atlas max_impacts = 9: must be a whole number"))],
+      for form, said in ((form, "vibroimpact atlas: --max-impacts 9: must be a whole number with 2 <=")
+                         for form in ("csv", "json"))],
     (["atlas", *ATLAS_OPTIONS[2:]], "vibroimpact atlas: --xi: must be given, or a namelist file"),
     (["atlas", "case.nml"], "case.nml: must hold a group &atlas; there is none"),
     (["atlas", "case.nml", "--format", "json"],
      "vibroimpact atlas: case.nml: must hold a group &atlas; there is none"),
-    (["branch", *ALONG_OPTIONS[:-1], "nan"], "&branch high = nan: must be a number above low"),
+    (["branch", *ALONG_OPTIONS[:-1], "nan"], "vibroimpact branch: --bounds nan: must be a number above low"),
     (["branch", *ALONG_OPTIONS[:-3]], "vibroimpact branch: --bounds: must be given"),
     (["branch", *POINT, "--sides", "R'L", "--parameter", "r", "--bounds", ".9", "1"],
-     "&motion sides = 'R''L': must be left out"),
+     "vibroimpact branch: --sides 'R''L': must be left out"),
 ])  # fmt: skip
 def test_bad_options(words, said, tool):
     """One line that says what is wrong, status 2, nothing written."""

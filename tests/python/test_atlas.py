@@ -69,7 +69,9 @@ def test_file_gives_back_the_same_atlas(atlas, tmp_path):
 def test_file_of_another_kind_is_refused(tmp_path):
     path = tmp_path / "other.json"
     path.write_text("[1, 2]")
-    with pytest.raises(vi.errors.ParameterError, match=r"Atlas\.save"):
+    with pytest.raises(
+        vi.errors.ParameterError, match="must be a file that the save of a result wrote"
+    ):
         vi.Atlas.load(path)
 
 

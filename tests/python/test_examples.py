@@ -36,8 +36,9 @@ def test_public_functions_have_examples():
             assert ">>>" in thing.__doc__, name
 
 
-def test_readme_python_blocks():
-    """The Python of README.md prints the text that follows it."""
+def test_readme_python_blocks(tmp_path, monkeypatch):
+    """The Python of README.md prints the text that follows it, in any folder."""
+    monkeypatch.chdir(tmp_path)
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, re.DOTALL)
     assert len(blocks) == text.count("```python")

@@ -44,7 +44,9 @@ def run(options: argparse.Namespace) -> int:
     names = [*(item.name for item in result.attractors), ""]
     states = result.states.reshape(5, -1).T.tolist()
     rows = ([*state, label, names[label]] for state, label in zip(states, labels, strict=True))
-    write_table(options, "basins", ["t", "x", "x_dot", "z", "z_dot", "label", "attractor"], rows)
+    write_table(
+        options, "basins", ["t", "x", "x_dot", "z", "z_dot", "label", "attractor"], rows, result
+    )
     shares = zip(result.attractors, result.fractions, result.standard_error, strict=True)
     for item, share, error in shares:
         print(f"{share:8.2%} +- {error:.2%}  {item.name} ({item.kind})")

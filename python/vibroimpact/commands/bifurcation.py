@@ -61,7 +61,9 @@ def run(options: argparse.Namespace) -> int:
          *(p[name].item() for name in COLUMNS)]
         for p in points
     )  # fmt: skip
-    write_table(options, "bifurcation", ["run", options.parameter, "label", "side", *COLUMNS], rows)
+    write_table(
+        options, "bifurcation", ["run", options.parameter, "label", "side", *COLUMNS], rows, result
+    )
     for window in result.windows:
         print(f"{window.run}: {window.label} from {window.low:.6g} to {window.high:.6g}")
     draw(options, "bifurcation", result, quantity=options.quantity)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from ..studies.branch import CHOICES
-from . import picture_writer
-from .options import add_case, run_cases
-from .run import tell
+from .cases import run_kind
+from .options import add_case, pair
 
 HELP = "follow motions along a parameter"
 DESCRIPTION = """Follow exact motions along a parameter, through folds, for the &branch cases of namelist
@@ -48,8 +46,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Follow the branches, write and draw them."""
-    save = picture_writer() if options.plot else None
-    low, high = options.bounds or (None, None)
+    low, high = pair(options, "bounds")
     guessed = options.phases_over_pi is not None
     groups = {
         "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution", "r")},
@@ -64,15 +61,4 @@ def run(options: argparse.Namespace) -> int:
         },
     }  # fmt: skip
     needed = ("xi", "mu", "restitution", "r", "clearance", "parameter", "bounds")
-    log, cases = run_cases(options, "branch", groups, needed, options.folder)
-    tell(log)
-    for case in cases:
-        if save is None:
-            break
-        branches = case.branches()
-        for i, found in enumerate(branches, start=1):
-            name = case.name if len(branches) == 1 else f"{case.name}_{i}"
-            print(
-                f"{case.name}: {save(found.plot(), Path(options.folder) / f'{name}.{options.plot}')}"
-            )
-    return log.status
+    return run_kind(options, "branch", groups, needed)

@@ -56,6 +56,9 @@ def run(options: argparse.Namespace) -> int:
             + (f", load = {load:g}" if load != 1 else "")
         )
         print(table(found))
+        options.record.add(f"r = {r!r}, clearance = {clearance!r}", {
+            "motions": [motion.to_dict() for motion in found], "searched": str(found.search),
+        })  # fmt: skip
         print(textwrap.fill(f"searched: {found.search}", 100))
         status = status if found else 1
     return status

@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         result.dimension.tolist(), result.identity_error.tolist(), result.impacts.tolist(),
         result.rests.tolist(), strict=True,
     )  # fmt: skip
-    write_table(options, "lyapunov", names, rows)
+    write_table(options, "lyapunov", names, rows, result)
     for i in range(result.r.size):
         shown = "  ".join(f"{value:10.6f}" for value in each[:, i])
         print(f"r = {result.r[i]:.6g}  d K/F0 = {result.clearance[i]:.6g}:  {shown}")

@@ -5,23 +5,28 @@ from __future__ import annotations
 import argparse
 import re
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ..errors import ParameterError
+from ..interchange import namelist
+from ..interchange.namelist import Groups
 from ..run import Case, RunLog, read_namelist, run_namelists
-from . import PICTURES, add_files, add_folder
+from . import add_files, add_forms
 
-#: Namelist groups with their keys; those with the value None are left out.
-Groups = Mapping[str, Mapping[str, Any]]
+#: Options that give two keys each.
+SPANS = {
+    "r_min": "r", "r_max": "r", "clearance_min": "clearance", "clearance_max": "clearance",
+    "low": "bounds", "high": "bounds",
+    "r_points": "r", "clearance_points": "clearance",
+}  # fmt: skip
 
 
 def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None:
-    """Files, or the options that all cases have; the folder, and --plot."""
+    """Files, or the options that all cases have; the folder, and the forms of the results."""
     add_files(parser, "*")
-    add_folder(parser)
     parser.add_argument("--xi", type=float, metavar="XI", help="damping ratio")
     parser.add_argument("--mu", type=float, metavar="MU", help="mass ratio")
     parser.add_argument(
@@ -35,14 +40,11 @@ def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None
         parser.add_argument(
             "--cycles", type=int, metavar="K", help="load cycles a period (default: 1)"
         )
-    parser.add_argument(
-        "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
-        help=f"draw it, as {', '.join(PICTURES)} (default: {PICTURES[0]})",
-    )  # fmt: skip
+    add_forms(parser)
 
 
 def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
-    """The window of a zone or an atlas, how it is searched, and the form of the results."""
+    """The window of a zone or an atlas, and how it is searched."""
     for name, wanted in (("r", "frequency ratios"), ("clearance", "d K/F0")):
         parser.add_argument(
             f"--{name}", type=float, nargs=2, metavar=("LOW", "HIGH"), help=f"the window: {wanted}"
@@ -56,17 +58,11 @@ def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
         ("max-points", "most vertices of a loop (default: 20000)"),
     ):
         parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)
-    parser.add_argument(
-        "--format",
-        choices=("csv", "json"),
-        default="csv",
-        help="form of the results (default: csv)",
-    )
 
 
 def window_groups(options: argparse.Namespace, group: str, own: Sequence[str]) -> Groups:
     """The namelist of a zone or an atlas with some keys of its own."""
-    r, clearance = options.r or (None, None), options.clearance or (None, None)
+    r, clearance = pair(options, "r"), pair(options, "clearance")
     return {
         "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution")},
         group: {
@@ -78,13 +74,13 @@ def window_groups(options: argparse.Namespace, group: str, own: Sequence[str]) -
 
 def run_cases(
     options: argparse.Namespace,
-    kind: str,
+    kind: str | None,
     groups: Groups,
     needed: Sequence[str],
     folder: str | Path,
     progress: Callable[[float], None] | None = None,
-) -> tuple[RunLog, list[Case]]:
-    """Run the cases of one kind of the files, or the one that the options name.
+) -> RunLog:
+    """Run the cases of one kind of the files (or of all), or the one that the options name.
 
     Parameters
     ----------
@@ -104,24 +100,23 @@ def run_cases(
     Returns
     -------
     RunLog
-    list of Case
-        Those of which a result was written.
     """
     with _files(options, kind, groups, needed) as (files, made):
         log = run_namelists(files, folder, only=kind, progress=progress)
-    log = log._replace(lines=[(fault, _anonymous(line, made)) for fault, line in log.lines])
-    return log, [case for path in log.results for case in read_namelist(path)]
+    if made and log.status == 2 and not log.results:
+        raise ParameterError("\n".join(_anonymous(line, made) for _, line in log.lines))
+    return log
 
 
 def read_cases(
-    options: argparse.Namespace, kind: str, groups: Groups, needed: Sequence[str]
+    options: argparse.Namespace, kind: str | None, groups: Groups, needed: Sequence[str]
 ) -> list[Case]:
-    """The cases of one kind of the files, or the one that the options name, without running them."""
+    """The cases of one kind of the files (or all), or the one that the options name, without running them."""
     cases: dict[str, Case] = {}
     with _files(options, kind, groups, needed) as (files, made):
         for file in files:
             try:
-                found = [case for case in read_namelist(file) if case.kind == kind]
+                found = [case for case in read_namelist(file) if kind in (None, case.kind)]
             except ParameterError as error:
                 raise ParameterError(_anonymous(str(error), made)) from None
             if not found:
@@ -137,16 +132,24 @@ def read_cases(
 
 
 def _anonymous(line: str, made: str) -> str:
-    """A message without the file that the options were written to, which nobody knows."""
-    return re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line) if made else line
+    """A message in terms of options, without the namelist that they were written to, which nobody knows."""
+    if not made:
+        return line
+    line = re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)
+    return re.sub(r"^&\w+ (\w+)\S*( = (.*?))?(?=: )", lambda m: _option(m[1], m[3]), line)
+
+
+def _option(key: str, value: str | None) -> str:
+    """An option as it may have been typed, for the key of a namelist."""
+    return f"--{_word(SPANS.get(key, key))}" + ("" if value is None else f" {value}")
 
 
 @contextmanager
 def _files(
-    options: argparse.Namespace, kind: str, groups: Groups, needed: Sequence[str]
+    options: argparse.Namespace, kind: str | None, groups: Groups, needed: Sequence[str]
 ) -> Iterator[tuple[list[str], str]]:
     """The files to run, and the one that is made of the options."""
-    apart = ("command", "files", "folder", "plot", "format")
+    apart = ("command", "files", "folder", "plot", "format", "quiet", "json", "record", "stem")
     given = [
         name for name, value in vars(options).items() if value is not None and name not in apart
     ]
@@ -162,27 +165,36 @@ def _files(
             )
     with tempfile.TemporaryDirectory() as place:
         made = Path(place) / f"{kind}.nml"
-        made.write_text(_namelist(groups), encoding="utf-8")
+        made.write_text(namelist.text(groups), encoding="utf-8")
         yield [str(made)], str(made)
+
+
+def pair(options: argparse.Namespace, name: str) -> tuple[float | None, float | None]:
+    """The lower and the upper end that an option gives, in this order; without it two times None."""
+    ends = getattr(options, name)
+    if ends is None:
+        return None, None
+    low, high = ends
+    if low >= high:
+        raise ParameterError(f"--{name} {low:g} {high:g}: must be LOW HIGH with LOW below HIGH")
+    return low, high
+
+
+def grid(options: argparse.Namespace, name: str) -> dict[str, Any]:
+    """The keys of one axis of a grid, from LOW HIGH N."""
+    words = getattr(options, name)
+    if words is None:
+        return {}
+    try:
+        low, high, n = float(words[0]), float(words[1]), int(words[2])
+        if low >= high or n < 2:
+            raise ValueError
+    except ValueError:
+        raise ParameterError(
+            f"--{name} {' '.join(words)}: must be LOW HIGH N with LOW below HIGH, N at least 2"
+        ) from None
+    return {f"{name}_min": low, f"{name}_max": high, f"{name}_points": n}
 
 
 def _word(name: str) -> str:
     return name.replace("_", "-")
-
-
-def _namelist(groups: Groups) -> str:
-    """Groups as a namelist."""
-    lines = []
-    for group, keys in groups.items():
-        lines += [
-            f"&{group}",
-            *(f"{key} = {_value(x)}" for key, x in keys.items() if x is not None),
-            "/",
-        ]
-    return "\n".join(lines) + "\n"
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, str):
-        return "'" + value.replace("'", "''").replace("\n", " ") + "'"
-    return ", ".join(map(repr, value)) if isinstance(value, list) else repr(value)

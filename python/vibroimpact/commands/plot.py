@@ -66,6 +66,7 @@ def run(options: argparse.Namespace) -> int:
                 continue
             drawn.add(path)
             print(f"{case.name}: {save(draw(), path)}")
+            options.record.files.append(str(path))
     return status
 
 

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from ..errors import ParameterError
 from ..files import write_text
 from ..model import Oscillator
-from . import PICTURES, add_folder, picture_writer
+from . import FORMATS, add_forms, picture_writer
 
 
 def add_system(parser: argparse.ArgumentParser) -> None:
-    """The oscillator, the folder of the results, and --plot."""
+    """The oscillator, the folder and the forms of the results."""
     for name, wanted in (("xi", "damping ratio"), ("mu", "mass ratio")):
         parser.add_argument(
             f"--{name}", type=float, required=True, metavar=name.upper(), help=wanted
@@ -26,11 +26,7 @@ def add_system(parser: argparse.ArgumentParser) -> None:
         "--restitution", type=float, nargs="+", required=True, metavar="R",
         help="coefficient of restitution of both walls, or of the right one and the left one",
     )  # fmt: skip
-    add_folder(parser)
-    parser.add_argument(
-        "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
-        help=f"draw it, as {', '.join(PICTURES)} (default: {PICTURES[0]})",
-    )  # fmt: skip
+    add_forms(parser)
 
 
 def add_range(
@@ -61,20 +57,27 @@ def oscillator(options: argparse.Namespace) -> Oscillator:
 
 
 def write_table(
-    options: argparse.Namespace, name: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]
-) -> None:
-    """DIR/NAME.csv, numbers with all their digits."""
-    folder = Path(options.folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    lines = [",".join(columns), *(",".join(map(str, row)) for row in rows)]
-    write_text(folder / f"{name}.csv", "\n".join(lines) + "\n")
-    print(f"{name}: {folder / f'{name}.csv'}")
+    options: argparse.Namespace, name: str, columns: Sequence[str], rows: Iterable[Sequence[Any]], result: Any,
+) -> None:  # fmt: skip
+    """DIR/NAME.csv, numbers with all their digits; or the result in another form."""
+    path = Path(options.folder) / f"{options.stem or name}.{FORMATS[options.format]}"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if options.format == "csv":
+        lines = [",".join(columns), *(",".join(map(str, row)) for row in rows)]
+        write_text(path, "\n".join(lines) + "\n")
+    else:
+        result.save(path)
+    options.record.add(name, result)
+    options.record.files.append(str(path))
+    print(f"{name}: {path}")
 
 
 def draw(options: argparse.Namespace, name: str, result: Any, **how: Any) -> None:
     """The picture beside it, if it is wanted."""
     if options.plot:
         save = picture_writer()
-        print(
-            f"{name}: {save(result.plot(**how), Path(options.folder) / f'{name}.{options.plot}')}"
+        path = save(
+            result.plot(**how), Path(options.folder) / f"{options.stem or name}.{options.plot}"
         )
+        options.record.files.append(str(path))
+        print(f"{name}: {path}")

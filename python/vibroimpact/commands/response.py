@@ -40,7 +40,11 @@ def run(options: argparse.Namespace) -> int:
         item.tolist() for item in (result.r, result.clearance, result.lowest, result.highest)
     ]
     write_table(
-        options, "response", ["r", "clearance", "lowest", "highest"], zip(*columns, strict=True)
+        options,
+        "response",
+        ["r", "clearance", "lowest", "highest"],
+        zip(*columns, strict=True),
+        result,
     )
     print(result)
     draw(options, "response", result)

@@ -6,33 +6,35 @@ import argparse
 import os
 import sys
 
-from ..progress import Progress
-from ..run import RunLog, run_namelists
-from . import add_files, add_folder
+from ..run import RunLog
+from . import Record, add_files, add_forms
 
 HELP = "run namelist files"
 DESCRIPTION = """Run namelist files: each case is written to DIR/NAME.csv, with the same digits as
-the stand-alone program vibroimpact-batch gives."""
+the stand-alone program vibroimpact-batch gives; or to another form (NAME_1, NAME_2 if a case has several
+motions or branches), which holds every bit and is read by vibroimpact.load. With --plot a picture stands
+beside each."""
 EXAMPLE = "vibroimpact run inputs/table1.nml -o results"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Files and folder."""
+    """Files, folder and the forms of the results."""
     add_files(parser)
-    add_folder(parser)
+    add_forms(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run all cases of all files."""
-    with Progress("run") as bar:
-        log = run_namelists(options.files, options.folder, progress=bar.show if bar.wanted else None)
-    tell(log)
-    return log.status
+    from .cases import run_kind
+
+    return run_kind(options, None, {}, ())
 
 
-def tell(log: RunLog) -> None:
+def tell(log: RunLog, record: Record | None = None) -> None:
     """Print what was said while namelist files ran, faults to standard error."""
     for fault, line in log.lines:
+        if fault and record is not None:
+            record.faults.append(line)
         stream = sys.stderr if fault else sys.stdout
         # a path need not be text: its bytes are printed as they are
         buffer = getattr(stream, "buffer", None)

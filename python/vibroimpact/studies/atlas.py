@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -15,11 +13,13 @@ from numpy.typing import NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
-from ..files import write_text
 from ..find import side_patterns
+from ..interchange import namelist
+from ..interchange.result import Result, load
 from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from .conditions import can_be_symmetric
+from .settling import thread_count
 from .zone import ROOM, Window, Zone, assemble, span
 
 __all__ = ["Atlas", "Attractor", "atlas"]
@@ -38,7 +38,7 @@ class Attractor(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Atlas:
+class Atlas(Result):
     """All zones found in a window.
 
     Attributes
@@ -54,6 +54,8 @@ class Atlas:
         What the survey by simulation settled on, within the limits of impacts and cycles.
     unexplained : list of Attractor
         Those that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
+    case : str
+        What was asked for as a namelist (see `to_namelist`).
     """
 
     osc: Oscillator
@@ -62,6 +64,7 @@ class Atlas:
     zones: list[Zone]
     attractors: list[Attractor]
     unexplained: list[Attractor]
+    case: str = ""
 
     def at(self, r: float, clearance: float) -> list[Zone]:
         """The zones that contain a point: the stable motions there."""
@@ -75,40 +78,15 @@ class Atlas:
             for zone in self.at(attractor.r, attractor.clearance)
         )
 
-    def save(self, path: str | Path) -> None:
-        """Write the atlas as JSON: rings with typed pieces, in the manner of GeoJSON."""
-        data = {
-            "type": "Atlas",
-            "osc": {
-                "xi": self.osc.xi,
-                "mu": self.osc.mu,
-                "restitution": list(self.osc.restitution),
-            },
-            "window": {"r": list(self.r), "clearance": list(self.clearance)},
-            "zones": [zone.to_dict() for zone in self.zones],
-            "attractors": [plain(item) for item in self.attractors],
-            "unexplained": [plain(item) for item in self.unexplained],
-        }
-        write_text(Path(path), json.dumps(data))
-
     @classmethod
     def load(cls, path: str | Path) -> Atlas:
-        """Read what `save` wrote."""
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
-        if not isinstance(data, dict) or data.get("type") != "Atlas":
-            raise ParameterError(f"path = {str(path)!r}: must be a file that Atlas.save wrote")
-        osc = Oscillator(
-            xi=data["osc"]["xi"],
-            mu=data["osc"]["mu"],
-            restitution=tuple(data["osc"]["restitution"]),
-        )
-        lists = (
-            [Attractor(item[0], item[1], Pattern(*item[2])) for item in data[name]]
-            for name in ("attractors", "unexplained")
-        )
-        zones = [Zone.from_dict(item) for item in data["zones"]]
-        window = data["window"]
-        return cls(osc, tuple(window["r"]), tuple(window["clearance"]), zones, *lists)
+        """Read an atlas that `save` wrote; see `vibroimpact.load`."""
+        atlas = load(path)
+        if not isinstance(atlas, cls):
+            raise ParameterError(
+                f"path = {str(path)!r}: must be a file that Atlas.save wrote, not a {type(atlas).__name__}"
+            )
+        return atlas
 
     def plot(self, ax: Any = None, inverse: bool = False) -> Any:
         """Draw all zones, each with its name; returns the Axes."""
@@ -121,11 +99,6 @@ class Atlas:
         return (
             f"<Atlas of {len(self.zones)} zones, {len(self.attractors)} attractors surveyed{gaps}>"
         )
-
-
-def plain(attractor: Attractor) -> list[Any]:
-    """An attractor for JSON."""
-    return [attractor.r, attractor.clearance, [attractor.pattern.sides, attractor.pattern.cycles]]
 
 
 def turns(pattern: Pattern) -> list[str]:
@@ -211,7 +184,11 @@ def atlas(
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
     max_points = checks.integer(max_points, "max_points", 100, ROOM)
-    workers = checks.integer(threads or os.cpu_count() or 1, "threads", 1, 1024)
+    workers = thread_count(threads)
+    asked = namelist.case(osc, atlas={
+        **namelist.window(*window), "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey,
+        "settling": settling, "lines": lines, "guesses": guesses, "max_points": max_points,
+    })  # fmt: skip
     tell = progress or (lambda share, what: None)
     tell(0.0, "survey by simulation")
     attractors, guesses_of = surveyed(
@@ -263,6 +240,7 @@ def atlas(
             found,
             attractors,
             [item for item in attractors if not draft.explains(item)],
+            asked,
         )
 
     first = result()

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError
+from ..interchange.result import Result
 from ..model import Oscillator
 from .catalogue import BasinAttractor, find_attractors
 from .lattice import distance_to_other
@@ -39,7 +40,7 @@ class Axis(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Basins:
+class Basins(Result):
     """To which attractor each of many initial states goes.
 
     Attributes
@@ -242,7 +243,7 @@ def basins(
         starts = _random_states(number, scale(osc, r, clearance, load), clearance, seed)
     else:
         starts = checks.real_array(states, "states", "a number or an array (5, M)")  # type: ignore[arg-type]
-    _check_states(starts, clearance)
+    _check_states(starts, clearance, on_plane=axes is not None)
     attractors, labels, impacts = find_attractors(
         osc, r, clearance, load, starts, cycles, probes, max_cycles, workers
     )
@@ -293,7 +294,7 @@ def _random_states(n: int, size: float, clearance: float, seed: int) -> _Array:
     return np.array([np.zeros(n), x, size * u[1], x + 0.5 * clearance * u[2], size * u[3]])
 
 
-def _check_states(starts: _Array, clearance: float) -> None:
+def _check_states(starts: _Array, clearance: float, on_plane: bool) -> None:
     """States must be finite and between the walls."""
     if starts.ndim != 2 or starts.shape[0] != 5 or starts.shape[1] == 0:
         raise ParameterError(
@@ -301,9 +302,15 @@ def _check_states(starts: _Array, clearance: float) -> None:
         )
     if not np.isfinite(starts).all():
         raise ParameterError("states: must be finite")
-    outside = np.abs(starts[3] - starts[1]) > 0.5 * clearance * (1 + 1e-9)
+    y, half = starts[3] - starts[1], 0.5 * clearance
+    outside = np.abs(y) > half * (1 + 1e-9)
     if outside.any():
         j = int(np.argmax(outside))
+        if on_plane:
+            raise ParameterError(
+                f"plane: y from {y.min():.6g} to {y.max():.6g}: must be within half the clearance, "
+                f"-{half:.6g} to {half:.6g}"
+            )
         raise ParameterError(
             f"states[:, {j}] = {starts[:, j].tolist()!r}: z - x must be within half the clearance"
         )

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
+from ..interchange.result import Result
 from ..model import Oscillator
 from .settling import PARAMETERS, one_state, thread_count
 
@@ -38,7 +39,7 @@ class PeriodicWindow(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class BifurcationDiagram:
+class BifurcationDiagram(Result):
     """What simulations settle on along a parameter.
 
     Attributes

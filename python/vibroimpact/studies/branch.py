@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, SingularError
+from ..interchange import namelist
+from ..interchange.result import Result
 from ..model import Oscillator, Pattern
 from ..motion import VERDICT, Motion
 from ..solve import frozen, raise_status
@@ -20,6 +22,7 @@ from .conditions import (
     PARAMETERS,
     REPETITION,
     can_be_symmetric,
+    detail_text,
     is_symmetric,
     type_name,
 )
@@ -57,6 +60,8 @@ class SpecialPoint:
         Of grazing: the wall that is touched, "R" or "L"; otherwise "".
     parameter : str
         That of the branch.
+    detail : str
+        In words: which flight touches which wall, which impact, which bound.
     """
 
     type: str
@@ -67,6 +72,7 @@ class SpecialPoint:
     impact: int = -1
     side: str = ""
     parameter: str = "clearance"
+    detail: str = ""
 
     def switch(self) -> list[Motion]:
         """Motions of the branches that begin here.
@@ -98,7 +104,7 @@ class SpecialPoint:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Branch:
+class Branch(Result):
     """A family of exact motions along one parameter, as columns; points on the last axis.
 
     An index gives the `Motion` of a point. The branch is in order along its curve: the parameter turns back
@@ -120,6 +126,8 @@ class Branch:
         In the order of the branch.
     ends : (str, str)
         Why the branch ends, at its first and last point.
+    case : str
+        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
     """
 
     parameter: str
@@ -133,6 +141,7 @@ class Branch:
     verdicts: NDArray[np.int32]
     special_points: list[SpecialPoint]
     ends: tuple[str, str]
+    case: str = ""
 
     r = property(lambda self: self.parameters[0])
     clearance = property(lambda self: self.parameters[1])
@@ -167,37 +176,6 @@ class Branch:
             self.pattern, self.parameters[:, i], self.phases[:, i], self.impacts[:, :, i],
             self.scalars[:, i], self.multipliers[:, i], self.verdicts[:, i],
         )  # fmt: skip
-
-    def to_xarray(self) -> Any:
-        """The columns as an xarray.Dataset over the points (extra `data`)."""
-        from .tables import xarray
-
-        data: dict[str, Any] = {name: ("point", getattr(self, name)) for name in PARAMETERS}
-        for name in (
-            "A",
-            "tau",
-            "residual",
-            "x_min",
-            "x_max",
-            "attenuation",
-            "admissible",
-            "stable",
-        ):
-            data[name] = ("point", getattr(self, name))
-        data["phases"] = (("impact", "point"), self.phases)
-        data["X"] = (("impact", "point"), self.X)
-        data["multipliers_real"] = (("multiplier", "point"), self.multipliers.real)
-        data["multipliers_imag"] = (("multiplier", "point"), self.multipliers.imag)
-        special = np.full(len(self), "", dtype="U16")
-        for item in self.special_points:
-            special[item.index] = item.type
-        data["special"] = ("point", special)
-        names = {
-            "parameter": self.parameter,
-            "sides": self.pattern.sides,
-            "cycles": self.pattern.cycles,
-        }
-        return xarray().Dataset(data, attrs=names)
 
     def plot(self, ax: Any = None, y: str = "attenuation") -> Any:
         """Draw a column against the parameter: solid stable, dashed unstable, dotted inadmissible.
@@ -359,6 +337,10 @@ def branch(
         parameter, motion.pattern, bool(symmetric), parameters[:, keep], phases[:, keep],
         impacts[:, :, keep], scalars[:, keep], multipliers[:, keep], verdicts[:, keep], [],
         (REASONS[int(ends[0])], REASONS[int(ends[1])]),
+        namelist.case(motion.osc, motion.r, motion=namelist.of_motion(motion), branch={
+            "parameter": parameter, "low": low, "high": high, "longest_step": longest_step,
+            "max_points": max_points,
+        }) if motion.precision == "double" else "",
     )  # fmt: skip
     n_family = len(motion.pattern) // 2 if symmetric else len(motion.pattern)
     for i in np.flatnonzero(special[0, keep]).tolist():
@@ -375,6 +357,7 @@ def branch(
                     index - 1 if kind not in (EDGE, REPETITION) and index <= n_family else -1,
                     ("R" if side > 0 else "L") if kind == GRAZING else "",
                     parameter,
+                    detail_text(kind, index, side),
                 )
             )
     return result

@@ -48,3 +48,9 @@ def type_name(kind: int, index: int, symmetric: bool, mirrored: bool) -> str:
     """
     name, _ = _core.condition_text(kind, index, 0, symmetric, mirrored)
     return name.tobytes().decode().strip()
+
+
+def detail_text(kind: int, index: int, side: int) -> str:
+    """Which flight touches which wall, which impact has no approach, which bound was met; or nothing."""
+    _, detail = _core.condition_text(kind, index, side, False, False)
+    return detail.tobytes().decode().strip()

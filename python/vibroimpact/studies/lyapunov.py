@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, SingularError
+from ..interchange.result import Result
 from ..model import Oscillator
 from ..trajectory import TWO_PI, _start
 
@@ -22,7 +23,7 @@ NO_MOTION = 7
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Lyapunov:
+class Lyapunov(Result):
     """The four Lyapunov exponents of a trajectory, or of many on a grid of points.
 
     They are those of the map from impact to impact in (x, x', z', alpha), over the time: how fast small

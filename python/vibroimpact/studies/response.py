@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
+from ..interchange.result import Result
 from ..model import Oscillator
 from .settling import thread_count
 
@@ -19,7 +20,7 @@ _Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Response:
+class Response(Result):
     """max |X|/A against r.
 
     Attributes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
+from ..interchange import namelist
+from ..interchange.result import Result
 from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from ..motion import Motion
@@ -48,6 +50,8 @@ class Piece:
         The loop of `Zone.loops` that the piece belongs to.
     detail : str
         Of grazing: which flight touches which wall; of window: which edge.
+    symmetric : bool
+        Whether it bounds motions that are their own mirror image.
     """
 
     type: str
@@ -57,6 +61,7 @@ class Piece:
     theta: _Array
     loop: int
     detail: str = ""
+    symmetric: bool = False
 
     def __len__(self) -> int:
         return len(self.r)
@@ -93,7 +98,7 @@ class ZoneSearch:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Zone:
+class Zone(Result):
     """Where a pattern's motions are stable and admissible, in a window of the plane (r, d K/F0).
 
     Attributes
@@ -111,6 +116,8 @@ class Zone:
         Whether every boundary that was met could be followed until it closes. It says nothing of zones that
         were not met: see `search`.
     search : ZoneSearch
+    case : str
+        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
     """
 
     osc: Oscillator
@@ -122,6 +129,7 @@ class Zone:
     loops: list[_Array]
     closed: bool
     search: ZoneSearch
+    case: str = ""
 
     def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
         """Whether there is a stable, admissible motion of the pattern at points.
@@ -176,54 +184,6 @@ class Zone:
         from ..plot.zone import draw_zone
 
         return draw_zone(self, ax, inverse, label)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything as plain Python values, ready for JSON: rings with typed pieces."""
-        return {
-            "type": "Zone",
-            "osc": {"xi": self.osc.xi, "mu": self.osc.mu, "restitution": list(self.osc.restitution)},
-            "pattern": {"sides": self.pattern.sides, "cycles": self.pattern.cycles},
-            "window": {"r": list(self.r), "clearance": list(self.clearance)},
-            "symmetric": self.symmetric,
-            "closed": self.closed,
-            "search": vars(self.search),
-            "rings": [ring.tolist() for ring in self.loops],
-            "pieces": [
-                {
-                    "type": piece.type, "detail": piece.detail, "ring": piece.loop,
-                    "r": piece.r.tolist(), "clearance": piece.clearance.tolist(),
-                    "x": piece.x.tolist(), "theta": piece.theta.tolist(),
-                }
-                for piece in self.boundary
-            ],
-        }  # fmt: skip
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Zone:
-        """The inverse of `to_dict`."""
-        osc = Oscillator(
-            xi=data["osc"]["xi"],
-            mu=data["osc"]["mu"],
-            restitution=tuple(data["osc"]["restitution"]),
-        )
-        pieces = [
-            Piece(
-                item["type"],
-                np.array(item["r"]),
-                np.array(item["clearance"]),
-                np.array(item["x"]),
-                np.array(item["theta"]),
-                item["ring"],
-                item["detail"],
-            )
-            for item in data["pieces"]
-        ]
-        window = data["window"]
-        return cls(
-            osc, Pattern(**data["pattern"]), tuple(window["r"]), tuple(window["clearance"]),
-            data["symmetric"], pieces, [np.array(ring) for ring in data["rings"]], data["closed"],
-            ZoneSearch(**{**data["search"], "lines": tuple(data["search"]["lines"])}),
-        )  # fmt: skip
 
     def __repr__(self) -> str:
         kinds = list(dict.fromkeys(piece.type for piece in self.boundary if piece.type != "window"))
@@ -332,9 +292,19 @@ def zone(
             f"restitution {osc.restitution!r} cannot be its own mirror image"
         )
     table = seed_table(pattern, seeds)
-    return assemble(
+    found = assemble(
         osc, pattern, window, symmetric, kinds, lines, guesses, table, max_points, progress
     )
+    if len(seeds):
+        return found
+    limits = {"lines": lines, "guesses": guesses, "max_points": max_points}
+    sides = {
+        "sides": pattern.sides,
+        "cycles": pattern.cycles,
+        "symmetric": namelist.SYMMETRIC[symmetric],
+    }
+    asked = namelist.case(osc, zone={**sides, **namelist.window(*window), **limits})
+    return replace(found, case=asked)
 
 
 def rest_seed(motion: Motion) -> _Array:
@@ -376,8 +346,7 @@ def assemble(
     rings: list[_Array] = []
     for part_pieces, part_rings, _, _ in parts:
         pieces.extend(
-            Piece(p.type, p.r, p.clearance, p.x, p.theta, p.loop + len(rings), p.detail)
-            for p in part_pieces
+            p if p.loop < 0 else replace(p, loop=p.loop + len(rings)) for p in part_pieces
         )
         rings.extend(part_rings)
     work = np.sum([part[3][:3] for part in parts], axis=0).tolist()
@@ -499,6 +468,7 @@ def split_pieces(
                 unknowns[n : 2 * n, run],
                 loop,
                 detail,
+                symmetric,
             )
         )
     return pieces

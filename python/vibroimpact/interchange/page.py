@@ -1,0 +1,86 @@
+"""Results as Jupyter shows them: what it is, a few numbers, and a small picture if matplotlib is there."""
+
+from __future__ import annotations
+
+import base64
+import io
+from html import escape
+from typing import Any
+
+import numpy as np
+
+
+def html(result: Any) -> str:
+    """A short piece of HTML."""
+    rows = "".join(
+        f"<tr><th style='text-align:left'>{escape(name)}</th><td style='text-align:left'>{escape(value)}</td></tr>"
+        for name, value in facts(result).items()
+    )
+    title = f"<code>{escape(repr(result))}</code>"
+    table = f"<table>{rows}</table>" if rows else ""
+    return f"<div>{title}{table}{picture(result)}</div>"
+
+
+def facts(result: Any) -> dict[str, str]:
+    """Names and values for the table."""
+    name = type(result).__name__
+    if name == "Motion":
+        sizes = ", ".join(f"{size:.4g}" for size in np.abs(result.multipliers))
+        return {
+            "x": f"{result.x_min:.6g} to {result.x_max:.6g}",
+            "max|x|/A": f"{result.attenuation:.4g}" if result.A > 0 else "-",
+            "phases/π": ", ".join(f"{phase:.4g}" for phase in result.phases[:12] / np.pi)
+            + (", …" if len(result.phases) > 12 else ""),
+            "|λ|": sizes, "residual": f"{result.residual:.1e}",
+        }  # fmt: skip
+    if name == "Branch":
+        found = {
+            f"{item.type} {i}": repr(item)
+            for i, item in enumerate(result.special_points[:12], start=1)
+        }
+        return {**found, "ends": ", ".join(result.ends)}
+    if name == "Zone":
+        kinds = [piece.type for piece in result.boundary]
+        counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+        return {**window(result), "pieces": counts}
+    if name == "Atlas":
+        zones = ", ".join(f"{zone.pattern.sides}/{zone.pattern.cycles}" for zone in result.zones)
+        return {**window(result), "zones": zones}
+    return {}
+
+
+def window(result: Any) -> dict[str, str]:
+    """The window of a zone or an atlas."""
+    return {
+        "r": f"{result.r[0]:g} to {result.r[1]:g}",
+        "d K/F0": f"{result.clearance[0]:g} to {result.clearance[1]:g}",
+    }
+
+
+def picture(result: Any) -> str:
+    """An image, or nothing where matplotlib is missing or there is nothing to see."""
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        from ..plot import style
+    except ImportError:
+        return ""
+    if getattr(result, "axes", "some") is None:  # basins of states that lie in no plane
+        return ""
+    if type(result).__name__ in ("Zone", "Atlas") and not (
+        getattr(result, "zones", None) or result
+    ):
+        return ""
+    with style.pyplot().rc_context(style.SETTINGS):
+        figure = Figure(figsize=(3.4, 2.1), layout="constrained")
+        FigureCanvasAgg(figure)
+        ax = figure.add_subplot()
+        if type(result).__name__ in ("Zone", "Atlas"):
+            ax.set_yscale("log")
+        kind = {"kind": "history"} if type(result).__name__ in ("Motion", "Trajectory") else {}
+        result.plot(ax=ax, **kind)
+        content = io.BytesIO()
+        figure.savefig(content, format="png", dpi=110)
+    data = base64.b64encode(content.getvalue()).decode()
+    return f"<img alt='{escape(repr(result), quote=True)}' src='data:image/png;base64,{data}'/>"

@@ -1,0 +1,286 @@
+"""Results as tables: the columns that `vibroimpact run` writes, as CSV and for pandas."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import MissingExtraError, ParameterError
+from ..files import write_text
+
+if TYPE_CHECKING:
+    from ..motion import Motion
+    from ..studies.atlas import Atlas
+    from ..studies.branch import Branch
+    from ..studies.zone import Piece, Zone
+    from ..trajectory import Trajectory
+
+#: Names of columns with the values of all rows.
+Columns = dict[str, list[Any]]
+#: A code of the core: there is no motion.
+NO_MOTION = 7
+VERDICTS = {1: True, 0: False, -1: None}
+#: As the compiled program says it.
+NOT_CLOSED = "not closed: a boundary could not be followed until it closes"
+
+
+def columns(result: Any) -> Columns:
+    """The table of a result: one row an impact, event, point or vertex."""
+    name = type(result).__name__
+    if name not in TABLES:
+        raise ParameterError(f"{result!r}: is no table; must be one of {', '.join(TABLES)}")
+    table: Columns = TABLES[name](result)
+    return table
+
+
+def to_pandas(result: Any) -> Any:
+    """The table as a DataFrame."""
+    try:
+        import pandas
+    except ImportError:
+        raise MissingExtraError(
+            "data frames need pandas: pip install 'vibroimpact[data]'"
+        ) from None
+    return pandas.DataFrame(columns(result))
+
+
+def motion_columns(motion: Motion, number: int = 1) -> Columns:
+    """One row an impact; what all impacts share is repeated."""
+    n = len(motion.pattern)
+    table: Columns = {
+        "motion": [number] * n,
+        "impact": list(range(1, n + 1)),
+        "side": motion.pattern.letters,
+    }
+    own = ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after")
+    table |= {"restitution": motion.restitution.tolist(), "phase": motion.phases.tolist()}
+    table |= {name: getattr(motion, name).tolist() for name in own}
+    shared = (
+        "r",
+        "clearance",
+        "A",
+        "tau",
+        "residual",
+        "consistent",
+        "admissible",
+        "stable",
+        "x_min",
+        "x_max",
+    )
+    table |= {name: [getattr(motion, name)] * n for name in shared}
+    table["attenuation"] = [motion.attenuation if motion.A > 0 else np.nan] * n
+    for i, value in enumerate(motion.multipliers.tolist(), start=1):
+        table |= {f"multiplier_{i}_re": [value.real] * n, f"multiplier_{i}_im": [value.imag] * n}
+    return table
+
+
+def event_columns(run: Trajectory) -> Columns:
+    """One row an event."""
+    return {name: run.events[name].tolist() for name in run.events.dtype.names or ()}
+
+
+def branch_columns(branch: Branch, number: int = 1) -> Columns:
+    """One row a point."""
+    n = len(branch)
+    table: Columns = {"branch": [number] * n, "point": list(range(1, n + 1))}
+    table |= {
+        name: getattr(branch, name).tolist() for name in ("r", "clearance", "xi", "mu", "R1", "R2")
+    }
+    for row, name in enumerate(("consistent", "admissible", "stable")):
+        table[name] = [VERDICTS[code] for code in branch.verdicts[row].tolist()]
+    moduli = np.hypot(branch.multipliers.real, branch.multipliers.imag)
+    table |= {f"multiplier_{i}_modulus": row.tolist() for i, row in enumerate(moduli, start=1)}
+    for name in ("A", "tau", "residual", "x_min", "x_max", "attenuation"):
+        table[name] = getattr(branch, name).tolist()
+    table |= {f"phase_{i}": row.tolist() for i, row in enumerate(branch.phases, start=1)}
+    table |= {f"X_{i}": row.tolist() for i, row in enumerate(branch.X, start=1)}
+    table |= {"special": [""] * n, "detail": [""] * n}
+    for point in branch.special_points:
+        table["special"][point.index], table["detail"][point.index] = point.type, point.detail
+    return table
+
+
+def zone_columns(zone: Zone) -> Columns:
+    """One row a vertex; corners are there twice, in the piece before and in the one after."""
+    table: Columns = {name: [] for name in ("loop", "piece", "type", "detail", "symmetric", "r", "clearance",
+                                            "corner")}  # fmt: skip
+    for number, (piece, corners) in enumerate(
+        zip(zone.boundary, corners_of(zone), strict=True), start=1
+    ):
+        n = len(piece)
+        table["loop"] += [piece.loop + 1] * n
+        table["piece"] += [number] * n
+        table["type"] += [piece.type] * n
+        table["detail"] += [piece.detail] * n
+        table["symmetric"] += [piece.symmetric] * n
+        table["r"] += piece.r.tolist()
+        table["clearance"] += piece.clearance.tolist()
+        table["corner"] += (
+            [corners[0], *[False] * (n - 2), corners[1]] if n > 1 else [any(corners)] * n
+        )
+    return table
+
+
+def corners_of(zone: Zone) -> list[tuple[bool, bool]]:
+    """Whether each piece begins and ends at a corner: where the piece before or after is of the same loop."""
+    pieces = zone.boundary
+    corners = [[False, False] for _ in pieces]
+    loops: dict[int, list[int]] = {}
+    for i, piece in enumerate(pieces):
+        loops.setdefault(piece.loop, []).append(i)
+    for loop, members in loops.items():
+        for i, j in zip(members, [*members[1:], members[0]], strict=True):
+            if i != j and (loop >= 0 or meet(pieces[i], pieces[j])):
+                corners[i][1] = corners[j][0] = True
+    return [(first, last) for first, last in corners]
+
+
+def meet(one: Piece, other: Piece) -> bool:
+    """Whether one piece ends where the other begins."""
+    return bool(one.r[-1] == other.r[0] and one.clearance[-1] == other.clearance[0])
+
+
+def atlas_columns(atlas: Atlas) -> Columns:
+    """The rows of all zones, each after its pattern."""
+    table: Columns = {name: [] for name in ("sides", "cycles", "symmetric", "loop", "piece", "type", "detail",
+                                            "r", "clearance", "corner")}  # fmt: skip
+    for zone in atlas.zones:
+        own = zone_columns(zone)
+        n = len(own["r"])
+        own |= {"sides": [zone.pattern.sides] * n, "cycles": [zone.pattern.cycles] * n}
+        for name in table:
+            table[name] += own[name]
+    return table
+
+
+def chart_columns(data: Any) -> Columns:
+    """One row a motion of a chart, all motions of a point together."""
+    order = ("r", "clearance", "motion")
+    status = data["status"].transpose(*order).values
+    i, j, k = np.nonzero(status != NO_MOTION)
+    table: Columns = {
+        "r": data["r"].values[i].tolist(), "clearance": data["clearance"].values[j].tolist(),
+        "slot": (k + 1).tolist(),
+    }  # fmt: skip
+    for name in ("consistent", "admissible", "stable"):
+        values = data[name].transpose(*order).values[i, j, k]
+        table[name] = [VERDICTS[code] for code in values.tolist()]
+    leading = data["multiplier_modulus"][0].transpose(*order).values[i, j, k]
+    table["multiplier_1_modulus"] = leading.tolist()
+    table["x_max"] = data["x_max"].transpose(*order).values[i, j, k].tolist()
+    return table | {"status": status[i, j, k].tolist()}
+
+
+TABLES: dict[str, Any] = {
+    "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
+    "Zone": zone_columns, "Atlas": atlas_columns,
+}  # fmt: skip
+
+
+def notes(result: Any) -> list[str]:
+    """What the header tells beside the case."""
+    name = type(result).__name__
+    if name == "Trajectory":
+        cut = [] if result.complete else ["cut short: max_events was reached"]
+        state = ", ".join(
+            exact(result.final_state[key]) for key in ("t", "x", "x_dot", "z", "z_dot")
+        )
+        return [*cut, f"final state: t, x, x_dot, z, z_dot = {state}"]
+    if name == "Branch":
+        return [f"branch 1: first end: {result.ends[0]}; last end: {result.ends[1]}"]
+    if name == "Zone":
+        return [] if result.closed else [f"{NOT_CLOSED} (its loop is 0)"]
+    if name == "Atlas":
+        cut = [
+            f"{tag(zone)}: {NOT_CLOSED} (its loop is 0)"
+            for zone in result.zones
+            if not zone.closed
+        ]
+        return cut + [
+            f"in no zone of its pattern: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"
+            for item in result.unexplained
+        ]
+    return []
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def tag(thing: Any) -> str:
+    """Short name of a pattern: RRL/1."""
+    return f"{thing.pattern.sides}/{thing.pattern.cycles}"
+
+
+def csv_text(result: Any, name: str) -> str:
+    """The bytes of the result that `vibroimpact run` writes for its case: an input again."""
+    try:
+        case = complete(result.to_namelist(), name)
+    except ParameterError:
+        case = []
+    table = columns(result)
+    head = head_text(case, notes(result))
+    return head + rows_text(table, zip(*table.values(), strict=True))
+
+
+def head_text(case: Sequence[str], remarks: Sequence[str] = ()) -> str:
+    """The header of a table: the lines of its case, and remarks."""
+    from .. import __version__
+
+    last = "this file is an input too" if case else "no namelist tells how it began"
+    title = (
+        f"! vibroimpact {__version__}; lengths in F0/K, time in 1/omega, angles in radians; {last}"
+    )
+    return "".join(f"# {line}\n" for line in (title, *case, *(f"! {note}" for note in remarks)))
+
+
+def complete(namelist: str, name: str) -> list[str]:
+    """The lines of a namelist as the compiled reader completes it."""
+    from ..run import read_namelist
+
+    clean = re.sub(r"[^\w.-]|^\.", "_", name, flags=re.ASCII)[:100] or "case"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "case.nml"
+        path.write_text(f"{namelist}&output\n  name = '{clean}'\n/\n", encoding="utf-8")
+        (case,) = read_namelist(path)
+    return case.text.splitlines()
+
+
+def rows_text(names: Iterable[str], rows: Iterable[Sequence[Any]]) -> str:
+    """Names of columns and rows as CSV."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows(map(shown, rows))
+    return buffer.getvalue()
+
+
+def shown(row: Sequence[Any]) -> list[str]:
+    """A row as text: 17 digits, true, false or unknown."""
+    words = {True: "true", False: "false", None: "unknown"}
+    return [
+        item if isinstance(item, str) else exact(item) if isinstance(item, float)
+        else words[item] if item is None or isinstance(item, bool) else str(item)
+        for item in row
+    ]  # fmt: skip
+
+
+def exact(value: float) -> str:
+    """A number as the compiled program writes it."""
+    if not np.isfinite(value):
+        return "nan" if value != value else ("inf" if value > 0 else "-inf")
+    digits, _, exponent = f"{value:.16E}".partition("E")
+    return f"{digits}E{int(exponent):+04d}"
+
+
+def write_csv(result: Any, path: Path) -> None:
+    """Write the table with its case in the header."""
+    write_text(path, csv_text(result, path.stem))

@@ -1,0 +1,90 @@
+"""The command completion: the shells themselves complete what is typed."""
+
+import shutil
+import subprocess
+
+import pytest
+from programs import ROOT, Runner, find_command
+from vibroimpact.commands import FORMATS, NAMES
+from vibroimpact.commands.init import kinds
+
+
+@pytest.fixture
+def script(tmp_path):
+    """The script for a shell, in a file; skips where the shell is not there."""
+
+    def write(shell):
+        if shutil.which(shell) is None:
+            pytest.skip(f"no {shell} here")
+        done = Runner([find_command()], tmp_path)("completion", shell)
+        assert (done.status, done.err) == (0, b"")
+        (tmp_path / "script").write_bytes(done.out)
+        return tmp_path / "script"
+
+    return write
+
+
+def answer(words, cwd):
+    """What a shell prints, as a set of words."""
+    done = subprocess.run(words, capture_output=True, text=True, cwd=cwd, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    return set(done.stdout.split())
+
+
+#: What is typed, and some of what it may become; None for all.
+TYPED = [
+    ("vibroimpact ", {*NAMES}),
+    ("vibroimpact zo", {"zone"}),
+    ("vibroimpact zone --format ", {*FORMATS}),
+    ("vibroimpact zone --format n", {"netcdf"}),
+    ("vibroimpact zone --symm", {"--symmetric"}),
+    ("vibroimpact plot --format ", {"png", "svg", "pdf"}),
+    ("vibroimpact init ", {*kinds()}),
+    ("vibroimpact reproduce tab", {"table1"}),
+    ("vibroimpact run inputs/table1", {"inputs/table1.nml", "inputs/table1_single.nml"}),
+]
+
+
+@pytest.mark.parametrize(("typed", "wanted"), TYPED)
+def test_bash(typed, wanted, script):
+    """The function, called as bash calls it."""
+    path = script("bash")
+    words = typed.split(" ")
+    array = " ".join(f"'{word}'" for word in words)
+    code = f"source {path}; COMP_WORDS=({array}); COMP_CWORD={len(words) - 1}; _vibroimpact; "
+    code += 'echo "${COMPREPLY[@]}"'
+    found = answer(["bash", "-c", code], ROOT)
+    assert found - {"--help", "--version"} == wanted
+
+
+@pytest.mark.parametrize(("typed", "wanted"), TYPED)
+def test_fish(typed, wanted, script):
+    """As fish itself completes it."""
+    path = script("fish")
+    done = subprocess.run(
+        ["fish", "--no-config", "-c", f"source {path}; complete -C '{typed}'"],
+        capture_output=True, text=True, cwd=ROOT, timeout=60, check=False,
+    )  # fmt: skip
+    found = {line.split("\t")[0] for line in done.stdout.splitlines()}
+    assert wanted <= found
+    if not typed.endswith("/"):
+        last = typed.split(" ")[-1]
+        assert all(item.startswith(last) for item in found)
+
+
+def test_zsh_takes_it(script):
+    """The script is sourced without a fault, and the command is bound to it."""
+    path = script("zsh")
+    code = f"autoload -Uz compinit && compinit -D -u; source {path}; echo ${{_comps[vibroimpact]}}"
+    assert "vibroimpact" in " ".join(answer(["zsh", "-f", "-c", code], ROOT))
+
+
+def test_every_command_and_option_is_there(script):
+    """In each script."""
+    for shell in ("bash", "fish"):
+        if shutil.which(shell):
+            text = script(shell).read_text()
+            for name in NAMES:
+                assert name in text
+            for word in ("longest-step", "inverse-clearance", "quiet"):
+                assert word in text

@@ -1,0 +1,270 @@
+"""Forms of results by the command: what is written is what the case gives, and it is computed once."""
+
+import importlib
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from programs import Runner, contents, find_command, write
+from vibroimpact.command import main, parsers
+from vibroimpact.commands import NAMES
+from vibroimpact.commands.init import kinds
+
+SUFFIX = {"json": "json", "netcdf": "nc", "matlab": "mat"}
+SYSTEM = ["--xi", "0.0114", "--mu", "0.028", "--restitution", "0.75"]
+
+
+@pytest.fixture
+def tool(tmp_path):
+    """Runner of `vibroimpact` in a folder of its own."""
+    return Runner([find_command()], tmp_path)
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
+    """The same words and status as of the table alone; files that hold the case's results, bit by bit."""
+    for library in ("h5netcdf", "scipy"):
+        pytest.importorskip(library)
+    monkeypatch.chdir(tool.cwd)
+    # what an atlas knows of forms it has from its zones: a small one, and one form
+    path = write(tool.cwd / "case.nml", kinds()[kind].replace("survey = 40", "survey = 9"))
+    (case,) = vi.read_namelist(path)
+    wanted = case.run()
+    assert main(["run", "case.nml", "-o", "csv"]) == 0
+    words = capfd.readouterr()
+    for form, suffix in SUFFIX.items():
+        if (kind, form) == ("chart", "matlab") or (kind == "atlas" and form != "json"):
+            continue
+        assert main(["run", "case.nml", "--format", form, "-o", form]) == 0
+        assert capfd.readouterr() == words
+        names = ["case"] if len(wanted) == 1 else [f"case_{i + 1}" for i in range(len(wanted))]
+        assert sorted(contents(tool.cwd / form)) == [f"{name}.{suffix}" for name in names]
+        for name, result in zip(names, wanted, strict=True):
+            file = tool.cwd / form / f"{name}.{suffix}"
+            if kind != "chart":
+                assert vi.load(file).to_json() == result.to_json()
+            elif form == "json":
+                data = json.loads(file.read_text())
+                assert data["status"] == result.status.values.tolist()
+                assert (
+                    np.array(data["phases"], dtype=float).tobytes()
+                    == result.phases.values.tobytes()
+                )
+    assert main(["run", "case.nml", "--plot", "svg", "-o", "plot"]) == 0
+    found = contents(tool.cwd / "plot")
+    assert found.pop("case.csv") == (tool.cwd / "csv/case.csv").read_bytes()
+    assert all(picture.startswith(b"<?xml") for picture in found.values())
+    assert len(found) == len(wanted)
+
+
+def test_a_chart_as_netcdf(tool):
+    """The dataset of `chart` with the case that made it."""
+    xarray = pytest.importorskip("xarray")
+    write(tool.cwd / "case.nml", kinds()["chart"])
+    assert tool("chart", "case.nml", "--format", "netcdf").status == 0
+    (case,) = vi.read_namelist(tool.cwd / "case.nml")
+    with xarray.open_dataset(tool.cwd / "results/case.nc", engine="h5netcdf") as data:
+        wanted = case.chart()
+        for name in wanted.variables:
+            np.testing.assert_array_equal(data[name], wanted[name])
+        assert data.attrs["case"] == case.text
+        assert data.attrs["source"] == f"vibroimpact {vi.__version__}"
+
+
+def test_options_of_a_chart_are_a_namelist(tool):
+    """The bytes of the same case in a file."""
+    options = ["--sides", "RL", "--r", "0.9", "1.1", "21", "--clearance", "5", "100", "16", "--spacing",
+               "geometric", "--symmetric", "yes"]  # fmt: skip
+    assert tool("chart", *SYSTEM, *options).status == 0
+    write(tool.cwd / "chart.nml", kinds()["chart"])
+    assert tool("run", "chart.nml", "-o", "run").status == 0
+    assert contents(tool.cwd / "results") == contents(tool.cwd / "run")
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["--r", "1.1", "0.9", "5"], "--r 1.1 0.9 5: must be LOW HIGH N with LOW below HIGH"),
+    (["--r", "0.9", "1.1", "1"], "--r 0.9 1.1 1: must be LOW HIGH N"),
+    (["--r", "0.9", "1.1", "2.5"], "--r 0.9 1.1 2.5: must be LOW HIGH N"),
+    (["--r", "0.9", "1.1", "5", "--room", "99"], "--room 99: must be a whole number with 1 <= room <= 32"),
+    (["--r", "0.9", "1.1", "2000000"], "--r 2000000: must be a whole number"),
+])  # fmt: skip
+def test_bad_grids(words, said, tool):
+    """In the words that were typed."""
+    done = tool("chart", *SYSTEM, "--sides", "RL", "--clearance", "5", "9", "3", *words)
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    assert done.faults[0].startswith(f"vibroimpact chart: {said}")
+
+
+@pytest.mark.parametrize("kind", ["zone", "atlas", "chart"])
+@pytest.mark.parametrize("form", ["csv"])
+def test_computed_once(kind, form, tmp_path, monkeypatch):
+    """Table, picture and document from one computation, by whichever of the two does it."""
+    module = importlib.import_module("vibroimpact.run")
+    calls = []
+    ours = getattr(module, kind)
+    monkeypatch.setattr(module, kind, lambda *a, **k: calls.append("python") or ours(*a, **k))
+    for place in ("vibroimpact.commands.options", "vibroimpact.commands.cases"):
+        monkeypatch.setattr(f"{place}.run_namelists", lambda *a, **k: calls.append("core"))
+    path = write(tmp_path / "case.nml", kinds()[kind])
+    words = [
+        kind,
+        str(path),
+        "--plot",
+        "svg",
+        "--format",
+        form,
+        "--json",
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    assert main(words) == 0
+    assert calls == ["python"]
+    assert sorted(contents(tmp_path / "out")) == sorted([f"case.{form}", "case.svg"])
+
+
+@pytest.mark.parametrize("name", ["short", "nothing", "missing"])
+def test_faults_are_the_same_in_every_form(name, tmp_path, monkeypatch, capfd):
+    """What is cut short or not there is said alike, and kept alike. (Of atlases: test_batch_studies.py.)"""
+    text = {
+        "short": kinds()["zone"].replace("! max_points = 20000", "max_points = 100"),
+        "nothing": kinds()["zone"].replace("clearance_min = 2 ", "clearance_min = 150 "),
+        "missing": kinds()["chart"]
+        .replace("_min = 5 ", "_min = 1e6 ")
+        .replace("_max = 100", "_max = 2e6"),
+    }[name]
+    assert text not in kinds().values()
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "case.nml", text)
+    assert main(["run", "case.nml", "-o", "plain"]) == 1
+    plain = capfd.readouterr()
+    assert main(["run", "case.nml", "--format", "json", "-o", "json"]) == 1
+    assert capfd.readouterr() == plain
+    assert main(["run", "case.nml", "--plot", "-o", "plot", "--quiet"]) == 1
+    assert capfd.readouterr() == ("", plain.err)
+    tables = contents(tmp_path / "plain")
+    drawn = {key: item for key, item in contents(tmp_path / "plot").items() if key.endswith("csv")}
+    assert drawn == tables
+    assert [key[:-4] for key in tables] == [key[:-5] for key in contents(tmp_path / "json")]
+
+
+def test_the_document_holds_the_results(tool):
+    """With --json standard output is one document; its results are those of Python."""
+    write(tool.cwd / "case.nml", kinds()["equispaced"])
+    done = tool("run", "case.nml", "--json")
+    document = json.loads(done.out)
+    assert (document["command"], document["status"], document["faults"]) == ("run", 0, [])
+    assert document["files"] == ["results/case.csv"]
+    assert len(document["said"]) == 2
+    (case,) = vi.read_namelist(tool.cwd / "case.nml")
+    assert list(document["results"].values()) == [motion.to_dict() for motion in case.run()]
+    again = vi.Motion.from_dict(document["results"]["case_2"])
+    assert again.X.tolist() == case.run()[1].X.tolist()
+
+
+def test_the_document_of_a_search(tool):
+    """All motions that were found."""
+    done = tool("find", "--xi", "0.005", "--mu", "0.042", "--restitution", "0.75", "--r", "0.94", "--clearance",
+                "37", "--max-impacts", "2", "--max-cycles", "1", "--json")  # fmt: skip
+    (point,) = json.loads(done.out)["results"].values()
+    found = vi.find(vi.Oscillator(0.005, 0.042, 0.75), 0.94, 37.0, 2, 1)
+    assert [vi.Motion.from_dict(item).to_json() for item in point["motions"]] == [
+        m.to_json() for m in found
+    ]
+
+
+def test_attractors_in_other_forms(tool):
+    """The commands without namelists take --format too."""
+    line = ["--r", "1", "1.04", "3", "--clearance", "25", "--states", "3", "--format", "json"]
+    done = tool("response", *SYSTEM, *line)
+    assert (done.status, done.err) == (0, b"")
+    wanted = vi.response(
+        vi.Oscillator(0.0114, 0.028, 0.75), [1, 1.02, 1.04], clearance=25.0, states=3
+    )
+    assert vi.load(tool.cwd / "results/response.json").to_json() == wanted.to_json()
+
+
+EXAMPLES = {name: importlib.import_module(f"vibroimpact.commands.{name}").EXAMPLE for name in NAMES}
+
+
+def test_help_has_the_example_and_the_exit_status():
+    """Of each command, and of the whole."""
+    whole, each = parsers()
+    assert list(each) == list(NAMES)
+    for name, parser in each.items():
+        text = re.sub(r"\s+", " ", parser.format_help())
+        assert re.sub(r"\s+", " ", f"example: {EXAMPLES[name]}") in text
+        assert (
+            "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
+            in text
+        )
+        assert "--quiet" in text
+        assert "--json" in text
+    assert "exit status: 0" in whole.format_help()
+
+
+def test_interrupted_cases_keep_what_is_finished(tmp_path, monkeypatch, capsys):
+    """Ctrl-C in the second case: the first is written; status 1 and one line."""
+    module = importlib.import_module("vibroimpact.run")
+    ours, calls = module.zone, []
+
+    def zone(*arguments, **options):
+        if calls:
+            raise KeyboardInterrupt
+        calls.append(1)
+        return ours(*arguments, **options)
+
+    monkeypatch.setattr(module, "zone", zone)
+    case = kinds()["zone"].partition("&output")[0]
+    path = write(tmp_path / "case.nml", case + case)
+    assert main(["zone", str(path), "--format", "json", "-o", str(tmp_path / "out")]) == 1
+    assert list(contents(tmp_path / "out")) == ["case_1.json"]
+    assert capsys.readouterr().err == "vibroimpact zone: interrupted; what was finished is kept\n"
+    assert math.isfinite(vi.load(tmp_path / "out/case_1.json").area)
+
+
+@pytest.mark.parametrize(("kind", "suffix"), [("zone", "csv"), ("exact", "csv"), ("exact", "json")])
+def test_a_file_for_the_one_result(kind, suffix, tool, monkeypatch, capfd):
+    """-o DIR/NAME.SUFFIX names folder, form and result; the table is that of a case of this name."""
+    monkeypatch.chdir(tool.cwd)
+    write(tool.cwd / "case.nml", kinds()[kind])
+    assert main(["run", "case.nml", "-o", f"new/mine.{suffix}", "--plot", "svg"]) == 0
+    assert capfd.readouterr().err == ""
+    assert sorted(contents(tool.cwd)) == sorted(["case.nml", "new/mine.svg", f"new/mine.{suffix}"])
+    (case,) = vi.read_namelist(tool.cwd / "case.nml")
+    if suffix == "json":
+        assert vi.load(tool.cwd / "new/mine.json").to_json() == case.run()[0].to_json()
+    else:
+        write(tool.cwd / "mine.nml", kinds()[kind])
+        assert main(["run", "mine.nml", "-o", "run"]) == 0
+        assert contents(tool.cwd / "run")["mine.csv"] == contents(tool.cwd / "new")["mine.csv"]
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["-o", "a.json", "--format", "netcdf"], "-o a.json: is the name of a json file; must go with --format "
+     "netcdf"),
+    (["-o", "a.csv"], "-o a.csv: names a file, and there are 2 cases; must be a folder"),
+])  # fmt: skip
+def test_a_file_for_several_results(words, said, tool):
+    """It is one thing or the other."""
+    write(tool.cwd / "case.nml", kinds()["periodic"] + kinds()["exact"])
+    done = tool("run", "case.nml", *words)
+    assert (done.status, done.out, done.faults) == (2, b"", [f"vibroimpact run: {said}"])
+    assert list(contents(tool.cwd)) == ["case.nml"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a pipe of POSIX")
+@pytest.mark.parametrize("words", [["doctor"], ["doctor", "--json"], ["completion", "bash"]])
+def test_a_reader_who_leaves(words, tool):
+    """No breakdown where nobody reads any more."""
+    theirs, ours = os.pipe()
+    os.close(theirs)
+    with subprocess.Popen([find_command(), *words], stdout=ours, stderr=subprocess.PIPE) as run:
+        os.close(ours)
+        said = run.stderr.read()
+    assert (run.returncode, said) == (1, b"")

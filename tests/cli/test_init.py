@@ -1,0 +1,100 @@
+"""The command init: what it writes runs as it is, and leaves out no key."""
+
+import json
+import re
+
+import pytest
+import vibroimpact as vi
+from programs import Runner, contents, find_batch, find_command, write
+from vibroimpact.commands.init import kinds
+from vibroimpact.run import KINDS, read_namelist
+
+
+@pytest.fixture
+def tool(tmp_path):
+    """Runner of `vibroimpact` in a folder of its own."""
+    return Runner([find_command()], tmp_path)
+
+
+@pytest.fixture
+def templates(tool):
+    """All templates, in the folder of the tool; one of them by the command itself."""
+    for name, text in kinds().items():
+        write(tool.cwd / f"{name}.nml", text)
+    (tool.cwd / "exact.nml").unlink()
+    done = tool("init", "exact")
+    assert (done.status, done.err) == (0, b"")
+    assert (tool.cwd / "exact.nml").read_text() == kinds()["exact"]
+    return tool.cwd
+
+
+def test_every_kind_of_case_has_one(tool):
+    """They are told by --list, and by the fault where a name is not known."""
+    assert list(kinds()) == sorted(KINDS)
+    done = tool("init", "--list")
+    assert [line.split()[0] for line in done.out.decode().splitlines()] == sorted(KINDS)
+    assert list(json.loads(tool("init", "--list", "--json").out)["results"]) == sorted(KINDS)
+    for words in (["init"], ["init", "nothing"]):
+        done = tool(*words)
+        assert done.status == 2
+        for name in KINDS:
+            assert name in done.err.decode()
+
+
+def test_templates_run_through_all_doors(templates, tool, same_build):
+    """The command, the program, and Python: the kind that was asked for, the same bytes, status 0."""
+    names = [f"{name}.nml" for name in kinds()]
+    done = tool("run", *names, "-o", "command")
+    assert (done.status, done.err) == (0, b"")
+    batch = Runner([find_batch()], templates)
+    assert batch(*names, "-o", "batch") == done
+    assert vi.run_namelists([templates / name for name in names], templates / "python").status == 0
+    found = contents(templates / "command")
+    assert sorted(found) == sorted(f"{name}.csv" for name in kinds())
+    assert contents(templates / "batch") == contents(templates / "python") == found
+    for name in kinds():
+        (case,) = read_namelist(templates / f"{name}.nml")
+        assert case.kind == name
+
+
+@pytest.mark.parametrize("name", kinds())
+def test_templates_explain_every_key(name, tool):
+    """The keys that the reader knows, of the groups that the template has."""
+    text = kinds()[name]
+    for group in re.findall(r"^&(\w+)", text, re.MULTILINE):
+        wrong = re.sub(rf"^&{group}\b.*$", f"&{group}\n  nonsense = 1", text, flags=re.MULTILINE)
+        write(tool.cwd / "wrong.nml", wrong)
+        (fault,) = tool("run", "wrong.nml").faults
+        keys = re.search(r"must be one of (.*)$", fault)[1].split(", ")
+        if group == "system":
+            keys.remove("r")
+        elif group == "motion":  # which of them belong to which kind is told by the reader, too
+            keys = ["kind"]
+        for key in keys:
+            assert re.search(rf"^  (! )?{key} = |\bor {key}\b", text, re.MULTILINE), key
+
+
+def test_defaults_are_those_that_are_shown(tmp_path):
+    """A template with all that is commented out is the same case."""
+    for name, text in kinds().items():
+        full = re.sub(r"^  ! (\w+ = )", r"  \1", text, flags=re.MULTILINE)
+        (ours,) = read_namelist(write(tmp_path / f"{name}.nml", text))
+        (theirs,) = read_namelist(write(tmp_path / f"{name}.nml", full))
+        if name == "periodic":  # that impact_restitution was given is part of the case
+            theirs.keys.pop("impact_restitution")
+            theirs = theirs._replace(text=ours.text)
+        assert theirs == ours
+
+
+def test_a_file_is_kept(tool):
+    """Unless --force says otherwise; and the file may have any name."""
+    write(tool.cwd / "zone.nml", "mine")
+    done = tool("init", "zone")
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    assert (tool.cwd / "zone.nml").read_text() == "mine"
+    assert tool("init", "zone", "--force").status == 0
+    assert (tool.cwd / "zone.nml").read_text().startswith("! ")
+    done = tool("init", "zone", "-o", "other.nml")
+    assert done.status == 0
+    assert "run it by `vibroimpact run other.nml -o results`" in done.out.decode()
+    assert "vibroimpact run other.nml" in (tool.cwd / "other.nml").read_text()
