@@ -14,7 +14,7 @@ from typing import Any
 #: In the order of the help text.
 NAMES = (
     "run", "simulate", "find", "branch", "zone", "atlas", "bifurcation", "basins", "lyapunov", "response",
-    "plot", "reproduce",
+    "explore", "plot", "reproduce",
 )  # fmt: skip
 
 #: Formats of pictures, the first one if none is named.

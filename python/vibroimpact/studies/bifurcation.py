@@ -55,8 +55,9 @@ class BifurcationDiagram:
     parameter : str
     values : ndarray (n,)
         Of the parameter, rising.
-    r, clearance, load : float
-        Those that are not swept.
+    r, clearance : float or ndarray (n,)
+        The one that is not swept.
+    load : float
     runs : list of str
         "up", "down", or "state 1", ...: the first index of the arrays below.
     cycles, letters, impacts, rests : ndarray (runs, n) of int
@@ -74,8 +75,8 @@ class BifurcationDiagram:
     osc: Oscillator
     parameter: str
     values: _Array
-    r: float
-    clearance: float
+    r: float | _Array
+    clearance: float | _Array
     load: float
     runs: list[str]
     cycles: NDArray[np.int32]
@@ -149,8 +150,10 @@ class BifurcationDiagram:
         for name in ("index", "side", *COLUMNS):
             data[f"impact_{name}"] = ("impact", self.points[name])
         data["impact_run"] = ("impact", self.points["run"])
-        coordinates = {"run": self.runs, self.parameter: self.values}
+        coordinates: dict[str, Any] = {"run": self.runs, self.parameter: self.values}
         fixed = {name: getattr(self, name) for name in ("r", "clearance") if name != self.parameter}
+        for name in [name for name, value in fixed.items() if np.ndim(value)]:
+            coordinates[name] = (self.parameter, fixed.pop(name))
         return xarray().Dataset(data, coordinates, fixed | {"load": self.load})
 
     def plot(self, ax: Any = None, quantity: str = "x") -> Any:
@@ -182,8 +185,8 @@ def bifurcation_diagram(
     osc: Oscillator,
     parameter: str,
     values: ArrayLike,
-    r: float | None = None,
-    clearance: float | None = None,
+    r: ArrayLike | None = None,
+    clearance: ArrayLike | None = None,
     sweep: str = "both",
     states: int = 12,
     state: Mapping[str, float] | None = None,
@@ -206,8 +209,9 @@ def bifurcation_diagram(
         "restitution" changes both walls.
     values : array_like
         At least two.
-    r, clearance : float
-        The ones that are not `parameter`.
+    r, clearance : float or array_like
+        The ones that are not `parameter`: a number, or one for each of `values` (which rise then), for a
+        line across the plane.
     sweep : {"up", "down", "both", "states"}
     states : int
         Initial states of "states", spread evenly.
@@ -248,15 +252,16 @@ def bifurcation_diagram(
     along = np.unique(checks.real_array(values, "values", "numbers"))
     if along.size < 2:
         raise ParameterError(f"values = {values!r}: must be at least two different numbers")
-    fixed = {}
+    fixed: dict[str, float | _Array] = {}
     for name, value in (("r", r), ("clearance", clearance)):
         if name != parameter:
-            fixed[name] = checks.number(value, name)
+            fixed[name] = _beside(value, name, along, values)
         elif value is not None:
             raise ParameterError(f"{name} = {value!r}: must be left out, it is the parameter")
         else:
             fixed[name] = float(along[0])
-    table = np.repeat(column(osc, fixed["r"], fixed["clearance"])[:, None], along.size, axis=1)
+    table = np.repeat(column(osc, 0.0, 0.0)[:, None], along.size, axis=1)
+    table[0], table[1] = fixed["r"], fixed["clearance"]
     rows = [4, 5] if parameter == "restitution" else [PARAMETERS.index(parameter)]
     table[rows] = along
     kind = "restitution" if parameter in ("R1", "R2") else parameter
@@ -265,7 +270,6 @@ def bifurcation_diagram(
     if np.any((table[0] == 1) & (table[2] == 0)):
         checks.frequency_ratio(1.0, 0.0)
     workers = thread_count(threads)
-    r0, clearance0 = float(table[0, 0]), float(table[1, 0])
     if sweep == "states":
         starts = np.stack(
             [spread_states(osc, float(a), float(b), load, states) for a, b in table[:2].T], axis=1
@@ -283,7 +287,21 @@ def bifurcation_diagram(
         starts = np.stack([_start(osc, table[:, o[0]], load, state) for o in order], axis=1)
         parameters = np.stack([table[:, o] for o in order], axis=2)
         settled = settle_chains(parameters, load, starts, settling, keep, points, workers, KICK)
-    return _assembled(osc, parameter, along, (r0, clearance0, load), runs, order, settled)
+    return _assembled(osc, parameter, along, (fixed["r"], fixed["clearance"], load), runs, order, settled)
+
+
+def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> float | _Array:
+    """The parameter that is not swept: a number, or one for each value."""
+    if np.ndim(value) == 0:
+        return checks.number(value, name)
+    array = checks.real_array(value, name, "numbers")
+    if array.shape != along.shape or not np.array_equal(along, values):
+        raise ParameterError(
+            f"{name} of shape {array.shape}: must be a number, or one for each of values, which have to rise then"
+        )
+    for item in (array.min(), array.max()):
+        checks.number(float(item), name)
+    return array
 
 
 def _start(
@@ -297,7 +315,7 @@ def _start(
 
 
 def _assembled(
-    osc: Oscillator, parameter: str, along: _Array, fixed: tuple[float, float, float],
+    osc: Oscillator, parameter: str, along: _Array, fixed: tuple[float | _Array, float | _Array, float],
     runs: list[str], order: list[NDArray[np.intp]], settled: Settled,
 ) -> BifurcationDiagram:  # fmt: skip
     """The answer of the core by runs and rising values."""
