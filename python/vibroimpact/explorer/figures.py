@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
+import numpy as np
 from bokeh.core.properties import value
-from bokeh.models import ColumnDataSource, CustomJS, Range1d, Span
+from bokeh.models import (
+    BasicTickFormatter,
+    ColumnDataSource,
+    CustomJS,
+    FixedTicker,
+    Range1d,
+    Span,
+)
 from bokeh.plotting import figure
 
 from ..plot import style
@@ -32,7 +41,7 @@ def blank(name: str, events: tuple[str, ...] = (), **options: Any) -> Any:
     """A figure without tools that fills its place on the page, and tells of the pointer."""
     plot = figure(
         name=name, tools="", toolbar_location=None, sizing_mode="stretch_both", min_border=4,
-        outline_line_color=None, background_fill_color="#FFFFFF", **options,
+        min_border_right=16, outline_line_color=None, background_fill_color="#FFFFFF", **options,
     )  # fmt: skip
     plot.grid.grid_line_color = "#EBEBEB"
     for axis in plot.axis:
@@ -45,6 +54,13 @@ def blank(name: str, events: tuple[str, ...] = (), **options: Any) -> Any:
     for event in events:
         plot.js_on_event(event, CustomJS(args={"name": name}, code=TELL))
     return plot
+
+
+def fit(limits: Any, values: Any, room: float = 0.06) -> None:
+    """Let an axis show some values, with some room beside them."""
+    low, high = (float(np.min(values)), float(np.max(values))) if len(values) else (0.0, 1.0)
+    size = (high - low) or max(abs(high), 1.0)
+    limits.start, limits.end = low - room * size, high + room * size
 
 
 def source(*columns: str) -> Any:
@@ -61,6 +77,7 @@ class ZoneChart:
             x_axis_label="frequency ratio  r = Ω/ω", y_axis_label="clearance  dK/F₀", y_axis_type="log",
             x_range=Range1d(0, 1), y_range=Range1d(1, 2),
         )  # fmt: skip
+        plot.yaxis.formatter = BasicTickFormatter(use_scientific=False)
         self.fills = source("xs", "ys", "color")
         plot.multi_polygons(
             "xs", "ys", source=self.fills, fill_color="color", fill_alpha=0.16, line_color=None
@@ -94,11 +111,22 @@ class ZoneChart:
         """Zones in a window."""
         (self.plot.x_range.start, self.plot.x_range.end), (low, high) = window
         self.plot.y_range.start, self.plot.y_range.end = low, high
+        self.plot.yaxis.ticker = self.plot.ygrid.ticker = FixedTicker(ticks=decades(low, high))
         self.fills.data = shapes["fills"]
         for kind, table in shapes["lines"].items():
             if table["xs"] or self.lines[kind].data["xs"]:
                 self.lines[kind].data = table
         self.labels.data = shapes["labels"]
+
+
+def decades(low: float, high: float) -> list[float]:
+    """Ticks 1, 2, 5, 10, … between two numbers; even ones where that gives too few."""
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    ticks = [float(f"{digit}e{power}") for power in powers for digit in (1, 2, 5)]
+    inside = [tick for tick in ticks if low <= tick <= high]
+    if len(inside) > 12:
+        inside = [tick for tick in inside if f"{tick:e}"[0] == "1"]
+    return inside if len(inside) > 2 else np.linspace(low, high, 5).tolist()
 
 
 class History:
@@ -108,9 +136,9 @@ class History:
         self.curves = source("t", "x", "z", "right", "left", "y", "y_dot")
         self.events = source("t", "x", "y", "y_dot", "marker")
         self.time = blank(
-            "history", x_axis_label="time  (load cycles)", y_axis_label="X, Z  (F₀/K)"
-        )
-        self.time.x_range.range_padding = 0
+            "history", x_axis_label="time  (load cycles)", y_axis_label="X, Z  (F₀/K)",
+            x_range=Range1d(0, 1), y_range=Range1d(0, 1),
+        )  # fmt: skip
         blue = {"source": self.curves, "line_color": style.PRIMARY}
         self.time.varea(
             "t", "left", "right", source=self.curves, fill_color=style.PRIMARY, fill_alpha=0.07
@@ -122,8 +150,9 @@ class History:
         marks = {"source": self.events, "marker": "marker", "size": 7, "line_color": "#FFFFFF"}
         self.time.scatter("t", "x", fill_color=style.IMPACT, **marks)
         self.portrait = blank(
-            "portrait", ("tap",), x_axis_label="Y = Z − X  (F₀/K)", y_axis_label="dY/dt  (ωF₀/K)"
-        )
+            "portrait", ("tap",), x_axis_label="Y = Z − X  (F₀/K)", y_axis_label="dY/dt  (ωF₀/K)",
+            x_range=Range1d(0, 1), y_range=Range1d(0, 1),
+        )  # fmt: skip
         self.walls = [
             Span(dimension="height", line_color=style.PRIMARY, line_dash=[5, 3]) for _ in range(2)
         ]
@@ -141,6 +170,11 @@ class History:
         tables = history(thing, cycles)
         for sign, wall in zip((1, -1), self.walls, strict=True):
             wall.location = 0.5 * sign * thing.clearance
+        curves = tables["curves"]
+        fit(self.time.x_range, curves["t"], 0)
+        fit(self.time.y_range, np.r_[curves["left"], curves["right"]])
+        fit(self.portrait.x_range, (-0.5 * thing.clearance, 0.5 * thing.clearance))
+        fit(self.portrait.y_range, curves["y_dot"])
         self.curves.data, self.events.data = tables["curves"], tables["events"]
 
 
@@ -148,9 +182,10 @@ class Circle:
     """The multipliers in the unit circle."""
 
     def __init__(self) -> None:
-        limits = {"x_range": Range1d(-2.1, 2.1), "y_range": Range1d(-2.1, 2.1)}
-        self.plot = blank("circle", x_axis_label="Re λ", y_axis_label="Im λ", **limits)
+        self.plot = blank("circle", x_axis_label="Re λ", y_axis_label="Im λ")
         self.plot.match_aspect = True
+        # what the axes follow, so that the circle stays round in any frame
+        self.plot.scatter([-1.9, 1.9], [-1.9, 1.9], alpha=0)
         self.plot.circle(0, 0, radius=1, fill_color=style.PRIMARY, fill_alpha=0.06, line_color="#222222")
         self.points = source("x", "y", "marker", "text", "align")
         self.plot.scatter(
@@ -170,8 +205,10 @@ class Diagram:
     """Positions at the impacts along a line."""
 
     def __init__(self) -> None:
-        self.plot = blank("diagram", y_axis_label="X at the impacts  (F₀/K)", x_axis_label="r = Ω/ω")
-        self.plot.x_range.range_padding = 0
+        self.plot = blank(
+            "diagram", y_axis_label="X at the impacts  (F₀/K)", x_axis_label="r = Ω/ω",
+            x_range=Range1d(0, 1), y_range=Range1d(0, 1),
+        )  # fmt: skip
         self.impacts = {side: source("along", "x") for side in "RL"}
         marks = {"R": ("circle", 2.5, style.PRIMARY), "L": ("x", 4, style.FREE)}
         for side, (marker, size, shade) in marks.items():
@@ -185,5 +222,7 @@ class Diagram:
         """The impacts of both sweeps."""
         named = {"r": "frequency ratio  r = Ω/ω", "clearance": "clearance  dK/F₀"}
         self.plot.xaxis.axis_label = named[diagram.parameter]
+        fit(self.plot.x_range, diagram.values, 0)
+        fit(self.plot.y_range, diagram.points["x"])
         for side, table in impacts(diagram).items():
             self.impacts[side].data = table

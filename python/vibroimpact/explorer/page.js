@@ -57,7 +57,7 @@ export function render({ model }) {
   function table({ table, peek, run, running }) {
     const lines = table.map((row, i) => line(i, row.chosen, row.stable === "stable" ? "" : "unstable", [
       row.label, (row.stable === "stable" ? "● " : "○ ") + row.stable, row.attenuation, row.multiplier], row.kind, peek))
-    if (run && !peek) lines.push(line(-1, running, "", ["the simulation", "", "", ""], "", peek))
+    if (run && !peek) lines.unshift(line(-1, running, "", ["the simulation", "", "", ""], "", peek))
     const focused = document.activeElement && document.activeElement.name === "motion"
     at("table").replaceChildren(...lines)
     if (focused) at("table").querySelector("input:checked")?.focus()

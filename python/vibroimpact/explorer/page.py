@@ -307,9 +307,9 @@ class Session:
         run = explorer.start()
         return {
             "query": state.query,
-            "fields": {name: repr(getattr(state, name)) for name in (*NUMBERS, *WINDOW)}
+            "fields": {name: number(getattr(state, name)) for name in (*NUMBERS, *WINDOW)}
             | {"patterns": " ".join(map(pattern_text, state.patterns))}
-            | {f"run_{name}": f"{getattr(run, name)!r}" for name, *_ in RUN_FIELDS},
+            | {f"run_{name}": number(getattr(run, name)) for name, *_ in RUN_FIELDS},
             "table": rows(explorer.shown, -1 if running else explorer.index),
             "place": self.place(state.r, state.clearance, explorer.shown),
             "searched": self.searched,
@@ -343,6 +343,11 @@ class Session:
         within = f"in the zone{'s' * (len(inside) > 1)} of {', '.join(inside)}" if inside else "in no zone"
         count = f"{len(shown)} motion{'s' * (len(shown) != 1)}, {stable} stable"
         return f"r = {r:.5g}, dK/F₀ = {clearance:.5g}: {count}; {within}"
+
+
+def number(value: float) -> str:
+    """All its digits, whole numbers without a point."""
+    return repr(float(value)).removesuffix(".0")
 
 
 def merge(found: list[Shown], shown: list[Shown]) -> list[Shown]:

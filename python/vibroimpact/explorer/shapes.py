@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..motion import Motion
 from ..plot.history import _history as history_of
-from ..plot.zone import LINES, interior_points
+from ..plot.zone import LINES
 from ..studies.bifurcation import BifurcationDiagram
 from ..studies.geometry import signed_area, winding
 from ..studies.zone import Window, Zone
@@ -72,11 +72,25 @@ def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
                 points = thinned(np.c_[piece.r, piece.clearance], window)
                 lines[piece.type]["xs"].append(points[:, 0])
                 lines[piece.type]["ys"].append(points[:, 1])
-        place = interior_points(light)
-        if len(place):
+        place = label_place(light)
+        if place is not None:
             for name, value in zip(("x", "y", "text"), (*place, family.name), strict=True):
                 labels[name].append(value)
     return {"fills": fills, "lines": lines, "labels": labels}
+
+
+def label_place(zone: Zone) -> tuple[float, float] | None:
+    """Where a name fits into a zone: in its thickest part, not at the edge of the window; None if it is thin."""
+    r = np.linspace(*zone.r, 41)[6:-6]
+    clearance = np.geomspace(*zone.clearance, 101)
+    inside = zone.contains(r[:, None], clearance[None, :])
+    best, thick = None, 3
+    for i, column in enumerate(inside):
+        edges = np.flatnonzero(np.diff(np.r_[False, column, False].astype(int))).reshape(-1, 2)
+        for low, high in edges.tolist():
+            if high - low > thick:
+                best, thick = (float(r[i]), float(clearance[(low + high - 1) // 2])), high - low
+    return best
 
 
 def color(i: int) -> str:
