@@ -86,7 +86,7 @@ def _zone_keys(zone: Zone) -> str:
     return (
         f"sides = '{zone.pattern.sides}', cycles = {zone.pattern.cycles}, symmetric = '{kind}', "
         f"r_min = {r0!r}, r_max = {r1!r}, clearance_min = {d0!r}, clearance_max = {d1!r}, "
-        f"lines = {zone.search.lines}, guesses = {GUESSES}"
+        f"lines = {zone.search.lines}, guesses = {GUESSES[zone.search.lines]}"
     )
 
 
@@ -150,7 +150,7 @@ def _motion_call(shown: Shown) -> str:
 def _zone_call(zone: Zone) -> str:
     return (
         f'vi.zone(osc, vi.Pattern("{zone.pattern.sides}", {zone.pattern.cycles}), r={zone.r!r}, '
-        f"clearance={zone.clearance!r}, symmetric={zone.symmetric}, lines={zone.search.lines}, guesses={GUESSES})"
+        f"clearance={zone.clearance!r}, symmetric={zone.symmetric}, lines={zone.search.lines}, guesses={GUESSES[zone.search.lines]})"
     )
 
 

@@ -69,7 +69,7 @@ def source(*columns: str) -> Any:
 
 
 class ZoneChart:
-    """Zones with their boundaries, the chosen point, the pointer's, and the line of the diagram."""
+    """Zones with their boundaries, the chosen point, and the line of the diagram."""
 
     def __init__(self) -> None:
         self.plot = plot = blank(
@@ -99,8 +99,6 @@ class ZoneChart:
         self.line = source("x", "y")
         plot.line("x", "y", source=self.line, line_color="#222222", line_width=2, line_dash="2 3")
         plot.scatter("x", "y", source=self.line, marker="square", size=7, color="#222222")
-        self.pointer = source("x", "y")
-        plot.scatter("x", "y", source=self.pointer, marker="cross", size=16, line_color="#222222")
         self.point = source("x", "y")
         plot.scatter(
             "x", "y", source=self.point, marker="circle_cross", size=15, line_color="#000000",

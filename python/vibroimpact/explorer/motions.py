@@ -52,7 +52,7 @@ def quick(
     >>> [(shown.label, shown.motion.stable) for shown in quick(osc, 0.94, 37.0)][:2]
     [('2/1 RL', True), ('2/1 RL', True)]
     """
-    found = find(osc, r, clearance, 5, 1, guesses=24, states=0, releases=8)
+    found = find(osc, r, clearance, 5, 1, guesses=12, states=0, releases=8)
     more = [*_from_zones(osc, r, clearance, zones), *_followed(osc, r, clearance, known)]
     return ordered([*found, *more], kept)
 

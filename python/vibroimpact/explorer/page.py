@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from importlib.resources import files
@@ -74,6 +75,7 @@ class Session:
         self.explorer = Explorer(state)
         self.faults += self.explorer.restore()
         self.zones, self.search, self.sweep = Latest(), Latest(), Latest()
+        self.coarse = threading.Event()
         self.chart, self.history, self.circle, self.diagram = ZoneChart(), History(), Circle(), Diagram()
         self.bridge = Bridge(self.heard, width=0, height=0)
         self.document = pn.state.curdoc
@@ -87,12 +89,13 @@ class Session:
         """Answer a message, whatever comes of it."""
         kind, number = str(message.get("kind")), message.get("number")
         answer: dict[str, Any] = {}
-        try:
-            answer = getattr(self, f"on_{kind}")(message) or {}
-            answer.setdefault("fault", "")
-        except VibroimpactError as error:
-            answer = {"fault": str(error), **self.summary()}
-        self.bridge.tell(number=number, **answer)
+        with pn.io.hold(self.document):
+            try:
+                answer = getattr(self, f"on_{kind}")(message) or {}
+                answer.setdefault("fault", "")
+            except VibroimpactError as error:
+                answer = {"fault": str(error), **self.summary()}
+            self.bridge.tell(number=number, **answer)
 
     def on_ready(self, _: dict[str, Any]) -> dict[str, Any]:
         """The page is there."""
@@ -123,13 +126,11 @@ class Session:
         """The pointer is somewhere: show the motions there, without choosing the point."""
         r, clearance = message["r"], message["clearance"]
         shown = self.explorer.peek(r, clearance)
-        self.chart.pointer.data = {"x": [r], "y": [clearance]}
         self.draw_motion(shown[0].motion if shown else None)
         return {"table": rows(shown, 0), "place": self.place(r, clearance, shown), "peek": True}
 
     def on_unpeek(self, _: dict[str, Any]) -> dict[str, Any]:
         """The pointer has left."""
-        self.chart.pointer.data = {"x": [], "y": []}
         self.drawn = ()
         return self.summary()
 
@@ -189,6 +190,7 @@ class Session:
         wanted = (state.osc, state.window, state.patterns)
         if getattr(self, "zones_of", None) != wanted:
             self.zones_of = wanted
+            self.coarse.clear()
             self.zones.submit(self.compute_zones)
         point = (state.osc, state.r, state.clearance)
         if getattr(self, "searched_at", None) != point:
@@ -234,6 +236,7 @@ class Session:
                 pool.map(lambda item: compute(state.osc, item, state.window, COARSE), named)
             )
         self.show_zones(state, dict(zip(named, zones, strict=True)), "refining …")
+        self.coarse.set()
         fine = {}
         for family in named:
             if not current():
@@ -260,9 +263,11 @@ class Session:
 
     def compute_motions(self, current: Current) -> None:
         """The fuller search at the point."""
+        self.coarse.wait(10)  # zones first: they are what a slider is watched for
+        if not current():
+            return
         state, kept = self.explorer.state, self.explorer.shown
         found = fuller(state.osc, state.r, state.clearance, kept)
-        end = settles_on(self.trajectory) if self.trajectory is not None else ""
 
         def show() -> dict[str, Any] | None:
             if not current():
@@ -274,7 +279,6 @@ class Session:
                 self.drawn = ()
             return self.summary()
 
-        del end
         self.later(show)
 
     def compute_diagram(self, current: Current) -> None:

@@ -14,10 +14,9 @@ from .state import pattern_text
 
 __all__ = ["COARSE", "FINE", "Family", "compute", "families"]
 
-#: Lattice lines: few find nearly all of it in a fifth of the time.
+#: Lattice lines, and with them the guesses at a node, as of `zone`: few find nearly all in a sixth of the time.
 COARSE, FINE = 5, 17
-#: Guesses at a node, as of `zone`.
-GUESSES = 12
+GUESSES = {COARSE: 4, FINE: 12}
 
 
 class Family(NamedTuple):
@@ -52,4 +51,4 @@ def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
 @lru_cache(maxsize=500)
 def compute(osc: Oscillator, family: Family, window: Window, lines: int) -> Zone:
     """The zone of a family; what was computed lately is remembered."""
-    return zone(osc, family.pattern, *window, family.symmetric, lines, GUESSES)
+    return zone(osc, family.pattern, *window, family.symmetric, lines, GUESSES[lines])
