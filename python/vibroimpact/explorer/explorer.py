@@ -15,7 +15,7 @@ from ..newton import exact, last_period
 from ..studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from ..studies.zone import Zone
 from ..trajectory import Trajectory, simulate
-from .motions import Shown, quick
+from .motions import Shown, ordered, quick
 from .recipe import recipe_of, start_of
 from .state import Run, State
 from .zones import Family
@@ -69,6 +69,10 @@ class Explorer:
         self.shown = quick(
             state.osc, state.r, state.clearance, self.zones.values(), [] if here else known, kept
         )
+
+    def learn(self, found: list[Shown]) -> None:
+        """Take what a fuller search at the point has found, beside what has been added meanwhile."""
+        self.shown = ordered((item.motion for item in self.shown), found)
 
     def peek(self, r: float, clearance: float) -> list[Shown]:
         """The motions at another point, quickly."""
@@ -202,9 +206,7 @@ class Explorer:
 def simulate_run(state: State) -> Trajectory:
     """The simulation of a state that has one."""
     run = state.run or Run()
-    return simulate(
-        state.osc, state.r, state.clearance, run.cycles, run.state, discard=run.discard
-    )
+    return simulate(state.osc, state.r, state.clearance, run.cycles, run.state, discard=run.discard)
 
 
 def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:

@@ -75,9 +75,7 @@ def _motion_keys(shown: Shown) -> tuple[str, str]:
         )
     # no &motion starts from a state: its events over the same time
     state = ", ".join(f"{name} = {v!r}" for name, v in zip(NEEDED, recipe.numbers, strict=True))
-    return "simulate", (
-        f"clearance = {clearance!r}, cycles = {3 * recipe.pattern.cycles}, {state}"
-    )
+    return "simulate", (f"clearance = {clearance!r}, cycles = {3 * recipe.pattern.cycles}, {state}")
 
 
 def _zone_keys(zone: Zone) -> str:
@@ -142,15 +140,15 @@ def _motion_call(shown: Shown) -> str:
     if recipe.kind == "phases":
         return f'vi.exact(osc, r, clearance, ({list(recipe.numbers)!r}, vi.Pattern("{sides}", {cycles})))'
     state = dict(zip(NEEDED, recipe.numbers, strict=True))
-    return (
-        f"vi.exact(osc, r, clearance, vi.simulate(osc, r, clearance, cycles={3 * cycles}, state={state!r}))"
-    )
+    run = f"vi.simulate(osc, r, clearance, cycles={3 * cycles}, state={state!r})"
+    return f"vi.exact(osc, r, clearance, {run})"
 
 
 def _zone_call(zone: Zone) -> str:
+    lines = zone.search.lines
     return (
         f'vi.zone(osc, vi.Pattern("{zone.pattern.sides}", {zone.pattern.cycles}), r={zone.r!r}, '
-        f"clearance={zone.clearance!r}, symmetric={zone.symmetric}, lines={zone.search.lines}, guesses={GUESSES[zone.search.lines]})"
+        f"clearance={zone.clearance!r}, symmetric={zone.symmetric}, lines={lines}, guesses={GUESSES[lines]})"
     )
 
 
@@ -163,6 +161,4 @@ def _diagram_call(line: tuple[float, float, float, float]) -> str:
     if a > c:
         a, b, c, d = c, d, a, b
     other = repr(b) if b == d else f"np.geomspace({b!r}, {d!r}, {VALUES})"
-    return (
-        f'diagram = vi.bifurcation_diagram(osc, "r", np.linspace({a!r}, {c!r}, {VALUES}), clearance={other})'
-    )
+    return f'diagram = vi.bifurcation_diagram(osc, "r", np.linspace({a!r}, {c!r}, {VALUES}), clearance={other})'

@@ -27,11 +27,14 @@ __all__ = ["Circle", "Diagram", "History", "ZoneChart", "dashes"]
 #: Colours darker than those of the plots where they are text or thin lines on white.
 GREY = "#595959"
 #: What tells the page's script of the pointer.
-TELL = "window.vibroimpact && window.vibroimpact.pointer(name, cb_obj.event_name, cb_obj.x, cb_obj.y)"
+TELL = (
+    "window.vibroimpact && window.vibroimpact.pointer(name, cb_obj.event_name, cb_obj.x, cb_obj.y)"
+)
 
 
 def dashes(kind: str) -> tuple[list[int], str]:
     """Dash and colour of a type of boundary, in pixels."""
+    line: Any
     line, shade = LINES[kind]
     pattern = [] if line == "-" else [max(1, round(2 * length)) for length in line[1]]
     return pattern, {"0.4": GREY, "0.8": "#CCCCCC"}.get(str(shade), str(shade))
@@ -89,7 +92,12 @@ class ZoneChart:
             self.lines[kind] = source("xs", "ys")
             dash, shade = dashes(kind)
             plot.multi_line(
-                "xs", "ys", source=self.lines[kind], line_color=shade, line_dash=value(dash), line_width=2
+                "xs",
+                "ys",
+                source=self.lines[kind],
+                line_color=shade,
+                line_dash=value(dash),
+                line_width=2,
             )
         self.labels = source("x", "y", "text")
         plot.text(
@@ -104,6 +112,11 @@ class ZoneChart:
             "x", "y", source=self.point, marker="circle_cross", size=15, line_color="#000000",
             line_width=2, fill_color="#FFFFFF", fill_alpha=0.8,
         )  # fmt: skip
+
+    def mark(self, r: float, clearance: float, line: Any) -> None:
+        """The chosen point, and the line or None."""
+        self.point.data = {"x": [r], "y": [clearance]}
+        self.line.data = {"x": [], "y": []} if line is None else {"x": line[::2], "y": line[1::2]}
 
     def draw(self, shapes: dict[str, Any], window: Any) -> None:
         """Zones in a window."""
@@ -184,14 +197,22 @@ class Circle:
         self.plot.match_aspect = True
         # what the axes follow, so that the circle stays round in any frame
         self.plot.scatter([-1.9, 1.9], [-1.9, 1.9], alpha=0)
-        self.plot.circle(0, 0, radius=1, fill_color=style.PRIMARY, fill_alpha=0.06, line_color="#222222")
+        self.plot.circle(
+            0, 0, radius=1, fill_color=style.PRIMARY, fill_alpha=0.06, line_color="#222222"
+        )
         self.points = source("x", "y", "marker", "text", "align")
         self.plot.scatter(
             "x", "y", source=self.points, marker="marker", size=10, line_color=style.FREE,
             fill_color=style.FREE, line_width=2,
         )  # fmt: skip
         self.plot.text(
-            "x", "y", "text", source=self.points, text_align="align", y_offset=-8, text_font_size="12px"
+            "x",
+            "y",
+            "text",
+            source=self.points,
+            text_align="align",
+            y_offset=-8,
+            text_font_size="12px",
         )
 
     def draw(self, motion: Any) -> None:

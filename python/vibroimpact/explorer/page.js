@@ -3,7 +3,7 @@ export function render({ model }) {
   const at = (id) => document.getElementById(id)
   const all = (selector) => [...document.querySelectorAll(selector)]
   const waiting = new Map()
-  let busy = 0, sent = 0, shown = null, dragged = null, settled = null
+  let busy = 0, sent = 0, peeking = false, dragged = null, touched = false
 
   function ask(kind, message = {}) {
     const old = waiting.get(kind)
@@ -25,12 +25,11 @@ export function render({ model }) {
   model.on("msg:custom", (told) => {
     if (told.number) {
       busy = 0
-      if (told.fault !== undefined) fault(told.fault)
     }
-    if (told.peek === false && shown && shown.peek && !told.number) {
-      settled = told // the pointer is over the chart: for later
-    } else if (told.table) {
-      shown = told
+    if (told.fault !== undefined) fault(told.fault)
+    // while the pointer is over the chart, what is found for the chosen point waits until it has left
+    if (told.table && (told.peek || told.number || !peeking)) {
+      peeking = told.peek
       table(told)
       at("place").textContent = told.place
       at("where").textContent = told.peek ? "under the pointer" : ""
@@ -42,7 +41,7 @@ export function render({ model }) {
     if (told.query !== undefined) {
       history.replaceState(null, "", location.pathname + (told.query ? "?" + told.query : ""))
     }
-    if (told.searched !== undefined) at("searched").textContent = told.searched
+    if (told.searched !== undefined && (told.peek || !peeking)) at("searched").textContent = told.searched
     if (told.run !== undefined) at("ran").textContent = told.run
     if (told.line !== undefined) reveal(told.line)
     if (told.diagram !== undefined) at("windows").textContent = told.diagram
@@ -143,7 +142,7 @@ export function render({ model }) {
   window.vibroimpact = {
     pointer(figure, event, x, y) {
       if (figure === "portrait") return ask("launch", { y: x, y_dot: y })
-      if (event === "mousemove" && !dragged) ask("peek", { r: x, clearance: y })
+      if (event === "mousemove" && !dragged && !touched) ask("peek", { r: x, clearance: y })
       if (event === "mouseleave") {
         waiting.delete("peek")
         ask("unpeek")
@@ -159,6 +158,10 @@ export function render({ model }) {
       }
     },
     idle: () => !busy && waiting.size === 0,
+  }
+  // a finger has no place until it taps
+  for (const event of ["pointerdown", "pointermove"]) {
+    document.addEventListener(event, (e) => { touched = e.pointerType === "touch" }, true)
   }
   all("[data-slider]").forEach((slider) => slider.addEventListener("input", () => {
     ask("set", { words: { [slider.dataset.slider]: slider.value } })
@@ -179,7 +182,9 @@ export function render({ model }) {
       ask("step", { right, up })
     } else if (event.key.toLowerCase() === "l") {
       const value = (name) => Number(document.querySelector(`[data-field="${name}"]`).value)
-      ask("line", { from: [value("r"), value("clearance_min")], to: [value("r"), value("clearance_max")] })
+      ask("line", event.shiftKey
+        ? { from: [value("r_min"), value("clearance")], to: [value("r_max"), value("clearance")] }
+        : { from: [value("r"), value("clearance_min")], to: [value("r"), value("clearance_max")] })
     } else if (event.key === "Escape") ask("erase")
     else return
     event.preventDefault()

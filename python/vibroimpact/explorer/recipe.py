@@ -42,7 +42,7 @@ class Recipe:
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> recipe = Recipe.read("RL/1/phases/0.0,4.3")
     >>> recipe.solve(osc, 0.94, 37.0)
-    <Motion RL/1 at r = 0.94, d K/F0 = 37: consistent, admissible, stable (max|lambda| = 0.9328, complex)>
+    <Motion RL/1 at r = 0.94, d K/F0 = 37: consistent, admissible, stable (max|lambda| = 0.9348, complex)>
     """
 
     pattern: Pattern

@@ -287,7 +287,9 @@ def bifurcation_diagram(
         starts = np.stack([_start(osc, table[:, o[0]], load, state) for o in order], axis=1)
         parameters = np.stack([table[:, o] for o in order], axis=2)
         settled = settle_chains(parameters, load, starts, settling, keep, points, workers, KICK)
-    return _assembled(osc, parameter, along, (fixed["r"], fixed["clearance"], load), runs, order, settled)
+    return _assembled(
+        osc, parameter, along, (fixed["r"], fixed["clearance"], load), runs, order, settled
+    )
 
 
 def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> float | _Array:
