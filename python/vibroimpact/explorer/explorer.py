@@ -153,7 +153,7 @@ class Explorer:
 
     def move(self, r: float, clearance: float) -> None:
         """Choose another point."""
-        self.change(replace(self.state, r=r, clearance=clearance))
+        self.change(replace(self.state, r=float(r), clearance=float(clearance)))
 
     def step(self, right: float, up: float) -> None:
         """Move the point by parts of the window, within it."""
@@ -190,7 +190,7 @@ class Explorer:
     def draw_line(self, ends: tuple[float, float, float, float]) -> None:
         """Take a line for the diagram; one that nearly runs along an axis runs along it."""
         (r0, r1), (d0, d1) = self.state.window
-        a, b, c, d = ends
+        a, b, c, d = map(float, ends)
         b, d = min(max(b, d0), d1), min(max(d, d0), d1)
         a, c = min(max(a, r0), r1), min(max(c, r0), r1)
         across, up = abs(c - a) / (r1 - r0), abs(math.log(d / b)) / math.log(d1 / d0)

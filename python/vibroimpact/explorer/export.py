@@ -40,8 +40,12 @@ def as_namelist(explorer: Explorer) -> str:
     done: set[str] = set()
     for shown in explorer.shown:
         group, keys = _motion_keys(shown)
-        if keys not in done:  # both equispaced motions are one case
+        if keys not in done:
             done.add(keys)
+            if shown.recipe.kind == "equispaced":
+                lines.append(
+                    "! both equispaced motions are one case; those that are admissible are shown"
+                )
             lines += _group(group, keys) + _output(f"motion_{len(done)}")
     if state.run is not None:
         run = state.run

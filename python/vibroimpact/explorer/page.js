@@ -38,7 +38,7 @@ export function render({ model }) {
     if (told.zones) families(told.zones)
     if (told.status !== undefined) at("status").textContent = told.status
     if (told.fields) fields(told.fields)
-    if (told.query !== undefined) {
+    if (told.number && told.query !== undefined) {
       history.replaceState(null, "", location.pathname + (told.query ? "?" + told.query : ""))
     }
     if (told.searched !== undefined && (told.peek || !peeking)) at("searched").textContent = told.searched

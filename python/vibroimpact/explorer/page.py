@@ -73,12 +73,20 @@ def page() -> Any:
     ]  # fmt: skip
     document = pn.state.curdoc
     bridge = Bridge(width=0, height=0)
-    session = Session(urlencode(words), document, bridge.tell)
+
+    def at_once(work: Callable[[], None]) -> None:
+        """Do some work as one patch of the page: what is told comes with what is drawn."""
+        with pn.io.hold(document):
+            work()
+
+    def at_its_turn(work: Callable[[], None]) -> None:
+        if document.session_context is not None:  # else the page has been closed
+            document.add_next_tick_callback(lambda: at_once(work))
+
+    session = Session(urlencode(words), bridge.tell, at_its_turn)
 
     def heard(message: dict[str, Any]) -> None:
-        # one patch of the page, however much is drawn
-        with pn.io.hold(document):
-            session.heard(message)
+        at_once(lambda: session.heard(message))
 
     bridge.heard = heard
     template = pn.Template(_text("page.html"))

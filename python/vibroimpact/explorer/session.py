@@ -16,7 +16,7 @@ from .figures import Circle, Diagram, History, ZoneChart
 from .latest import Current, Latest
 from .motions import Shown, fuller
 from .shapes import color, zone_shapes
-from .state import NUMBERS, WINDOW, Run, State, joined, pattern_text
+from .state import NUMBERS, WINDOW, Run, State, joined, number_text, pattern_text
 from .zones import COARSE, FINE, compute, families
 
 __all__ = ["Session"]
@@ -36,17 +36,22 @@ class Session:
     ----------
     query : str
         Of the link.
-    document
-        The page's models; its `add_next_tick_callback` is how a thread comes back to the page.
     tell : callable
         Sends a message to the page's script.
+    at_its_turn : callable
+        Does some work on the page when it is the page's turn: how a thread comes back.
     """
 
-    def __init__(self, query: str, document: Any, tell: Callable[..., None]) -> None:
+    def __init__(
+        self,
+        query: str,
+        tell: Callable[..., None],
+        at_its_turn: Callable[[Callable[[], None]], None],
+    ) -> None:
         state, self.faults = State.read(query)
         self.explorer = Explorer(state)
         self.faults += self.explorer.restore()
-        self.document, self.tell = document, tell
+        self.tell, self.at_its_turn = tell, at_its_turn
         self.chart, self.history, self.circle, self.diagram = (
             ZoneChart(), History(), Circle(), Diagram(),
         )  # fmt: skip
@@ -236,8 +241,7 @@ class Session:
             if answer is not None:
                 self.tell(**answer)
 
-        if self.document.session_context is not None:
-            self.document.add_next_tick_callback(tell)
+        self.at_its_turn(tell)
 
     def compute_zones(self, current: Current) -> None:
         """All zones coarsely, which is told at once; then finely, unless something else is wanted by then."""
@@ -324,9 +328,9 @@ class Session:
         run = explorer.start()
         return {
             "query": state.query,
-            "fields": {name: number(getattr(state, name)) for name in (*NUMBERS, *WINDOW)}
+            "fields": {name: number_text(getattr(state, name)) for name in (*NUMBERS, *WINDOW)}
             | {"patterns": " ".join(map(pattern_text, state.patterns))}
-            | {f"run_{name}": number(value) for name, value in vars(run).items()},
+            | {f"run_{name}": number_text(value) for name, value in vars(run).items()},
             "table": rows(explorer.shown, -1 if running else explorer.index),
             "place": self.place(state.r, state.clearance, explorer.shown),
             "searched": self.searched,
@@ -356,11 +360,6 @@ class Session:
         )
         count = f"{len(shown)} motion{'s' * (len(shown) != 1)}, {stable} stable"
         return f"r = {r:.5g}, dK/F₀ = {clearance:.5g}: {count}; {within}"
-
-
-def number(value: float) -> str:
-    """All its digits, whole numbers without a point."""
-    return repr(float(value)).removesuffix(".0")
 
 
 def run_text(trajectory: Trajectory) -> str:

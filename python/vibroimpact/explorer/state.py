@@ -191,10 +191,17 @@ def _text(value: Any) -> str:
     if isinstance(value, Recipe):
         return value.text
     if isinstance(value, Run):
-        return ",".join(repr(getattr(value, item.name)) for item in fields(value))
+        return ",".join(number_text(getattr(value, item.name)) for item in fields(value))
     if isinstance(value, tuple):
-        return ",".join(pattern_text(v) if isinstance(v, Pattern) else repr(v) for v in value)
-    return str(value)
+        return ",".join(map(_text, value))
+    if isinstance(value, Pattern):
+        return pattern_text(value)
+    return value if isinstance(value, str) else number_text(value)
+
+
+def number_text(value: float) -> str:
+    """All its digits, whole numbers without a point."""
+    return repr(float(value)).removesuffix(".0")
 
 
 def pattern_text(pattern: Pattern) -> str:
