@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.command import main
 from vibroimpact.errors import MissingExtraError, ParameterError
 from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
 from vibroimpact.explorer.export import as_namelist, as_python
@@ -96,7 +97,8 @@ def test_a_change_that_is_refused_changes_nothing():
 
 
 @pytest.mark.parametrize(("r", "clearance", "walls"), [
-    (0.94, 37.0, (0.75, 0.75)), (1.04, 25.0, (0.75, 0.75)), (0.9, 6.0, (0.75, 0.61)), (1.1, 9.0, (0.6, 0.6))])  # fmt: skip
+    (0.94, 37.0, (0.75, 0.75)), (1.04, 25.0, (0.75, 0.75)), (0.9, 6.0, (0.75, 0.61)),
+    (1.1, 9.0, (0.6, 0.6))])  # fmt: skip
 def test_recipes_give_the_same_bits(r, clearance, walls):
     """Every motion that is shown is what its recipe makes, and all that `find` finds are shown."""
     osc = vi.Oscillator(0.0114, 0.028, walls)
@@ -275,17 +277,6 @@ def test_motions_without_phases_have_a_recipe():
 # -- the command
 
 
-def explore(*words, **options):
-    """Run `vibroimpact explore` to its end."""
-    return subprocess.run(
-        [COMMAND, "explore", "--no-browser", *words],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        **options,
-    )
-
-
 @pytest.mark.parametrize("address", ["0.0.0.0", "192.168.1.1", "example.org", "::"])
 def test_only_this_machine(address):
     """Nothing else than a loopback address is taken."""
@@ -293,17 +284,18 @@ def test_only_this_machine(address):
         loopback(address)
 
 
-def test_bad_options_are_named():
+def test_bad_options_are_named(capsys):
     """An address of the network, and a port that is taken or no port: status 2 and one line."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = str(taken.getsockname()[1])
         for words in (["--port", port], ["--port", "70000"], ["--address", "0.0.0.0"]):
-            done = explore(*words)
-            assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-            assert f"{words[0]} " in done.stderr
-            assert words[1] in done.stderr
+            status = main(["explore", "--no-browser", *words])
+            out, err = capsys.readouterr()
+            assert (status, out, err.count("\n")) == (2, "", 1)
+            assert f"{words[0]} " in err
+            assert words[1] in err
 
 
 def test_missing_extra(monkeypatch):
@@ -432,7 +424,8 @@ class Page:
         return self.page.evaluate(
             """([figure, key]) => {
               for (const root of Bokeh.documents[0].roots()) {
-                const plot = root.select_one ? [...root.references()].find(m => m.name === figure && Array.isArray(m.renderers)) : null
+                const plot = root.select_one ? [...root.references()].find(
+                  m => m.name === figure && Array.isArray(m.renderers)) : null
                 if (!plot) continue
                 for (const renderer of plot.renderers)
                   if (renderer.data_source && key in renderer.data_source.data)
@@ -620,7 +613,7 @@ def test_share_link_restores_everything(page):
             place=page.text("place"), windows=page.text("windows"), zones=page.text("families"),
             curves=[page.data("history", key) for key in ("t", "x", "z")],
             impacts=page.data("diagram", "x"),
-            chosen=page.page.locator("#table input:checked").evaluate("e => e.parentElement.innerText"),
+            chosen=page.page.locator("#table tr.chosen td").first.inner_text(),
         )  # fmt: skip
 
     before = seen()

@@ -164,6 +164,7 @@ class History:
             "portrait", ("tap",), x_axis_label="Y = Z − X  (F₀/K)", y_axis_label="dY/dt  (ωF₀/K)",
             x_range=Range1d(0, 1), y_range=Range1d(0, 1),
         )  # fmt: skip
+        self.portrait.xaxis.ticker.desired_num_ticks = 4
         self.walls = [
             Span(dimension="height", line_color=style.PRIMARY, line_dash=[5, 3]) for _ in range(2)
         ]

@@ -28,7 +28,7 @@ SLIDERS = (
 #: Fields of a simulation: name, symbol.
 RUN_FIELDS = (
     ("x", "X", "F₀/K"), ("x_dot", "Ẋ", "ωF₀/K"), ("z", "Z", "F₀/K"), ("z_dot", "Ż", "ωF₀/K"),
-    ("t", "t", "1/ω"), ("cycles", "shown", "load cycles"), ("discard", "before", "load cycles"),
+    ("t", "t", "1/ω"), ("cycles", "shown", "cycles"), ("discard", "before", "cycles"),
 )  # fmt: skip
 
 
@@ -75,9 +75,13 @@ def page() -> Any:
     bridge = Bridge(width=0, height=0)
 
     def at_once(work: Callable[[], None]) -> None:
-        """Do some work as one patch of the page: what is told comes with what is drawn."""
-        with pn.io.hold(document):
+        """Do some work as one patch of the page: what is told comes behind what is drawn."""
+        # Bokeh's own hold keeps patches in order; panel's can send a later one first
+        document.hold("combine")
+        try:
             work()
+        finally:
+            document.unhold()
 
     def at_its_turn(work: Callable[[], None]) -> None:
         if document.session_context is not None:  # else the page has been closed

@@ -26,6 +26,8 @@ _Array = NDArray[np.float64]
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
 #: A vertex is kept after so much of the window or of a turn (radians).
 STRIDE, TURN = 0.01, 0.05
+#: Width and height of a zone's name, in parts of the window.
+LABEL = (0.15, 0.06)
 
 
 def thinned(points: _Array, window: Window) -> _Array:
@@ -74,23 +76,32 @@ def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
                 lines[piece.type]["ys"].append(points[:, 1])
         place = label_place(light)
         if place is not None:
-            for name, value in zip(("x", "y", "text"), (*place, family.name), strict=True):
+            for name, value in zip(("x", "y", "text"), (*place, family.short), strict=True):
                 labels[name].append(value)
     return {"fills": fills, "lines": lines, "labels": labels}
 
 
 def label_place(zone: Zone) -> tuple[float, float] | None:
-    """Where a name fits into a zone: in its thickest part, not at the edge of the window; None if it is thin."""
-    r = np.linspace(*zone.r, 41)[6:-6]
+    """Where a name fits into a zone: where it is thick and wide, as parts of the window; None if it is thin."""
+    r = np.linspace(*zone.r, 61)
     clearance = np.geomspace(*zone.clearance, 101)
     inside = zone.contains(r[:, None], clearance[None, :])
-    best, thick = None, 3
-    for i, column in enumerate(inside):
-        edges = np.flatnonzero(np.diff(np.r_[False, column, False].astype(int))).reshape(-1, 2)
-        for low, high in edges.tolist():
-            if high - low > thick:
-                best, thick = (float(r[i]), float(clearance[(low + high - 1) // 2])), high - low
+    best, most = None, 0.5
+    for i in range(8, 53):
+        for low, high in _runs(inside[i]):
+            j = (low + high - 1) // 2
+            wide = next(b - a for a, b in _runs(inside[:, j]) if a <= i < b)
+            room = min((high - low) / (100 * LABEL[1]), wide / (60 * LABEL[0]))
+            if room > most:
+                best, most = (float(r[i]), float(clearance[j])), room
     return best
+
+
+def _runs(row: NDArray[np.bool_]) -> list[list[int]]:
+    """First and past the last of each run of True."""
+    edges = np.flatnonzero(np.diff(np.r_[False, row, False].astype(int))).reshape(-1, 2)
+    runs: list[list[int]] = edges.tolist()
+    return runs
 
 
 def color(i: int) -> str:

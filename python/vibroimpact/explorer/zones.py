@@ -27,9 +27,14 @@ class Family(NamedTuple):
 
     @property
     def name(self) -> str:
-        """As it stands in the chart and in the legend."""
+        """As it stands in the legend."""
         kind = {True: " symmetric", False: " unsymmetric", None: ""}[self.symmetric]
         return pattern_text(self.pattern) + kind
+
+    @property
+    def short(self) -> str:
+        """As it stands in the chart."""
+        return self.name.replace("metric", ".")
 
 
 def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
