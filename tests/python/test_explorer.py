@@ -575,7 +575,8 @@ def test_names_for_screen_readers(page):
     page.open("patterns=RL&line=0.9,10,1.1,10")
     nameless = page.page.evaluate(
         """[...document.querySelectorAll('input, button, textarea, summary, [role=img], #chart')]
-        .filter(e => !(e.labels?.length || e.ariaLabel || e.textContent.trim() || e.getAttribute('aria-labelledby')))
+        .filter(e => !(e.labels?.length || e.ariaLabel || e.textContent.trim()
+                       || e.getAttribute('aria-labelledby')))
         .map(e => e.outerHTML)"""
     )
     assert nameless == []
