@@ -56,7 +56,7 @@ class Session:
             ZoneChart(), History(), Circle(), Diagram(),
         )  # fmt: skip
         self.zones, self.search, self.rest, self.sweep = Latest(), Latest(), Latest(), Latest()
-        self.coarse = threading.Event()
+        self.fine, self.coarse = Latest(), threading.Event()
         self.trajectory: Trajectory | None = None
         self.peeking, self.searched, self.ran = False, "", ""
         #: What the zones, the motions, the diagram and the figures of the motion were made for.
@@ -244,7 +244,7 @@ class Session:
         self.at_its_turn(tell)
 
     def compute_zones(self, current: Current) -> None:
-        """All zones coarsely, which is told at once; then finely, unless something else is wanted by then."""
+        """All zones coarsely, which is shown at once; finely afterwards."""
         state = self.explorer.state
         named = list(families(state.osc, state.patterns))
         with ThreadPoolExecutor(2) as pool:
@@ -253,19 +253,24 @@ class Session:
             )
         self.show_zones(state, dict(zip(named, zones, strict=True)), "refining …")
         self.coarse.set()
+        self.fine.submit(lambda _: self.refine_zones(state))
+
+    def refine_zones(self, state: State) -> None:
+        """The zones finely, unless something else is wanted by then: a call of the core cannot be stopped."""
         fine = {}
-        for family in named:
-            if not current():
+        for family in families(state.osc, state.patterns):
+            if self.zones_of != (state.osc, state.window, state.patterns):
                 return
             fine[family] = compute(state.osc, family, state.window, FINE)
-        if current():
-            self.show_zones(state, fine, "")
+        self.show_zones(state, fine, "")
 
     def show_zones(self, state: State, zones: Any, status: str) -> None:
         """Draw zones that a thread has computed."""
         shapes = zone_shapes(zones)
 
-        def draw() -> dict[str, Any]:
+        def draw() -> dict[str, Any] | None:
+            if status == "" and self.zones_of != (state.osc, state.window, state.patterns):
+                return None
             self.explorer.zones = zones
             self.chart.draw(shapes, state.window)
             self.explorer.look()  # the zones may know of motions that were not found
