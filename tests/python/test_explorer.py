@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.command import main
+from vibroimpact.commands.explore import EXAMPLE
 from vibroimpact.errors import MissingExtraError, ParameterError
 from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
 from vibroimpact.explorer.export import as_namelist, as_python
@@ -33,6 +34,7 @@ COMMAND = Path(sys.executable).parent / "vibroimpact"
 RUN = Run(0.1, 2.0, -3.0, 4.0, 5.5, 6.0, 2.0)
 #: One state with everything in it, at a point where there is rest, and one where there are many motions.
 STATES = {
+    "start": State(run=RUN, line=(1.04, 5.0, 1.04, 60.0)),
     "rest": State(R2=0.61, r=0.9, clearance=6.0, run=RUN, line=(0.85, 3.0, 0.95, 9.0)),
     "many": State(r=0.96, clearance=20.0, patterns=(vi.Pattern("RL"), vi.Pattern("RRL")),
                   run=RUN, show="run", line=(0.96, 5.0, 0.96, 60.0)),
@@ -251,6 +253,7 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
             (rests if case.kind == "simulate" else found).extend(
                 [case.trajectory()] if case.kind == "simulate" else case.motions()
             )
+    assert sum(motion.admissible for motion in found) + len(rests) == len(explorer.shown)
     for item in explorer.shown:
         if item.recipe.kind == "state":
             assert any(
@@ -318,8 +321,12 @@ def started(*words):
 
 
 def test_interrupt_ends_it():
-    """Ctrl-C is how it ends: status 0 and nothing on stderr; it listens on loopback alone."""
-    process, url = started()
+    """Ctrl-C is how it ends: status 0 and nothing on stderr; it listens on loopback alone.
+
+    It is started as the example of the help says, but for the port.
+    """
+    assert EXAMPLE.split()[:4] == ["vibroimpact", "explore", "--port", "5006"]
+    process, url = started(*EXAMPLE.split()[4:])
     assert url.startswith("http://127.0.0.1:")
     port = int(url.rstrip("/").rsplit(":", 1)[1])
     if Path("/proc/net/tcp").exists():

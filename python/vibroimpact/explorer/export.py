@@ -27,6 +27,7 @@ def as_namelist(explorer: Explorer) -> str:
     &system
       xi = 0.0114, mu = 0.028, restitution = 0.75, 0.75, r = 1.04
     /
+    ! both equispaced motions are one case; those that are admissible are shown
     &motion
       kind = 'equispaced', cycles = 1, clearance = 25.0
     ...
@@ -39,7 +40,7 @@ def as_namelist(explorer: Explorer) -> str:
         lines.append("! a namelist has no bifurcation diagram; copy as Python has it")
     done: set[str] = set()
     for shown in explorer.shown:
-        group, keys = _motion_keys(shown)
+        group, keys = _motion_keys(shown, state.clearance)
         if keys not in done:
             done.add(keys)
             if shown.recipe.kind == "equispaced":
@@ -65,9 +66,9 @@ def _output(name: str) -> list[str]:
     return _group("output", f"name = 'explorer_{name}'")
 
 
-def _motion_keys(shown: Shown) -> tuple[str, str]:
-    """The group of a motion, and its keys."""
-    recipe, clearance = shown.recipe, shown.motion.clearance
+def _motion_keys(shown: Shown, clearance: float) -> tuple[str, str]:
+    """The group of a motion, and its keys; the clearance of a motion itself has been rounded."""
+    recipe = shown.recipe
     cycles = f"cycles = {recipe.pattern.cycles}"
     if recipe.kind == "equispaced":
         return "motion", f"kind = 'equispaced', {cycles}, clearance = {clearance!r}"
