@@ -177,6 +177,17 @@ def test_holes_stay_empty():
     ]
 
 
+def test_what_is_known_is_kept():
+    """Looking again at a point keeps the motions there as they are; elsewhere they are followed."""
+    explorer = Explorer(State())
+    explorer.learn(fuller(explorer.state.osc, 1.04, 25.0, explorer.shown))
+    before = explorer.shown
+    explorer.look()
+    assert [item.recipe for item in explorer.shown] == [item.recipe for item in before]
+    explorer.move(1.0401, 25.0)
+    assert {item.label for item in before} <= {item.label for item in explorer.shown}
+
+
 def test_lines_snap_and_are_clipped():
     """A line that nearly runs along an axis does; one outside the window ends at its edge."""
     explorer = Explorer(State())

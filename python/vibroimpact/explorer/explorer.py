@@ -57,6 +57,8 @@ class Explorer:
     def __init__(self, state: State) -> None:
         self.state = state
         self.shown: list[Shown] = []
+        #: The oscillator, r and clearance that they were found at.
+        self.shown_at: Any = None
         self.zones: dict[Family, Zone] = {}
         self.look()
 
@@ -64,7 +66,8 @@ class Explorer:
         """Find the motions at the point, beside those known there."""
         state = self.state
         known = [item.motion for item in self.shown]
-        here = known and _place(known[0]) == (state.osc, state.r, state.clearance)
+        place = (state.osc, state.r, state.clearance)
+        here, self.shown_at = place == self.shown_at, place
         kept = self.shown if here else []
         self.shown = quick(
             state.osc, state.r, state.clearance, self.zones.values(), [] if here else known, kept
@@ -239,7 +242,3 @@ def along(state: State) -> tuple[str, Any, Any]:
     if a > c:
         a, b, c, d = c, d, a, b
     return "r", np.linspace(a, c, VALUES), b if b == d else np.geomspace(b, d, VALUES)
-
-
-def _place(motion: Motion) -> tuple[Any, float, float]:
-    return motion.osc, motion.r, motion.clearance

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import logging
 import signal
 import socket
 from collections.abc import Callable
@@ -77,6 +78,8 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
     # handled by the loop, so that an interrupt never falls into the middle of a message
     for number_of in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_of, lambda *_: loop.add_callback_from_signal(loop.stop))
+    # a page that is closed while it is being told something is no fault
+    logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
     server.start()
     ready(url)
     if show:
