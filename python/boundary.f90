@@ -659,7 +659,7 @@ subroutine bifurcation(n, runs, xi, mu, walls, r, clearance, load, place, tied, 
    !f2py threadsafe
    integer(c_int), intent(in) :: n, runs, place, tied, directions(runs), started, settling, keep, &
       points, threads
-   real(c_double), intent(in) :: xi, mu, walls(2), r, clearance, load, along(n), start(5)
+   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(n), load, along(n), start(5)
    real(c_double), intent(out) :: impacts(7, points, n, runs), extremes(2, n, runs)
    integer(c_int), intent(out) :: labels(2, points, n, runs), found(n, runs), &
       periods(4, n, runs), status(n, runs)

@@ -18,7 +18,9 @@ module vi_attractor_diagram
    !> A system of which one parameter varies.
    type, public :: path_type
       type(oscillator_type) :: osc
-      real(wp) :: r = 0, clearance = 0, load = 1
+      !> One each, or one for each value.
+      real(wp), allocatable :: r(:), clearance(:)
+      real(wp) :: load = 1
       !> The parameter: 1 to 6 for r, D, xi, mu, R1, R2; 5 and tied for both walls.
       integer :: place = 0
       logical :: tied = .false.
@@ -85,10 +87,13 @@ contains
       type(path_type), intent(in) :: path
       integer, intent(in) :: direction
       real(wp) :: c(6, size(path%values))
-      integer :: n
+      integer :: i, n
 
       n = size(path%values)
-      c = spread([path%r, path%clearance, path%osc%xi, path%osc%mu, path%osc%restitution], 2, n)
+      do i = 1, n
+         c(:, i) = [path%r(min(i, size(path%r))), path%clearance(min(i, size(path%clearance))), &
+            path%osc%xi, path%osc%mu, path%osc%restitution]
+      end do
       c(path%place, :) = path%values
       if (path%tied) c(6, :) = path%values
       if (direction < 0) c = c(:, n:1:-1)

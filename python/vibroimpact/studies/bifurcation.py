@@ -48,8 +48,9 @@ class BifurcationDiagram(Result):
     parameter : str
     values : ndarray (n,)
         Of the parameter, rising.
-    r, clearance, load : float
-        Those that are not swept.
+    r, clearance : float or ndarray (n,)
+        The one that is not swept.
+    load : float
     runs : list of str
         "up", "down", or "state 1", ...: the first index of the arrays below.
     cycles, letters, impacts, rests : ndarray (runs, n) of int
@@ -67,8 +68,8 @@ class BifurcationDiagram(Result):
     osc: Oscillator
     parameter: str
     values: _Array
-    r: float
-    clearance: float
+    r: float | _Array
+    clearance: float | _Array
     load: float
     runs: list[str]
     cycles: NDArray[np.int32]
@@ -141,8 +142,10 @@ class BifurcationDiagram(Result):
         for name in ("index", "side", *COLUMNS):
             data[f"impact_{name}"] = ("impact", self.points[name])
         data["impact_run"] = ("impact", self.points["run"])
-        coordinates = {"run": self.runs, self.parameter: self.values}
+        coordinates: dict[str, Any] = {"run": self.runs, self.parameter: self.values}
         fixed = {name: getattr(self, name) for name in ("r", "clearance") if name != self.parameter}
+        for name in [name for name, value in fixed.items() if np.ndim(value)]:
+            coordinates[name] = (self.parameter, fixed.pop(name))
         return xarray().Dataset(data, coordinates, fixed | {"load": self.load})
 
     def plot(self, ax: Any = None, quantity: str = "x") -> Any:
@@ -174,8 +177,8 @@ def bifurcation_diagram(
     osc: Oscillator,
     parameter: str,
     values: ArrayLike,
-    r: float | None = None,
-    clearance: float | None = None,
+    r: ArrayLike | None = None,
+    clearance: ArrayLike | None = None,
     sweep: str = "both",
     states: int = 12,
     state: Mapping[str, float] | None = None,
@@ -198,8 +201,9 @@ def bifurcation_diagram(
         "restitution" changes both walls.
     values : array_like
         At least two.
-    r, clearance : float
-        The ones that are not `parameter`.
+    r, clearance : float or array_like
+        The ones that are not `parameter`: a number, or one for each of `values` (which rise then), for a
+        line across the plane.
     sweep : {"up", "down", "both", "states"}
     states : int
         Initial states of "states", spread evenly.
@@ -240,10 +244,10 @@ def bifurcation_diagram(
     along = np.unique(checks.real_array(values, "values", "numbers"))
     if along.size < 2:
         raise ParameterError(f"values = {values!r}: must be at least two different numbers")
-    fixed = {}
+    fixed: dict[str, float | _Array] = {}
     for name, value in (("r", r), ("clearance", clearance)):
         if name != parameter:
-            fixed[name] = checks.number(value, name)
+            fixed[name] = _beside(value, name, along, values)
         elif value is not None:
             raise ParameterError(f"{name} = {value!r}: must be left out, it is the parameter")
         else:
@@ -260,12 +264,12 @@ def bifurcation_diagram(
     )
     start = np.zeros(5)
     if state is not None:
-        ends = along if parameter == "clearance" else [fixed["clearance"]] * 2
+        ends = along if parameter == "clearance" else np.broadcast_to(fixed["clearance"], along.shape)
         for run, clearance_there in zip(("up", "down"), (ends[0], ends[-1]), strict=True):
             if run in runs:
                 start = one_state(state, float(clearance_there))
     impacts, labels, found, periods, extremes, status = _core.bifurcation(
-        osc.xi, osc.mu, osc.restitution, fixed["r"], fixed["clearance"], load,
+        osc.xi, osc.mu, osc.restitution, *(np.broadcast_to(x, along.shape) for x in fixed.values()), load,
         5 if parameter == "restitution" else PARAMETERS.index(parameter) + 1,
         parameter == "restitution", along, [DIRECTIONS.get(run, 0) for run in runs],
         state is not None, start, settling, keep, points, workers,
@@ -276,6 +280,20 @@ def bifurcation_diagram(
         osc, parameter, along, fixed["r"], fixed["clearance"], load, runs, cycles, letters, counts,
         rests, x_min, x_max, status.T, _impacts(impacts, labels[1], found),
     )  # fmt: skip
+
+
+def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> float | _Array:
+    """The parameter that is not swept: a number, or one for each value."""
+    if np.ndim(value) == 0:
+        return checks.number(value, name)
+    array = checks.real_array(value, name, "numbers")
+    if array.shape != along.shape or not np.array_equal(along, values):
+        raise ParameterError(
+            f"{name} of shape {array.shape}: must be a number, or one for each of values, which have to rise then"
+        )
+    for item in (array.min(), array.max()):
+        checks.number(float(item), name)
+    return array
 
 
 def _impacts(values: _Array, sides: NDArray[np.int32], found: NDArray[np.int32]) -> NDArray[Any]:

@@ -1,0 +1,48 @@
+"""`vibroimpact explore`: the live explorer in a browser on this machine."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..errors import ParameterError
+
+HELP = "explore zones and motions live, in a browser"
+DESCRIPTION = """Serve a page on this machine, and open it: the zones of stable motions over frequency ratio and
+clearance follow the sliders, the motions follow the pointer; simulations, bifurcation diagrams, links, namelists.
+It ends with Ctrl-C. Needs the extra `explorer`: pip install 'vibroimpact[explorer]'."""
+EXAMPLE = "vibroimpact explore --port 5006 --no-browser"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Where to serve, and whether to open a browser."""
+    parser.add_argument(
+        "--port", type=int, default=5006, metavar="N",
+        help="port of the page (default: 5006; 0: any that is free)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--address", default="127.0.0.1", metavar="A",
+        help="a loopback address, which only this machine reaches (default: 127.0.0.1)",
+    )  # fmt: skip
+    browser = parser.add_mutually_exclusive_group()
+    browser.add_argument(
+        "--show", dest="show", action="store_true", default=True, help="open a browser (default)"
+    )
+    browser.add_argument(
+        "--no-browser", dest="show", action="store_false", help="only tell the page's address"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Serve until Ctrl-C, which is how it ends: status 0."""
+    from ..explorer.server import serve
+
+    if not 0 <= options.port <= 65535:
+        raise ParameterError(f"--port {options.port}: must be a whole number from 0 to 65535")
+    serve(options.address, options.port, options.show, tell)
+    print("ended")
+    return 0
+
+
+def tell(url: str) -> None:
+    """Say where the page is."""
+    print(f"explorer: {url}   (Ctrl-C ends it)", flush=True)

@@ -1,0 +1,244 @@
+"""What the explorer knows and does, without a page."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import ParameterError, SingularError, VibroimpactError
+from ..find import same
+from ..motion import Motion
+from ..newton import exact, last_period
+from ..studies.bifurcation import BifurcationDiagram, bifurcation_diagram
+from ..studies.zone import Zone
+from ..trajectory import Trajectory, simulate
+from .motions import Shown, ordered, quick
+from .recipe import recipe_of, start_of
+from .state import Run, State
+from .zones import Family
+
+__all__ = ["Explorer", "settles_on"]
+
+#: Values along the line of a bifurcation diagram.
+VALUES = 161
+#: A line this near to an axis, in parts of the window, runs along it.
+SNAP = 0.02
+#: What a change of the state touches.
+SYSTEM = ("xi", "mu", "R1", "R2")
+POINT = ("r", "clearance")
+
+
+class Explorer:
+    """The state, and the motions, the zones and the simulation that follow from it.
+
+    Attributes
+    ----------
+    state : State
+    shown : list of Shown
+        The motions at the point, as far as they are known.
+    zones : dict
+        Of each family, as they were last computed.
+
+    Examples
+    --------
+    >>> from vibroimpact.explorer.explorer import Explorer
+    >>> from vibroimpact.explorer.state import State
+    >>> explorer = Explorer(State())
+    >>> explorer.chosen.label, explorer.chosen.motion.stable
+    ('2/1 RL, symmetric', True)
+    >>> explorer.step(0.1, 0)
+    >>> round(explorer.state.r, 10)
+    1.08
+    """
+
+    def __init__(self, state: State) -> None:
+        self.state = state
+        self.shown: list[Shown] = []
+        #: The oscillator, r and clearance that they were found at.
+        self.shown_at: Any = None
+        self.zones: dict[Family, Zone] = {}
+        self.look()
+
+    def look(self) -> None:
+        """Find the motions at the point, beside those known there."""
+        state = self.state
+        known = [item.motion for item in self.shown]
+        place = (state.osc, state.r, state.clearance)
+        here, self.shown_at = place == self.shown_at, place
+        kept = self.shown if here else []
+        self.shown = quick(
+            state.osc, state.r, state.clearance, self.zones.values(), [] if here else known, kept
+        )
+
+    def learn(self, found: list[Shown]) -> None:
+        """Take what a fuller search at the point has found, beside what has been added meanwhile."""
+        self.shown = ordered((item.motion for item in self.shown), found)
+
+    def peek(self, r: float, clearance: float) -> list[Shown]:
+        """The motions at another point, quickly."""
+        there = replace(self.state, r=r, clearance=clearance, motion=None)
+        known = [item.motion for item in self.shown]
+        return quick(there.osc, r, clearance, self.zones.values(), known)
+
+    @property
+    def index(self) -> int:
+        """Which of the motions is the chosen one; -1 if there is none."""
+        recipe, state = self.state.motion, self.state
+        if recipe is None or not self.shown:
+            return 0 if self.shown else -1
+        for i, item in enumerate(self.shown):
+            if item.recipe == recipe:
+                return i
+        try:
+            wanted = recipe.solve(state.osc, state.r, state.clearance)
+        except (ArithmeticError, ValueError):
+            return 0
+        return next((i for i, item in enumerate(self.shown) if same(item.motion, wanted)), 0)
+
+    @property
+    def chosen(self) -> Shown | None:
+        """The chosen motion."""
+        return self.shown[self.index] if self.shown else None
+
+    def restore(self) -> list[str]:
+        """Add the chosen motion of a link where no search has found it; what is wrong with it."""
+        state = self.state
+        if state.motion is None:
+            return []
+        try:
+            motion = state.motion.solve(state.osc, state.r, state.clearance)
+            if not motion.admissible:
+                raise SingularError("the motion would pass through a wall")
+        except (ArithmeticError, ValueError) as error:
+            fault = f"motion = {state.motion.text!r}: is not there at this point ({error})"
+            self.state = replace(state, motion=None)
+            return [fault]
+        if not any(same(motion, item.motion) for item in self.shown):
+            self.shown.append(Shown(motion, state.motion))
+        return []
+
+    def change(self, state: State) -> None:
+        """Take another state; a chosen motion is followed to it."""
+        before, chosen = self.state, self.chosen
+        moved = any(getattr(state, name) != getattr(before, name) for name in (*SYSTEM, *POINT))
+        self.state = state
+        if not moved:
+            return
+        if state.motion is not None and state.motion == before.motion and chosen is not None:
+            self.state = replace(state, motion=None)
+            self.look()
+            self._follow(chosen.motion)
+        else:
+            self.look()
+
+    def _follow(self, motion: Motion) -> None:
+        """Choose the motion that another one leads to here, if it leads to any."""
+        state = self.state
+        try:
+            near = exact(state.osc, state.r, state.clearance, motion)
+        except SingularError:
+            return
+        found = recipe_of(near) if near.admissible and near.consistent else None
+        if found is None:
+            return
+        match = [item for item in self.shown if same(item.motion, found[1])]
+        if not match:
+            match = [Shown(found[1], found[0])]
+            self.shown.append(match[0])
+        self.state = replace(state, motion=match[0].recipe)
+
+    def set(self, words: dict[str, str]) -> None:
+        """Change some fields from text; ParameterError leaves the state as it was."""
+        self.change(self.state.changed(words))
+
+    def move(self, r: float, clearance: float) -> None:
+        """Choose another point."""
+        self.change(replace(self.state, r=float(r), clearance=float(clearance)))
+
+    def step(self, right: float, up: float) -> None:
+        """Move the point by parts of the window, within it."""
+        (r0, r1), (d0, d1) = self.state.window
+        r = min(max(self.state.r + right * (r1 - r0), r0), r1)
+        clearance = min(max(self.state.clearance * (d1 / d0) ** up, d0), d1)
+        self.move(r, clearance)
+
+    def choose(self, index: int) -> None:
+        """Show one of the motions."""
+        self.state = replace(self.state, motion=self.shown[index].recipe, show="motion")
+
+    def let_run(self, run: Run) -> Trajectory:
+        """Simulate; an error leaves the state as it was."""
+        trajectory = simulate_run(replace(self.state, run=run))
+        self.state = replace(self.state, run=run, show="run")
+        return trajectory
+
+    def launch(self, y: float, y_dot: float) -> Trajectory:
+        """Simulate from a place in the portrait: the primary mass as in the chosen motion's first impact."""
+        half = 0.5 * self.state.clearance
+        run = self.start()
+        place = min(max(y, -half), half)
+        return self.let_run(replace(run, z=run.x + place, z_dot=run.x_dot + y_dot))
+
+    def start(self) -> Run:
+        """The run as it is set, or one from the chosen motion."""
+        run = self.state.run or Run()
+        chosen = self.chosen
+        if self.state.run is None and chosen is not None:
+            run = replace(run, **start_of(chosen.motion))
+        return run
+
+    def draw_line(self, ends: tuple[float, float, float, float]) -> None:
+        """Take a line for the diagram; one that nearly runs along an axis runs along it."""
+        (r0, r1), (d0, d1) = self.state.window
+        a, b, c, d = map(float, ends)
+        b, d = min(max(b, d0), d1), min(max(d, d0), d1)
+        a, c = min(max(a, r0), r1), min(max(c, r0), r1)
+        across, up = abs(c - a) / (r1 - r0), abs(math.log(d / b)) / math.log(d1 / d0)
+        if max(across, up) < 2 * SNAP:
+            raise ParameterError("line: must be longer; drag from one end to the other")
+        if across < SNAP:
+            c = a
+        elif up < SNAP:
+            d = b
+        self.state = replace(self.state, line=(a, b, c, d))
+
+
+def simulate_run(state: State) -> Trajectory:
+    """The simulation of a state that has one."""
+    run = state.run or Run()
+    return simulate(state.osc, state.r, state.clearance, run.cycles, run.state, discard=run.discard)
+
+
+def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:
+    """What comes of a simulation in the end, in words."""
+    osc, r, clearance = trajectory.osc, trajectory.r, trajectory.clearance
+    try:
+        later = simulate(osc, r, clearance, 40, trajectory.final_state, discard=cycles)
+        if not len(later.events):
+            return f"no impacts after {cycles} more cycles"
+        period = last_period(later)
+    except VibroimpactError:
+        return f"no period of up to 16 cycles after {cycles} more cycles"
+    n, pattern = len(period.pattern), period.pattern
+    return f"settles on {n}/{pattern.cycles} {pattern.sides}"
+
+
+def diagram_of(state: State) -> BifurcationDiagram:
+    """The bifurcation diagram along the line of a state that has one."""
+    parameter, values, other = along(state)
+    fixed: dict[str, Any] = {"clearance" if parameter == "r" else "r": other}
+    return bifurcation_diagram(state.osc, parameter, values, **fixed)
+
+
+def along(state: State) -> tuple[str, Any, Any]:
+    """The parameter of the line, its values, and the other one: a number, or one for each value."""
+    assert state.line is not None
+    a, b, c, d = state.line
+    if a == c:
+        return "clearance", np.geomspace(min(b, d), max(b, d), VALUES), a
+    if a > c:
+        a, b, c, d = c, d, a, b
+    return "r", np.linspace(a, c, VALUES), b if b == d else np.geomspace(b, d, VALUES)

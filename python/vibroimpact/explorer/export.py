@@ -1,0 +1,169 @@
+"""What is shown, as a namelist and as Python: both give the same digits again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from ..studies.zone import Zone
+from ..trajectory import NEEDED
+from .explorer import VALUES, Explorer
+from .motions import Shown
+from .state import State
+from .zones import GUESSES
+
+__all__ = ["as_namelist", "as_python"]
+
+
+def as_namelist(explorer: Explorer) -> str:
+    """The motions, the simulation and the zones as a file for `vibroimpact run`.
+
+    Examples
+    --------
+    >>> from vibroimpact.explorer.explorer import Explorer
+    >>> from vibroimpact.explorer.export import as_namelist
+    >>> from vibroimpact.explorer.state import State
+    >>> print(as_namelist(Explorer(State())))  # doctest: +ELLIPSIS
+    ! What the explorer shows at ?
+    &system
+      xi = 0.0114, mu = 0.028, restitution = 0.75, 0.75, r = 1.04
+    /
+    ! both equispaced motions are one case; those that are admissible are shown
+    &motion
+      kind = 'equispaced', cycles = 1, clearance = 25.0
+    ...
+    """
+    state = explorer.state
+    lines = [f"! What the explorer shows at ?{state.query}"]
+    lines += _group("system", f"xi = {state.xi!r}, mu = {state.mu!r}, restitution = {state.R1!r}, "
+                    f"{state.R2!r}, r = {state.r!r}")  # fmt: skip
+    if state.line is not None:
+        lines.append("! a namelist has no bifurcation diagram; copy as Python has it")
+    done: set[str] = set()
+    for shown in explorer.shown:
+        group, keys = _motion_keys(shown, state.clearance)
+        if keys not in done:
+            done.add(keys)
+            if shown.recipe.kind == "equispaced":
+                lines.append(
+                    "! both equispaced motions are one case; those that are admissible are shown"
+                )
+            lines += _group(group, keys) + _output(f"motion_{len(done)}")
+    if state.run is not None:
+        run = state.run
+        start = ", ".join(f"{name} = {value!r}" for name, value in run.state.items())
+        keys = f"clearance = {state.clearance!r}, cycles = {run.cycles!r}, discard = {run.discard!r}, {start}"
+        lines += _group("simulate", keys) + _output("run")
+    for i, zone in enumerate(explorer.zones.values(), start=1):
+        lines += _group("zone", _zone_keys(zone)) + _output(f"zone_{i}")
+    return "\n".join(lines) + "\n"
+
+
+def _group(name: str, keys: str) -> list[str]:
+    return [f"&{name}", f"  {keys}", "/"]
+
+
+def _output(name: str) -> list[str]:
+    return _group("output", f"name = 'explorer_{name}'")
+
+
+def _motion_keys(shown: Shown, clearance: float) -> tuple[str, str]:
+    """The group of a motion, and its keys; the clearance of a motion itself has been rounded."""
+    recipe = shown.recipe
+    cycles = f"cycles = {recipe.pattern.cycles}"
+    if recipe.kind == "equispaced":
+        return "motion", f"kind = 'equispaced', {cycles}, clearance = {clearance!r}"
+    if recipe.kind == "phases":
+        phases = ", ".join(map(repr, recipe.numbers))
+        return "motion", (
+            f"kind = 'exact', sides = '{recipe.pattern.sides}', {cycles}, phases = {phases}, "
+            f"clearance = {clearance!r}"
+        )
+    # no &motion starts from a state: its events over the same time
+    state = ", ".join(f"{name} = {v!r}" for name, v in zip(NEEDED, recipe.numbers, strict=True))
+    return "simulate", (f"clearance = {clearance!r}, cycles = {3 * recipe.pattern.cycles}, {state}")
+
+
+def _zone_keys(zone: Zone) -> str:
+    kind = {True: "yes", False: "no", None: "both"}[zone.symmetric]
+    (r0, r1), (d0, d1) = zone.r, zone.clearance
+    return (
+        f"sides = '{zone.pattern.sides}', cycles = {zone.pattern.cycles}, symmetric = '{kind}', "
+        f"r_min = {r0!r}, r_max = {r1!r}, clearance_min = {d0!r}, clearance_max = {d1!r}, "
+        f"lines = {zone.search.lines}, guesses = {GUESSES[zone.search.lines]}"
+    )
+
+
+def as_python(explorer: Explorer) -> str:
+    """A program that computes the motions, the simulation, the diagram and the zones.
+
+    Examples
+    --------
+    >>> from vibroimpact.explorer.explorer import Explorer
+    >>> from vibroimpact.explorer.export import as_python
+    >>> from vibroimpact.explorer.state import State
+    >>> exec(as_python(Explorer(State())))  # doctest: +ELLIPSIS
+    <Motion RL/1 at r = 1.04, d K/F0 = 25: consistent, admissible, stable ...
+    """
+    state = explorer.state
+    blocks = [
+        [f"# What the explorer shows at ?{state.query}", *_imports(state), ""],
+        [
+            f"osc = vi.Oscillator(xi={state.xi!r}, mu={state.mu!r}, restitution=({state.R1!r}, {state.R2!r}))",
+            f"r, clearance = {state.r!r}, {state.clearance!r}",
+            *_list("motions", map(_motion_call, explorer.shown)),
+        ],
+    ]
+    if state.run is not None:
+        run = state.run
+        blocks.append(
+            [f"run = vi.simulate(osc, r, clearance, cycles={run.cycles!r}, state={run.state!r}, "
+             f"discard={run.discard!r})"]
+        )  # fmt: skip
+    if state.line is not None:
+        blocks.append([_diagram_call(state.line)])
+    if explorer.zones:
+        blocks.append([*_list("zones", map(_zone_call, explorer.zones.values()))])
+    blocks.append(["for motion in motions:", "    print(repr(motion))"])
+    return "\n".join(line for block in blocks for line in block) + "\n"
+
+
+def _imports(state: State) -> list[str]:
+    return (["import numpy as np"] if state.line is not None else []) + ["import vibroimpact as vi"]
+
+
+def _list(name: str, calls: Iterable[str]) -> Iterator[str]:
+    yield f"{name} = ["
+    yield from (f"    {call}," for call in calls)
+    yield "]"
+
+
+def _motion_call(shown: Shown) -> str:
+    recipe = shown.recipe
+    sides, cycles = recipe.pattern.sides, recipe.pattern.cycles
+    if recipe.kind == "equispaced":
+        return f"vi.equispaced(osc, r, clearance, cycles={cycles})[{int(recipe.numbers[0])}]"
+    if recipe.kind == "phases":
+        return f'vi.exact(osc, r, clearance, ({list(recipe.numbers)!r}, vi.Pattern("{sides}", {cycles})))'
+    state = dict(zip(NEEDED, recipe.numbers, strict=True))
+    run = f"vi.simulate(osc, r, clearance, cycles={3 * cycles}, state={state!r})"
+    return f"vi.exact(osc, r, clearance, {run})"
+
+
+def _zone_call(zone: Zone) -> str:
+    lines = zone.search.lines
+    return (
+        f'vi.zone(osc, vi.Pattern("{zone.pattern.sides}", {zone.pattern.cycles}), r={zone.r!r}, '
+        f"clearance={zone.clearance!r}, symmetric={zone.symmetric}, lines={lines}, guesses={GUESSES[lines]})"
+    )
+
+
+def _diagram_call(line: tuple[float, float, float, float]) -> str:
+    """As `diagram_of` computes it."""
+    a, b, c, d = line
+    if a == c:
+        values = f"np.geomspace({min(b, d)!r}, {max(b, d)!r}, {VALUES})"
+        return f'diagram = vi.bifurcation_diagram(osc, "clearance", {values}, r={a!r})'
+    if a > c:
+        a, b, c, d = c, d, a, b
+    other = repr(b) if b == d else f"np.geomspace({b!r}, {d!r}, {VALUES})"
+    return f'diagram = vi.bifurcation_diagram(osc, "r", np.linspace({a!r}, {c!r}, {VALUES}), clearance={other})'

@@ -1,0 +1,125 @@
+"""The motions at a point: quickly while the pointer moves, then by a fuller search."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import SingularError
+from ..find import find, mirror, reduced, same, turned
+from ..model import Oscillator
+from ..motion import Motion
+from ..newton import exact, newton
+from ..studies.conditions import is_symmetric
+from ..studies.zone import Zone
+from .recipe import Recipe, recipe_of
+
+__all__ = ["Shown", "fuller", "quick"]
+
+#: Steps from a zone's boundary to a point in it.
+STEPS = 6
+
+
+class Shown(NamedTuple):
+    """A motion, and how to compute it again."""
+
+    motion: Motion
+    recipe: Recipe
+
+    @property
+    def label(self) -> str:
+        """N/k, the sides, and whether it is its own mirror image."""
+        pattern = self.motion.pattern
+        kind = ", symmetric" if is_symmetric(self.motion) else ""
+        return f"{len(pattern)}/{pattern.cycles} {pattern.sides}{kind}"
+
+
+def quick(
+    osc: Oscillator, r: float, clearance: float, zones: Iterable[Zone] = (), known: Iterable[Motion] = (),
+    kept: Iterable[Shown] = (),
+) -> list[Shown]:  # fmt: skip
+    """Motions of up to five impacts a cycle from few guesses, from the zones here and from those known nearby.
+
+    `kept` are those known here.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> from vibroimpact.explorer.motions import quick
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> [(shown.label, shown.motion.stable) for shown in quick(osc, 0.94, 37.0)][:2]
+    [('2/1 RL', True), ('2/1 RL', True)]
+    """
+    found = find(osc, r, clearance, 5, 1, guesses=12, states=0, releases=8)
+    more = [*_from_zones(osc, r, clearance, zones), *_followed(osc, r, clearance, known)]
+    return ordered([*found, *more], kept)
+
+
+def fuller(osc: Oscillator, r: float, clearance: float, kept: Iterable[Shown] = ()) -> list[Shown]:
+    """All that `find` finds with its usual limits, beside those known here."""
+    return ordered(find(osc, r, clearance), kept)
+
+
+def ordered(motions: Iterable[Motion], kept: Iterable[Shown] = ()) -> list[Shown]:
+    """Each once, with its mirror image where the walls are alike; the stable ones first."""
+    shown = list(kept)
+    for motion in motions:
+        images = [turned(reduced(motion))]
+        if motion.osc.restitution[0] == motion.osc.restitution[1]:
+            images.append(turned(mirror(images[0])))
+        for image in images:
+            if any(same(image, other.motion) for other in shown):
+                continue
+            made = recipe_of(image)
+            if made is not None:
+                shown.append(Shown(made[1], made[0]))
+    return sorted(shown, key=_order)
+
+
+def _order(shown: Shown) -> tuple[bool, int, int, str, float]:
+    motion, pattern = shown.motion, shown.motion.pattern
+    place = -round(float(motion.X[0]) / motion.clearance, 6)
+    return not motion.stable, pattern.cycles, len(pattern), pattern.sides, place
+
+
+def _followed(
+    osc: Oscillator, r: float, clearance: float, known: Iterable[Motion]
+) -> Iterator[Motion]:
+    """Where motions at a point nearby lead."""
+    for motion in known:
+        try:
+            near = exact(osc, r, clearance, motion)
+        except SingularError:
+            continue
+        if near.admissible and near.consistent:
+            yield near
+
+
+def _from_zones(
+    osc: Oscillator, r: float, clearance: float, zones: Iterable[Zone]
+) -> Iterator[Motion]:
+    """The motions of the zones that contain a point, followed from the nearest vertex of the boundary."""
+    for zone in zones:
+        if zone.pattern.has_rest or zone.osc != osc or not zone.contains(r, clearance):
+            continue
+        r_size, d_size = np.ptp(zone.r), np.ptp(np.log(zone.clearance))
+        distances = [
+            np.hypot((piece.r - r) / r_size, np.log(piece.clearance / clearance) / d_size)
+            for piece in zone.boundary
+        ]
+        best = min(range(len(distances)), key=lambda i: float(distances[i].min()))
+        piece, j = zone.boundary[best], int(np.argmin(distances[best]))
+        x, theta = piece.x[:, j], piece.theta[:, j]
+        begin, last = float(piece.clearance[j]), None
+        try:
+            for part in np.linspace(0, 1, STEPS + 1)[1:].tolist():
+                there = begin * (clearance / begin) ** part if part < 1 else clearance
+                ratio = piece.r[j] + (r - piece.r[j]) * part if part < 1 else r
+                last = newton(osc, float(ratio), there, 1.0, zone.pattern, x * there, theta)
+                x, theta = last.X / there, last.phases + last.tau
+        except SingularError:
+            continue
+        if last is not None and last.admissible and last.consistent:
+            yield last

@@ -1,0 +1,208 @@
+// The page's script: what the reader does goes to Python as messages, one at a time, the newest of each kind.
+export function render({ model }) {
+  const at = (id) => document.getElementById(id)
+  const all = (selector) => [...document.querySelectorAll(selector)]
+  const waiting = new Map()
+  let busy = 0, sent = 0, peeking = false, dragged = null, touched = false
+
+  function ask(kind, message = {}) {
+    const old = waiting.get(kind)
+    if (kind === "set" && old) message = { words: { ...old.words, ...message.words } }
+    waiting.delete(kind)
+    waiting.set(kind, message)
+    if (kind !== "peek" && kind !== "unpeek") waiting.delete("peek")
+    next()
+  }
+  function next() {
+    if (busy || waiting.size === 0) return
+    const [kind, message] = waiting.entries().next().value
+    waiting.delete(kind)
+    busy = ++sent
+    model.send_msg({ kind, number: busy, ...message })
+  }
+
+  // -- what Python tells
+  model.on("msg:custom", (told) => {
+    if (told.number) {
+      busy = 0
+    }
+    if (told.fault !== undefined) fault(told.fault)
+    // while the pointer is over the chart, what is found for the chosen point waits until it has left
+    if (told.table && (told.peek || told.number || !peeking)) {
+      peeking = told.peek
+      table(told)
+      at("place").textContent = told.place
+      at("where").textContent = told.peek ? "under the pointer" : ""
+      at("motions").classList.toggle("peeking", told.peek)
+    }
+    if (told.zones) families(told.zones)
+    if (told.status !== undefined) at("status").textContent = told.status
+    if (told.fields) fields(told.fields)
+    if (told.number && told.query !== undefined) {
+      history.replaceState(null, "", location.pathname + (told.query ? "?" + told.query : ""))
+    }
+    if (told.searched !== undefined && (told.peek || !peeking)) at("searched").textContent = told.searched
+    if (told.run !== undefined) at("ran").textContent = told.run
+    if (told.line !== undefined) reveal(told.line)
+    if (told.diagram !== undefined) at("windows").textContent = told.diagram
+    if (told.export !== undefined) exported(told)
+    next()
+  })
+
+  function fault(text) {
+    at("fault").textContent = text
+    at("fault").hidden = !text
+  }
+  function table({ table, peek, run, running }) {
+    const lines = table.map((row, i) => line(i, row.chosen, row.stable === "stable" ? "" : "unstable", [
+      row.label, (row.stable === "stable" ? "● " : "○ ") + row.stable, row.attenuation, row.multiplier], row.kind, peek))
+    if (run && !peek) lines.unshift(line(-1, running, "", ["the simulation", "", "", ""], "", peek))
+    const focused = document.activeElement && document.activeElement.name === "motion"
+    at("table").replaceChildren(...lines)
+    if (focused) at("table").querySelector("input:checked")?.focus()
+    if (!lines.length) at("table").innerHTML = '<tr><td colspan="4">No motion with impacts was found here.</td></tr>'
+  }
+  function line(i, chosen, kind, cells, note, peek) {
+    const row = document.createElement("tr")
+    row.className = kind + (chosen ? " chosen" : "")
+    cells.forEach((text, j) => {
+      const cell = document.createElement("td")
+      if (j === 0) {
+        const label = document.createElement("label"), radio = document.createElement("input")
+        Object.assign(radio, { type: "radio", name: "motion", checked: chosen, disabled: Boolean(peek) })
+        radio.addEventListener("change", () => ask("choose", { index: i }))
+        label.append(radio, " ", text)
+        cell.append(label)
+      } else cell.textContent = text
+      if (j === 3 && note) {
+        const small = document.createElement("small")
+        small.textContent = " " + note
+        cell.append(small)
+      }
+      row.append(cell)
+    })
+    return row
+  }
+  function families(zones) {
+    at("families").replaceChildren(...zones.map(({ name, color }) => {
+      const item = document.createElement("li"), swatch = document.createElement("b")
+      swatch.className = "swatch"
+      swatch.style.background = color + "33"
+      swatch.style.borderColor = color
+      item.append(swatch, " ", name)
+      return item
+    }))
+  }
+  function fields(values) {
+    for (const [name, text] of Object.entries(values)) {
+      for (const input of all(`[data-field="${name}"], [data-run="${name.replace(/^run_/, "")}"]`)) {
+        if (name.startsWith("run_") !== ("run" in input.dataset)) continue
+        if (input !== document.activeElement || !input.dirty) input.value = text
+      }
+      for (const slider of all(`[data-slider="${name}"]`)) {
+        if (slider === document.activeElement && waiting.has("set")) continue
+        if (Number(text) > Number(slider.max)) slider.max = text
+        slider.value = text
+      }
+    }
+  }
+  function reveal(line) {
+    if (at("along").hidden === !line) return
+    at("along").hidden = !line
+    window.dispatchEvent(new Event("resize"))
+  }
+  function said(text) {
+    at("done").textContent = text
+    setTimeout(() => { if (at("done").textContent === text) at("done").textContent = "" }, 4000)
+  }
+  async function copied(text, what) {
+    try {
+      await navigator.clipboard.writeText(text)
+      said(what + " copied")
+    } catch {
+      said(what + " could not be copied; copy it by hand")
+    }
+  }
+  function exported({ form, export: text }) {
+    if (form === "namelist") {
+      const file = document.createElement("a")
+      file.href = URL.createObjectURL(new Blob([text], { type: "text/plain" }))
+      file.download = "explorer.nml"
+      file.click()
+      setTimeout(() => URL.revokeObjectURL(file.href), 10000)
+      said("explorer.nml saved")
+    } else {
+      at("export").querySelector("textarea").value = text
+      at("export").showModal()
+      copied(text, "Python")
+    }
+  }
+
+  // -- what the reader does
+  window.vibroimpact = {
+    pointer(figure, event, x, y) {
+      if (figure === "portrait") return ask("launch", { y: x, y_dot: y })
+      if (event === "mousemove" && !dragged && !touched) ask("peek", { r: x, clearance: y })
+      if (event === "mouseleave") {
+        waiting.delete("peek")
+        ask("unpeek")
+      }
+      if (event === "tap") {
+        at("chart").focus({ preventScroll: true })
+        ask("point", { r: x, clearance: y })
+      }
+      if (event === "panstart") dragged = [x, y]
+      if (event === "panend" && dragged) {
+        ask("line", { from: dragged, to: [x, y] })
+        dragged = null
+      }
+    },
+    idle: () => !busy && waiting.size === 0,
+  }
+  // a finger has no place until it taps
+  for (const event of ["pointerdown", "pointermove"]) {
+    document.addEventListener(event, (e) => { touched = e.pointerType === "touch" }, true)
+  }
+  all("[data-slider]").forEach((slider) => slider.addEventListener("input", () => {
+    ask("set", { words: { [slider.dataset.slider]: slider.value } })
+  }))
+  all("[data-field]").forEach((input) => {
+    input.addEventListener("input", () => { input.dirty = true })
+    input.addEventListener("change", () => {
+      input.dirty = false
+      ask("set", { words: { [input.dataset.field]: input.value } })
+    })
+  })
+  all("[data-run]").forEach((input) => input.addEventListener("input", () => { input.dirty = true }))
+  at("chart").addEventListener("keydown", (event) => {
+    const size = event.shiftKey ? 0.1 : 0.01
+    const steps = { ArrowLeft: [-size, 0], ArrowRight: [size, 0], ArrowUp: [0, size], ArrowDown: [0, -size] }
+    if (event.key in steps) {
+      const [right, up] = steps[event.key]
+      ask("step", { right, up })
+    } else if (event.key.toLowerCase() === "l") {
+      const value = (name) => Number(document.querySelector(`[data-field="${name}"]`).value)
+      ask("line", event.shiftKey
+        ? { from: [value("r_min"), value("clearance")], to: [value("r_max"), value("clearance")] }
+        : { from: [value("r"), value("clearance_min")], to: [value("r"), value("clearance_max")] })
+    } else if (event.key === "Escape") ask("erase")
+    else return
+    event.preventDefault()
+  })
+  at("run").addEventListener("submit", (event) => {
+    event.preventDefault()
+    const words = {}
+    for (const input of all("[data-run]")) {
+      input.dirty = false
+      words[input.dataset.run] = input.value
+    }
+    ask("run", { words })
+  })
+  at("stop").addEventListener("click", () => ask("stop"))
+  at("erase").addEventListener("click", () => ask("erase"))
+  at("namelist").addEventListener("click", () => ask("export", { form: "namelist" }))
+  at("python").addEventListener("click", () => ask("export", { form: "python" }))
+  at("link").addEventListener("click", () => copied(location.href, "Link"))
+  at("close").addEventListener("click", () => at("export").close())
+  ask("ready")
+}

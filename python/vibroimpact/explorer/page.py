@@ -1,0 +1,105 @@
+"""The page: its figures, its text and its script."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+from urllib.parse import urlencode
+
+import panel as pn
+from panel.custom import JSComponent
+
+from ..plot.style import condition_name
+from ..plot.zone import LINES
+from .figures import dashes
+from .session import Session
+
+__all__ = ["page"]
+
+#: Sliders: name, what it is, symbol, greatest value, step.
+SLIDERS = (
+    ("xi", "damping ratio", "ξ", 0.1, 0.0001),
+    ("mu", "mass ratio", "μ", 0.2, 0.001),
+    ("R1", "restitution, right wall", "R₁", 1, 0.005),
+    ("R2", "restitution, left wall", "R₂", 1, 0.005),
+)
+#: Fields of a simulation: name, symbol.
+RUN_FIELDS = (
+    ("x", "X", "F₀/K"), ("x_dot", "Ẋ", "ωF₀/K"), ("z", "Z", "F₀/K"), ("z_dot", "Ż", "ωF₀/K"),
+    ("t", "t", "1/ω"), ("cycles", "shown", "cycles"), ("discard", "before", "cycles"),
+)  # fmt: skip
+
+
+def _text(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+class Bridge(JSComponent):  # type: ignore[misc]
+    """Messages to and from the page's script."""
+
+    _esm = _text("page.js")
+    heard: Callable[[dict[str, Any]], None]
+
+    def _handle_msg(self, message: dict[str, Any]) -> None:
+        self.heard(message)
+
+    def tell(self, **message: Any) -> None:
+        """Send a message."""
+        self._send_msg(message)
+
+
+def boundary_legend() -> str:
+    """The types of boundaries, each with a piece of its line."""
+    items = []
+    for kind in LINES:
+        if kind == "window":
+            continue
+        dash, shade = dashes(kind)
+        line = (
+            f'<svg width="44" height="10" aria-hidden="true"><line x1="1" y1="5" x2="43" y2="5" '
+            f'stroke="{shade}" stroke-width="2" stroke-dasharray="{" ".join(map(str, dash))}"/></svg>'
+        )
+        items.append(f"<li>{line} {html.escape(condition_name(kind))}</li>")
+    return "".join(items)
+
+
+def page() -> Any:
+    """The page of a new session, in the state that its link holds."""
+    words = [
+        (name, values[-1].decode("utf-8", "replace"))
+        for name, values in pn.state.session_args.items() if not name.startswith("bokeh-")
+    ]  # fmt: skip
+    document = pn.state.curdoc
+    bridge = Bridge(width=0, height=0)
+
+    def at_once(work: Callable[[], None]) -> None:
+        """Do some work as one patch of the page: what is told comes behind what is drawn."""
+        # Bokeh's own hold keeps patches in order; panel's can send a later one first
+        document.hold("combine")
+        try:
+            work()
+        finally:
+            document.unhold()
+
+    def at_its_turn(work: Callable[[], None]) -> None:
+        if document.session_context is not None:  # else the page has been closed
+            document.add_next_tick_callback(lambda: at_once(work))
+
+    session = Session(urlencode(words), bridge.tell, at_its_turn)
+
+    def heard(message: dict[str, Any]) -> None:
+        at_once(lambda: session.heard(message))
+
+    bridge.heard = heard
+    template = pn.Template(_text("page.html"))
+    for name, text in (
+        ("style", _text("page.css")), ("sliders", SLIDERS), ("run_fields", RUN_FIELDS),
+        ("boundaries", boundary_legend()),
+    ):  # fmt: skip
+        template.add_variable(name, text)
+    for plot in session.plots:
+        template.add_panel(plot.name, pn.pane.Bokeh(plot, sizing_mode="stretch_both", margin=0))
+    template.add_panel("bridge", bridge)
+    return template

@@ -1,0 +1,127 @@
+"""How to compute a motion again, to the last bit: in a share link, in a namelist and in Python."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from .. import checks
+from ..errors import ParameterError, SingularError
+from ..find import same
+from ..model import Oscillator, Pattern
+from ..motion import Motion
+from ..newton import exact
+from ..solve import equispaced
+from ..studies.conditions import is_symmetric
+from ..trajectory import NEEDED, simulate
+
+__all__ = ["Recipe", "recipe_of", "start_of"]
+
+#: How a motion is computed, and how many numbers that takes (None: one an impact).
+KINDS = {"equispaced": 1, "phases": None, "state": len(NEEDED)}
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """One motion of a point (oscillator, r, clearance).
+
+    Parameters
+    ----------
+    pattern : Pattern
+    kind : {"equispaced", "phases", "state"}
+        One of the equispaced motions; the motion to which Newton's method leads from impact phases; or from
+        what follows a state.
+    numbers : tuple of float
+        Which of them; the phases; or t, x, x', z, z'.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> from vibroimpact.explorer.recipe import Recipe
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> recipe = Recipe.read("RL/1/phases/0.0,4.3")
+    >>> recipe.solve(osc, 0.94, 37.0)
+    <Motion RL/1 at r = 0.94, d K/F0 = 37: consistent, admissible, stable (max|lambda| = 0.9348, complex)>
+    """
+
+    pattern: Pattern
+    kind: str
+    numbers: tuple[float, ...]
+
+    def solve(self, osc: Oscillator, r: float, clearance: float) -> Motion:
+        """The motion; SingularError where there is none."""
+        cycles = self.pattern.cycles
+        if self.kind == "phases":
+            return exact(osc, r, clearance, (list(self.numbers), self.pattern))
+        if self.kind == "state":
+            state = dict(zip(NEEDED, self.numbers, strict=True))
+            return exact(osc, r, clearance, simulate(osc, r, clearance, 3 * cycles, state))
+        pair = equispaced(osc, r, clearance, cycles)
+        if not self.numbers[0] < len(pair):
+            raise SingularError(f"there are {len(pair)} equispaced motions here")
+        return pair[int(self.numbers[0])]
+
+    @property
+    def text(self) -> str:
+        """As it stands in a share link."""
+        numbers = ",".join(map(repr, self.numbers))
+        return f"{self.pattern.sides}/{self.pattern.cycles}/{self.kind}/{numbers}"
+
+    @classmethod
+    def read(cls, text: str) -> Recipe:
+        """The inverse of `text`."""
+        wanted = "SIDES/CYCLES/KIND/NUMBERS as a share link of the explorer has it"
+        try:
+            sides, cycles, kind, words = text.split("/")
+            pattern = Pattern(sides, int(cycles))
+            numbers = tuple(float(word) for word in words.split(","))
+        except ValueError:
+            raise ParameterError(f"motion = {text!r}: must be {wanted}") from None
+        if kind not in KINDS or len(numbers) != (KINDS[kind] or len(pattern)):
+            raise ParameterError(f"motion = {text!r}: must be {wanted}")
+        if not all(math.isfinite(number) for number in numbers):
+            raise ParameterError(f"motion = {text!r}: must hold finite numbers")
+        if kind == "equispaced" and (
+            numbers[0] not in (0, 1) or pattern.sides != "RL" or pattern.cycles % 2 == 0
+        ):
+            raise ParameterError(f"motion = {text!r}: must be number 0 or 1 of RL in odd cycles")
+        if kind == "phases":
+            checks.plain_pattern(pattern)
+            checks.phases(list(numbers), len(pattern), pattern.cycles)
+        return cls(pattern, kind, tuple(map(int, numbers)) if kind == "equispaced" else numbers)
+
+
+def recipe_of(motion: Motion) -> tuple[Recipe, Motion] | None:
+    """A recipe for a motion and what it makes of it; None if none leads back to the motion.
+
+    What is shown is what the recipe makes: the same bits as of whoever follows it.
+    """
+    for recipe in _recipes(motion):
+        try:
+            made = recipe.solve(motion.osc, motion.r, motion.clearance)
+        except (ArithmeticError, ValueError):
+            continue
+        if same(made, motion):
+            return recipe, made
+    return None
+
+
+def start_of(motion: Motion) -> dict[str, float]:
+    """The state just after the first impact of a motion, as `simulate` takes it."""
+    first = motion.events[0]
+    half = 0.5 * motion.clearance * (1 if first["side"] == "R" else -1)
+    x = float(first["x"])
+    values = (first["phase"] / motion.r, x, first["x_dot_after"], x + half, first["z_dot_after"])
+    return dict(zip(NEEDED, map(float, values), strict=True))
+
+
+def _recipes(motion: Motion) -> Iterator[Recipe]:
+    """Recipes to try, the simplest first."""
+    pattern = motion.pattern
+    if len(pattern) == 2 and is_symmetric(motion):
+        yield Recipe(Pattern("RL", pattern.cycles), "equispaced", (0,))
+        yield Recipe(Pattern("RL", pattern.cycles), "equispaced", (1,))
+    if not pattern.has_rest:
+        yield Recipe(pattern, "phases", tuple(motion.phases.tolist()))
+    yield Recipe(pattern, "state", tuple(start_of(motion).values()))

@@ -1,0 +1,108 @@
+"""The explorer's server: this machine only, and nothing from the network."""
+
+from __future__ import annotations
+
+import ipaddress
+import logging
+import signal
+import socket
+from collections.abc import Callable
+from typing import Any
+
+from ..errors import MissingExtraError, ParameterError
+
+__all__ = ["loopback", "serve"]
+
+
+def panel() -> Any:
+    """Panel with Bokeh, or an error that says how to get them."""
+    try:
+        import bokeh  # noqa: F401
+        import panel
+    except ImportError:
+        raise MissingExtraError(
+            "the explorer needs panel and bokeh: pip install 'vibroimpact[explorer]'"
+        ) from None
+    return panel
+
+
+def loopback(address: str) -> str:
+    """An address that only this machine reaches.
+
+    Examples
+    --------
+    >>> from vibroimpact.explorer.server import loopback
+    >>> loopback("localhost")
+    '127.0.0.1'
+    >>> loopback("0.0.0.0")
+    Traceback (most recent call last):
+    vibroimpact.errors.ParameterError: --address '0.0.0.0': must be localhost or a loopback address, ...
+    """
+    try:
+        number = ipaddress.ip_address("127.0.0.1" if address == "localhost" else address)
+    except ValueError:
+        number = None
+    if number is None or not number.is_loopback:
+        raise ParameterError(
+            f"--address {address!r}: must be localhost or a loopback address, as 127.0.0.1 or ::1; the explorer "
+            "is for this machine only"
+        )
+    return str(number)
+
+
+def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> None:
+    """Serve until an interrupt; `ready` is told the page's address.
+
+    Raises
+    ------
+    MissingExtraError, ParameterError
+        If panel is missing, the address is not of this machine, or the port is taken.
+    """
+    number = loopback(address)
+    pn = panel()
+    from tornado.ioloop import IOLoop
+
+    from .page import page
+
+    host = f"[{number}]" if ":" in number else number
+    port = _free(number, port)
+    loop = IOLoop.current()
+    # a page of another origin is not served
+    origins = [f"{name}:{port}" for name in (host, "localhost")]
+    server = pn.serve(
+        {"/": page}, port=port, address=number, show=False, start=False, verbose=False, loop=loop,
+        title="vibroimpact explorer", websocket_origin=origins,
+        keep_alive_milliseconds=5000,
+    )  # fmt: skip
+    url = f"http://{host}:{port}/"
+    # handled by the loop, so that an interrupt never falls into the middle of a message
+    for number_of in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number_of, lambda *_: loop.add_callback_from_signal(loop.stop))
+    # a page that is closed while it is being told something is no fault
+    logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
+    server.start()
+    ready(url)
+    if show:
+        import webbrowser
+
+        loop.add_callback(webbrowser.open, url)
+    try:
+        loop.start()
+    finally:
+        server.stop()
+
+
+def _free(address: str, port: int) -> int:
+    """The port, or any free one for 0; an error if it cannot be had."""
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((address, port))
+        except OSError as error:
+            raise ParameterError(
+                f"--port {port}: cannot be used on {address} ({str(error.strerror).lower()}); choose another "
+                "port, or 0 for any that is free"
+            ) from None
+        free: int = probe.getsockname()[1]
+        return free

@@ -1,0 +1,263 @@
+"""The whole state of the explorer, and its form in a share link."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, replace
+from typing import Any
+from urllib.parse import parse_qsl, urlencode
+
+from .. import checks
+from ..errors import ParameterError, VibroimpactError
+from ..model import Oscillator, Pattern
+from ..studies.zone import span
+from ..trajectory import NEEDED
+from .recipe import Recipe
+
+__all__ = ["Run", "State"]
+
+NUMBERS = ("xi", "mu", "R1", "R2", "r", "clearance")
+WINDOW = ("r_min", "r_max", "clearance_min", "clearance_max")
+#: Zones that are drawn at most.
+MOST_PATTERNS = 12
+
+
+@dataclass(frozen=True)
+class Run:
+    """A simulation: the state it starts from, the load cycles shown and those before them.
+
+    Numbers out of range are refused; that the state lies between the walls is seen when it runs.
+    """
+
+    t: float = 0.0
+    x: float = 0.0
+    x_dot: float = 0.0
+    z: float = 0.0
+    z_dot: float = 0.0
+    cycles: float = 12.0
+    discard: float = 0.0
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not math.isfinite(value):
+                raise ParameterError(f"{item.name} = {value!r}: must be a finite number")
+        for name, most in (("cycles", 200), ("discard", 20_000)):
+            value = getattr(self, name)
+            if not 0 <= value <= most or (name == "cycles" and value == 0):
+                sign = "<" if name == "cycles" else "<="
+                raise ParameterError(
+                    f"{name} = {value!r}: must be a number with 0 {sign} {name} <= {most}"
+                )
+
+    @property
+    def state(self) -> dict[str, float]:
+        """The initial state as `simulate` takes it."""
+        return {name: getattr(self, name) for name in NEEDED}
+
+
+@dataclass(frozen=True)
+class State:
+    """Everything that the page shows follows from this.
+
+    Parameters
+    ----------
+    xi, mu, R1, R2, r, clearance : float
+        The system and the chosen point.
+    r_min, r_max, clearance_min, clearance_max : float
+        The window of the zone chart.
+    patterns : tuple of Pattern
+        Whose zones are drawn.
+    motion : Recipe or None
+        The chosen motion, or the first one in the table.
+    run : Run or None
+    show : {"motion", "run"}
+        What the history and the portrait show.
+    line : (r, clearance, r, clearance) or None
+        The ends of the line of the bifurcation diagram.
+
+    Examples
+    --------
+    >>> from vibroimpact.explorer.state import State
+    >>> State(xi=0.02, r=0.97).query
+    'xi=0.02&r=0.97'
+    >>> state, faults = State.read("xi=0.02&mu=lots&r=0.97")
+    >>> state.xi, state.mu, state.r
+    (0.02, 0.028, 0.97)
+    >>> faults
+    ["mu = 'lots': must be a number with 0 <= mu <= 1e+06"]
+    """
+
+    xi: float = 0.0114
+    mu: float = 0.028
+    R1: float = 0.75
+    R2: float = 0.75
+    r: float = 1.04
+    clearance: float = 25.0
+    r_min: float = 0.8
+    r_max: float = 1.2
+    clearance_min: float = 2.0
+    clearance_max: float = 200.0
+    patterns: tuple[Pattern, ...] = tuple(
+        Pattern(sides) for sides in ("RL", "RRL", "RLL", "RRLL", "RRRL", "RLLL")
+    )
+    motion: Recipe | None = None
+    run: Run | None = None
+    show: str = "motion"
+    line: tuple[float, float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for name in NUMBERS:
+            kind = "restitution" if name in ("R1", "R2") else name
+            checks.number(getattr(self, name), kind, name)
+        r = span((self.r_min, self.r_max), "r")
+        span((self.clearance_min, self.clearance_max), "clearance")
+        checks.frequency_ratio(self.r, self.xi)
+        if self.xi == 0 and r[0] <= 1 <= r[1]:
+            raise ParameterError(
+                f"xi = 0: must be above 0 while the window, r = {r[0]:g} to {r[1]:g}, contains 1"
+            )
+        if not 1 <= len(self.patterns) <= MOST_PATTERNS:
+            raise ParameterError(
+                f"patterns: must be 1 to {MOST_PATTERNS}, there are {len(self.patterns)}"
+            )
+        for pattern in self.patterns:
+            if len(pattern) > 8 or pattern.cycles > 4:
+                raise ParameterError(
+                    f"patterns = {pattern.sides}/{pattern.cycles}: must have at most 8 letters and 4 cycles"
+                )
+        checks.choice(self.show, "show", ("motion", "run"))
+        if self.line is not None:
+            for value, name in zip(self.line, ("r", "clearance") * 2, strict=True):
+                checks.number(value, name, f"{name} of the line")
+            if self.line[:2] == self.line[2:]:
+                raise ParameterError(f"line = {self.line!r}: must have two different ends")
+            if self.xi == 0 and min(self.line[::2]) <= 1 <= max(self.line[::2]):
+                raise ParameterError(f"line = {self.line!r}: must not pass r = 1 when xi = 0")
+
+    @property
+    def osc(self) -> Oscillator:
+        """The system."""
+        return Oscillator(self.xi, self.mu, (self.R1, self.R2))
+
+    @property
+    def window(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Of r and clearance."""
+        return (self.r_min, self.r_max), (self.clearance_min, self.clearance_max)
+
+    @property
+    def query(self) -> str:
+        """What differs from the state at the start, as the query of a link."""
+        start = State()
+        words = {
+            item.name: _text(getattr(self, item.name))
+            for item in fields(self)
+            if getattr(self, item.name) != getattr(start, item.name)
+        }
+        return urlencode(words, safe="/,*")
+
+    def changed(self, words: dict[str, str]) -> State:
+        """The state with some fields read from text; ParameterError if that is no state."""
+        return replace(self, **{name: _value(name, text) for name, text in words.items()})
+
+    @classmethod
+    def read(cls, query: str) -> tuple[State, list[str]]:
+        """The state that a link holds, and what is wrong with it; the rest of it is kept."""
+        state, faults = cls(), []
+        words = dict(parse_qsl(query, keep_blank_values=True))
+        good = {}
+        for name, text in words.items():
+            try:
+                good[name] = _value(name, text)
+            except VibroimpactError as error:
+                faults.append(str(error))
+        try:
+            return replace(state, **good), faults
+        except VibroimpactError:
+            pass  # something does not go with the rest: one by one, ends of a window together
+        groups = [WINDOW[:2], WINDOW[2:], *((name,) for name in good if name not in WINDOW)]
+        for group in groups:
+            some = {name: good[name] for name in group if name in good}
+            try:
+                state = replace(state, **some)
+            except VibroimpactError as error:
+                faults.append(str(error))
+        return state, faults
+
+
+def _text(value: Any) -> str:
+    """A field as it stands in a link."""
+    if isinstance(value, Recipe):
+        return value.text
+    if isinstance(value, Run):
+        return ",".join(number_text(getattr(value, item.name)) for item in fields(value))
+    if isinstance(value, tuple):
+        return ",".join(map(_text, value))
+    if isinstance(value, Pattern):
+        return pattern_text(value)
+    return value if isinstance(value, str) else number_text(value)
+
+
+def number_text(value: float) -> str:
+    """All its digits, whole numbers without a point."""
+    return repr(float(value)).removesuffix(".0")
+
+
+def pattern_text(pattern: Pattern) -> str:
+    """Sides, and the load cycles if they are several."""
+    return pattern.sides if pattern.cycles == 1 else f"{pattern.sides}/{pattern.cycles}"
+
+
+def _value(name: str, text: str) -> Any:
+    """A field from its text."""
+    if name in (*NUMBERS, *WINDOW):
+        return _number(text, name)
+    if name == "patterns":
+        return tuple(dict.fromkeys(_pattern(word) for word in text.replace(",", " ").split()))
+    if name == "show":
+        return text
+    if name == "motion":
+        return Recipe.read(text) if text else None
+    if name in ("run", "line"):
+        if not text:
+            return None
+        words, count = text.split(","), len(fields(Run)) if name == "run" else 4
+        if len(words) != count:
+            raise ParameterError(f"{name} = {text!r}: must be {count} numbers with commas between")
+        numbers = tuple(_finite(word, name) for word in words)
+        return Run(*numbers) if name == "run" else numbers
+    names = ", ".join(item.name for item in fields(State))
+    raise ParameterError(f"{name} = {text!r}: is no part of the explorer's state; must be {names}")
+
+
+def _pattern(word: str) -> Pattern:
+    sides, slash, cycles = word.partition("/")
+    if slash and not cycles.isdecimal():
+        raise ParameterError(f"patterns = {word!r}: must be SIDES or SIDES/CYCLES, as RL/2")
+    return Pattern(sides, int(cycles) if slash else 1)
+
+
+def _number(text: str, name: str) -> float:
+    kind = {"R1": "restitution", "R2": "restitution"}.get(name, name.removesuffix("_min"))
+    kind = kind.removesuffix("_max")
+    try:
+        value = float(text)
+    except ValueError:
+        raise ParameterError(f"{name} = {text!r}: must be {checks.allowed(kind, name)}") from None
+    return checks.number(value, kind, name)
+
+
+def _finite(text: str, name: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ParameterError(f"{name}: {text!r} must be a finite number")
+    return value
+
+
+def joined(faults: Iterable[str]) -> str:
+    """One message of several."""
+    return "; ".join(faults)

@@ -1,0 +1,59 @@
+"""The zones of the chart: which motions have one, coarse first and then fine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+from ..model import Oscillator, Pattern
+from ..studies.atlas import standard
+from ..studies.conditions import can_be_symmetric
+from ..studies.zone import Window, Zone, zone
+from .state import pattern_text
+
+__all__ = ["COARSE", "FINE", "Family", "compute", "families"]
+
+#: Lattice lines, and with them the guesses at a node, as of `zone`: few find nearly all in a sixth of the time.
+COARSE, FINE = 5, 17
+GUESSES = {COARSE: 4, FINE: 12}
+
+
+class Family(NamedTuple):
+    """Motions that have one zone."""
+
+    pattern: Pattern
+    symmetric: bool | None
+
+    @property
+    def name(self) -> str:
+        """As it stands in the legend."""
+        kind = {True: " symmetric", False: " unsymmetric", None: ""}[self.symmetric]
+        return pattern_text(self.pattern) + kind
+
+    @property
+    def short(self) -> str:
+        """As it stands in the chart."""
+        return self.name.replace("metric", ".")
+
+
+def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
+    """The families of some patterns: symmetric motions have a zone of their own, mirror images one together.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> from vibroimpact.explorer.zones import families
+    >>> patterns = [vi.Pattern("RL"), vi.Pattern("RRL"), vi.Pattern("RLL")]
+    >>> [family.name for family in families(vi.Oscillator(0.01, 0.03, 0.75), patterns)]
+    ['RL symmetric', 'RL unsymmetric', 'RRL']
+    """
+    for pattern in dict.fromkeys(standard(pattern, osc) for pattern in patterns):
+        kinds = (True, False) if can_be_symmetric(osc, pattern) else (None,)
+        yield from (Family(pattern, kind) for kind in kinds)
+
+
+@lru_cache(maxsize=500)
+def compute(osc: Oscillator, family: Family, window: Window, lines: int) -> Zone:
+    """The zone of a family; what was computed lately is remembered."""
+    return zone(osc, family.pattern, *window, family.symmetric, lines, GUESSES[lines])

@@ -1,0 +1,727 @@
+"""The explorer: its state and exports without a page, then the page itself in a real browser."""
+
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.command import main
+from vibroimpact.commands.explore import EXAMPLE
+from vibroimpact.errors import MissingExtraError, ParameterError
+from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
+from vibroimpact.explorer.export import as_namelist, as_python
+from vibroimpact.explorer.motions import fuller, quick
+from vibroimpact.explorer.recipe import Recipe, recipe_of
+from vibroimpact.explorer.server import loopback, panel
+from vibroimpact.explorer.shapes import thinned, zone_shapes
+from vibroimpact.explorer.state import Run, State
+from vibroimpact.explorer.zones import COARSE, FINE, compute, families
+from vibroimpact.find import same
+from vibroimpact.plot.zone import LINES
+from vibroimpact.run import read_namelist
+from vibroimpact.studies.geometry import signed_area
+
+COMMAND = Path(sys.executable).parent / "vibroimpact"
+RUN = Run(0.1, 2.0, -3.0, 4.0, 5.5, 6.0, 2.0)
+#: One state with everything in it, at a point where there is rest, and one where there are many motions.
+STATES = {
+    "start": State(run=RUN, line=(1.04, 5.0, 1.04, 60.0)),
+    "rest": State(R2=0.61, r=0.9, clearance=6.0, run=RUN, line=(0.85, 3.0, 0.95, 9.0)),
+    "many": State(r=0.96, clearance=20.0, patterns=(vi.Pattern("RL"), vi.Pattern("RRL")),
+                  run=RUN, show="run", line=(0.96, 5.0, 0.96, 60.0)),
+}  # fmt: skip
+
+
+# -- the state and its link
+
+
+@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+def test_a_link_holds_the_whole_state(state):
+    """Every field comes back, bit for bit, also the chosen motion."""
+    explorer = Explorer(state)
+    explorer.choose(len(explorer.shown) - 1)
+    explorer.let_run(RUN)
+    state = explorer.state
+    again, faults = State.read(state.query)
+    assert (again, faults) == (state, [])
+    other = Explorer(again)
+    assert other.restore() == []
+    assert other.index == explorer.index
+    assert other.chosen.motion.X.tolist() == explorer.chosen.motion.X.tolist()
+
+
+@pytest.mark.parametrize(("query", "word"), [
+    ("xi=lots", "xi = 'lots'"), ("mu=-1", "mu = -1.0"), ("R1=1.5", "R1 = 1.5"), ("r=nan", "r = nan"),
+    ("clearance=0", "clearance = 0.0"), ("r_min=1.3", "r = (1.3, 1.2)"), ("patterns=RX", "sides = 'RX'"),
+    ("patterns=RL/x", "patterns = 'RL/x'"), ("patterns=", "patterns"), ("line=1,2,3", "line = '1,2,3'"),
+    ("line=1,2,1,2", "line = (1.0, 2.0, 1.0, 2.0)"), ("run=1,2", "run = '1,2'"), ("show=all", "show = 'all'"),
+    ("run=0,0,0,0,inf,1,0", "run: 'inf'"), ("run=0,0,0,0,0,0,0", "cycles = 0.0"), ("colour=red", "colour = 'red'"),
+    ("motion=RL/1/phases/0", "motion = 'RL/1/phases/0'"), ("motion=RL/2/equispaced/0", "number 0 or 1"),
+    ("xi=0", "xi = 0")])  # fmt: skip
+def test_a_bad_part_of_a_link_is_named_and_the_rest_kept(query, word):
+    """One fault for it, and every other part of the link as it was."""
+    state, faults = State.read(
+        f"{query}&mu=0.05&R2=0.5" if "mu" not in query else f"{query}&R2=0.5"
+    )
+    assert len(faults) == 1
+    assert word in faults[0]
+    assert state.R2 == 0.5
+    assert replace(state, R2=0.75, mu=0.028) == State()
+
+
+def test_a_motion_that_is_not_there_is_named():
+    """A link whose motion does not exist at its point restores everything else."""
+    explorer = Explorer(State(clearance=200.0, motion=Recipe.read("RL/1/equispaced/0")))
+    (fault,) = explorer.restore()
+    assert "RL/1/equispaced/0" in fault
+    assert explorer.state == State(clearance=200.0)
+
+
+def test_a_change_that_is_refused_changes_nothing():
+    """Errors name the field, and the state is the one before."""
+    explorer = Explorer(State())
+    for words in ({"xi": "2"}, {"r": "1", "xi": "0"}, {"run": "0,0,0,99,0,5,0"}):
+        with pytest.raises(ParameterError):
+            explorer.set(words) if "run" not in words else explorer.let_run(Run(z=99.0))
+        assert explorer.state == State()
+
+
+# -- motions and zones
+
+
+@pytest.mark.parametrize(("r", "clearance", "walls"), [
+    (0.94, 37.0, (0.75, 0.75)), (1.04, 25.0, (0.75, 0.75)), (0.9, 6.0, (0.75, 0.61)),
+    (1.1, 9.0, (0.6, 0.6))])  # fmt: skip
+def test_recipes_give_the_same_bits(r, clearance, walls):
+    """Every motion that is shown is what its recipe makes, and all that `find` finds are shown."""
+    osc = vi.Oscillator(0.0114, 0.028, walls)
+    found = vi.find(osc, r, clearance)
+    shown = fuller(osc, r, clearance, quick(osc, r, clearance))
+    assert all(any(same(motion, item.motion) for item in shown) for motion in found)
+    assert len(shown) >= len(found) > 0
+    for item in shown:
+        again = Recipe.read(item.recipe.text).solve(osc, r, clearance)
+        assert again.X.tolist() == item.motion.X.tolist()
+        assert again.multipliers.tolist() == item.motion.multipliers.tolist()
+    stable = [item.motion.stable for item in shown]
+    assert stable == sorted(stable, reverse=True)
+
+
+def test_zones_tell_of_their_motions():
+    """Wherever a zone contains a point, its stable motion is among the quick ones."""
+    osc, window = vi.Oscillator(0.0114, 0.028, 0.75), ((0.8, 1.2), (2.0, 200.0))
+    named = list(families(osc, State().patterns))
+    zones = [compute(osc, family, window, FINE) for family in named]
+    checked = set()
+    for r, clearance in (
+        np.random.default_rng(5).uniform((0.82, 1.1), (1.18, 4.5), (60, 2)).tolist()
+    ):
+        inside = [z for z in zones if z.contains(r, np.exp(clearance))]
+        shown = quick(osc, r, float(np.exp(clearance)), inside)
+        for zone in inside:
+            stable = [i for i in shown if i.motion.stable and i.motion.pattern == zone.pattern]
+            assert stable, (r, clearance, zone)
+            checked.add((zone.pattern.sides, zone.symmetric))
+    assert len(checked) >= 4
+
+
+def test_a_chosen_motion_is_followed():
+    """Along a way through the plane the chosen motion stays the one that a branch follows."""
+    explorer = Explorer(State(r=0.94, clearance=37.0, xi=0.005, mu=0.042))
+    labels = [item.label for item in explorer.shown]
+    explorer.choose(labels.index("2/1 RL"))
+    start = explorer.chosen.motion
+    for _ in range(5):
+        explorer.step(0, -0.004)
+    path = vi.branch(start, "clearance", bounds=(explorer.state.clearance, 37.0))
+    end = (
+        path.special_points[0].motion if path.clearance[0] < 37 else path.special_points[-1].motion
+    )
+    assert same(explorer.chosen.motion, end)
+
+
+def test_coarse_zones_are_nearly_the_fine_ones():
+    """Where both have loops their areas agree; what is drawn has the area of the zone."""
+    state = State()
+    for family in families(state.osc, state.patterns):
+        coarse, fine = (compute(state.osc, family, state.window, n) for n in (COARSE, FINE))
+        if len(coarse.loops) == len(fine.loops):
+            assert coarse.area == pytest.approx(fine.area, rel=1e-3)
+        drawn = [thinned(ring, state.window) for ring in fine.loops]
+        area = sum(signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])]) for ring in drawn)
+        assert area == pytest.approx(fine.area, rel=2e-2)
+        assert sum(map(len, drawn)) < 0.2 * sum(map(len, fine.loops))
+
+
+def test_holes_stay_empty():
+    """A ring that goes round the other way is a hole of the ring around it."""
+    angle = np.linspace(0, 2 * np.pi, 200)
+    ring = np.c_[1 + 0.1 * np.cos(angle), 20 * np.exp(np.sin(angle))]
+    hole = np.c_[1 + 0.05 * np.cos(-angle), 20 * np.exp(0.5 * np.sin(-angle))]
+    family = next(families(State().osc, State().patterns))
+    zone = replace(
+        compute(State().osc, family, State().window, COARSE), loops=[hole, ring], boundary=[]
+    )
+    ((xs,),) = zone_shapes({family: zone})["fills"]["xs"]
+    assert [len(part) for part in xs] == [
+        len(thinned(item, State().window)) for item in (ring, hole)
+    ]
+
+
+def test_what_is_known_is_kept():
+    """Looking again at a point keeps the motions there as they are; elsewhere they are followed."""
+    explorer = Explorer(State())
+    explorer.learn(fuller(explorer.state.osc, 1.04, 25.0, explorer.shown))
+    before = explorer.shown
+    explorer.look()
+    assert [item.recipe for item in explorer.shown] == [item.recipe for item in before]
+    explorer.move(1.0401, 25.0)
+    assert {item.label for item in before} <= {item.label for item in explorer.shown}
+
+
+def test_lines_snap_and_are_clipped():
+    """A line that nearly runs along an axis does; one outside the window ends at its edge."""
+    explorer = Explorer(State())
+    explorer.draw_line((0.9, 10.0, 1.1, 10.1))
+    assert explorer.state.line == (0.9, 10.0, 1.1, 10.0)
+    explorer.draw_line((0.9, 500.0, 0.901, 0.1))
+    assert explorer.state.line == (0.9, 200.0, 0.9, 2.0)
+    with pytest.raises(ParameterError, match="longer"):
+        explorer.draw_line((0.9, 10.0, 0.905, 10.0))
+
+
+def test_a_line_across_the_plane_is_the_same_both_ways():
+    """A sweep of r with the clearance beside it is the sweep of the clearance with r beside it."""
+    osc = vi.Oscillator(0.0114, 0.028, 0.75)
+    r, clearance = np.linspace(1.0, 1.1, 21), np.geomspace(20, 60, 21)
+    one = vi.bifurcation_diagram(osc, "r", r, clearance=clearance)
+    other = vi.bifurcation_diagram(osc, "clearance", clearance, r=r)
+    assert one.points.tolist() == other.points.tolist()
+    assert one.labels.tolist() == other.labels.tolist()
+    assert "clearance" in one.to_xarray().coords
+    flat = vi.bifurcation_diagram(osc, "r", r, clearance=np.full(21, 30.0))
+    assert (
+        flat.points.tolist() == vi.bifurcation_diagram(osc, "r", r, clearance=30.0).points.tolist()
+    )
+    for wrong in ([30.0] * 3, clearance[::-1] * np.nan):
+        with pytest.raises(ParameterError, match="clearance"):
+            vi.bifurcation_diagram(osc, "r", r, clearance=wrong)
+    with pytest.raises(ParameterError, match="rise"):
+        vi.bifurcation_diagram(osc, "r", r[::-1], clearance=clearance)
+
+
+# -- exports
+
+
+def filled(state):
+    """An explorer with its fuller search and zones, as the page has it after a while."""
+    explorer = Explorer(state)
+    explorer.learn(fuller(state.osc, state.r, state.clearance, explorer.shown))
+    explorer.zones = {
+        family: compute(state.osc, family, state.window, FINE)
+        for family in families(state.osc, state.patterns[:2])
+    }
+    return explorer
+
+
+@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+def test_python_gives_what_is_shown(state, capsys):
+    """Every number of the motions, the run, the diagram and the zones, to the last bit."""
+    explorer, names = filled(state), {}
+    exec(as_python(explorer), names)
+    assert len(capsys.readouterr().out.splitlines()) == len(explorer.shown)
+    for motion, item in zip(names["motions"], explorer.shown, strict=True):
+        assert motion.pattern == item.motion.pattern
+        for name in ("phases", "X", "X_dot_after", "Z_dot_after", "multipliers"):
+            assert getattr(motion, name).tolist() == getattr(item.motion, name).tolist()
+        assert (motion.stable, motion.attenuation) == (item.motion.stable, item.motion.attenuation)
+    assert names["run"].events.tolist() == simulate_run(state).events.tolist()
+    assert names["diagram"].points.tolist() == diagram_of(state).points.tolist()
+    for zone, shown in zip(names["zones"], explorer.zones.values(), strict=True):
+        assert [ring.tolist() for ring in zone.loops] == [ring.tolist() for ring in shown.loops]
+
+
+@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+def test_namelist_gives_what_is_shown(state, tmp_path):
+    """The file's cases are the motions (with rest: their events), the run and the zones, bit for bit."""
+    explorer = filled(state)
+    (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
+    log = vi.run_namelists([tmp_path / "explorer.nml"], tmp_path)
+    assert log.status == 0 or all("no such" in line for fault, line in log.lines if fault)
+    cases = {case.name: case for case in read_namelist(tmp_path / "explorer.nml")}
+    found, rests = [], []
+    for name, case in cases.items():
+        if "motion" in name:
+            (rests if case.kind == "simulate" else found).extend(
+                [case.trajectory()] if case.kind == "simulate" else case.motions()
+            )
+    assert sum(motion.admissible for motion in found) + len(rests) == len(explorer.shown)
+    for item in explorer.shown:
+        if item.recipe.kind == "state":
+            assert any(
+                same(vi.exact(run.osc, run.r, run.clearance, run), item.motion) for run in rests
+            )
+            continue
+        assert item.motion.X.tolist() in [motion.X.tolist() for motion in found]
+    assert cases["explorer_run"].trajectory().events.tolist() == simulate_run(state).events.tolist()
+    for i, zone in enumerate(explorer.zones.values(), start=1):
+        rings = cases[f"explorer_zone_{i}"].zone().loops
+        assert [ring.tolist() for ring in rings] == [ring.tolist() for ring in zone.loops]
+
+
+def test_motions_without_phases_have_a_recipe():
+    """A motion with rest is computed from a state on it."""
+    osc = vi.Oscillator(0.0114, 0.028, (0.75, 0.61))
+    motion = vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
+    recipe, made = recipe_of(motion)
+    assert recipe.kind == "state"
+    assert made.pattern == motion.pattern
+    assert abs(made.multipliers[0]) == pytest.approx(abs(motion.multipliers[0]), rel=1e-9)
+
+
+# -- the command
+
+
+@pytest.mark.parametrize("address", ["0.0.0.0", "192.168.1.1", "example.org", "::"])
+def test_only_this_machine(address):
+    """Nothing else than a loopback address is taken."""
+    with pytest.raises(ParameterError, match="loopback"):
+        loopback(address)
+
+
+def test_bad_options_are_named(capsys):
+    """An address of the network, and a port that is taken or no port: status 2 and one line."""
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        for words in (["--port", port], ["--port", "70000"], ["--address", "0.0.0.0"]):
+            status = main(["explore", "--no-browser", *words])
+            out, err = capsys.readouterr()
+            assert (status, out, err.count("\n")) == (2, "", 1)
+            assert f"{words[0]} " in err
+            assert words[1] in err
+
+
+def test_missing_extra(monkeypatch):
+    """Without panel one line tells what to install."""
+    monkeypatch.setitem(sys.modules, "panel", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'vibroimpact\[explorer\]'"):
+        panel()
+
+
+def started(*words):
+    """A server, and its address."""
+    process = subprocess.Popen(
+        [COMMAND, "explore", "--no-browser", "--port", "0", *words], stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    line = process.stdout.readline()
+    found = re.search(r"http://\S+/", line)
+    assert found, process.communicate(timeout=20)
+    return process, found.group()
+
+
+def test_interrupt_ends_it():
+    """Ctrl-C is how it ends: status 0 and nothing on stderr; it listens on loopback alone.
+
+    It is started as the example of the help says, but for the port.
+    """
+    assert EXAMPLE.split()[:4] == ["vibroimpact", "explore", "--port", "5006"]
+    process, url = started(*EXAMPLE.split()[4:])
+    assert url.startswith("http://127.0.0.1:")
+    port = int(url.rstrip("/").rsplit(":", 1)[1])
+    if Path("/proc/net/tcp").exists():
+        listening = [row.split() for row in Path("/proc/net/tcp").read_text().splitlines()[1:]]
+        places = [row[1] for row in listening if row[3] == "0A" and row[1].endswith(f":{port:04X}")]
+        assert places == [f"0100007F:{port:04X}"]
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=20)
+    assert (process.returncode, out, err) == (0, "ended\n", "")
+
+
+# -- the page in a browser
+
+
+def lacking(what):
+    """Without a browser the page cannot be tested: a reason to skip here, a fault where all is to be tested."""
+    (pytest.fail if os.environ.get("CI") else pytest.skip)(f"{what} is not installed")
+
+
+@pytest.fixture(scope="module")
+def server():
+    """The explorer's address."""
+    process, url = started()
+    yield url
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert (process.returncode, err) == (0, "")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    """A browser with nothing in it."""
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        lacking("playwright")
+    path = next(
+        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+    )
+    if path is None:
+        lacking("chromium")
+    flags = (
+        "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
+        "--disable-component-update --disable-sync"
+    )
+    with sync_playwright() as driver:
+        context = driver.chromium.launch_persistent_context(
+            tmp_path_factory.mktemp("profile"), executable_path=path, headless=True, args=flags.split(),
+            has_touch=True, accept_downloads=True, viewport={"width": 1280, "height": 900},
+            permissions=["clipboard-read", "clipboard-write"],
+        )  # fmt: skip
+        context.set_default_timeout(60_000)
+        yield context
+        context.close()
+
+
+class Page:
+    """The page, and what the tests do with it."""
+
+    def __init__(self, page, url):
+        """`page` is the browser's."""
+        self.page, self.url = page, url
+
+    def open(self, query=""):
+        """Go there, and wait until everything is computed."""
+        self.page.goto(f"{self.url}?{query}" if query else self.url)
+        self.page.wait_for_function(
+            "window.vibroimpact && document.getElementById('table').children.length"
+        )
+        return self.settle()
+
+    def settle(self):
+        """Wait until every question is answered and every thread is done."""
+        self.page.wait_for_function(
+            """() => window.vibroimpact.idle() && document.getElementById('families').children.length
+            && document.getElementById('status').textContent === ''
+            && document.getElementById('searched').textContent.endsWith('were searched.')"""
+        )
+        return self
+
+    def text(self, name):
+        """What an element says."""
+        return self.page.locator(f"#{name}").text_content().strip()
+
+    def field(self, name, kind="field"):
+        """The value of a field."""
+        return self.page.locator(f"[data-{kind}='{name}']").input_value()
+
+    def rows(self):
+        """The cells of the table, as text."""
+        return self.page.evaluate(
+            "[...document.querySelectorAll('#table tr')].map(r => [...r.cells].map(c => c.innerText.trim()))"
+        )
+
+    def place(self, right, down, figure="chart"):
+        """A place in a figure, in pixels; parts of its box."""
+        box = self.page.locator(f"#{figure}").bounding_box()
+        return box["x"] + right * box["width"], box["y"] + down * box["height"]
+
+    def data(self, figure, key):
+        """A column of a figure's tables, as the browser has it."""
+        return self.page.evaluate(
+            """([figure, key]) => {
+              for (const root of Bokeh.documents[0].roots()) {
+                const plot = root.select_one ? [...root.references()].find(
+                  m => m.name === figure && Array.isArray(m.renderers)) : null
+                if (!plot) continue
+                for (const renderer of plot.renderers)
+                  if (renderer.data_source && key in renderer.data_source.data)
+                    return Array.from(renderer.data_source.data[key])
+              }
+              return null
+            }""",
+            [figure, key],
+        )
+
+
+@pytest.fixture
+def page(browser, server):
+    """The page in a new tab; afterwards: no errors were logged, and nothing was asked of the network."""
+    tab, faults, asked = browser.new_page(), [], []
+    tab.set_viewport_size({"width": 1280, "height": 900})
+    tab.on("console", lambda m: faults.append(m.text) if m.type in ("error", "warning") else None)
+    tab.on("pageerror", lambda error: faults.append(str(error)))
+    tab.on("request", lambda request: asked.append(request.url))
+    yield Page(tab, server)
+    tab.close()
+    assert faults == []
+    assert asked
+    own = (server, f"blob:{server}", "data:")
+    assert [url for url in asked if not url.startswith(own)] == []
+
+
+def numbers(rows):
+    """Of the table without the simulation: label, X_max/A, |lambda|."""
+    return [(label, ratio, leading.split()[0]) for label, _, ratio, leading in rows if ratio]
+
+
+def shown_numbers(motions):
+    """The same of motions, by their own digits."""
+    return [(f"{m.attenuation:.6g}", f"{abs(m.multipliers[0]):.6g}") for m in motions]
+
+
+def test_page_shows_what_the_library_computes(page):
+    """The table has the motions that `find` finds here, the figures have their curves, the chart the zones."""
+    page.open("r=1.04&clearance=20")
+    osc = vi.Oscillator(0.0114, 0.028, 0.75)
+    found = set(shown_numbers(vi.find(osc, 1.04, 20.0)))
+    rows = page.rows()
+    assert found <= {row[1:] for row in numbers(rows)}
+    assert {row[1].split()[-1] for row in rows} == {"stable", "unstable"}
+    named = [family.name for family in families(osc, State().patterns)]
+    assert list(map(str.strip, page.page.locator("#families li").all_inner_texts())) == named
+    boundaries = page.page.locator(".legend[aria-label=Boundaries] line")
+    styles = [(line.get_attribute("stroke-dasharray")) for line in boundaries.all()]
+    assert len(set(styles)) == len(styles) == len(LINES) - 1  # told apart without colour
+    motion = next(m for m in vi.find(osc, 1.04, 20.0) if m.stable)
+    x = page.data("history", "x")
+    assert max(x) == pytest.approx(max(motion.x_max, -motion.x_min), rel=0.2)
+
+
+def test_pointer_tap_and_drag(page):
+    """The pointer looks, a click chooses, a drag draws a line and its diagram."""
+    page.open()
+    before = page.rows()
+    mouse = page.page.mouse
+    mouse.move(*page.place(0.45, 0.3))
+    page.page.wait_for_selector("#motions.peeking")
+    assert page.text("where") == "under the pointer"
+    assert page.rows() != before
+    assert page.field("r") == "1.04"  # not chosen
+    mouse.move(5, 5)
+    page.page.wait_for_selector("#motions:not(.peeking)")
+    page.settle()
+    assert page.rows() == before
+    mouse.click(*page.place(0.45, 0.5))
+    page.page.wait_for_function("document.querySelector('[data-field=r]').value !== '1.04'")
+    mouse.move(5, 5)
+    page.settle()
+    r, clearance = float(page.field("r")), float(page.field("clearance"))
+    assert 0.9 < r < 1.04
+    osc = vi.Oscillator(0.0114, 0.028, 0.75)
+    assert set(shown_numbers(vi.find(osc, r, clearance))) <= {
+        row[1:] for row in numbers(page.rows())
+    }
+    mouse.move(*page.place(0.3, 0.7))
+    mouse.down()
+    mouse.move(*page.place(0.7, 0.4), steps=4)
+    mouse.up()
+    page.page.wait_for_selector("#along:not([hidden])")
+    page.page.wait_for_function("document.getElementById('windows').textContent.includes('2/1')")
+    along = page.data("diagram", "along")
+    line = re.search("line=([^&]+)", page.page.url).group(1)
+    ends = [float(word) for word in line.split(",")]
+    assert [min(along), max(along)] == [ends[0], ends[2]]
+    page.page.click("#erase")
+    page.page.wait_for_selector("#along", state="hidden")
+
+
+def test_sliders_redraw(page):
+    """A slider changes the zones, the motions and its field; what cannot be says so and is not taken."""
+    page.open("patterns=RL,RLL")
+    fills = page.data("zones", "xs")
+    slider = page.page.get_by_role("slider", name="restitution, left wall R₂")
+    slider.focus()
+    for _ in range(4):
+        page.page.keyboard.press("ArrowLeft")
+    page.page.wait_for_function("document.getElementById('families').textContent.includes('RLL')")
+    page.settle()
+    assert page.field("R2") == "0.73"
+    assert "symmetric" not in page.text("families")
+    assert page.data("zones", "xs") != fills
+    page.page.fill("#xi", "1.5")
+    page.page.keyboard.press("Enter")
+    page.page.wait_for_selector("#fault:not([hidden])")
+    assert page.text("fault").startswith("xi = 1.5: must be a number with 0 <= xi < 1")
+    page.page.fill("#xi", "0.02")
+    page.page.keyboard.press("Enter")
+    page.page.wait_for_selector("#fault", state="hidden")
+    assert "xi=0.02" in page.page.url
+
+
+def test_keyboard(page):
+    """The chart is reached by Tab, its focus is seen, arrows move the point, L draws a line."""
+    page.open()
+    for _ in range(40):
+        page.page.keyboard.press("Tab")
+        if page.page.evaluate("document.activeElement.id") == "chart":
+            break
+    style = page.page.evaluate(
+        "(s => [s.outlineStyle, parseFloat(s.outlineWidth)])(getComputedStyle(document.activeElement))"
+    )
+    assert style == ["solid", 3]
+    page.page.keyboard.press("ArrowRight")
+    page.page.keyboard.press("Shift+ArrowUp")
+    page.page.wait_for_function("document.querySelector('[data-field=clearance]').value !== '25'")
+    page.settle()
+    assert float(page.field("r")) == pytest.approx(1.044)
+    assert float(page.field("clearance")) == pytest.approx(25 * 100**0.1)
+    page.page.keyboard.press("l")
+    page.page.wait_for_selector("#along:not([hidden])")
+    page.page.keyboard.press("Escape")
+    page.page.wait_for_selector("#along", state="hidden")
+    page.page.locator("#table input").first.focus()
+    page.page.keyboard.press("ArrowDown")
+    page.page.wait_for_function("location.search.includes('motion=')")
+    assert page.page.locator("#table tr").nth(1).get_attribute("class").endswith("chosen")
+    assert page.page.evaluate("document.activeElement.name") == "motion"
+
+
+def test_names_for_screen_readers(page):
+    """Whatever can be used has a name, and the texts that change are announced."""
+    page.open("patterns=RL&line=0.9,10,1.1,10")
+    nameless = page.page.evaluate(
+        """[...document.querySelectorAll('input, button, textarea, summary, [role=img], #chart')]
+        .filter(e => !(e.labels?.length || e.ariaLabel || e.textContent.trim()
+                       || e.getAttribute('aria-labelledby')))
+        .map(e => e.outerHTML)"""
+    )
+    assert nameless == []
+    assert page.page.locator("[role=status]").count() >= 4
+    assert page.page.get_by_role("slider", name="damping ratio ξ").count() == 1
+    assert (
+        page.page.get_by_role("application", name=re.compile("Zones of stable motions")).count()
+        == 1
+    )
+
+
+def test_share_link_restores_everything(page):
+    """A new tab on the link shows the same: system, point, motion, simulation, line, texts and curves."""
+    page.open("R2=0.61&r=0.9&clearance=6&patterns=RL,RLL")
+    page.page.locator("#table input").nth(1).check()
+    page.page.wait_for_function("location.search.includes('motion=')")
+    page.page.locator("[data-run=discard]").fill("20")
+    page.page.locator("#run").get_by_role("button", name="Let it run").click()
+    page.page.wait_for_function("location.search.includes('run=')")
+    page.page.locator("#chart").focus()
+    page.page.keyboard.press("Shift+L")
+    page.page.wait_for_function("location.search.includes('line=')")
+    page.settle()
+    page.page.click("#link")
+    page.page.wait_for_function("document.getElementById('done').textContent === 'Link copied'")
+    link = page.page.evaluate("navigator.clipboard.readText()")
+    page.page.wait_for_function("document.getElementById('windows').textContent")
+
+    def seen():
+        names = ("xi", "mu", "R1", "R2", "r", "clearance", "r_min", "clearance_max", "patterns")
+        return SimpleNamespace(
+            fields=[page.field(name) for name in names], rows=page.rows(), ran=page.text("ran"),
+            runs=[page.field(name, "run") for name in ("x", "z", "t", "cycles", "discard")],
+            place=page.text("place"), windows=page.text("windows"), zones=page.text("families"),
+            curves=[page.data("history", key) for key in ("t", "x", "z")],
+            impacts=page.data("diagram", "x"),
+            chosen=page.page.locator("#table tr.chosen td").first.inner_text(),
+        )  # fmt: skip
+
+    before = seen()
+    assert "the simulation" in before.chosen
+    assert before.runs[-1] == "20"
+    page.page.goto("about:blank")
+    page.open(link.split("?")[1])
+    page.page.wait_for_function("document.getElementById('windows').textContent")
+    assert page.page.url == link
+    assert seen() == before
+
+
+def test_bad_link_is_one_message(page):
+    """What is wrong is named once, the rest is there, and the address is not touched."""
+    query = "xi=lots&r=0.97&colour=%3Cb%3E&clearance=12"
+    page.open(query)
+    said = page.text("fault")
+    assert page.page.locator("[role=alert]:visible").count() == 1
+    assert "xi = 'lots': must be a number with 0 <= xi < 1" in said
+    assert "colour = '<b>'" in said
+    assert [page.field(name) for name in ("xi", "r", "clearance")] == ["0.0114", "0.97", "12"]
+    assert page.page.url.endswith(query)
+
+
+def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
+    """What is saved and what is copied is run; every digit in the table is theirs."""
+    page.open("r=1.04&clearance=20")
+    page.page.locator("#run").get_by_role("button", name="Let it run").click()
+    page.page.wait_for_function("document.getElementById('ran').textContent.includes('impacts')")
+    table = sorted(row[1:] for row in numbers(page.rows()))
+    with page.page.expect_download() as saved:
+        page.page.click("#namelist")
+    saved.value.save_as(tmp_path / saved.value.suggested_filename)
+    assert vi.run_namelists([tmp_path / "explorer.nml"], tmp_path / "out").status == 0
+    cases = [
+        case
+        for case in read_namelist(tmp_path / "explorer.nml")
+        if case.kind in ("exact", "equispaced")
+    ]
+    motions = [m for case in cases for m in case.motions()]
+    # both equispaced motions are one case, and the result says which is admissible
+    assert sorted(shown_numbers(m for m in motions if m.admissible)) == table
+    page.page.click("#python")
+    page.page.wait_for_function("document.getElementById('done').textContent === 'Python copied'")
+    copied, names = page.page.evaluate("navigator.clipboard.readText()"), {}
+    assert copied == page.page.locator("#export textarea").input_value()
+    page.page.click("#close")
+    exec(copied, names)
+    assert sorted(shown_numbers(names["motions"])) == table
+    x = page.data("history", "x")
+    assert (min(x), max(x)) == (
+        names["run"].sample(names["run"].events["time"]).X.min(),
+        max(x),
+    ) or len(x) > 400
+    run = names["run"]
+    assert page.text("ran").startswith(f"{(run.events['kind'] == 'impact').sum()} impacts")
+
+
+def test_a_run_from_the_portrait(page):
+    """A click in the portrait puts the free mass there."""
+    page.open()
+    page.page.mouse.click(*page.place(0.6, 0.4, "portrait"))
+    page.page.wait_for_function("location.search.includes('show=run')")
+    y = float(page.field("z", "run")) - float(page.field("x", "run"))
+    assert -12.5 < y < 12.5
+    assert page.rows()[0][0] == "the simulation"
+    page.page.click("#stop")
+    page.page.wait_for_function("!location.search.includes('run')")
+    page.settle()
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_it_fits(page, width, tmp_path):
+    """Nothing is wider than the window, every figure has a picture in it, and a finger can use it."""
+    page.page.set_viewport_size({"width": width, "height": 844})
+    page.open("patterns=RL,RRL&line=0.9,10,1.1,30")
+    assert page.page.evaluate("document.documentElement.scrollWidth") == width
+    if width == 390:
+        page.page.touchscreen.tap(*page.place(0.5, 0.4))
+        page.page.wait_for_function("document.querySelector('[data-field=r]').value !== '1.04'")
+        page.settle()
+        assert not page.page.locator("#motions.peeking").count()
+    page.page.wait_for_function("document.getElementById('windows').textContent")
+    from matplotlib.image import imread
+
+    for name in ("chart", "diagram", "history", "portrait", "circle"):
+        box = page.page.locator(f"#{name}").bounding_box()
+        assert 0 <= box["x"] < box["x"] + box["width"] <= width
+        page.page.locator(f"#{name}").screenshot(path=tmp_path / f"{name}.png")
+        picture = imread(tmp_path / f"{name}.png")[..., :3]
+        inside = picture[10:-60, 80:-20]  # without the axes
+        assert (inside.min(axis=-1) < 0.9).mean() > 0.002, name
+        assert len(np.unique(inside.reshape(-1, 3).round(2), axis=0)) > 20, name
