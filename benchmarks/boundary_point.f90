@@ -10,13 +10,15 @@ program boundary_point
    use vi_frame, only: condition_type
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type, trace_loop
+   use vi_lattice, only: new_lattice
    use vi_net, only: add_seed, cover, net_type, new_net
    use vi_orbit, only: by_clearance, by_r
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: new_pattern
    use vi_steps, only: begin_walk, exchange, place_type, stride_type, take_step
    use vi_seeds, only: motions_at
-   use vi_zone, only: find_zone, zone_request_type, zone_type
+   use vi_sheet, only: zone_request_type
+   use vi_zone, only: find_zone, zone_type
    implicit none (type, external)
 
    type(zone_request_type) :: request
@@ -126,7 +128,8 @@ contains
       real(wp) :: c(6), begin, end
       integer :: k, m, node
 
-      call new_net(zone%sheet, request%lines, net)
+      call new_net(zone%sheet, new_lattice(request%lines, [request%r, log(request%clearance)], &
+         zone%sheet%scale), net)
       c = zone%sheet%c
       m = request%lines/2 + 1
       c([by_r, by_clearance]) = zone%sheet%origin + zone%sheet%scale*0.5_wp

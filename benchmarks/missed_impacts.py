@@ -13,6 +13,7 @@ import math
 import numpy as np
 import vibroimpact as vi
 from scipy.integrate import solve_ivp
+from table import row, show
 
 XI, R, RUNS = 0.0114, 0.94, 51
 OSC = vi.Oscillator(xi=XI, mu=0.0, restitution=1.0)
@@ -56,17 +57,18 @@ def found_by_scipy(state, clearance):
     return any(times.size for times in answer.t_events)
 
 
-def main():
-    """Print the table: overshoot as a share of d, impacts found of 51."""
-    print(f"impacts found of {RUNS}, by overshoot of the wall")
-    print(f"{'overshoot / d':>14} {'this package':>13} {'SciPy DOP853, rtol 1e-10':>25}")
+def rows():
+    """Impacts found of 51, by overshoot as a share of d."""
+    answer = []
     for overshoot in (1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12):
         clearance = 2 * AMPLITUDE / (1 + 2 * overshoot)
         states = [start(run) for run in range(RUNS)]
-        here = np.sum([found_here(state, clearance) for state in states])
-        scipy = np.sum([found_by_scipy(state, clearance) for state in states])
-        print(f"{overshoot:14.0e} {here:13d} {scipy:25d}")
+        here = sum(found_here(state, clearance) for state in states)
+        scipy = sum(found_by_scipy(state, clearance) for state in states)
+        work = f"impacts that overshoot by {overshoot:.0e} d"
+        answer.append(row(work, f"of {RUNS} found", here, RUNS, scipy, "SciPy DOP853, rtol 1e-10"))
+    return answer
 
 
 if __name__ == "__main__":
-    main()
+    show(rows())

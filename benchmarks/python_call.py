@@ -6,28 +6,27 @@ import statistics
 import time
 
 import vibroimpact as vi
+from table import row, show
 
 TARGET = 60.0
 ROUNDS = 25
 CALLS = 400
 
 
-def main():
+def rows():
+    """The one row."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     pattern = vi.Pattern("RLR", cycles=1)
     phases = [0.0, 0.9 * math.pi, 1.7 * math.pi]
     vi.periodic(osc, 0.97, phases, pattern)
-    rounds = []
+    times = []
     for _ in range(ROUNDS):
-        start = time.perf_counter()
+        begin = time.process_time()
         for _ in range(CALLS):
             vi.periodic(osc, 0.97, phases, pattern)
-        rounds.append((time.perf_counter() - start) / CALLS * 1e6)
-    median = statistics.median(rounds)
-    print(
-        f"one periodic call, N = 3: median {median:.1f} us, best {min(rounds):.1f} us, target {TARGET:.0f} us"
-    )
+        times.append((time.process_time() - begin) / CALLS * 1e6)
+    return [row("one call of periodic, N = 3", "us", statistics.median(times), TARGET)]
 
 
 if __name__ == "__main__":
-    main()
+    show(rows())

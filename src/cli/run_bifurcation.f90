@@ -57,9 +57,9 @@ contains
       type(path_type) :: path
 
       path%osc = case%osc
-      path%r = [case%r]
+      allocate (path%r(1), source=case%r)
       associate (a => case%attractor)
-         path%clearance = [a%clearance]
+         allocate (path%clearance(1), source=a%clearance)
          path%load = a%load
          allocate (path%values, source=even(a%low(1), a%high(1), a%values(1)))
       end associate
