@@ -46,9 +46,8 @@ def faults(folder):
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             if not target.is_file():
                 yield f"{here}: {link} is not there"
-            elif parts.fragment and target in pages:
-                if unquote(parts.fragment) not in pages[target].anchors:
-                    yield f"{here}: {link} has no such place"
+            elif target in pages and unquote(parts.fragment) not in pages[target].anchors | {""}:
+                yield f"{here}: {link} has no such place"
     for path in folder.rglob("*.css"):
         for address in re.findall(
             r"(?:url\(|@import )['\"]?(https?:[^'\")]+)", path.read_text("utf-8")

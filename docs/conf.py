@@ -1,21 +1,21 @@
 """Sphinx's settings. Pages that repeat what the project already says are generated when a build begins."""
 
 import sys
+from html import escape
 from pathlib import Path
 
+import ziamath
 from docutils.nodes import SkipNode
-from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx_gallery.sorting import FileNameSortKey
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from generate import benchmarks, checks, corrections, fortran, namelist, programs, python
-
 import vibroimpact
+from generate import benchmarks, checks, corrections, fortran, namelist, programs, python
 
 project = "vibroimpact"
 author = "The vibroimpact authors"
-copyright = author
+copyright = author  # noqa: A001
 release = version = vibroimpact.__version__
 
 extensions = [
@@ -25,7 +25,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["benchmarks.md", "examples", "generate", "generated", "sg_execution_times.rst"]
-myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
 suppress_warnings = ["config.cache"]
 
@@ -49,6 +49,8 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "download_all_examples": False,
     "image_scrapers": ("matplotlib",),
+    "image_srcset": ["2x"],
+    "capture_repr": (),
 }
 
 html_theme = "furo"
@@ -64,11 +66,24 @@ html_theme_options = {
 
 
 def show_math(translator, node):
-    """Write a formula as MathML, which browsers draw themselves: nothing is loaded from elsewhere."""
+    """Write a formula as a drawing in the page: no script and no font is loaded for it."""
     block = node.tagname == "math_block"
-    formula = tex2mathml(node.astext(), as_block=block)
-    translator.body.append(f'<div class="math">{formula}</div>' if block else formula)
+    tex = node.astext()
+    drawing = ziamath.Latex(tex, size=16, color="currentColor", inline=not block)
+    _, _, width, height = (float(x) for x in drawing.svgxml().attrib["viewBox"].split())
+    # in em: a formula grows with the text around it
+    style = f"width: {width / 15:.3f}em; height: {height / 15:.3f}em; vertical-align: {depth(drawing):.3f}em"
+    svg = drawing.svg().replace(
+        "<svg ", f'<svg role="img" aria-label="{escape(tex, quote=True)}" style="{style}" ', 1
+    )
+    translator.body.append(f'<div class="math">{svg}</div>' if block else svg)
     raise SkipNode
+
+
+def depth(drawing):
+    """How far a drawing reaches below the line, negative, in em."""
+    _, top, _, height = (float(x) for x in drawing.svgxml().attrib["viewBox"].split())
+    return -(top + height) / 15
 
 
 def generate_pages(app):
@@ -100,7 +115,8 @@ def setup(app):
     """Register what this file adds."""
     app.connect("autodoc-process-docstring", escape_bars)
     app.connect("config-inited", lambda app, config: generate_pages(app))
-    app.add_html_math_renderer("mathml", (show_math, None), (show_math, None))
+    app.add_html_math_renderer("drawn", (show_math, None), (show_math, None))
 
 
-html_math_renderer = "mathml"
+html_math_renderer = "drawn"
+ziamath.config.svg2 = False  # no names within a drawing, which would stand in the page twice

@@ -7,7 +7,6 @@ and gives stable and unstable motions alike.
 """
 
 import matplotlib.pyplot as plt
-
 import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)

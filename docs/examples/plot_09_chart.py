@@ -7,7 +7,6 @@ relative to that without impacts.
 """
 
 import numpy as np
-
 import vibroimpact as vi
 from vibroimpact.plot import draw_chart
 

@@ -7,11 +7,10 @@ on a chaotic one.
 """
 
 import numpy as np
-
 import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-start = dict(t=0, x=0, x_dot=0, z=0, z_dot=8)
+start = {"t": 0, "x": 0, "x_dot": 0, "z": 0, "z_dot": 8}
 result = vi.lyapunov(osc, 1.04, np.linspace(30, 90, 121), cycles=2000, discard=500, state=start)
 print(result)
 

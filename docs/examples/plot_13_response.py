@@ -7,7 +7,6 @@ help.
 """
 
 import numpy as np
-
 import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)

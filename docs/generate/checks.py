@@ -12,6 +12,16 @@ FOLDERS = {
     "tests/cli": "The programs",
     "tests/fortran": "The Fortran core",
 }
+#: What a file compares with, by a word that it holds.
+ROUTES = {
+    "first_principles": "first principles",
+    "reference_simulation": "100-digit simulation",
+    "mpmath": "mpmath",
+    "scipy": "SciPy",
+    "table1.csv": "the paper's numbers",
+    "use random_systems": "random systems",
+    "hypothesis": "random systems",
+}
 
 
 def words(name):
@@ -59,9 +69,11 @@ def pages():
     """A count by subject, what the tests compare with, then all checks."""
     number, totals, body, routes = count(1), [], [], []
     for folder, title in FOLDERS.items():
-        body += [f"## {title}", ""]
-        for path in sorted((ROOT / folder).iterdir()):
-            if path.suffix == ".py" and is_independent(path):
+        table, lists, total = [], [], 0
+        for path in sorted(
+            (ROOT / folder).iterdir(), key=lambda path: path.stem.removeprefix("test_")
+        ):
+            if is_independent(path):
                 routes.append(f"- `{path.name}`: {sentence(python_checks(path)[0])}")
             if path.suffix not in (".py", ".f90") or path.name == "checks.f90":
                 continue
@@ -69,16 +81,21 @@ def pages():
             if not found:
                 continue
             subject = path.stem.removeprefix("test_").replace("_", " ").capitalize()
-            totals.append(f"| {title} | {subject} | {len(found)} |")
-            body += [
+            text = path.read_text(encoding="utf-8")
+            used = ", ".join(dict.fromkeys(route for word, route in ROUTES.items() if word in text))
+            table.append(f"| {subject} | {len(found)} | {used} |")
+            lists += [
                 f"### {title}: {subject}",
                 "",
                 f"`{folder}/{path.name}` {sentence(purpose)}",
                 "",
             ]
-            body += [f"{next(number)}. {sentence(text)}" for text in found]
-            body.append("")
-    total = next(number) - 1
-    head = [f"**{total} checks.**", "", "| part | subject | checks |", "|---|---|---|", *totals, ""]
+            lists += [f"{next(number)}. {sentence(text)}" for text in found]
+            lists.append("")
+            total += len(found)
+        totals.append(f"{total} of {title[:1].lower()}{title[1:]}")
+        head = ["| subject | checks | compared with, or on |", "|---|---|---|"]
+        body += [f"## {title}", "", *head, *table, "", *lists]
+    whole = f"**{next(number) - 1} checks**: {', '.join(totals)}."
     compare = ["## What they compare with", "", *routes, ""]
-    return {"checks.md": "\n".join([*head, *compare, *body])}
+    return {"checks.md": "\n".join([whole, "", *compare, *body])}

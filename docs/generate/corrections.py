@@ -23,7 +23,7 @@ def pages():
 
 def formula(text):
     """A printed term in TeX."""
-    for plain, tex in (("X'_ia", r"\dot X_{ia}"), ("Z'_ia", r"\dot Z_{ia}"), ("Omega", r"\Omega"),
+    for plain, tex in (("X'_ia", r"{\dot X}_{ia}"), ("Z'_ia", r"{\dot Z}_{ia}"), ("Omega", r"\Omega"),
                        ("S_6i", "S_{6i}"), ("S_3i", "S_{3i}")):  # fmt: skip
         text = text.replace(plain, tex)
     return text

@@ -53,7 +53,7 @@ def explained():
         values = cells[3].rstrip(" |").split(", ")
         each = values if len(values) == len(keys) else [", ".join(values)] * len(keys)
         for key, value in zip(keys, each, strict=True):
-            same = re.search(r"of `&(\w+)`", cells[2]) or re.search(r"for `&(\w+)`", cells[2])
+            same = re.fullmatch(r"as (?:for|of) `&(\w+)`", cells[2])
             other = table.get((same[1], key)) if same else None
             value = other[1] if other and value == "as there" else value
             table[group, key] = (other[0] if other else cells[2], value)
@@ -61,20 +61,22 @@ def explained():
 
 
 def pages():
-    """One table a group."""
+    """One table a group, with the program's words where the table leaves out a number that they hold."""
     known = explained()
     lines = []
     for group in GROUPS:
         keys = complaint(group, "nokey").removeprefix("one of ").split(", ")
-        lines += [
-            f"## `&{group}`",
-            "",
-            "| key | is | takes | if it is missing |",
-            "|---|---|---|---|",
-        ]
+        lines += [f"## `&{group}`", "", "| key | takes | if it is missing |", "|---|---|---|"]
         for key in keys:
-            takes = complaint(group, key).replace("|", "\\|").replace("<", "\\<")
-            what, default = known[group, key]
-            lines.append(f"| `{key}` | {what} | {takes} | {default} |")
+            if (group, key) not in known:
+                raise RuntimeError(f"&{group} {key} is not in the table of inputs/README.md")
+            takes, default = known[group, key]
+            words = complaint(group, key)
+            number = re.compile(r"\b\d[\de-]*")
+            if takes.startswith("as "):
+                takes = words
+            elif set(number.findall(words)) - set(number.findall(takes)):
+                takes += "; " + words.replace("<=", "≤")
+            lines.append(f"| `{key}` | {takes} | {default} |")
         lines.append("")
     return {"namelist.md": "\n".join(lines)}
