@@ -16,7 +16,7 @@ for motion in motions:
 print(motions.search)
 
 # %%
-# The first four in the phase plane of the primary mass:
+# The first four, the free mass as seen from the primary mass:
 
 figure, axes = plt.subplots(2, 2, figsize=(7.2, 5.4), layout="constrained")
 for motion, ax in zip(motions, axes.flat, strict=False):
