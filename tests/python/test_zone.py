@@ -338,7 +338,7 @@ def test_zones_close_where_a_fold_leaves_a_pitchfork(xi, mu, restitution):
     """There the equations are met to rounding long before the place is known as well as that."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
     zone = vi.zone(osc, vi.Pattern("RL"), (0.7, 1.4), (1, 150), symmetric=False)
-    assert zone.complete
+    assert zone.closed
     pieces = [(p.loop, p.type) for p in zone.boundary]
     assert any((loop, "pitchfork") in pieces for loop, kind in pieces if kind == "fold")
 

@@ -9,7 +9,7 @@ from ..trajectory import NEEDED
 from .explorer import VALUES, Explorer
 from .motions import Shown
 from .state import State
-from .zones import GUESSES
+from .zones import GUESSES, lines_of
 
 __all__ = ["as_namelist", "as_python"]
 
@@ -89,7 +89,7 @@ def _zone_keys(zone: Zone) -> str:
     return (
         f"sides = '{zone.pattern.sides}', cycles = {zone.pattern.cycles}, symmetric = '{kind}', "
         f"r_min = {r0!r}, r_max = {r1!r}, clearance_min = {d0!r}, clearance_max = {d1!r}, "
-        f"lines = {zone.search.lines}, guesses = {GUESSES[zone.search.lines]}"
+        f"lines = {lines_of(zone)}, guesses = {GUESSES[lines_of(zone)]}"
     )
 
 
@@ -150,7 +150,7 @@ def _motion_call(shown: Shown) -> str:
 
 
 def _zone_call(zone: Zone) -> str:
-    lines = zone.search.lines
+    lines = lines_of(zone)
     return (
         f'vi.zone(osc, vi.Pattern("{zone.pattern.sides}", {zone.pattern.cycles}), r={zone.r!r}, '
         f"clearance={zone.clearance!r}, symmetric={zone.symmetric}, lines={lines}, guesses={GUESSES[lines]})"

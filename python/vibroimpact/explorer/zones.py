@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
@@ -54,6 +55,11 @@ def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
 
 
 @lru_cache(maxsize=500)
+def lines_of(zone: Zone) -> int:
+    """The lattice lines that a zone was asked for with: a large window gets more."""
+    return int(re.findall(r"\blines = (\d+)", zone.case)[0])
+
+
 def compute(osc: Oscillator, family: Family, window: Window, lines: int) -> Zone:
     """The zone of a family; what was computed lately is remembered."""
     return zone(osc, family.pattern, *window, family.symmetric, lines, GUESSES[lines])

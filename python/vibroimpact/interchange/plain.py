@@ -87,7 +87,10 @@ def decode(hint: Any, value: Any, label: str, dimensions: Dimensions | None = No
     if origin in (typing.Union, types.UnionType):
         if value is None:
             return None
-        (hint,) = (item for item in parts if item is not type(None))
+        choices = [item for item in parts if item is not type(None)]
+        # of a number and an array of them, the array is the one with a list
+        arrays = [item for item in choices if typing.get_origin(item) is np.ndarray]
+        hint = arrays[0] if arrays and isinstance(value, list) else choices[0]
         return decode(hint, value, label, dimensions)
     if hint is np.ndarray or origin is np.ndarray:
         return decode_array(parts, value, label, dimensions or Dimensions())

@@ -1,0 +1,123 @@
+"""Sphinx's settings. Pages that repeat what the project already says are generated when a build begins."""
+
+import sys
+from html import escape
+from pathlib import Path
+
+import ziamath
+from docutils.nodes import SkipNode
+from sphinx_gallery.sorting import FileNameSortKey
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import vibroimpact
+from generate import benchmarks, checks, corrections, fortran, namelist, programs, python
+
+project = "vibroimpact"
+author = "The vibroimpact authors"
+copyright = author  # noqa: A001
+release = version = vibroimpact.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["benchmarks.md", "examples", "generate", "generated", "sg_execution_times.rst"]
+myst_enable_extensions = ["deflist", "dollarmath"]
+myst_heading_anchors = 3
+suppress_warnings = ["config.cache"]
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # the docstrings say it in words
+napoleon_numpy_docstring = True
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+default_role = "code"  # as docstrings use it
+
+sphinx_gallery_conf = {
+    "examples_dirs": "examples",
+    "gallery_dirs": "gallery",
+    "within_subsection_order": FileNameSortKey,
+    "abort_on_example_error": True,
+    "remove_config_comments": True,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 3600,
+    "write_computation_times": False,
+    "download_all_examples": False,
+    "image_scrapers": ("matplotlib",),
+    "image_srcset": ["2x"],
+    "capture_repr": (),
+}
+
+smartquotes = False  # primes are derivatives
+html_theme = "furo"
+html_title = "vibroimpact"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sphinx = False
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#0072B2", "color-brand-content": "#0072B2"},
+    "dark_css_variables": {"color-brand-primary": "#56B4E9", "color-brand-content": "#56B4E9"},
+}
+
+
+def show_math(translator, node):
+    """Write a formula as a drawing in the page: no script and no font is loaded for it."""
+    block = node.tagname == "math_block"
+    tex = node.astext()
+    drawing = ziamath.Latex(tex, size=16, color="currentColor", inline=not block)
+    _, _, width, height = (float(x) for x in drawing.svgxml().attrib["viewBox"].split())
+    # in em: a formula grows with the text around it
+    style = f"width: {width / 15:.3f}em; height: {height / 15:.3f}em; vertical-align: {depth(drawing):.3f}em"
+    svg = drawing.svg().replace(
+        "<svg ", f'<svg role="img" aria-label="{escape(tex, quote=True)}" style="{style}" ', 1
+    )
+    translator.body.append(f'<div class="math">{svg}</div>' if block else svg)
+    raise SkipNode
+
+
+def depth(drawing):
+    """How far a drawing reaches below the line, negative, in em."""
+    _, top, _, height = (float(x) for x in drawing.svgxml().attrib["viewBox"].split())
+    return -(top + height) / 15
+
+
+def generate_pages(app):
+    """Write the generated pages, each only if it changed."""
+    folder = Path(app.srcdir) / "generated"
+    folder.mkdir(exist_ok=True)
+    pages = {}
+    for module in (benchmarks, checks, corrections, fortran, namelist, programs, python):
+        pages |= module.pages()
+    for name, text in pages.items():
+        path = folder / name
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+    for path in folder.iterdir():
+        if path.name not in pages:
+            path.unlink()
+
+
+def escape_bars(app, what, name, thing, options, lines):
+    """Make max|x|/A of a docstring stay as it is, which would be a substitution else."""
+    example = False
+    for i, line in enumerate(lines):
+        example = bool(line.strip()) and (example or line.lstrip().startswith(">>>"))
+        if not example:
+            lines[i] = line.replace("|", r"\|")
+
+
+def setup(app):
+    """Register what this file adds."""
+    app.connect("autodoc-process-docstring", escape_bars)
+    app.connect("config-inited", lambda app, config: generate_pages(app))
+    app.add_html_math_renderer("drawn", (show_math, None), (show_math, None))
+
+
+html_math_renderer = "drawn"
+ziamath.config.svg2 = False  # no names within a drawing, which would stand in the page twice

@@ -1,0 +1,29 @@
+"""
+An exact motion at a given clearance
+====================================
+
+With the clearance given, the phases are unknowns too. Newton's method finds them from a guess; here
+the guess is the rounded phase of Table 1.
+"""
+
+import math
+
+import vibroimpact as vi
+
+osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+pattern = vi.Pattern("RL")
+printed = vi.periodic(osc, 0.94, [0, 1.37 * math.pi], pattern)
+exact = vi.exact(osc, 0.94, 37.0, (printed.phases, pattern))
+print(repr(exact))
+print(f"second phase: {exact.phases[1] / math.pi:.6f} pi instead of 1.37 pi")
+
+# %%
+# The exact phases make the linear equations of 1983 give the same motion back, which ties two
+# independent pieces of the program together:
+
+again = vi.periodic(osc, 0.94, exact.phases, pattern)
+print(f"clearance {again.clearance:.12f}, first position {again.X[0] - exact.X[0]:.1e} apart")
+
+# %%
+
+exact.plot()

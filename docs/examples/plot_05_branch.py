@@ -1,0 +1,27 @@
+"""
+A branch with its special points
+================================
+
+One motion followed along the clearance: where it loses its stability, and where it ends.
+"""
+
+import math
+
+import vibroimpact as vi
+
+osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+motion = vi.exact(osc, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
+path = vi.branch(motion, "clearance", bounds=(10, 60))
+for point in path.special_points:
+    print(point)
+
+# %%
+
+path.plot()
+
+# %%
+# At the flip a motion of twice the period begins:
+
+flip = next(point for point in path.special_points if point.type == "flip")
+for other in flip.switch():
+    print(repr(other))

@@ -1,0 +1,16 @@
+"""
+Zones of Figures 6b and 7
+=========================
+
+Unequally spaced pairs of impacts, and three and four impacts a cycle, in one picture.
+"""
+
+import vibroimpact as vi
+
+osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+window = {"r": (0.8, 1.2), "clearance": (2, 100)}
+ax = None
+for sides, symmetric in (("RL", False), ("RRL", None), ("RRLL", None)):
+    zone = vi.zone(osc, vi.Pattern(sides), **window, symmetric=symmetric)
+    print(zone)
+    ax = zone.plot(ax, inverse=True)

@@ -1,0 +1,18 @@
+"""
+A chart coloured by what the damper does
+========================================
+
+Every point of a grid with its verdicts; the stable zone is coloured by max|x|/A, the amplitude
+relative to that without impacts.
+"""
+
+import numpy as np
+import vibroimpact as vi
+from vibroimpact.plot import draw_chart
+
+osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+data = vi.chart(
+    osc, vi.Pattern("RL"), np.linspace(0.9, 1.1, 201), np.geomspace(5, 200, 161), symmetric=True
+)
+print(data.sizes)
+draw_chart(data, color="attenuation", inverse=True)

@@ -1,0 +1,18 @@
+"""
+Basins of attraction
+====================
+
+Which motion an initial state goes to. At Table 1's point the unequispaced motion and its mirror image
+are both stable.
+"""
+
+import vibroimpact as vi
+
+osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+plane = (("x", -30, 30, 80), ("x_dot", -30, 30, 80))
+result = vi.basins(osc, 0.94, 37.0, plane)
+print(result)
+
+# %%
+
+result.plot()

@@ -1,0 +1,20 @@
+"""
+A bifurcation diagram
+=====================
+
+Simulations carried from value to value, up and then down. Where the two sweeps differ there is
+hysteresis; the line on top names the periodic windows.
+"""
+
+import numpy as np
+import vibroimpact as vi
+
+osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+diagram = vi.bifurcation_diagram(osc, "clearance", np.linspace(10, 90, 161), r=1.04)
+print(diagram)
+for window in diagram.windows[:4]:
+    print(window)
+
+# %%
+
+diagram.plot()

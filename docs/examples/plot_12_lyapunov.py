@@ -1,0 +1,28 @@
+"""
+Lyapunov exponents
+==================
+
+All four exponents along a line of the plane. The largest is 0 on a quasi-periodic motion and positive
+on a chaotic one.
+"""
+
+import numpy as np
+import vibroimpact as vi
+
+osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+start = {"t": 0, "x": 0, "x_dot": 0, "z": 0, "z_dot": 8}
+result = vi.lyapunov(osc, 1.04, np.linspace(30, 90, 121), cycles=2000, discard=500, state=start)
+print(result)
+
+# %%
+
+result.plot()
+
+# %%
+# Their sum is known: what the damping and the impacts take away. At a stable periodic motion the
+# exponents are the logarithms of the multipliers.
+
+point = vi.lyapunov(osc, 1.04, 30.0, cycles=2000)
+motion = vi.equispaced(osc, 1.04, 30.0)[0]
+print(point.per_cycle.round(6))
+print(np.log(abs(motion.multipliers)).round(6))

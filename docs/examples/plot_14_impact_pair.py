@@ -1,0 +1,21 @@
+"""
+The impact pair, mu = 0
+=======================
+
+A free mass so light that the primary mass does not feel it. The same calls do; the stable motions
+are those of a ball between two walls that move harmonically.
+"""
+
+import vibroimpact as vi
+
+pair = vi.Oscillator(xi=0.05, mu=0.0, restitution=0.6)
+for motion in vi.equispaced(pair, r=1.2, clearance=12.0):
+    print(repr(motion))
+    print("primary mass:", motion.x_max, "=", motion.A)
+
+# %%
+# Its zone of two equally spaced impacts a cycle:
+
+zone = vi.zone(pair, vi.Pattern("RL"), r=(0.9, 1.5), clearance=(0.5, 40), symmetric=True)
+print(zone)
+zone.plot()

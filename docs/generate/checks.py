@@ -1,0 +1,101 @@
+"""Every test with the words that it says it checks, grouped by file and numbered."""
+
+import ast
+import re
+from itertools import count
+
+from .shared import ROOT, sentence
+
+#: Folders of tests, and the files of each that hold what the tests compare with.
+FOLDERS = {
+    "tests/python": "The package",
+    "tests/cli": "The programs",
+    "tests/fortran": "The Fortran core",
+}
+#: What a file compares with, by a word that it holds.
+ROUTES = {
+    "first_principles": "first principles",
+    "reference_simulation": "100-digit simulation",
+    "mpmath": "mpmath",
+    "scipy": "SciPy",
+    "table1.csv": "the paper's numbers",
+    "use random_systems": "random systems",
+    "hypothesis": "random systems",
+}
+
+
+def words(name):
+    """The name of a test as a sentence."""
+    text = name.removeprefix("test_").replace("_", " ")
+    return text[:1].upper() + text[1:] + "."
+
+
+def python_checks(path):
+    """(purpose of the file, [what each test says])."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
+            text = ast.get_docstring(node)
+            title = words(node.name)
+            text = text and text.split("\n\n")[0]
+            link = " " if (text or "").startswith("...") else ": "
+            found.append(f"{title[:-1]}{link}{text.lstrip('. ')}" if text else title)
+    return ast.get_docstring(tree) or "", found
+
+
+def fortran_checks(path):
+    """The same of a Fortran file: the texts of its calls of `check` and `check_close`."""
+    source = path.read_text(encoding="utf-8")
+    text = re.sub(r"&\s*\n\s*&?", "", source)
+    purpose = " ".join(
+        re.findall(r"^!(?:>|!) ?(.*)", source.split("module ")[0].split("program ")[0], re.M)
+    )
+    found = []
+    for line in re.findall(r"^.*call check(?:_close)?\(.*$", text, re.M):
+        literals = re.findall(r"'((?:[^']|'')*)'", line)
+        if literals and literals[-1].strip():
+            said = literals[-1].replace("''", "'").strip(" :,")
+            found.append(said[:1].upper() + said[1:] + ".")
+    return purpose, list(dict.fromkeys(found))
+
+
+def is_independent(path):
+    """Whether a file of tests/python is no test but what tests compare with."""
+    return path.suffix == ".py" and not path.name.startswith(("test_", "conftest", "programs"))
+
+
+def pages():
+    """A count by subject, what the tests compare with, then all checks."""
+    number, totals, body, routes = count(1), [], [], []
+    for folder, title in FOLDERS.items():
+        table, lists, total = [], [], 0
+        for path in sorted(
+            (ROOT / folder).iterdir(), key=lambda path: path.stem.removeprefix("test_")
+        ):
+            if is_independent(path):
+                routes.append(f"- `{path.name}`: {sentence(python_checks(path)[0])}")
+            if path.suffix not in (".py", ".f90") or path.name == "checks.f90":
+                continue
+            purpose, found = (python_checks if path.suffix == ".py" else fortran_checks)(path)
+            if not found:
+                continue
+            subject = path.stem.removeprefix("test_").replace("_", " ").capitalize()
+            text = path.read_text(encoding="utf-8")
+            used = ", ".join(dict.fromkeys(route for word, route in ROUTES.items() if word in text))
+            table.append(f"| {subject} | {len(found)} | {used} |")
+            lists += [
+                f"### {title}: {subject}",
+                "",
+                f"`{folder}/{path.name}` {sentence(purpose)}",
+                "",
+            ]
+            lists += [f"{next(number)}. {sentence(text)}" for text in found]
+            lists.append("")
+            total += len(found)
+        totals.append(f"{total} of {title[:1].lower()}{title[1:]}")
+        head = ["| subject | checks | compared with, or on |", "|---|---|---|"]
+        body += [f"## {title}", "", *head, *table, "", *lists]
+    whole = f"**{next(number) - 1} checks**: {', '.join(totals)}."
+    compare = ["## What they compare with", "", *routes, ""]
+    return {"checks.md": "\n".join([whole, "", *compare, *body])}

@@ -1,0 +1,68 @@
+"""The Fortran modules: their purpose and their public procedures, from the comments of the sources."""
+
+import re
+
+from .shared import ROOT, sentence
+
+ROOMS = ("numerics", "mechanics", "motions", "studies", "cli")
+HEAD = re.compile(
+    r"^   (?:(?:pure|elemental|recursive|impure|module|type\([\w ]+\)|real\([\w ]+\)|integer|logical"
+    r"|character\([\w *:]+\))\s+)*(?:function|subroutine)\s+(\w+)|^   type\b[^(]*?::\s*(\w+)|^   type\s+(\w+)$"
+)
+
+
+def comment_before(lines, i):
+    """The `!>` block that ends right above a line."""
+    first = i
+    while first > 0 and lines[first - 1].lstrip().startswith("!"):
+        first -= 1
+    block = [line.strip() for line in lines[first:i]]
+    starts = [k for k, line in enumerate(block) if line.startswith("!>")]
+    return " ".join(line.lstrip("!> ") for line in block[starts[-1] :]) if starts else ""
+
+
+def joined(lines, i):
+    """A statement with its continuation lines."""
+    text = lines[i].strip()
+    while text.endswith("&"):
+        i += 1
+        text = text[:-1].rstrip() + " " + lines[i].strip().lstrip("&")
+    return re.sub(r"\s+", " ", text)
+
+
+def module(path):
+    """One module: purpose, then each public type and procedure."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    start = next(k for k, line in enumerate(lines) if re.match(r"(module|program) ", line))
+    name = lines[start].split()[1]
+    public = set()
+    for k, line in enumerate(lines):
+        if line.startswith("   public ::"):
+            public |= set(re.findall(r"\w+", joined(lines, k).split("::")[1]))
+    out = [
+        f"### {name}",
+        "",
+        f"`{path.relative_to(ROOT)}` {sentence(comment_before(lines, start))}",
+        "",
+    ]
+    for k, line in enumerate(lines):
+        found = HEAD.match(line)
+        what = next(filter(None, found.groups()), "") if found else ""
+        if what in public:
+            text = joined(lines, k).replace("`", "")
+            out += [f"`{text}`", f": {sentence(comment_before(lines, k)) or 'See the source.'}", ""]
+    return out
+
+
+def pages():
+    """One page, room by room, in the order in which the files may use each other."""
+    listed = re.findall(
+        r"'(\w+/\w+\.f90)'", (ROOT / "src" / "meson.build").read_text(encoding="utf-8")
+    )
+    lines = []
+    for room in ROOMS:
+        lines += [f"## {room}", ""]
+        for name in listed:
+            if name.startswith(f"{room}/") and not name.endswith("_single.f90"):
+                lines += module(ROOT / "src" / name)
+    return {"fortran.md": "\n".join(lines)}

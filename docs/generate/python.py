@@ -1,0 +1,59 @@
+"""A section of the Python reference for each module that defines public names."""
+
+import vibroimpact
+import vibroimpact.plot
+
+#: Modules by subject; what is public in a module that stands nowhere comes last.
+SUBJECTS = {
+    "System, pattern, units": ("model",),
+    "Motions": ("solve", "newton", "find", "motion"),
+    "Simulation": ("trajectory", "bundle"),
+    "Branches, zones, atlases, charts": ("studies.branch", "studies.zone", "studies.atlas", "chart"),
+    "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
+                   "studies.response"),
+    "Namelists": ("run",),
+}  # fmt: skip
+EXTRA = {
+    "Pictures": ("plot.draw", "plot.draw_chart"),
+    "Errors": tuple(f"errors.{name}" for name in vibroimpact.errors.__all__),
+}
+
+
+def directive(name, thing):
+    """The directive that documents a name."""
+    kind = "class" if isinstance(thing, type) else "function"
+    if isinstance(thing, type) and issubclass(thing, BaseException):
+        kind = "exception"
+    # the fields of a named tuple have no text of their own
+    members = kind == "class" and not issubclass(thing, tuple)
+    return [f".. auto{kind}:: vibroimpact.{name}", *(["   :members:"] if members else []), ""]
+
+
+def pages():
+    """All public names, functions before classes."""
+    left = {name: getattr(vibroimpact, name) for name in vibroimpact.__all__ if name != "errors"}
+    sections = {}
+    for subject, modules in SUBJECTS.items():
+        homes = [f"vibroimpact.{module}" for module in modules]
+        names = [name for name, thing in left.items() if home(thing) in homes]
+        sections[subject] = sorted(
+            names, key=lambda name: (homes.index(home(left[name])), name[0].isupper())
+        )
+        left = {name: thing for name, thing in left.items() if name not in names}
+    sections |= {"Other": list(left)} if left else {}
+    sections |= EXTRA
+    lines = []
+    for subject, names in sections.items():
+        lines += [f"## {subject}", "", "```{eval-rst}"]
+        for name in names:
+            thing = vibroimpact
+            for part in name.split("."):
+                thing = getattr(thing, part)
+            lines += directive(name, thing)
+        lines += ["```", ""]
+    return {"python.md": "\n".join(lines)}
+
+
+def home(thing):
+    """The module that defines a thing."""
+    return getattr(thing, "__wrapped__", thing).__module__

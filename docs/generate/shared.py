@@ -1,0 +1,16 @@
+"""What several generators use."""
+
+import re
+import sysconfig
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+PROGRAM = Path(sysconfig.get_path("scripts")) / "vibroimpact-batch"
+
+
+def sentence(text):
+    """Plain text as Markdown: what would be markup there is escaped, code stays code."""
+    parts = re.split(r"(`[^`]*`)", " ".join(text.split()))
+    return "".join(
+        part if part.startswith("`") else re.sub(r"([*_<\[\]$|])", r"\\\1", part) for part in parts
+    )

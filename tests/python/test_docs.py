@@ -1,0 +1,64 @@
+"""Every block of the documentation's pages runs, in order, and prints what the page says.
+
+Python blocks of a page share their names; the text block behind one is what it prints. A Fortran block
+with a caption is a file, and a line of a console block that starts with $ is a command, in the folder of
+these files. What is called sh is not run: it installs, or takes minutes.
+"""
+
+import contextlib
+import io
+import os
+import re
+import subprocess
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = sorted(DOCS.glob("*.md")) + sorted(DOCS.glob("howto/*.md"))
+BLOCK = re.compile(
+    r"^```(\S+)(?: fortran\n:caption: (\S+)\n)?\n(.*?)^```", re.DOTALL | re.MULTILINE
+)
+
+
+def run_python(code, names):
+    """What a block prints."""
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output):
+        exec(compile(code, "page", "exec"), names)
+    return output.getvalue()
+
+
+def run_console(block):
+    """The block with what its commands print now, on standard output."""
+    scripts = sysconfig.get_path("scripts")
+    environment = os.environ | {"PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"}
+    lines = []
+    for command in re.findall(r"^\$ (.*)$", block, re.MULTILINE):
+        done = subprocess.run(
+            command, shell=True, text=True, capture_output=True, env=environment, check=False
+        )
+        assert done.returncode == 0, f"{command}\n{done.stderr}"
+        lines.append(f"$ {command}\n{done.stdout}")
+    return "".join(lines)
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if BLOCK.search(page.read_text(encoding="utf-8"))],
+    ids=lambda page: page.stem,
+)
+def test_blocks(page, tmp_path, monkeypatch):
+    """The blocks of a page, from the first to the last."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    names, printed = {}, None
+    for language, caption, block in BLOCK.findall(page.read_text(encoding="utf-8")):
+        if language == "text" and printed is not None:
+            assert printed == block
+        elif caption:
+            Path(caption).write_text(block, encoding="utf-8")
+        elif language == "console":
+            assert run_console(block) == block
+        printed = run_python(block, names) if language == "python" else None
