@@ -1,9 +1,9 @@
 """Seconds for basins over a plane of initial states, on one thread: this package and a numba event loop.
 
 Table 1's set at D = 37. The numba loop simulates every state until its state at the start of a load cycle has
-repeated to 1e-6 for some cycles; which of the two mirror images it is on is the sign of its position there. About 5 %
-of the states wander for so long that rounding decides, so fractions are compared.
-
+Table 1's set at D = 37. The numba loop simulates every state until its state at the start of a load cycle has
+repeated to 1e-6 for some cycles; which of the two mirror images it is on is the sign of its position there. About
+5 % of the states wander for so long that rounding decides, so fractions are compared.
 Run with `python benchmarks/basin_speed.py` (needs numba).
 """
 
@@ -32,7 +32,17 @@ def settle(xi, mu, restitution, r, clearance, x, v, most):
     calm = 0
     before_x = before_v = math.inf
     for cycle in range(1, most + 1):
-        fly(xi, mu, restitution, r, clearance, 2 * math.pi * cycle / r, state, state[:0], MOST - 1000)
+        fly(
+            xi,
+            mu,
+            restitution,
+            r,
+            clearance,
+            2 * math.pi * cycle / r,
+            state,
+            state[:0],
+            MOST - 1000,
+        )
         if not abs(state[1]) < 1e6:
             return math.nan
         still = abs(state[1] - before_x) < 1e-6 and abs(state[2] - before_v) < 1e-6
@@ -82,7 +92,9 @@ def rows():
     same = bool(apart < 2 * math.sqrt(0.05) / SIDE)
     here, there = (statistics.median(spent for spent, _ in some) for some in (mine, theirs))
     return [
-        row(f"basins, {SIDE} x {SIDE} states, Table 1's set", "s", here, None, there, "numba", same),
+        row(
+            f"basins, {SIDE} x {SIDE} states, Table 1's set", "s", here, None, there, "numba", same
+        ),
         row(f"basins, {LARGE} x {LARGE} states", "s", large, 2.5),
     ]
 

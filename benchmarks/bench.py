@@ -26,7 +26,9 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def machine():
     """Processor and versions, as lines."""
-    lines = [line for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line]
+    lines = [
+        line for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line
+    ]
     compiler = subprocess.run(["gfortran", "--version"], capture_output=True, text=True, check=True)
     found = [f"{name} {version(name)}" for name in ("vibroimpact", *PEERS) if has(name)]
     return [
@@ -58,8 +60,9 @@ def main():
     if len(sys.argv) > 1:
         page = [
             "# Benchmarks", "",
-            "Written by `./run bench`. CPU time on one core unless a line says otherwise, medians of interleaved runs; the "
-            "ratio says how many times better this package is. Compare the columns of one run, not two machines.", "",
+            "Written by `./run bench`. CPU time on one core unless a line says otherwise, medians of interleaved "
+            "runs; the ratio says how many times better this package is. Compare the columns of one run, not two "
+            "machines.", "",
             *machine(), "", markdown(rows), "",
         ]  # fmt: skip
         path = Path(sys.argv[1])

@@ -10,7 +10,6 @@ Run with `python benchmarks/missed_impacts.py` (needs SciPy).
 
 import math
 
-import numpy as np
 import vibroimpact as vi
 from scipy.integrate import solve_ivp
 from table import row, show

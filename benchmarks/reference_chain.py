@@ -13,11 +13,22 @@ PROGRAM = Path(__file__).resolve().parents[1] / "build/fortran/benchmarks/refere
 
 def rows():
     """Microseconds a point of the chain without flights; the target is 1.15 times the bare calls."""
-    lines = subprocess.run([PROGRAM], check=True, capture_output=True, text=True).stdout.splitlines()
+    lines = subprocess.run(
+        [PROGRAM], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
     answer = []
     for n, bare, chain in (line.split()[:3] for line in lines[2:]):
         work = f"periodic motion by LAPACK, N = {n}"
-        answer.append(row(work, "us a point", float(chain), 1.15 * float(bare), float(bare), "bare LAPACK calls"))
+        answer.append(
+            row(
+                work,
+                "us a point",
+                float(chain),
+                1.15 * float(bare),
+                float(bare),
+                "bare LAPACK calls",
+            )
+        )
     return answer
 
 

@@ -1,7 +1,7 @@
 """Cost grows linearly in points and impacts, and memory stays flat: nanoseconds each, from 10^3 to 10^8.
 
-Points are verdicts on given phases (`stability_flags`), 10^6 at a time; impacts are those of one simulation, continued
-from its final state 10^6 at a time. Ten times as many must cost ten times as much.
+Points are verdicts on given phases (`stability_flags`), 10^6 at a time; impacts are those of one simulation,
+continued from its final state 10^6 at a time. Ten times as many must cost ten times as much.
 
 Run with `python benchmarks/scaling.py [LARGEST]` (10^8 takes a minute).
 """

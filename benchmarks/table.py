@@ -31,7 +31,11 @@ def cells(item):
         ratio = f"{better if more_is_better(item) else 1 / better:.3g}"
     target = ""
     if item["target"] is not None:
-        met = item["ours"] >= item["target"] if more_is_better(item) else item["ours"] <= item["target"]
+        met = (
+            item["ours"] >= item["target"]
+            if more_is_better(item)
+            else item["ours"] <= item["target"]
+        )
         target = f"{item['target']:.3g} {'met' if met else 'not met'}"
     same = {True: "yes", False: "NO", None: ""}[item["same_answer"]]
     return (
@@ -44,7 +48,9 @@ def show(rows):
     lines = [HEADER, *map(cells, rows)]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for line in lines:
-        print("  ".join(f"{text:<{width}}" for text, width in zip(line, widths, strict=True)).rstrip())
+        print(
+            "  ".join(f"{text:<{width}}" for text, width in zip(line, widths, strict=True)).rstrip()
+        )
     return all(item["same_answer"] is not False for item in rows)
 
 

@@ -47,7 +47,9 @@ WORK = {
     "atlas of zones": atlas,
     "basins": lambda n: vi.basins(OSC, 1.04, 30.0, PLANE, threads=n).labels,
     "simulations of many states": bundle,
-    "verdicts on given phases": lambda n: vi.stability_flags(OSC, 0.97, PHASES, THREE, threads=n).stable,
+    "verdicts on given phases": lambda n: (
+        vi.stability_flags(OSC, 0.97, PHASES, THREE, threads=n).stable
+    ),
 }
 
 

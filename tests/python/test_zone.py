@@ -91,7 +91,9 @@ def test_a_wide_window_against_the_closed_form():
 def test_progress_is_told():
     """From nothing to all, over both families of motions, and the answer is the same."""
     shares = []
-    told = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, progress=lambda share, what: shares.append(share))
+    told = vi.zone(
+        FIGURE6, vi.Pattern("RL"), *WINDOW, progress=lambda share, what: shares.append(share)
+    )
     assert shares
     assert shares == sorted(shares)
     assert 0 <= shares[0] <= shares[-1] == 1

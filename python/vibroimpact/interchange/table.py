@@ -199,9 +199,7 @@ def notes(result: Any) -> list[str]:
         return [] if result.closed else [f"{NOT_CLOSED} (its loop is 0)"]
     if name == "Atlas":
         cut = [
-            f"{tag(zone)}: {NOT_CLOSED} (its loop is 0)"
-            for zone in result.zones
-            if not zone.closed
+            f"{tag(zone)}: {NOT_CLOSED} (its loop is 0)" for zone in result.zones if not zone.closed
         ]
         return cut + [
             f"in no zone of its pattern: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"

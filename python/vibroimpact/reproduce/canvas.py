@@ -50,7 +50,13 @@ def zone(
         pieces = [piece for piece in traced.boundary if piece.type != "window"]
         lines = [np.stack([piece.r, piece.clearance], axis=1) for piece in pieces]
         for ring in traced.loops:
-            ax.fill(ring[:, 0], 1 / ring[:, 1] if inverse else ring[:, 1], color=colour, alpha=alpha, lw=0)
+            ax.fill(
+                ring[:, 0],
+                1 / ring[:, 1] if inverse else ring[:, 1],
+                color=colour,
+                alpha=alpha,
+                lw=0,
+            )
     for strip in () if traced and traced.closed else strips:
         edges = (1 / strip.high, 1 / strip.low) if inverse else (strip.low, strip.high)
         ax.fill_between(strip.r, *edges, color=colour, alpha=alpha, lw=0)

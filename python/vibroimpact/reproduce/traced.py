@@ -48,7 +48,10 @@ def compared(found: Any, strips: Sequence[Strip]) -> str:
     r, gap, inside = [], [], []
     for strip in strips:
         for at, low, high in list(zip(*strip, strict=True))[1:-1]:
-            if high / low > 1.02 and found.clearance[0] < low / 1.002 < high * 1.002 < found.clearance[1]:
+            if (
+                high / low > 1.02
+                and found.clearance[0] < low / 1.002 < high * 1.002 < found.clearance[1]
+            ):
                 r += [at] * 4
                 gap += [low / 1.002, low * 1.002, high / 1.002, high * 1.002]
                 inside += [False, True, True, False]

@@ -264,12 +264,15 @@ def bifurcation_diagram(
     )
     start = np.zeros(5)
     if state is not None:
-        ends = along if parameter == "clearance" else np.broadcast_to(fixed["clearance"], along.shape)
-        for run, clearance_there in zip(("up", "down"), (ends[0], ends[-1]), strict=True):
+        ends = (
+            along if parameter == "clearance" else np.broadcast_to(fixed["clearance"], along.shape)
+        )
+        for run, end in zip(("up", "down"), (ends[0], ends[-1]), strict=True):
             if run in runs:
-                start = one_state(state, float(clearance_there))
+                start = one_state(state, float(end))
+    r_there, clearance_there = (np.broadcast_to(value, along.shape) for value in fixed.values())
     impacts, labels, found, periods, extremes, status = _core.bifurcation(
-        osc.xi, osc.mu, osc.restitution, *(np.broadcast_to(x, along.shape) for x in fixed.values()), load,
+        osc.xi, osc.mu, osc.restitution, r_there, clearance_there, load,
         5 if parameter == "restitution" else PARAMETERS.index(parameter) + 1,
         parameter == "restitution", along, [DIRECTIONS.get(run, 0) for run in runs],
         state is not None, start, settling, keep, points, workers,

@@ -333,7 +333,9 @@ def assemble(
 
     def watch() -> None:
         if progress:
-            progress(float(tally[0]) / (ZONE_WORK * len(kinds)), f"{pattern.sides}/{pattern.cycles}")
+            progress(
+                float(tally[0]) / (ZONE_WORK * len(kinds)), f"{pattern.sides}/{pattern.cycles}"
+            )
 
     parts = [
         one_family(
