@@ -53,7 +53,7 @@ sphinx_gallery_conf = {
     "capture_repr": (),
 }
 
-smartquotes = False  # primes are derivatives
+smartquotes_action = "De"  # dashes and ellipses alone: primes are derivatives
 html_theme = "furo"
 html_title = "vibroimpact"
 html_static_path = ["static"]

@@ -1,11 +1,11 @@
 """What several generators use."""
 
 import re
-import sysconfig
+from importlib.resources import files
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PROGRAM = Path(sysconfig.get_path("scripts")) / "vibroimpact-batch"
+PROGRAM = str(files("vibroimpact") / "_bin" / "vibroimpact-batch")
 
 
 def sentence(text):
