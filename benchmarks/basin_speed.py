@@ -1,9 +1,9 @@
 """Seconds for basins over a plane of initial states, on one thread: this package and a numba event loop.
 
 Table 1's set at D = 37. The numba loop simulates every state until its state at the start of a load cycle has
-Table 1's set at D = 37. The numba loop simulates every state until its state at the start of a load cycle has
 repeated to 1e-6 for some cycles; which of the two mirror images it is on is the sign of its position there. About
 5 % of the states wander for so long that rounding decides, so fractions are compared.
+
 Run with `python benchmarks/basin_speed.py` (needs numba).
 """
 
