@@ -55,10 +55,10 @@ contains
       do l = 1, lanes
          ! errors of the coefficients, and of [P], in the zero of the polynomial
          associate (q => max(largest(l), radius(l)), s => radius(l))
-            noise = (q*s**3 + q**2*s**2 + q**3*(s + 1))/(slope(l)*s) &
-               + (q*s**2/slope(l) + 1)/quality(l)
+            ! times the slope, s and the quality, which may be 0: then nothing is sure
+            noise = (q*s**3 + q**2*s**2 + q**3*(s + 1))*quality(l) + (q*s**2 + slope(l))*s
+            if (.not. noise*epsilon(1.0_wp) < radius_error*slope(l)*s*quality(l)) stable(l) = unsure
          end associate
-         if (.not. noise*epsilon(1.0_wp) < radius_error) stable(l) = unsure
       end do
    end subroutine lane_verdicts
 

@@ -18,7 +18,7 @@ contains
       real(wp), intent(out) :: x(lanes, n)
       !> Squares of the 2-norms of a x - b and of b.
       real(wp), intent(out) :: residual(lanes), total(lanes)
-      !> The least over the largest diagonal entry of R; 0 or not a number without full rank.
+      !> The least over the largest diagonal entry of R; 0 without full rank.
       real(wp), intent(out) :: quality(lanes)
       real(wp), dimension(lanes) :: largest, inverse, diagonal
       integer :: i, j
@@ -31,13 +31,13 @@ contains
             call reflect(j, m, n + 1 - j, a(1, 1, j), diagonal, inverse)
          else
             diagonal = a(:, j, j)
-            inverse = 1/diagonal
+            inverse = 1/apart(diagonal)
          end if
          a(:, j, j) = inverse
          quality = min(quality, abs(diagonal))
          largest = max(largest, abs(diagonal))
       end do
-      quality = quality/largest
+      quality = quality/apart(largest)
       do i = n, 1, -1
          x(:, i) = a(:, i, n + 1)
          do j = i + 1, n
@@ -55,6 +55,13 @@ contains
       end do
    end subroutine lane_least_squares
 
+   !> A number kept apart from 0, so that a lane without full rank raises no exception.
+   elemental real(wp) function apart(x)
+      real(wp), intent(in) :: x
+
+      apart = sign(max(abs(x), tiny(x)), x)
+   end function apart
+
    !> Reflects the first column, from an entry on, onto that entry, and the k other columns with it.
    pure subroutine reflect(top, m, k, a, diagonal, inverse)
       integer, intent(in) :: top, m, k
@@ -70,7 +77,7 @@ contains
       end do
       diagonal = -sign(sqrt(sum), a(:, top, 0))
       a(:, top, 0) = a(:, top, 0) - diagonal
-      share = 1/(diagonal*a(:, top, 0))
+      share = 1/apart(diagonal*a(:, top, 0))
       inverse = a(:, top, 0)*share
       do j = 1, k
          sum = a(:, top, 0)*a(:, top, j)

@@ -79,7 +79,7 @@ contains
       else
          call gels('N', m, n, 1, a, m, b, m, work, size(work), info)
       end if
-      residual = sqrt(sum(b(n + 1:m)**2))
+      residual = norm2(b(n + 1:m))
       status = rank_status(a, n, info)
    end subroutine least_squares
 

@@ -8,7 +8,7 @@ module vi_lattice
    implicit none (type, external)
    private
 
-   public :: lattice_type, new_lattice, nearest, spacing
+   public :: lattice_type, new_lattice, nearest_lines, line_spacing
 
    !> Lines of constant coordinate, from 0 at the lower end of the window on.
    type :: axis_type
@@ -101,16 +101,16 @@ contains
    end function even
 
    !> The lines nearest to a point.
-   pure function nearest(lattice, q) result(place)
+   pure function nearest_lines(lattice, q) result(place)
       type(lattice_type), intent(in) :: lattice
       real(wp), intent(in) :: q(2)
       integer :: place(2), i
 
       place = [(minloc(abs(lattice%axes(i)%at - q(i)), dim=1), i=1, 2)]
-   end function nearest
+   end function nearest_lines
 
    !> The distance between the lines on both sides of a coordinate.
-   pure real(wp) function spacing(lattice, direction, q)
+   pure real(wp) function line_spacing(lattice, direction, q)
       type(lattice_type), intent(in) :: lattice
       integer, intent(in) :: direction
       real(wp), intent(in) :: q
@@ -118,8 +118,8 @@ contains
 
       associate (at => lattice%axes(direction)%at)
          i = count(at(2:size(at) - 1) <= q) + 1
-         spacing = at(i + 1) - at(i)
+         line_spacing = at(i + 1) - at(i)
       end associate
-   end function spacing
+   end function line_spacing
 
 end module vi_lattice

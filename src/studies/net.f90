@@ -8,7 +8,7 @@ module vi_net
    use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, unknown_count, &
       wrap_phases, zero_approach
    use vi_kinds, only: wp
-   use vi_lattice, only: lattice_type, spacing
+   use vi_lattice, only: lattice_type, line_spacing
    use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
    implicit none (type, external)
    private
@@ -123,13 +123,13 @@ contains
       along = 0
       along(size(along)) = way
       q = net%lines%axes(direction)%at(net%lattice(direction, node))
-      stride = stride_type(longest=0.8_wp*spacing(net%lines, direction, q))
+      stride = stride_type(longest=0.8_wp*line_spacing(net%lines, direction, q))
       call begin_walk(line, none, [net%unknowns(:, node), q], along, 0.2_wp*stride%longest, now, &
          good)
       if (.not. good) return
       before = now
       do while (net%steps < most_steps)
-         stride%longest = 0.8_wp*spacing(net%lines, direction, now%point(size(now%point)))
+         stride%longest = 0.8_wp*line_spacing(net%lines, direction, now%point(size(now%point)))
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
          if (.not. good) return

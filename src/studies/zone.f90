@@ -7,7 +7,7 @@ module vi_zone
    use vi_family, only: image_of, kinship
    use vi_frame, only: condition_type, edge, frame_type, wrap_phases
    use vi_kinds, only: wp
-   use vi_lattice, only: nearest, new_lattice
+   use vi_lattice, only: nearest_lines, new_lattice
    use vi_loop, only: loop_type, trace_loop
    use vi_net, only: add_seed, border_type, cover, net_type, new_net
    use vi_seeds, only: motions_at, part_of
@@ -71,7 +71,7 @@ contains
       zone%lines = shape(net%head)
       do i = 1, size(seeds, 2)
          q = ([seeds(1, i), log(seeds(2, i))] - zone%sheet%origin)/zone%sheet%scale
-         call plant(net, q, part_of(zone%sheet%frame, seeds(3:, i)), nearest(net%lines, q))
+         call plant(net, q, part_of(zone%sheet%frame, seeds(3:, i)), nearest_lines(net%lines, q))
       end do
       call cover(net, 1)
       call search_window(request, net, told, tally)

@@ -117,6 +117,7 @@ contains
             call eigenvalues(one, lambda, status)
             if (abs(maxval(abs(lambda)) - 1) > 1.0e-9_wp) call check((least(l) > 0) .eqv. &
                is_contraction(e(l, :)), 'lanes: inside the circle')
+            if (.not. slope(l) > 0) cycle
             noise = largest(l)**3*(radius(l) + largest(l))/(slope(l)*radius(l))
             if (.not. noise < 1.0e4_wp) cycle
             given = given + 1
