@@ -25,6 +25,8 @@ NAMES = (
 FORMATS = {"csv": "csv", "netcdf": "nc", "json": "json", "matlab": "mat"}
 #: Formats of pictures, the first one if none is named.
 PICTURES = ("png", "svg", "pdf")
+#: Formats of animations.
+ANIMATIONS = ("gif", "mp4")
 
 
 class Record:
