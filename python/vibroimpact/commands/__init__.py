@@ -18,7 +18,7 @@ from ..errors import ParameterError
 #: In the order of the help text.
 NAMES = (
     "run", "simulate", "find", "branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response",
-    "explore", "plot", "reproduce", "init", "doctor", "completion",
+    "explore", "plot", "reproduce", "init", "doctor", "bench", "completion",
 )  # fmt: skip
 
 #: Forms of results, with what their names end with; the first one if none is named.

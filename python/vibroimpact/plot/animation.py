@@ -91,12 +91,15 @@ def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer
     # the writer knows the format by the ending
     temporary = target.with_name(f"{target.stem}.{os.getpid()}.part{target.suffix}")
     film = writers[writer](fps=RATE)
-    with replacing(target, temporary), Progress(target.name) as bar:
-        with film.saving(figure, str(temporary), figure.dpi):
-            for i, time in enumerate(times):
-                scene.show(time)
-                film.grab_frame()
-                bar.show((i + 1) / len(times))
+    with (
+        replacing(target, temporary),
+        Progress(target.name) as bar,
+        film.saving(figure, str(temporary), figure.dpi),
+    ):
+        for i, time in enumerate(times):
+            scene.show(time)
+            film.grab_frame()
+            bar.show((i + 1) / len(times))
 
 
 def check_format(ending: str, label: str) -> str:
