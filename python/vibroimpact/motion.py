@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
@@ -227,6 +228,40 @@ class Motion(Result):
         from .plot import draw
 
         return draw(self, ax, kind, max(2, self.pattern.cycles) if cycles is None else cycles)
+
+    def animate(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        cycles: float | None = None,
+        seconds: float = 3.0,
+    ) -> Any:
+        """Animate the masses; the wall that is hit flashes (extra `plot`).
+
+        Parameters
+        ----------
+        path : str or path, optional
+            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg).
+        cycles : float, optional
+            Load cycles shown from the first impact on; by default one period, so that the film goes round.
+        seconds : float
+            How long a load cycle lasts on the screen.
+
+        Returns
+        -------
+        Path
+            Without `path` matplotlib's FuncAnimation, which a notebook shows by its `to_jshtml()`.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+        >>> motion = vi.equispaced(osc, r=0.94, clearance=37.0)[0]
+        >>> motion.animate("pair.gif", seconds=0.3).name
+        'pair.gif'
+        """
+        from .plot import animate
+
+        return animate(self, path, self.pattern.cycles if cycles is None else cycles, seconds)
 
     def impact_maps(self) -> NDArray[np.float64]:
         """The matrices [P_i] of (A7), (N, 4, 4).

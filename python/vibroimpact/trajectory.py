@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -132,6 +133,37 @@ class Trajectory(Result):
         from .plot import draw
 
         return draw(self, ax, kind, cycles)
+
+    def animate(
+        self, path: str | os.PathLike[str] | None = None, cycles: float = 3.0, seconds: float = 3.0
+    ) -> Any:
+        """Animate the last load cycles; the wall that is hit flashes, that of a rest is green (extra `plot`).
+
+        Parameters
+        ----------
+        path : str or path, optional
+            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg).
+        cycles : float
+            Load cycles shown, the last ones.
+        seconds : float
+            How long a load cycle lasts on the screen.
+
+        Returns
+        -------
+        Path
+            Without `path` matplotlib's FuncAnimation, which a notebook shows by its `to_jshtml()`.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+        >>> run = vi.simulate(osc, r=0.9, clearance=6.0, cycles=4, discard=300)
+        >>> run.animate("rest.gif", cycles=1, seconds=0.3).name
+        'rest.gif'
+        """
+        from .plot import animate
+
+        return animate(self, path, cycles, seconds)
 
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """Start of each segment (6, n), and the side on which the free mass rests in it."""

@@ -106,7 +106,13 @@ def test_example_of_the_command(sub, tmp_path):
     shutil.copytree(ROOT / "inputs", tmp_path / "inputs")
     done = run(*example(help_text.out.decode(), "vibroimpact"))
     assert (done.status, done.err) == (0, b"")
-    assert contents(tmp_path / "results") or sub in [["find"], ["init"], ["doctor"], ["completion"]]
+    assert contents(tmp_path / "results") or sub in [
+        ["find"],
+        ["init"],
+        ["doctor"],
+        ["bench"],
+        ["completion"],
+    ]
     assert done.out
 
 

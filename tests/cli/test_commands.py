@@ -243,3 +243,23 @@ def test_pictures_are_drawn_from_the_motion(tmp_path):
         assert run("plot", "case.nml", "--format", "svg").status == 0
         assert (tmp_path / "results/case_1.svg").read_bytes() == pictures[-1]
     assert pictures[0] != pictures[1]
+
+
+def test_simulate_animates(tool):
+    """--animate puts a film beside the table, and no picture unless that is asked for."""
+    write(tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 0.1"))
+    done = tool("simulate", "case.nml", "--animate", "gif")
+    assert (done.status, done.err) == (0, b"")
+    found = contents(tool.cwd / "results")
+    assert sorted(found) == ["case.csv", "case.gif"]
+    assert found["case.gif"].startswith(b"GIF89a")
+    assert b"case.gif" in done.out
+
+
+def test_simulate_without_ffmpeg_writes_nothing(tool):
+    """What is missing is said before anything is computed."""
+    write(tool.cwd / "case.nml", SIMULATION)
+    done = tool("simulate", "case.nml", "--animate", "mp4", env={"PATH": ""})
+    assert done.status == 2
+    assert "ffmpeg" in done.faults[0]
+    assert not (tool.cwd / "results").exists()

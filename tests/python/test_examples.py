@@ -20,8 +20,9 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize("name", MODULES)
-def test_docstring_examples(name):
-    """The examples of each module give the printed results."""
+def test_docstring_examples(name, tmp_path, monkeypatch):
+    """The examples of each module give the printed results, in any folder."""
+    monkeypatch.chdir(tmp_path)
     failures, _ = doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
     assert failures == 0
 

@@ -18,13 +18,15 @@ from ..errors import ParameterError
 #: In the order of the help text.
 NAMES = (
     "run", "simulate", "find", "branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response",
-    "explore", "plot", "reproduce", "init", "doctor", "completion",
+    "explore", "plot", "reproduce", "init", "doctor", "bench", "completion",
 )  # fmt: skip
 
 #: Forms of results, with what their names end with; the first one if none is named.
 FORMATS = {"csv": "csv", "netcdf": "nc", "json": "json", "matlab": "mat"}
 #: Formats of pictures, the first one if none is named.
 PICTURES = ("png", "svg", "pdf")
+#: Formats of animations.
+ANIMATIONS = ("gif", "mp4")
 
 
 class Record:

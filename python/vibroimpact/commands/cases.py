@@ -23,6 +23,7 @@ from ..interchange.table import (
     rows_text,
     tag,
 )
+from ..plot.animation import check_format
 from ..progress import Progress
 from ..run import Case, run_namelists
 from . import FORMATS, picture_writer
@@ -42,7 +43,10 @@ def run_kind(
     tables have the bytes of those that are written here.
     """
     folder = Path(options.folder)
-    save = picture_writer() if options.plot else None
+    animated = getattr(options, "animate", None)
+    save = picture_writer() if options.plot or animated else None
+    if animated:
+        check_format(animated, f"--animate {animated}")
     if save is None and options.format == "csv" and not (options.json or options.stem):
         with Progress(kind or "run") as bar:
             show = bar.show if bar.wanted else None
@@ -116,7 +120,11 @@ def put(
             else:
                 result.save(path)
             options.record.files.append(str(path))
-        if save is not None and (case.kind not in LONG or drawable(result)):
+        if save is not None and getattr(options, "animate", None):
+            film = result.animate(folder / f"{name}.{options.animate}")
+            options.record.files.append(str(film))
+            print(f"{case.name}: {film}")
+        if save is not None and options.plot and (case.kind not in LONG or drawable(result)):
             path = save(picture(result), folder / f"{name}.{options.plot}")
             options.record.files.append(str(path))
             print(f"{case.name}: {path}")

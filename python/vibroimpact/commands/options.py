@@ -149,7 +149,9 @@ def _files(
     options: argparse.Namespace, kind: str | None, groups: Groups, needed: Sequence[str]
 ) -> Iterator[tuple[list[str], str]]:
     """The files to run, and the one that is made of the options."""
-    apart = ("command", "files", "folder", "plot", "format", "quiet", "json", "record", "stem")
+    apart = (
+        "command", "files", "folder", "plot", "animate", "format", "quiet", "json", "record", "stem",
+    )  # fmt: skip
     given = [
         name for name, value in vars(options).items() if value is not None and name not in apart
     ]

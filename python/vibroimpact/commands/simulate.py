@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 
-from . import add_files, add_forms
+from . import ANIMATIONS, add_files, add_forms
 from .cases import run_kind
 
 HELP = "run the simulations of namelist files"
 DESCRIPTION = """Run the &simulate cases of namelist files: the events of each are written to
 DIR/NAME.csv, with the same digits as `vibroimpact run` gives, and with --plot a picture of its last
-load cycles beside it."""
+load cycles beside it, with --animate the masses in motion."""
 EXAMPLE = "vibroimpact simulate inputs/figure9.nml --plot -o results"
 
 
@@ -18,6 +18,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, folder and the forms of the results."""
     add_files(parser)
     add_forms(parser)
+    parser.add_argument(
+        "--animate",
+        choices=ANIMATIONS,
+        help="animate the last load cycles, as DIR/NAME.gif or .mp4",
+    )
 
 
 def run(options: argparse.Namespace) -> int:

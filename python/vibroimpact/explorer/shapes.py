@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..motion import Motion
-from ..plot.history import _history as history_of
+from ..plot.history import history as history_of
 from ..plot.zone import LINES
 from ..studies.bifurcation import BifurcationDiagram
 from ..studies.geometry import signed_area, winding

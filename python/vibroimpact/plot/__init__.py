@@ -5,7 +5,8 @@ matplotlib is imported when a picture is drawn (extra `plot`).
 
 from __future__ import annotations
 
+from .animation import animate
 from .chart import draw_chart
 from .history import KINDS, draw
 
-__all__ = ["KINDS", "draw", "draw_chart"]
+__all__ = ["KINDS", "animate", "draw", "draw_chart"]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..motion import Motion, Sample
     from ..trajectory import Trajectory
 
-__all__ = ["KINDS", "draw"]
+__all__ = ["KINDS", "History", "draw", "history"]
 
 
 class History(NamedTuple):
@@ -28,6 +28,10 @@ class History(NamedTuple):
     events: NDArray[Any]
     event_cycles: NDArray[np.float64]
     half: float
+    first: float  #: time at which the window begins
+    last: float
+    phase: float  #: of the load at `first`
+    resting: int  #: side on which the free mass rests at `first`, or 0
 
 
 def draw(
@@ -54,13 +58,13 @@ def draw(
     cycles = checks.to_float(cycles, "cycles", "a number above 0")
     if not 0 < cycles < math.inf:
         raise ParameterError(f"cycles = {cycles!r}: must be a number above 0")
-    history = _history(thing, cycles)
+    window = history(thing, cycles)
     plt = style.pyplot()
     with plt.rc_context(style.SETTINGS):
         if ax is not None or kind is not None:
             if ax is None:
                 _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 2.4), layout="constrained")
-            KINDS[kind or "history"](ax, history)
+            KINDS[kind or "history"](ax, window)
             return ax
         figure = plt.figure(figsize=(style.TWO_COLUMNS, 4.6), layout="constrained")
         grid = figure.add_gridspec(3, 3, height_ratios=(2.2, 0.8, 1.6))
@@ -68,7 +72,7 @@ def draw(
         axes += [figure.add_subplot(grid[i, :2], sharex=axes[0]) for i in (1, 2)]
         axes.append(figure.add_subplot(grid[:, 2]))
         for panel, one in zip(KINDS.values(), axes, strict=True):
-            panel(one, history)
+            panel(one, window)
         for one in axes[:2]:
             one.tick_params(labelbottom=False)
             one.set_xlabel("")
@@ -91,7 +95,7 @@ def _title(thing: Motion | Trajectory) -> str:
     return text
 
 
-def _history(thing: Motion | Trajectory, cycles: float) -> History:
+def history(thing: Motion | Trajectory, cycles: float) -> History:
     """Samples dense enough for a smooth curve, with both sides of each jump."""
     from ..motion import Motion
 
@@ -102,10 +106,17 @@ def _history(thing: Motion | Trajectory, cycles: float) -> History:
         events = np.concatenate([thing.events] * repeats)
         n = len(thing.events)
         events["time"] += np.repeat(np.arange(repeats), n) * thing.period
+        phase, resting = thing.load_phase, 0  # the first impact ends the rest, if any
     else:
         last = thing.final_state["t"]
         first = max(thing.initial_state["t"], last - cycles * cycle)
+        phase = thing.final_state["phase"] + thing.r * (first - last)
         events = thing.events
+        state, before = thing.initial_state, events[events["time"] < first]
+        resting = int(state["side"]) if state["resting"] else 0
+        if before.size:
+            side = 1 if before[-1]["side"] == "R" else -1
+            resting = side if before[-1]["kind"] == "stick" else 0
     events = events[(events["time"] >= first) & (events["time"] <= last)]
     # the end itself is the start of the next period
     even = np.linspace(first, np.nextafter(last, -np.inf), int(400 * (last - first) / cycle) + 2)
@@ -116,11 +127,11 @@ def _history(thing: Motion | Trajectory, cycles: float) -> History:
     free = sample.load - 2 * thing.osc.xi * sample.X_dot - sample.X
     half = 0.5 * thing.clearance
     # at rest both masses have one velocity, to the last bit, and the gap is closed
-    resting = (sample.X_dot == sample.Z_dot) & (np.abs(np.abs(sample.Y) - half) <= 1e-9 * half)
-    acceleration = np.where(resting, free / (1 + thing.osc.mu), free)
+    together = (sample.X_dot == sample.Z_dot) & (np.abs(np.abs(sample.Y) - half) <= 1e-9 * half)
+    acceleration = np.where(together, free / (1 + thing.osc.mu), free)
     return History(
         (times - first) / cycle, sample, acceleration, events, (events["time"] - first) / cycle,
-        half,
+        half, first, last, phase, resting,
     )  # fmt: skip
 
 

@@ -1,0 +1,230 @@
+"""The masses in motion: walls that flash where they are hit, above the time history."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import checks
+from ..errors import MissingExtraError, ParameterError, ParameterTypeError
+from ..files import replacing
+from ..progress import Progress
+from . import style
+from .history import KINDS, History, history
+
+if TYPE_CHECKING:
+    from ..motion import Motion
+    from ..trajectory import Trajectory
+
+__all__ = ["FORMATS", "animate"]
+
+#: Endings of files, and what writes them.
+FORMATS = {"gif": "pillow", "mp4": "ffmpeg"}
+#: Pictures a second, seconds that a wall flashes, and the most pictures that fit in memory at ease.
+RATE, FLASH, MOST = 20, 0.25, 2000
+
+
+def animate(
+    thing: Motion | Trajectory,
+    path: str | os.PathLike[str] | None = None,
+    cycles: float = 3.0,
+    seconds: float = 3.0,
+) -> Any:
+    """Animate the masses, and write that to a file.
+
+    Parameters
+    ----------
+    thing : Motion or Trajectory
+    path : str or path, optional
+        Ends with .gif (Pillow writes it) or .mp4 (the program ffmpeg).
+    cycles : float
+        Load cycles shown: of a motion from its first impact on, of a trajectory its last ones.
+    seconds : float
+        How long a load cycle lasts on the screen.
+
+    Returns
+    -------
+    Path, or matplotlib's FuncAnimation if there is no path.
+    """
+    cycles, seconds = _positive(cycles, "cycles"), _positive(seconds, "seconds")
+    target, writer = (None, "") if path is None else _writer(path)
+    h = history(thing, cycles)
+    n = round((h.last - h.first) * thing.r / (2 * math.pi) * seconds * RATE)
+    if not 2 <= n <= MOST:
+        raise ParameterError(
+            f"cycles = {cycles:g}, seconds = {seconds:g}: make {n} pictures at {RATE} a second; must be 2 to "
+            f"{MOST}"
+        )
+    plt = style.pyplot()
+    with plt.rc_context({**style.SETTINGS, "savefig.bbox": None}):
+        figure, axes = plt.subplots(
+            2, figsize=(6.0, 3.6), height_ratios=(1, 1.3), dpi=100, layout="constrained"
+        )
+        try:
+            scene = _Scene(thing, h, axes)
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")  # laid out once; each picture is faster for it
+            # the end is left out: of a whole number of periods it is the beginning again
+            times = h.first + (h.last - h.first) * np.arange(n) / n
+            if target is None:
+                from matplotlib.animation import FuncAnimation
+
+                return FuncAnimation(
+                    figure, scene.show, times, interval=1000 / RATE, init_func=lambda: ()
+                )
+            _write(figure, scene, times, target, writer)
+        finally:
+            if target is not None:
+                plt.close(figure)
+    return target
+
+
+def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer: str) -> None:
+    """Write the pictures, one drawing each (FuncAnimation.save draws three times)."""
+    from matplotlib.animation import writers
+
+    # the writer knows the format by the ending
+    temporary = target.with_name(f"{target.stem}.{os.getpid()}.part{target.suffix}")
+    film = writers[writer](fps=RATE)
+    with (
+        replacing(target, temporary),
+        Progress(target.name) as bar,
+        film.saving(figure, str(temporary), figure.dpi),
+    ):
+        for i, time in enumerate(times):
+            scene.show(time)
+            film.grab_frame()
+            bar.show((i + 1) / len(times))
+
+
+def check_format(ending: str, label: str) -> str:
+    """The writer for an ending; an error where it is unknown or what writes it is missing."""
+    if ending not in FORMATS:
+        raise ParameterError(f"{label}: must end with .{' or .'.join(FORMATS)}")
+    style.pyplot()
+    from matplotlib.animation import writers
+
+    if ending == "gif":
+        try:
+            import PIL.Image  # noqa: F401
+        except ImportError:
+            raise MissingExtraError(
+                f"{label}: a GIF needs Pillow: pip install 'vibroimpact[plot]'"
+            ) from None
+    elif not writers.is_available(FORMATS[ending]):
+        raise MissingExtraError(
+            f"{label}: an MP4 needs the program ffmpeg, which is not on the PATH; a .gif needs none"
+        )
+    return FORMATS[ending]
+
+
+def _writer(path: Any) -> tuple[Path, str]:
+    """The path, and the writer for its ending."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise ParameterTypeError(f"path = {path!r}: must be the name of a file")
+    target = Path(path)
+    return target, check_format(target.suffix[1:].lower(), f"path = {str(path)!r}")
+
+
+def _positive(value: Any, name: str) -> float:
+    number = checks.to_float(value, name, "a number above 0")
+    if not 0 < number < math.inf:
+        raise ParameterError(f"{name} = {value!r}: must be a number above 0")
+    return number
+
+
+class Glow(NamedTuple):
+    """How bright each wall flashes (left, right), 0 to 1, and the side of rest or 0."""
+
+    left: float
+    right: float
+    rest: int
+
+
+def glow(events: NDArray[Any], time: float, flash: float, resting: int = 0) -> Glow:
+    """The walls at a time: a flash fades from 1 at the impact to 0 after the time `flash`.
+
+    `resting` is the side of rest before the first event.
+    """
+    past = events[events["time"] <= time]
+    bright = []
+    for side in "LR":
+        hits = past["time"][(past["side"] == side) & (past["kind"] == "impact")]
+        bright.append(max(0.0, 1 - (time - hits[-1]) / flash) if hits.size else 0.0)
+    if past.size:
+        last = past[-1]
+        resting = (1 if last["side"] == "R" else -1) if last["kind"] == "stick" else 0
+    return Glow(bright[0], bright[1], resting)
+
+
+class _Scene:
+    """The artists of a picture, and how they stand at a time."""
+
+    def __init__(self, thing: Motion | Trajectory, h: History, axes: Any) -> None:
+        from matplotlib.patches import Rectangle
+
+        self.thing, self.h = thing, h
+        self.flash = FLASH * (h.last - h.first) / (h.cycles[-1] - h.cycles[0])
+        ax, below = axes
+        low, high = float(h.sample.X.min()), float(h.sample.X.max())
+        span = high - low + 2 * h.half
+        # The inner faces stand half a width of the free mass beyond X +- d/2: it touches where |Y| = d/2,
+        # and the way that is open to it is the clearance, in the scale of the axis.
+        self.width = 0.08 * span
+        self.thick = 0.5 * self.width
+        self.reach = h.half + 0.5 * self.width + self.thick
+        self.anchor = low - self.reach - 0.3 * span
+
+        def box(width: float, height: float, bottom: float, colour: str) -> Any:
+            return ax.add_patch(Rectangle((0, bottom), width, height, fc=colour, ec="none"))
+
+        ax.axhline(0, color="0.6", lw=0.8)
+        self.floor = box(2 * self.reach, 0.22, 0.02, style.PRIMARY)
+        self.walls = [box(self.thick, 0.72, 0.24, style.PRIMARY) for _ in "LR"]
+        self.free = box(self.width, 0.4, 0.24, style.FREE)
+        self.ground = ax.axvline(self.anchor, 0, 0.6, color="0.4", lw=2)
+        (self.spring,) = ax.plot([], [], color="0.4", lw=0.9)
+        self.text = ax.text(0.99, 1.0, "", transform=ax.transAxes, ha="right", va="top")
+        ax.set_xlim(self.anchor - 0.02 * span, high + self.reach + 0.08 * span)
+        ax.set_ylim(-0.02, 1.2)
+        ax.set_yticks([])
+        ax.spines["left"].set_visible(False)
+        ax.set_xlabel("position ($F_0/K$); the clearance is to scale", labelpad=1)
+        KINDS["history"](below, h)
+        self.cursor = below.axvline(0, color="0.2", lw=0.8)
+
+    def show(self, time: float) -> list[Any]:
+        """Move everything to where it is at a time."""
+        thing, h = self.thing, self.h
+        now = thing.sample(time)
+        x, z = float(now.X), float(now.Z)
+        self.floor.set_x(x - self.reach)
+        self.free.set_x(z - 0.5 * self.width)
+        state = glow(h.events, time, self.flash, h.resting)
+        for side, wall, bright in zip((-1, 1), self.walls, state[:2], strict=True):
+            wall.set_x(x + side * (self.reach - 0.5 * self.thick) - 0.5 * self.thick)
+            base = style.REST if state.rest == side else style.PRIMARY
+            wall.set_facecolor(_mix(base, style.IMPACT, bright))
+        turns = np.linspace(0, 1, 19)
+        zigzag = 0.13 + 0.08 * np.where(np.arange(19) % 2, 1, -1) * (np.abs(turns - 0.5) < 0.4)
+        self.spring.set_data(self.anchor + turns * (x - self.reach - self.anchor), zigzag)
+        cycle = (time - h.first) * thing.r / (2 * math.pi)
+        self.cursor.set_xdata([cycle, cycle])
+        phase = (h.phase + 2 * math.pi * cycle) % (2 * math.pi)
+        self.text.set_text(
+            rf"$\omega t$ = {time:.2f}   load {float(now.load):+.2f} $F_0$, "
+            rf"phase {phase / math.pi:.2f} $\pi$"
+        )
+        return [self.floor, *self.walls, self.free, self.spring, self.cursor, self.text]
+
+
+def _mix(first: str, second: str, share: float) -> tuple[float, ...]:
+    """A colour between two."""
+    from matplotlib.colors import to_rgb
+
+    return tuple((1 - share) * np.array(to_rgb(first)) + share * np.array(to_rgb(second)))

@@ -1,0 +1,154 @@
+"""Animations: where the masses stand, which wall flashes, and the manners of the file."""
+
+import sys
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from test_exact import COLUMN, TABLE
+from test_simulate import RIG, TURN, settled
+
+matplotlib = pytest.importorskip("matplotlib")
+matplotlib.use("Agg")
+import matplotlib.animation  # noqa: E402
+import matplotlib.pyplot as plt  # noqa: E402
+from PIL import Image  # noqa: E402
+from vibroimpact.plot import animation, style  # noqa: E402
+from vibroimpact.plot.history import history  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    """Each test leaves no open figures."""
+    yield
+    plt.close("all")
+
+
+def scene_of(thing, cycles):
+    """The artists, and the window."""
+    window = history(thing, cycles)
+    return animation._Scene(thing, window, plt.subplots(2)[1]), window
+
+
+@pytest.mark.parametrize("which", range(2))
+def test_masses_stand_to_scale(which):
+    """The way left between the walls is the clearance, and the free mass is apart by d/2 - |Y| on each side."""
+    thing = (vi.exact(TABLE, 0.94, 37.0, COLUMN), settled(3))[which]
+    scene, window = scene_of(thing, 1)
+    for time in np.linspace(window.first, window.last, 12, endpoint=False):
+        scene.show(time)
+        now = thing.sample(time)
+        left, right = scene.walls
+        faces = left.get_x() + left.get_width(), right.get_x()
+        free = scene.free.get_x(), scene.free.get_x() + scene.free.get_width()
+        half = 0.5 * thing.clearance
+        assert free[0] - faces[0] == pytest.approx(half + float(now.Y), abs=1e-9 * half)
+        assert faces[1] - free[1] == pytest.approx(half - float(now.Y), abs=1e-9 * half)
+        assert sum(faces) / 2 == pytest.approx(float(now.X), abs=1e-9 * half)
+
+
+def test_load_phase_is_that_of_the_load():
+    """sin of the phase that is written is the load, at the beginning of the window too."""
+    for thing in (vi.exact(TABLE, 0.94, 37.0, COLUMN), settled(3)):
+        window = history(thing, 1)
+        assert np.sin(window.phase) == pytest.approx(
+            float(thing.sample(window.first).load), abs=1e-9
+        )
+
+
+def test_the_wall_that_is_hit_flashes():
+    """Just after an impact its wall is at full brightness and the other one is not; then it fades."""
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    events = motion.events
+    for event in events:
+        state = animation.glow(events, event["time"], 0.1)
+        bright = (state.right, state.left) if event["side"] == "R" else (state.left, state.right)
+        assert bright == (1, 0)
+        later = animation.glow(events, event["time"] + 0.05, 0.1)
+        assert max(later.left, later.right) == pytest.approx(0.5)
+        assert animation.glow(events, event["time"] + 0.11, 0.1) == (0, 0, 0)
+
+
+def test_the_wall_of_a_rest_has_its_colour():
+    """Between stick and release the wall of the rest is told; a window may begin within a rest."""
+    run = settled(4)
+    events = run.events
+    (stick,) = np.flatnonzero(events["kind"] == "stick")[:1]
+    begin, end = events["time"][stick : stick + 2]
+    side = 1 if events["side"][stick] == "R" else -1
+    assert events["kind"][stick + 1] == "release"
+    assert animation.glow(events, 0.5 * (begin + end), 1e-9).rest == side
+    assert animation.glow(events, end, 1e-9).rest == 0
+    cycles = (run.final_state["t"] - 0.5 * (begin + end)) * run.r / TURN
+    assert history(run, cycles).resting == side
+    scene, window = scene_of(run, cycles)
+    scene.flash = 1e-9
+    scene.show(window.first)
+    wall = scene.walls[side > 0].get_facecolor()
+    assert wall == matplotlib.colors.to_rgba(style.REST)
+
+
+def test_gif(tmp_path):
+    """As many pictures as asked for, at their pace, round and round, and nothing else in the folder."""
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    path = motion.animate(tmp_path / "pair.gif", seconds=0.2)
+    assert path == tmp_path / "pair.gif"
+    assert [item.name for item in tmp_path.iterdir()] == ["pair.gif"]
+    with Image.open(path) as film:
+        assert film.n_frames == 0.2 * animation.RATE
+        assert film.info["duration"] == 1000 / animation.RATE
+        assert film.info["loop"] == 0
+    assert plt.get_fignums() == []
+
+
+def test_without_a_path_a_notebook_gets_it():
+    """matplotlib's own animation, and the settings of the caller are left alone."""
+    before = dict(matplotlib.rcParams)
+    film = settled(2).animate(cycles=1, seconds=0.1)
+    assert isinstance(film, matplotlib.animation.FuncAnimation)
+    assert film.to_jshtml().count("data:image/png") == 2
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_interrupted_film_leaves_the_old_one(tmp_path, monkeypatch):
+    """The file that was there stays, and no part of the new one."""
+    path = tmp_path / "film.gif"
+    path.write_text("old")
+
+    show, shown = animation._Scene.show, []
+
+    def broken(self, time):
+        if shown:
+            raise KeyboardInterrupt
+        shown.append(time)
+        show(self, time)
+
+    monkeypatch.setattr(animation._Scene, "show", broken)
+    with pytest.raises(KeyboardInterrupt):
+        settled(2).animate(path, cycles=1, seconds=0.1)
+    assert [item.read_text() for item in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    ({"path": "film.avi"}, r"path = 'film.avi': must end with .gif or .mp4"),
+    ({"path": "film"}, r"path = 'film': must end"), ({"path": 3}, "path = 3"),
+    ({"cycles": 0}, "cycles = 0"), ({"cycles": 1, "seconds": -1}, "seconds = -1"),
+    ({"cycles": 1, "seconds": 1e6}, "seconds = 1e"), ({"cycles": 1, "seconds": 1e-3}, "pictures"),
+])  # fmt: skip
+def test_wrong_arguments(words, said):
+    """Refused by name, before anything is drawn."""
+    with pytest.raises(vi.errors.VibroimpactError, match=said):
+        vi.simulate(RIG, 0.9, 6.0, 2).animate(**words)
+    assert plt.get_fignums() == []
+
+
+def test_missing_writers(tmp_path, monkeypatch):
+    """Without Pillow or ffmpeg the error says what is missing for which ending."""
+    run = vi.simulate(RIG, 0.9, 6.0, 2)
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(vi.errors.MissingExtraError, match="ffmpeg"):
+        run.animate(tmp_path / "film.mp4")
+    monkeypatch.setitem(sys.modules, "PIL.Image", None)
+    with pytest.raises(vi.errors.MissingExtraError, match="Pillow"):
+        run.animate(tmp_path / "film.gif")
+    assert not list(tmp_path.iterdir())
