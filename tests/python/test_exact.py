@@ -301,7 +301,7 @@ def test_a_small_perturbation_of_a_stable_motion_dies_out():
 
 
 def rest_motion(**changes):
-    """Return the exact motion of the issue's example."""
+    """Return the exact motion with rest of Figure 9c."""
     return vi.exact(RIG, 0.9, 6.0, settled(8), **changes)
 
 

@@ -52,7 +52,7 @@ def signs(events):
 
 
 def settled(cycles=4, discard=300):
-    """Return the issue's example: one impact on the right wall, chatter and rest on the left."""
+    """Return a run with one impact on the right wall, chatter and rest on the left."""
     return vi.simulate(RIG, 0.9, 6.0, cycles, discard=discard)
 
 
