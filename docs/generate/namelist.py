@@ -21,7 +21,11 @@ REST = {
 
 def complaint(group, key):
     """What the program says about `key = '?'` in a group; empty if another fault comes first."""
-    system = SYSTEM.replace(", r = 0.9", "") if group in ("chart", "zone", "atlas", "response") else SYSTEM
+    system = (
+        SYSTEM.replace(", r = 0.9", "")
+        if group in ("chart", "zone", "atlas", "response")
+        else SYSTEM
+    )
     before = "" if group == "system" else system + (MOTION if group in ("branch", "output") else "")
     others = [
         item for item in re.split(r", (?=[a-z_]+ =)", REST.get(group, "")) if f"{key} =" not in item
