@@ -17,6 +17,7 @@ ROUNDS, TARGET = 5, 1.8
 R, D = np.linspace(0.8, 1.2, 120), np.geomspace(2, 200, 120)
 RANDOM = np.random.default_rng(1)
 PHASES = np.sort(RANDOM.uniform(0, 2 * np.pi, (3, 2_000_000)), axis=0)
+PHASES[0] = 0
 PLANE = (("x", -30, 30, 120), ("x_dot", -30, 30, 120))
 
 
@@ -38,7 +39,7 @@ def bundle(threads):
 
 def atlas(threads):
     """All zones of a window."""
-    found = vi.atlas(OSC, (0.9, 1.1), (10, 90), max_impacts=4, survey=100, threads=threads)
+    found = vi.atlas(OSC, (0.9, 1.1), (10, 90), max_impacts=5, survey=100, threads=threads)
     return np.concatenate([ring.ravel() for zone in found.zones for ring in zone.loops])
 
 
