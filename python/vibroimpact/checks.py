@@ -42,7 +42,9 @@ def allowed(name: str, label: str | None = None) -> str:
 def number(value: Any, name: str, label: str | None = None) -> float:
     """A float within the range of `name`; `label` is what the message calls it."""
     item: float = value
-    if type(value) is not float:
+    if type(value) is int and abs(value) < 2**53:
+        item = float(value)
+    elif type(value) is not float:
         item = to_float(value, label or name, allowed(name, label))
     low, high, closed = RANGES[name]
     if not (low <= item < high or (closed and item == high)):
@@ -65,6 +67,8 @@ def to_float(value: Any, label: str, wanted: str) -> float:
 
 def integer(value: Any, name: str, low: int, high: int) -> int:
     """An int with low <= value <= high."""
+    if type(value) is int and low <= value <= high:
+        return value
     wanted = f"a whole number with {low} <= {name} <= {high}"
     if isinstance(value, (bool, np.bool_)):
         raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}, not bool")

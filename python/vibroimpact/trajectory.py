@@ -40,6 +40,11 @@ MORE_EVENTS = 8
 #: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on without loss.
 State = dict[str, Any]
 
+#: A moment of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
+_Moment = tuple[NDArray[np.float64], NDArray[np.int32]]
+#: xi, mu, R1 and R2, r, load, clearance.
+_System = tuple[float, float, tuple[float, float], float, float, float]
+
 NEEDED = ("t", "x", "x_dot", "z", "z_dot")
 EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
@@ -304,11 +309,6 @@ def simulate(
     return Trajectory(osc, r, clearance, load, events, first, last, complete, request)
 
 
-#: A moment of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
-_Moment = tuple[NDArray[np.float64], NDArray[np.int32]]
-_System = tuple[float, float, tuple[float, float], float, float, float]
-
-
 def _run(
     system: _System, now: _Moment, begun: _Moment, cycles: float, max_events: int, *, keep: bool
 ) -> tuple[NDArray[Any], _Moment, _Moment, bool]:
@@ -333,14 +333,14 @@ def _run(
         cycle = float(now[0][0])
         last_part = end[0] - cycle <= span
         stop = end if last_part else (cycle + span, 0.0)
-        table = np.empty(min(chunk, max_events - total), dtype=EVENT_TYPE)
+        table = np.empty((min(chunk, max_events - total), 11))
         n, last, last_contact, final, contact, status = _core.simulate(
-            *system, *begun, *stop, WORDS, table.view(np.float64).reshape(-1, 11).T
+            *system, *begun, *stop, WORDS, table.T
         )
         begun, now = (last, last_contact), (final, contact)
         total += n
         if keep and n:
-            tables.append(table[:n] if 4 * n > table.size else table[:n].copy())
+            tables.append(table[:n] if 4 * n > len(table) else table[:n].copy())
         if status not in (0, MORE_EVENTS):
             from .solve import status_text
 
@@ -348,8 +348,8 @@ def _run(
         if last_part if status == 0 else total == max_events:
             break
         chunk = CHUNK if status else chunk
-    events = tables[0] if len(tables) == 1 else np.concatenate([np.empty(0, EVENT_TYPE), *tables])
-    return events, now, begun, status == 0
+    rows = tables[0] if len(tables) == 1 else np.concatenate([np.empty((0, 11)), *tables])
+    return rows.view(EVENT_TYPE)[:, 0], now, begun, status == 0
 
 
 def _later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
@@ -368,13 +368,14 @@ def _state(system: _System, now: _Moment, begun: _Moment) -> State:
     """
     cycle, phase, x, x_dot, z, z_dot, speed = now[0].tolist()
     side, resting, released = now[1].tolist()
-    state = {
-        "t": (TWO_PI * cycle + phase) / system[3], "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot,
-        "cycle": cycle, "phase": phase, "side": side, "speed": speed, "resting": resting,
-        "released": released,
+    t = (TWO_PI * cycle + phase) / system[3]
+    xi, mu, walls, *rest = system
+    since = (xi, mu, *walls, *rest, t, x, x_dot, z, z_dot, cycle, phase, side, speed, resting, released,
+             *begun[0].tolist(), *begun[1].tolist())  # fmt: skip
+    return {
+        "t": t, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot, "cycle": cycle, "phase": phase,
+        "side": side, "speed": speed, "resting": resting, "released": released, "since": since,
     }  # fmt: skip
-    state["since"] = (*_belongs(system, state), *begun[0].tolist(), *begun[1].tolist())
-    return state
 
 
 def _belongs(system: _System, state: Mapping[str, Any]) -> tuple[float, ...]:
