@@ -72,11 +72,7 @@ class Atlas(Result):
 
     def explains(self, attractor: Attractor) -> bool:
         """Whether an attractor lies in a zone of its pattern."""
-        wanted = names_of(attractor.pattern, self.osc)
-        return any(
-            zone.pattern.sides in wanted and zone.pattern.cycles == attractor.pattern.cycles
-            for zone in self.at(attractor.r, attractor.clearance)
-        )
+        return not unexplained(self.osc, self.zones, [attractor])
 
     @classmethod
     def load(cls, path: str | Path) -> Atlas:
@@ -118,6 +114,22 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
 def standard(pattern: Pattern, osc: Oscillator) -> Pattern:
     """The same pattern from the letter on that all agree on."""
     return Pattern(max(names_of(pattern, osc)), pattern.cycles)
+
+
+def unexplained(osc: Oscillator, zones: list[Zone], attractors: list[Attractor]) -> list[Attractor]:
+    """Those attractors that lie in no zone of their pattern; a zone looks at all of its own at once."""
+    left = list(attractors)
+    wanted = {pattern: names_of(pattern, osc) for pattern in {item.pattern for item in left}}
+    for zone in zones:
+        pattern = zone.pattern
+        own = [
+            item for item in left
+            if pattern.sides in wanted[item.pattern] and pattern.cycles == item.pattern.cycles
+        ]  # fmt: skip
+        inside = zone.contains([item.r for item in own], [item.clearance for item in own])
+        explained = {id(item) for item, held in zip(own, np.atleast_1d(inside), strict=True) if held}
+        left = [item for item in left if id(item) not in explained]
+    return left
 
 
 def atlas(
@@ -233,24 +245,19 @@ def atlas(
 
     def result() -> Atlas:
         found = [zone for zone in zones.values() if zone or not zone.closed]
-        draft = Atlas(osc, *window, found, attractors, [])
         return Atlas(
-            osc,
-            *window,
-            found,
-            attractors,
-            [item for item in attractors if not draft.explains(item)],
-            asked,
-        )
+            osc, *window, found, attractors, unexplained(osc, found, attractors), asked
+        )  # fmt: skip
 
-    first = result()
-    again = [f for f in families if f[0] in {item.pattern for item in first.unexplained}]
+    found = result()
+    again = [f for f in families if f[0] in {item.pattern for item in found.unexplained}]
     if again:
         with ThreadPoolExecutor(workers) as pool:
             for family, zone in zip(again, pool.map(lambda f: trace(f, 2), again), strict=True):
                 zones[family] = zone
+        found = result()
     tell(1.0, "done")
-    return result()
+    return found
 
 
 def surveyed(
