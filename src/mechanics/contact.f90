@@ -34,7 +34,8 @@ module vi_contact
       integer :: side = 0
       !> Time of the contact after the start of the flight, and approach speed.
       real(wp) :: time = 0, speed = 0
-      !> x and its derivatives then.
+      !> x and its derivatives then. Assigned by name: flang 19 shifts an array that
+      !> starts at 0 when a structure constructor fills it.
       real(wp) :: d(0:5) = 0
       !> False if the step budget ran out.
       logical :: complete = .true.
@@ -60,8 +61,8 @@ contains
       type(contact_type) :: contact
 
       if (departure%side /= 0 .and. departure%speed < 0) then
-         contact = contact_type(departure%side, 0.0_wp, -departure%speed, &
-            derivatives(flight, 0.0_wp))
+         contact = contact_type(departure%side, 0.0_wp, -departure%speed)
+         contact%d = derivatives(flight, 0.0_wp)
       else if (present(from)) then
          contact = contact_after(flight, half, departure, limit, from)
       else
@@ -99,7 +100,8 @@ contains
          side = merge(first, -first, step <= other)
          step = min(step, other)
          if (step <= 2*epsilon(1.0_wp)*t) then
-            contact = contact_type(side, t, max(0.0_wp, side*(flight%z_dot - d(1))), d)
+            contact = contact_type(side, t, max(0.0_wp, side*(flight%z_dot - d(1))))
+            contact%d = d
             if (side == departure%side .and. t < near) then
                contact%speed = max(0.0_wp, series_speed(k, t))
             end if
