@@ -127,7 +127,9 @@ def unexplained(osc: Oscillator, zones: list[Zone], attractors: list[Attractor])
             if pattern.sides in wanted[item.pattern] and pattern.cycles == item.pattern.cycles
         ]  # fmt: skip
         inside = zone.contains([item.r for item in own], [item.clearance for item in own])
-        explained = {id(item) for item, held in zip(own, np.atleast_1d(inside), strict=True) if held}
+        explained = {
+            id(item) for item, held in zip(own, np.atleast_1d(inside), strict=True) if held
+        }
         left = [item for item in left if id(item) not in explained]
     return left
 
