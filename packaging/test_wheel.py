@@ -37,7 +37,11 @@ def install(wheel):
 def check_in_clean_environment():
     """The module, the commands and the program; for what should be hidden and is not, say so."""
     # the user's variables stay outside
-    bare = {"PATH": f"{PYTHON.parent}:/usr/bin:/bin", "HOME": str(FOLDER), "OPENBLAS_NUM_THREADS": "1"}
+    bare = {
+        "PATH": f"{PYTHON.parent}:/usr/bin:/bin",
+        "HOME": str(FOLDER),
+        "OPENBLAS_NUM_THREADS": "1",
+    }
     check = [str(PYTHON), str(Path(__file__).with_name("check_installed.py")), str(CASE)]
     line = hidden([*HIDDEN], [*check, *HIDDEN])
     if not line:
