@@ -1,8 +1,9 @@
 """Test a wheel where a user would be: a clean environment, and no compiler and no BLAS in sight.
 
-    python packaging/test_wheel.py FILE.whl
+    python packaging/test_wheel.py FILE.whl [PYTHON]
 
-Its Python has the package built in the tree, and mypy. Everything is in build/wheel.
+The Python that runs this has the package built in the tree, and mypy; the wheel is for it, or for
+another that is named. Everything is in build/wheel.
 """
 
 import os
@@ -26,10 +27,10 @@ attenuation: float = motion.attenuation
 """
 
 
-def install(wheel):
+def install(wheel, python=sys.executable):
     """A new environment with the wheel and what it asks for, and nothing else."""
     shutil.rmtree(FOLDER / "env", ignore_errors=True)
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", FOLDER / "env"], check=True)
+    subprocess.run([python, "-m", "venv", "--without-pip", FOLDER / "env"], check=True)
     pip = [sys.executable, "-m", "pip", "--python", PYTHON, "--quiet", "install"]
     subprocess.run([*pip, wheel], check=True)
 
@@ -99,7 +100,7 @@ def check_types():
 if __name__ == "__main__":
     for name in ("table1", "results", "expected"):
         shutil.rmtree(FOLDER / name, ignore_errors=True)
-    install(sys.argv[1])
+    install(*sys.argv[1:])
     check_in_clean_environment()
     check_results()
     check_types()
