@@ -1,0 +1,106 @@
+"""Test a wheel where a user would be: a clean environment, and no compiler and no BLAS in sight.
+
+    python packaging/test_wheel.py FILE.whl [PYTHON]
+
+The Python that runs this has the package built in the tree, and mypy; the wheel is for it, or for
+another that is named. Everything is in build/wheel.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from hide import HIDDEN, hidden
+
+ROOT = Path(__file__).parents[1]
+FOLDER = ROOT / "build" / "wheel"
+PYTHON = FOLDER / "env" / "bin" / "python"
+CASE = ROOT / "inputs" / "table1.nml"
+USER_SCRIPT = """import vibroimpact as vi
+
+osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+motion: vi.Motion = vi.equispaced(osc, r=0.94, clearance=37.0)[0]
+attenuation: float = motion.attenuation
+"""
+
+
+def install(wheel, python=sys.executable):
+    """A new environment with the wheel and what it asks for, and nothing else."""
+    shutil.rmtree(FOLDER / "env", ignore_errors=True)
+    subprocess.run([python, "-m", "venv", "--without-pip", FOLDER / "env"], check=True)
+    pip = [sys.executable, "-m", "pip", "--python", PYTHON, "--quiet", "install"]
+    subprocess.run([*pip, wheel], check=True)
+
+
+def check_in_clean_environment():
+    """The module, the commands and the program; for what should be hidden and is not, say so."""
+    # the user's variables stay outside
+    bare = {
+        "PATH": f"{PYTHON.parent}:/usr/bin:/bin",
+        "HOME": str(FOLDER),
+        "OPENBLAS_NUM_THREADS": "1",
+    }
+    check = [str(PYTHON), str(Path(__file__).with_name("check_installed.py")), str(CASE)]
+    line = hidden([*HIDDEN], [*check, *HIDDEN])
+    if not line:
+        print("not hidden (no mount namespaces here): libraries; the compiler is out of PATH only")
+        line, bare["PATH"] = [*check, "compiler"], str(PYTHON.parent)
+    tool = shutil.which(line[0]) or line[0]
+    if subprocess.run([tool, *line[1:]], cwd=FOLDER, env=bare).returncode != 0:
+        sys.exit("test_wheel: the installed wheel fails the checks of check_installed.py")
+
+
+def lapack(python):
+    """Which LAPACK the package of a Python has."""
+    code = "from vibroimpact._build import FACTS; print(FACTS['lapack'])"
+    return subprocess.check_output([python, "-c", code], cwd=FOLDER, text=True).strip()
+
+
+def check_results():
+    """The program of the wheel writes what that of the tree writes."""
+    program = Path(sys.executable).with_name("vibroimpact-batch")
+    subprocess.run([program, CASE, "-o", FOLDER / "expected"], check=True, capture_output=True)
+    same_lapack = lapack(PYTHON) == lapack(sys.executable)
+    expected = {path.name: path.read_bytes() for path in (FOLDER / "expected").iterdir()}
+    results = {path.name: path.read_bytes() for path in (FOLDER / "results").iterdir()}
+    assert len(expected) == 4
+    assert expected.keys() == results.keys()
+    for name, text in expected.items():
+        assert text == results[name] or (not same_lapack and close(text, results[name])), name
+    print("results of the program: equal", "to the last bit" if same_lapack else "to 1e-12")
+
+
+def close(one, other):
+    """Whether two texts differ in the last digits of their numbers only."""
+    number = rb"-?\d+\.\d+(?:E[+-]\d+)?"
+    pairs = list(zip(re.findall(number, one), re.findall(number, other), strict=True))
+    same_words = re.sub(number, b"", one).split() == re.sub(number, b"", other).split()
+    return same_words and all(
+        abs(float(a) - float(b)) <= 1e-12 * max(1, abs(float(a))) for a, b in pairs
+    )
+
+
+def check_types():
+    """A user's script passes mypy --strict, and one with a wrong type does not."""
+    mypy = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir=cache"]
+    for text, accepted in ((USER_SCRIPT, True), (USER_SCRIPT.replace(": float", ": str"), False)):
+        (FOLDER / "user.py").write_text(text)
+        done = subprocess.run(
+            [*mypy, "--python-executable", PYTHON, "user.py"],
+            cwd=FOLDER, capture_output=True, text=True, env={**os.environ, "MYPYPATH": ""},
+        )  # fmt: skip
+        assert (done.returncode == 0) == accepted, done.stdout + done.stderr
+        assert accepted or "[assignment]" in done.stdout, done.stdout + done.stderr
+    print("types of the installed package: mypy --strict agrees")
+
+
+if __name__ == "__main__":
+    for name in ("table1", "results", "expected"):
+        shutil.rmtree(FOLDER / name, ignore_errors=True)
+    install(*sys.argv[1:])
+    check_in_clean_environment()
+    check_results()
+    check_types()
