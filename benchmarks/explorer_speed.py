@@ -19,6 +19,8 @@ from table import row, show
 
 MOVES = 150
 SLIDES = 12
+#: In turn, each to anywhere between two values.
+SLIDERS = (("xi", 0.002, 0.05), ("mu", 0.01, 0.1), ("R1", 0.5, 0.9), ("R2", 0.5, 0.9))
 READY = """() => window.vibroimpact?.idle() && document.getElementById('families').children.length
   && document.getElementById('status').textContent === ''
   && document.getElementById('searched').textContent.endsWith('were searched.')"""
@@ -72,7 +74,7 @@ def measured(tab):
     slides = []
     for i in range(SLIDES):
         tab.wait_for_function(READY)
-        name, low, high = (("xi", 0.002, 0.05), ("mu", 0.01, 0.1), ("R1", 0.5, 0.9), ("R2", 0.5, 0.9))[i % 4]  # fmt: skip
+        name, low, high = SLIDERS[i % 4]
         slides.append(slid(tab, name, round(draw.uniform(low, high), 4)))
     return moves, slides
 
@@ -96,11 +98,13 @@ def rows():
     table = []
     for name, times, target in zip(("pointer", "slider"), found, (100, 1000), strict=True):
         ends = statistics.quantiles(times, n=20)
-        table.append(row(f"explorer: {name} to picture, median", "ms", statistics.median(times), target))
+        table.append(
+            row(f"explorer: {name} to picture, median", "ms", statistics.median(times), target)
+        )
         table.append(row(f"explorer: {name} to picture, 95 %", "ms", ends[-1], target))
     return table
 
 
 if __name__ == "__main__":
-    print("load of the machine: {:.1f}, {} processors".format(os.getloadavg()[0], os.cpu_count()))
+    print(f"load of the machine: {os.getloadavg()[0]:.1f}, {os.cpu_count()} processors")
     show(rows())

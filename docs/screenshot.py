@@ -27,7 +27,7 @@ try:
         tab.goto(url)
         tab.wait_for_function(READY)
         tab.wait_for_timeout(500)  # the last picture is drawn
-        picture = Image.open(io.BytesIO(tab.screenshot())).convert("RGB").quantize(96)
+        picture = Image.open(io.BytesIO(tab.screenshot())).convert("RGB").quantize(256, dither=0)
         picture.save(Path(__file__).with_name("static") / "explorer.png", optimize=True)
         browser.close()
 finally:

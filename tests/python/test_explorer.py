@@ -279,7 +279,8 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
 
 
 @pytest.mark.parametrize("line", [
-    (1.04, 5.0, 1.04, 60.0), (1.01, 60.0, 1.01, 5.0), (0.96, 20.0, 1.06, 20.0), (1.06, 7.0, 0.96, 7.0)])  # fmt: skip
+    (1.04, 5.0, 1.04, 60.0), (1.01, 60.0, 1.01, 5.0), (0.96, 20.0, 1.06, 20.0),
+    (1.06, 7.0, 0.96, 7.0)])  # fmt: skip
 def test_the_batch_program_gives_the_diagram(line, tmp_path):
     """A line along an axis is in the namelist; every impact is the one shown, also at another r."""
     explorer = Explorer(State(line=line))
@@ -726,6 +727,31 @@ def test_a_run_from_the_portrait(page):
     page.page.click("#stop")
     page.page.wait_for_function("!location.search.includes('run')")
     page.settle()
+
+
+def test_the_page_tells_that_the_server_has_ended(browser):
+    """It says how to go on; the address still holds what is shown."""
+    process, url = started()
+    tab = browser.new_page()
+    page = Page(tab, url)
+    page.open("patterns=RL")
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 0
+    tab.wait_for_selector("#fault:not([hidden])")
+    assert "vibroimpact explore" in page.text("fault")
+    assert tab.url.endswith("patterns=RL")
+    tab.close()
+
+
+def test_a_slider_goes_back_to_its_range(page):
+    """A number beyond its end stretches it for as long as the number stands there."""
+    page.open("mu=7&patterns=RL")
+    slider = page.page.locator("[data-slider=mu]")
+    assert float(slider.get_attribute("max")) == 7
+    page.page.fill("#mu", "0.1")
+    page.page.keyboard.press("Enter")
+    page.page.wait_for_function("document.querySelector('[data-slider=mu]').value === '0.1'")
+    assert float(slider.get_attribute("max")) == 0.2
 
 
 @pytest.mark.parametrize("width", [1280, 390])

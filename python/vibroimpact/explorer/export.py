@@ -63,8 +63,11 @@ def _diagram_lines(state: State) -> list[str]:
         return []
     parameter, values, other = along(state)
     if np.ndim(other):
-        return ["! a line across both axes is no &bifurcation; the diagram is in what is copied as Python"]
-    keys = f"parameter = '{parameter}', low = {float(values[0])!r}, high = {float(values[-1])!r}, values = {VALUES}"
+        return [
+            "! a line across both axes is no &bifurcation; the diagram is in what is copied as Python"
+        ]
+    low, high = float(values[0]), float(values[-1])
+    keys = f"parameter = '{parameter}', low = {low!r}, high = {high!r}, values = {VALUES}"
     if parameter == "r":
         keys += f", clearance = {other!r}"
     system = _system(state, other) if parameter == "clearance" and other != state.r else []

@@ -158,6 +158,8 @@ export function render({ model }) {
         dragged = null
       }
     },
+    lost: () => fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
+      + "its address holds what is shown."),
     idle: () => !busy && waiting.size === 0,
   }
   // a finger has no place until it taps
