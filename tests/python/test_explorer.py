@@ -278,6 +278,32 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
         assert [ring.tolist() for ring in rings] == [ring.tolist() for ring in zone.loops]
 
 
+@pytest.mark.parametrize("line", [
+    (1.04, 5.0, 1.04, 60.0), (1.01, 60.0, 1.01, 5.0), (0.96, 20.0, 1.06, 20.0),
+    (1.06, 7.0, 0.96, 7.0)])  # fmt: skip
+def test_the_batch_program_gives_the_diagram(line, tmp_path):
+    """A line along an axis is in the namelist; every impact is the one shown, also at another r."""
+    explorer = Explorer(State(line=line))
+    (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
+    program = [COMMAND.with_name("vibroimpact-batch"), "explorer.nml", "-o", "out"]
+    subprocess.run(program, cwd=tmp_path, check=True, capture_output=True)
+    lines = (tmp_path / "out" / "explorer_diagram.csv").read_text().splitlines()
+    head, *rows = [row.split(",") for row in lines if not row.startswith("#")]
+    diagram = diagram_of(explorer.state)
+    assert head[1] == diagram.parameter
+    assert len(rows) == len(diagram.points) > 1000
+    for i, name in enumerate(head[4:], start=4):
+        assert [float(row[i]) for row in rows] == diagram.points[name].tolist()
+    assert [float(row[1]) for row in rows] == diagram.values[diagram.points["index"]].tolist()
+
+
+def test_an_oblique_line_is_left_to_python():
+    """It is said in one line of the file."""
+    text = as_namelist(Explorer(State(line=(0.9, 10.0, 1.1, 30.0))))
+    assert "\n&bifurcation" not in text
+    assert text.splitlines()[-1].startswith("! a line across both axes")
+
+
 def test_motions_without_phases_have_a_recipe():
     """A motion with rest is computed from a state on it."""
     osc = vi.Oscillator(0.0114, 0.028, (0.75, 0.61))
@@ -701,6 +727,31 @@ def test_a_run_from_the_portrait(page):
     page.page.click("#stop")
     page.page.wait_for_function("!location.search.includes('run')")
     page.settle()
+
+
+def test_the_page_tells_that_the_server_has_ended(browser):
+    """It says how to go on; the address still holds what is shown."""
+    process, url = started()
+    tab = browser.new_page()
+    page = Page(tab, url)
+    page.open("patterns=RL")
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 0
+    tab.wait_for_selector("#fault:not([hidden])")
+    assert "vibroimpact explore" in page.text("fault")
+    assert tab.url.endswith("patterns=RL")
+    tab.close()
+
+
+def test_a_slider_goes_back_to_its_range(page):
+    """A number beyond its end stretches it for as long as the number stands there."""
+    page.open("mu=7&patterns=RL")
+    slider = page.page.locator("[data-slider=mu]")
+    assert float(slider.get_attribute("max")) == 7
+    page.page.fill("#mu", "0.1")
+    page.page.keyboard.press("Enter")
+    page.page.wait_for_function("document.querySelector('[data-slider=mu]').value === '0.1'")
+    assert float(slider.get_attribute("max")) == 0.2
 
 
 @pytest.mark.parametrize("width", [1280, 390])

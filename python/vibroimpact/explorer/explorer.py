@@ -238,7 +238,8 @@ def along(state: State) -> tuple[str, Any, Any]:
     assert state.line is not None
     a, b, c, d = state.line
     if a == c:
-        return "clearance", np.geomspace(min(b, d), max(b, d), VALUES), a
+        # even, as the diagram's axis is and as a namelist has them
+        return "clearance", np.linspace(min(b, d), max(b, d), VALUES), a
     if a > c:
         a, b, c, d = c, d, a, b
     return "r", np.linspace(a, c, VALUES), b if b == d else np.geomspace(b, d, VALUES)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+import numpy as np
+
 from ..studies.zone import Zone
 from ..trajectory import NEEDED
-from .explorer import VALUES, Explorer
+from .explorer import VALUES, Explorer, along
 from .motions import Shown
 from .state import State
 from .zones import GUESSES, lines_of
@@ -15,7 +17,7 @@ __all__ = ["as_namelist", "as_python"]
 
 
 def as_namelist(explorer: Explorer) -> str:
-    """The motions, the simulation and the zones as a file for `vibroimpact run`.
+    """The motions, the simulation, the zones and the diagram as a file for `vibroimpact run`.
 
     Examples
     --------
@@ -34,10 +36,7 @@ def as_namelist(explorer: Explorer) -> str:
     """
     state = explorer.state
     lines = [f"! What the explorer shows at ?{state.query}"]
-    lines += _group("system", f"xi = {state.xi!r}, mu = {state.mu!r}, restitution = {state.R1!r}, "
-                    f"{state.R2!r}, r = {state.r!r}")  # fmt: skip
-    if state.line is not None:
-        lines.append("! a namelist has no bifurcation diagram; copy as Python has it")
+    lines += _system(state, state.r)
     done: set[str] = set()
     for shown in explorer.shown:
         group, keys = _motion_keys(shown, state.clearance)
@@ -55,7 +54,29 @@ def as_namelist(explorer: Explorer) -> str:
         lines += _group("simulate", keys) + _output("run")
     for i, zone in enumerate(explorer.zones.values(), start=1):
         lines += _group("zone", _zone_keys(zone)) + _output(f"zone_{i}")
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_diagram_lines(state)]) + "\n"
+
+
+def _diagram_lines(state: State) -> list[str]:
+    """The diagram last: a line at another r than the point's has a system of its own."""
+    if state.line is None:
+        return []
+    parameter, values, other = along(state)
+    if np.ndim(other):
+        return [
+            "! a line across both axes is no &bifurcation; the diagram is in what is copied as Python"
+        ]
+    low, high = float(values[0]), float(values[-1])
+    keys = f"parameter = '{parameter}', low = {low!r}, high = {high!r}, values = {VALUES}"
+    if parameter == "r":
+        keys += f", clearance = {other!r}"
+    system = _system(state, other) if parameter == "clearance" and other != state.r else []
+    return system + _group("bifurcation", keys) + _output("diagram")
+
+
+def _system(state: State, r: float) -> list[str]:
+    return _group("system", f"xi = {state.xi!r}, mu = {state.mu!r}, restitution = {state.R1!r}, "
+                  f"{state.R2!r}, r = {r!r}")  # fmt: skip
 
 
 def _group(name: str, keys: str) -> list[str]:
@@ -161,7 +182,7 @@ def _diagram_call(line: tuple[float, float, float, float]) -> str:
     """As `diagram_of` computes it."""
     a, b, c, d = line
     if a == c:
-        values = f"np.geomspace({min(b, d)!r}, {max(b, d)!r}, {VALUES})"
+        values = f"np.linspace({min(b, d)!r}, {max(b, d)!r}, {VALUES})"
         return f'diagram = vi.bifurcation_diagram(osc, "clearance", {values}, r={a!r})'
     if a > c:
         a, b, c, d = c, d, a, b

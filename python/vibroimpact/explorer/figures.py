@@ -102,7 +102,8 @@ class ZoneChart:
         self.labels = source("x", "y", "text")
         plot.text(
             "x", "y", "text", source=self.labels, text_align="center", text_baseline="middle",
-            text_font_size="12px", text_color="#222222",
+            text_font_size="12px", text_color="#222222", padding=2,
+            background_fill_color="#FFFFFF", background_fill_alpha=0.75,  # names stand on lines at times
         )  # fmt: skip
         self.line = source("x", "y")
         plot.line("x", "y", source=self.line, line_color="#222222", line_width=2, line_dash="2 3")
@@ -120,7 +121,9 @@ class ZoneChart:
 
     def draw(self, shapes: dict[str, Any], window: Any) -> None:
         """Zones in a window."""
-        (self.plot.x_range.start, self.plot.x_range.end), (low, high) = window
+        (left, right), (low, high) = window
+        # a little more than the window: the last tick is a rounding error above it
+        self.plot.x_range.start, self.plot.x_range.end = left, right + 1e-9 * (right - left)
         self.plot.y_range.start, self.plot.y_range.end = low, high
         self.plot.yaxis.ticker = self.plot.ygrid.ticker = FixedTicker(ticks=decades(low, high))
         self.fills.data = shapes["fills"]

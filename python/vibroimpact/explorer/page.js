@@ -101,7 +101,8 @@ export function render({ model }) {
       }
       for (const slider of all(`[data-slider="${name}"]`)) {
         if (slider === document.activeElement && waiting.has("set")) continue
-        if (Number(text) > Number(slider.max)) slider.max = text
+        // a greater number in the field stretches the slider, for as long as it stands there
+        slider.max = Math.max(Number(text), Number(slider.dataset.max))
         slider.value = text
       }
     }
@@ -157,6 +158,8 @@ export function render({ model }) {
         dragged = null
       }
     },
+    lost: () => fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
+      + "its address holds what is shown."),
     idle: () => !busy && waiting.size === 0,
   }
   // a finger has no place until it taps

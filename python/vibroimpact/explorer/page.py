@@ -9,6 +9,8 @@ from typing import Any
 from urllib.parse import urlencode
 
 import panel as pn
+from bokeh.events import ConnectionLost
+from bokeh.models import CustomJS
 from panel.custom import JSComponent
 
 from ..plot.style import condition_name
@@ -73,6 +75,9 @@ def page() -> Any:
     ]  # fmt: skip
     document = pn.state.curdoc
     bridge = Bridge(width=0, height=0)
+    document.js_on_event(
+        ConnectionLost, CustomJS(code="window.vibroimpact && window.vibroimpact.lost()")
+    )
 
     def at_once(work: Callable[[], None]) -> None:
         """Do some work as one patch of the page: what is told comes behind what is drawn."""

@@ -204,11 +204,11 @@ class Session:
     def update(self) -> dict[str, Any]:
         """After a change of the state: compute what it takes, in threads, and tell what is known at once."""
         state = self.explorer.state
-        line = state.line
+        line, busy = state.line, {}
         self.chart.mark(state.r, state.clearance, line)
         wanted = (state.osc, state.window, state.patterns)
         if wanted != self.zones_of:
-            self.zones_of = wanted
+            self.zones_of, busy = wanted, {"status": "computing …"}
             self.coarse.clear()
             self.zones.submit(self.compute_zones)
         point = (state.osc, state.r, state.clearance)
@@ -221,7 +221,7 @@ class Session:
             if (state.osc, line) != self.diagram_of:
                 self.diagram_of = (state.osc, line)
                 self.sweep.submit(self.compute_diagram)
-        return self.summary()
+        return busy | self.summary()
 
     def simulate(self) -> None:
         """The simulation at another point or of another system; an error shows beside its button."""
@@ -370,8 +370,11 @@ class Session:
 def run_text(trajectory: Trajectory) -> str:
     """What comes of a simulation."""
     kinds = trajectory.events["kind"].tolist()
-    counts = f"{kinds.count('impact')} impacts, {kinds.count('stick')} rests"
-    return f"{counts}; {settles_on(trajectory)}"
+    counts = [
+        f"{n} {name}{'s' * (n != 1)}"
+        for n, name in ((kinds.count("impact"), "impact"), (kinds.count("stick"), "rest"))
+    ]
+    return f"{', '.join(counts)}; {settles_on(trajectory)}"
 
 
 def rows(shown: list[Shown], chosen: int) -> list[dict[str, Any]]:
