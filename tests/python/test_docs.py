@@ -1,8 +1,9 @@
-"""Every block of the documentation's pages runs, in order, and prints what the page says.
+"""Every block of the documentation and of README.md runs, in order, and prints what the page says.
 
 Python blocks of a page share their names; the text block behind one is what it prints. A Fortran block
-with a caption is a file, and a line of a console block that starts with $ is a command, in the folder of
-these files. What is called sh is not run: it installs, or takes minutes.
+with a caption, or with its name as the first comment, is a file, and a line of a console block that
+starts with $ is a command, in the folder of these files. What is called sh is not run: it installs, or
+takes minutes.
 """
 
 import contextlib
@@ -15,8 +16,9 @@ from pathlib import Path
 
 import pytest
 
-DOCS = Path(__file__).parents[2] / "docs"
-PAGES = sorted(DOCS.glob("*.md")) + sorted(DOCS.glob("howto/*.md"))
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("howto/*.md"))]
 BLOCK = re.compile(
     r"^```(\S+)(?: fortran\n:caption: (\S+)\n)?\n(.*?)^```", re.DOTALL | re.MULTILINE
 )
@@ -57,8 +59,17 @@ def test_blocks(page, tmp_path, monkeypatch):
     for language, caption, block in BLOCK.findall(page.read_text(encoding="utf-8")):
         if language == "text" and printed is not None:
             assert printed == block
-        elif caption:
-            Path(caption).write_text(block, encoding="utf-8")
+        elif name := caption or (language == "fortran" and re.match(r"! (\S+\.nml)\n", block)):
+            Path(name if caption else name[1]).write_text(block, encoding="utf-8")
         elif language == "console":
             assert run_console(block) == block
         printed = run_python(block, names) if language == "python" else None
+
+
+def test_readme_shows_what_it_says():
+    """README.md is short: one block each of Python and namelist, with what they print."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    languages = [language for language, _, _ in BLOCK.findall(text)]
+    assert languages == ["python", "text", "fortran", "console"]
+    for path in re.findall(r"\]\(([^)#:]+)\)", text):
+        assert (ROOT / path).exists(), path
