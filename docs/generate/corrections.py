@@ -1,5 +1,7 @@
 """What each correction of the appendix does, computed when the page is made."""
 
+import re
+
 from vibroimpact.reproduce.appendix import CORRECTIONS, study
 
 
@@ -7,16 +9,19 @@ def pages():
     """The corrections, and [P] with and without each of them."""
     lines = ["| where | printed | correct |", "|---|---|---|"]
     lines += [
-        f"| {where} | ${formula(printed)}$ | ${formula(right)}$ |"
+        f"| ${formula(where.split(' in ')[0])}$ in {where.split(' in ')[1]} | ${formula(printed)}$ "
+        f"| ${formula(right)}$ |"
         for where, printed, right in CORRECTIONS.values()
     ]
-    lines += ["", "| motion | corrected | max\\|λ\\| | det[P] | law | largest error of a $[P_i]$ |",
+    lines += ["", "| motion | printed are | max\\|λ\\| | $\\det [P]$ | by the law | largest error of a $[P_i]$ |",
               "|---|---|---|---|---|---|"]  # fmt: skip
     for row in study():
-        done = ", ".join(row["corrected"]) or "nothing"
+        printed = [formula(CORRECTIONS[name][0].split(" in ")[0])
+                   for name in CORRECTIONS if name not in row["corrected"]]  # fmt: skip
+        left = "all three" if len(printed) == 3 else ", ".join(f"${name}$" for name in printed)
         lines.append(
-            f"| {row['motion']} | {done} | {row['multipliers'][0]:.4f} | {row['determinant']:.4f} "
-            f"| {row['law']:.4f} | {power(row['largest_error'])} |"
+            f"| {row['motion']} | {left or 'none'} | {row['multipliers'][0]:.4f} "
+            f"| {number(row['determinant'])} | {row['law']:.4f} | {power(row['largest_error'])} |"
         )
     return {"corrections.md": "\n".join(lines) + "\n"}
 
@@ -24,9 +29,14 @@ def pages():
 def formula(text):
     """A printed term in TeX."""
     for plain, tex in (("X'_ia", r"{\dot X}_{ia}"), ("Z'_ia", r"{\dot Z}_{ia}"), ("Omega", r"\Omega"),
-                       ("S_6i", "S_{6i}"), ("S_3i", "S_{3i}")):  # fmt: skip
+                       ("P_ia(3,1)", "P_{ia}(3,1)")):  # fmt: skip
         text = text.replace(plain, tex)
-    return text
+    return re.sub(r"S_(\d+i)", r"S_{\1}", text)
+
+
+def number(x):
+    """Four decimals, with a minus sign, and no sign at 0."""
+    return f"{round(x, 4) + 0:.4f}".replace("-", "−")
 
 
 def power(x):

@@ -240,7 +240,8 @@ class Motion(Result):
         Parameters
         ----------
         path : str or path, optional
-            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg).
+            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg,
+            or the extra `film`).
         cycles : float, optional
             Load cycles shown from the first impact on; by default one period, so that the film goes round.
         seconds : float

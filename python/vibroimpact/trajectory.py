@@ -147,7 +147,8 @@ class Trajectory(Result):
         Parameters
         ----------
         path : str or path, optional
-            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg).
+            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg,
+            or the extra `film`).
         cycles : float
             Load cycles shown, the last ones.
         seconds : float

@@ -259,7 +259,9 @@ def test_simulate_animates(tool):
 def test_simulate_without_ffmpeg_writes_nothing(tool):
     """What is missing is said before anything is computed."""
     write(tool.cwd / "case.nml", SIMULATION)
-    done = tool("simulate", "case.nml", "--animate", "mp4", env={"PATH": ""})
+    done = tool(
+        "simulate", "case.nml", "--animate", "mp4", env={"PATH": "", "IMAGEIO_FFMPEG_EXE": "none"}
+    )
     assert done.status == 2
     assert "ffmpeg" in done.faults[0]
     assert not (tool.cwd / "results").exists()

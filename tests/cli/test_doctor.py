@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib.metadata import metadata
 
 import numpy
 import pytest
@@ -27,6 +28,10 @@ def test_doctor_tells_of_this_installation(tool):
     assert re.match(r"\w+ \d+\.\d+", facts["compiler"])
     assert facts["lapack"]
     assert facts["extras"]["plot"].keys() == {"matplotlib"}
+    developers = {"bench", "docs", "lint", "test"}
+    assert facts["extras"].keys() | developers == set(
+        metadata("vibroimpact").get_all("Provides-Extra")
+    )
     plain = tool("doctor")
     assert plain.status == 0
     for name in ("vibroimpact", "lapack", "compiler", "computes"):

@@ -1,5 +1,6 @@
 """Animations: where the masses stand, which wall flashes, and the manners of the file."""
 
+import subprocess
 import sys
 
 import numpy as np
@@ -101,6 +102,30 @@ def test_gif(tmp_path):
     assert plt.get_fignums() == []
 
 
+def test_mp4(tmp_path, monkeypatch):
+    """The program of imageio-ffmpeg writes the pictures of the GIF, as many, and the path stays as it was."""
+    program = pytest.importorskip("imageio_ffmpeg").get_ffmpeg_exe()
+    monkeypatch.setenv("PATH", "")
+    setting = matplotlib.rcParams["animation.ffmpeg_path"]
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    path = motion.animate(tmp_path / "pair.mp4", seconds=0.5)
+    assert [item.name for item in tmp_path.iterdir()] == ["pair.mp4"]
+    assert matplotlib.rcParams["animation.ffmpeg_path"] == setting
+    raw = subprocess.run(
+        [program, "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
+        capture_output=True,
+        check=True,
+    ).stdout
+    pictures = np.frombuffer(raw, np.uint8).reshape(-1, 360, 600, 3).astype(float)
+    assert len(pictures) == 0.5 * animation.RATE
+    with Image.open(motion.animate(tmp_path / "pair.gif", seconds=0.5)) as film:
+        for i, picture in enumerate(pictures):
+            film.seek(i)
+            distances = [np.abs(other - np.array(film.convert("RGB"))).mean() for other in pictures]
+            assert np.argmin(distances) == i
+            assert distances[i] < 4
+
+
 def test_without_a_path_a_notebook_gets_it():
     """matplotlib's own animation, and the settings of the caller are left alone."""
     before = dict(matplotlib.rcParams)
@@ -146,6 +171,7 @@ def test_missing_writers(tmp_path, monkeypatch):
     """Without Pillow or ffmpeg the error says what is missing for which ending."""
     run = vi.simulate(RIG, 0.9, 6.0, 2)
     monkeypatch.setenv("PATH", "")
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(vi.errors.MissingExtraError, match="ffmpeg"):
         run.animate(tmp_path / "film.mp4")
     monkeypatch.setitem(sys.modules, "PIL.Image", None)

@@ -1,25 +1,26 @@
-"""Every block of the documentation's pages runs, in order, and prints what the page says.
+"""Every block of the documentation and of README.md runs, in order, and prints what the page says.
 
 Python blocks of a page share their names; the text block behind one is what it prints. A Fortran block
-with a caption is a file, and a line of a console block that starts with $ is a command, in the folder of
-these files. What is called sh is not run: it installs, or takes minutes.
+with a caption, or with its name as the first comment, is a file, and a line of a console block that
+starts with $ is a command, in the folder of these files. What is called sh is not run: it installs, or
+takes minutes. A MATLAB block is run by GNU Octave where that is installed.
 """
 
 import contextlib
 import io
 import os
 import re
+import shutil
 import subprocess
 import sysconfig
 from pathlib import Path
 
 import pytest
 
-DOCS = Path(__file__).parents[2] / "docs"
-PAGES = sorted(DOCS.glob("*.md")) + sorted(DOCS.glob("howto/*.md"))
-BLOCK = re.compile(
-    r"^```(\S+)(?: fortran\n:caption: (\S+)\n)?\n(.*?)^```", re.DOTALL | re.MULTILINE
-)
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("howto/*.md"))]
+BLOCK = re.compile(r"^```(\S+)(?: \w+\n:caption: (\S+)\n)?\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
 
 def run_python(code, names):
@@ -44,6 +45,14 @@ def run_console(block):
     return "".join(lines)
 
 
+def run_octave(code):
+    """What GNU Octave prints, None without it."""
+    if not shutil.which("octave"):
+        return None
+    command = ["octave", "--no-gui", "--quiet", "--no-init-file", "--eval", code]
+    return subprocess.run(command, text=True, capture_output=True, check=True).stdout
+
+
 @pytest.mark.parametrize(
     "page",
     [page for page in PAGES if BLOCK.search(page.read_text(encoding="utf-8"))],
@@ -57,8 +66,18 @@ def test_blocks(page, tmp_path, monkeypatch):
     for language, caption, block in BLOCK.findall(page.read_text(encoding="utf-8")):
         if language == "text" and printed is not None:
             assert printed == block
-        elif caption:
-            Path(caption).write_text(block, encoding="utf-8")
+        elif name := caption or (language == "fortran" and re.match(r"! (\S+\.nml)\n", block)):
+            Path(name if caption else name[1]).write_text(block, encoding="utf-8")
         elif language == "console":
             assert run_console(block) == block
-        printed = run_python(block, names) if language == "python" else None
+        run = {"python": lambda code: run_python(code, names), "matlab": run_octave}.get(language)
+        printed = run(block) if run else None
+
+
+def test_readme_shows_what_it_says():
+    """README.md is short: one block each of Python and namelist, with what they print."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    languages = [language for language, _, _ in BLOCK.findall(text)]
+    assert languages == ["python", "text", "fortran", "console"]
+    for path in re.findall(r"\]\(([^)#:]+)\)", text):
+        assert (ROOT / path).exists(), path

@@ -1,11 +1,8 @@
-"""Every example in a docstring and in README.md runs and prints what it says."""
+"""Every example in a docstring runs and prints what it says, and every ready namelist runs."""
 
-import contextlib
 import doctest
 import importlib
-import io
 import pkgutil
-import re
 from pathlib import Path
 
 import pytest
@@ -35,31 +32,6 @@ def test_public_functions_have_examples():
             assert thing.__doc__, name
         if callable(thing) and not isinstance(thing, type) and name != "status_text":
             assert ">>>" in thing.__doc__, name
-
-
-def test_readme_python_blocks(tmp_path, monkeypatch):
-    """The Python of README.md prints the text that follows it, in any folder."""
-    monkeypatch.chdir(tmp_path)
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, re.DOTALL)
-    assert len(blocks) == text.count("```python")
-    for code, printed in blocks:
-        output = io.StringIO()
-        with contextlib.redirect_stdout(output):
-            exec(compile(code, "README.md", "exec"), {})
-        assert output.getvalue() == printed
-
-
-def test_readme_namelist_block(tmp_path):
-    """The namelist of README.md runs."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    (tmp_path / "readme.nml").write_text(
-        re.search(r"```fortran\n(.*?)```", text, re.DOTALL).group(1)
-    )
-    log = vibroimpact.run_namelists([tmp_path / "readme.nml"], tmp_path)
-    assert log.status == 0
-    assert (tmp_path / "pair.csv").exists()
-    assert (tmp_path / "pair.txt").exists()
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,8 @@ EXAMPLE = "vibroimpact doctor"
 #: What each extra is for; those for developers are not looked at.
 PURPOSES = {
     "data": "labelled tables (chart, to_xarray, to_pandas) and netCDF files",
-    "explore": "the explorer in a browser",
+    "explorer": "the explorer in a browser",
+    "film": "MP4 films, where the program ffmpeg is missing",
     "matlab": "MATLAB files",
     "plot": "pictures",
     "reproduce": "`vibroimpact reproduce`",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -41,7 +43,7 @@ def animate(
     ----------
     thing : Motion or Trajectory
     path : str or path, optional
-        Ends with .gif (Pillow writes it) or .mp4 (the program ffmpeg).
+        Ends with .gif (Pillow writes it) or .mp4 (the program ffmpeg, or that of imageio-ffmpeg).
     cycles : float
         Load cycles shown: of a motion from its first impact on, of a trajectory its last ones.
     seconds : float
@@ -90,16 +92,17 @@ def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer
 
     # the writer knows the format by the ending
     temporary = target.with_name(f"{target.stem}.{os.getpid()}.part{target.suffix}")
-    film = writers[writer](fps=RATE)
-    with (
-        replacing(target, temporary),
-        Progress(target.name) as bar,
-        film.saving(figure, str(temporary), figure.dpi),
-    ):
-        for i, time in enumerate(times):
-            scene.show(time)
-            film.grab_frame()
-            bar.show((i + 1) / len(times))
+    with style.pyplot().rc_context(_program(writer)):
+        film = writers[writer](fps=RATE)
+        with (
+            replacing(target, temporary),
+            Progress(target.name) as bar,
+            film.saving(figure, str(temporary), figure.dpi),
+        ):
+            for i, time in enumerate(times):
+                scene.show(time)
+                film.grab_frame()
+                bar.show((i + 1) / len(times))
 
 
 def check_format(ending: str, label: str) -> str:
@@ -116,11 +119,27 @@ def check_format(ending: str, label: str) -> str:
             raise MissingExtraError(
                 f"{label}: a GIF needs Pillow: pip install 'vibroimpact[plot]'"
             ) from None
-    elif not writers.is_available(FORMATS[ending]):
-        raise MissingExtraError(
-            f"{label}: an MP4 needs the program ffmpeg, which is not on the PATH; a .gif needs none"
-        )
+    else:
+        with style.pyplot().rc_context(_program(FORMATS[ending])):
+            if not writers.is_available(FORMATS[ending]):
+                raise MissingExtraError(
+                    f"{label}: an MP4 needs the program ffmpeg, which is not on the PATH, or pip install "
+                    "'vibroimpact[film]'; a .gif needs none"
+                )
     return FORMATS[ending]
+
+
+def _program(writer: str) -> dict[str, str]:
+    """matplotlib's setting for the ffmpeg of imageio-ffmpeg, if the one that is set is not there."""
+    import matplotlib
+
+    key = "animation.ffmpeg_path"
+    if writer == "ffmpeg" and not shutil.which(matplotlib.rcParams[key]):
+        with suppress(ImportError, RuntimeError):
+            from imageio_ffmpeg import get_ffmpeg_exe
+
+            return {key: get_ffmpeg_exe()}
+    return {}
 
 
 def _writer(path: Any) -> tuple[Path, str]:

@@ -61,7 +61,7 @@ def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
     ax.axhline(0, color="0.6", lw=0.6)
     ax.set_xlabel(SYMBOLS[name])
     ax.set_ylabel("exponent per load cycle")
-    ax.legend()
+    ax.legend(**style.ABOVE)
     return ax
 
 
@@ -91,7 +91,11 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
             )  # fmt: skip
     ax.set_xlabel(SYMBOLS[diagram.parameter])
     ax.set_ylabel(QUANTITIES[quantity])
-    ax.legend(markerscale=3)
+    # beside the windows, which are told above
+    ax.legend(
+        markerscale=3,
+        **style.ABOVE | {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "ncols": 1},
+    )
     return ax
 
 
@@ -114,7 +118,9 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
     ax.set_ylabel(COORDINATES[second.name])
     names = zip(basins.attractors, basins.fractions, colors[1:], strict=True)
     patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in names]
-    ax.legend(handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=6)
+    ax.legend(
+        handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False
+    )
     return ax
 
 
@@ -132,5 +138,5 @@ def draw_response(response: Response, ax: Any = None) -> Any:
     ax.plot(response.r, response.lowest, "--", color="k", lw=0.8, label="least")
     ax.set_xlabel(SYMBOLS["r"])
     ax.set_ylabel(SYMBOLS["attenuation"])
-    ax.legend()
+    ax.legend(**style.ABOVE)
     return ax

@@ -62,5 +62,5 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
         seen.add(point.type)
     ax.set_xlabel(SYMBOLS[branch.parameter])
     ax.set_ylabel(SYMBOLS[y])
-    ax.legend()
+    ax.legend(**style.ABOVE)
     return ax

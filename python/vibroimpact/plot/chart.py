@@ -22,7 +22,7 @@ CLASSES = (
 )
 COLORS = {
     "multiplier": ("multiplier_modulus", r"$|\lambda|_{max}$"),
-    "attenuation": ("attenuation", r"$X_{max}/A$"),
+    "attenuation": ("attenuation", r"$\max|X|/A$"),
 }
 
 

@@ -90,8 +90,8 @@ def _title(thing: Motion | Trajectory) -> str:
     )
     if isinstance(thing, Motion):
         text = (
-            f"{thing.pattern.sides}, {thing.pattern.cycles} cycle(s): {thing.verdicts()}\n" + text
-        )
+            f"{thing.pattern.sides}/{thing.pattern.cycles}: {thing.verdicts()}\n{text}"
+        ).replace("max|lambda|", r"$\max|\lambda|$")
     return text
 
 

@@ -26,6 +26,11 @@ SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
+#: A legend above the axes, where it covers nothing, in the size of SETTINGS.
+ABOVE = {
+    "loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3, "fontsize": 7, "frameon": False,
+    "borderaxespad": 0.2, "columnspacing": 1.2, "handlelength": 2.6,
+}  # fmt: skip
 
 
 def pyplot() -> Any:
@@ -54,4 +59,4 @@ def save(axes: Any, path: Path) -> Path:
 
 def condition_name(kind: str) -> str:
     """The name of a bifurcation as it is printed."""
-    return kind.replace("neimark_sacker", "Neimark-Sacker").replace("_", " ")
+    return kind.replace("neimark_sacker", "Neimark–Sacker").replace("_", " ")

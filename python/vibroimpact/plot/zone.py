@@ -51,7 +51,7 @@ def draw_zone(
     ax.set_xlabel(r"$r = \Omega/\omega$")
     ax.set_ylabel("$F_0/(dK)$" if inverse else "$dK/F_0$")
     if legend and shown:
-        ax.legend(fontsize=6, handlelength=3)
+        ax.legend(**style.ABOVE)
     return ax
 
 
@@ -68,7 +68,7 @@ def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
     ax.set_xlim(*atlas.r)
     low, high = atlas.clearance
     ax.set_ylim(*((1 / high, 1 / low) if inverse else (low, high)))
-    ax.legend(fontsize=6, handlelength=3, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    ax.legend(**style.ABOVE | {"ncols": 6})
     return ax
 
 
