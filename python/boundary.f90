@@ -175,7 +175,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, tally, te
    !f2py threadsafe
    integer(c_int), intent(in) :: n_paths, n_folder, room
    character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder), only(16)
-   integer(c_int), intent(inout) :: tally(2)
+   integer(c_int), intent(inout) :: tally(3)
    character(kind=c_char), intent(out) :: text(room)
    integer(c_int), intent(out) :: length, status
    type(log_type) :: log
@@ -628,7 +628,7 @@ end subroutine survey
 !> Lyapunov exponents (per unit of time) at m points, their standard errors, and Kaplan and Yorke's
 !! dimension.
 subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, discard, cycles, &
-   batches, threads, exponents, deviations, dimensions, counts, errors, status)
+   batches, threads, tally, exponents, deviations, dimensions, counts, errors, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_attractor_lyapunov, only: lyapunov_points
    use vi_oscillator, only: oscillator_type
@@ -636,12 +636,13 @@ subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, disc
    !f2py threadsafe
    integer(c_int), intent(in) :: m, contacts(3, m), discard, cycles, batches, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r(m), load(m), clearance(m), states(7, m)
+   integer(c_int), intent(inout) :: tally(3)
    real(c_double), intent(out) :: exponents(4, m), deviations(4, m), dimensions(m), errors(m)
    integer(c_int), intent(out) :: counts(2, m), status(m)
 
    call lyapunov_points(oscillator_type(xi, mu, walls), r, load, clearance, states, contacts, &
       discard, cycles, batches, threads, exponents, deviations, dimensions, counts, errors, &
-      status)
+      status, tally)
 end subroutine lyapunov
 
 !> What runs along a parameter settle on: arrays (.., values, runs), per impact time, phase, x,
@@ -650,8 +651,8 @@ end subroutine lyapunov
 !!
 !! `directions` of the runs: 1 up, -1 down, 0 anew at each value; `start` is used if `started`.
 subroutine bifurcation(n, runs, xi, mu, walls, r, clearance, load, place, tied, along, directions, &
-   started, start, settling, keep, points, threads, impacts, labels, found, periods, extremes, &
-   status)
+   started, start, settling, keep, points, threads, tally, impacts, labels, found, periods, &
+   extremes, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_attractor_diagram, only: diagram, diagram_type, path_type
    use vi_oscillator, only: oscillator_type
@@ -660,6 +661,7 @@ subroutine bifurcation(n, runs, xi, mu, walls, r, clearance, load, place, tied, 
    integer(c_int), intent(in) :: n, runs, place, tied, directions(runs), started, settling, keep, &
       points, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(n), load, along(n), start(5)
+   integer(c_int), intent(inout) :: tally(3)
    real(c_double), intent(out) :: impacts(7, points, n, runs), extremes(2, n, runs)
    integer(c_int), intent(out) :: labels(2, points, n, runs), found(n, runs), &
       periods(4, n, runs), status(n, runs)
@@ -667,7 +669,7 @@ subroutine bifurcation(n, runs, xi, mu, walls, r, clearance, load, place, tied, 
 
    call diagram(path_type(oscillator_type(xi, mu, walls), r, clearance, load, place, tied /= 0, &
       along), directions, start(:merge(5, 0, started /= 0)), settling, keep, points, threads, &
-      result)
+      result, tally)
    impacts = result%impacts
    labels = result%labels
    found = result%found
@@ -691,7 +693,7 @@ end subroutine periodic_windows
 !> max|X|/A of what initial states settle on at n points, with its least and greatest value;
 !! `periods` as of `settle_chains`.
 subroutine response(n, states, xi, mu, walls, r, clearance, load, settling, keep, threads, &
-   attenuation, envelope, periods, status)
+   tally, attenuation, envelope, periods, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_attractor_response, only: respond
    use vi_oscillator, only: oscillator_type
@@ -699,11 +701,12 @@ subroutine response(n, states, xi, mu, walls, r, clearance, load, settling, keep
    !f2py threadsafe
    integer(c_int), intent(in) :: n, states, settling, keep, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(n), load
+   integer(c_int), intent(inout) :: tally(3)
    real(c_double), intent(out) :: attenuation(states, n), envelope(2, n)
    integer(c_int), intent(out) :: periods(4, states, n), status(states, n)
 
    call respond(oscillator_type(xi, mu, walls), r, clearance, load, settling, keep, threads, &
-      attenuation, envelope, periods, status)
+      attenuation, envelope, periods, status, tally)
 end subroutine response
 
 !> A length that initial states are spread over.
@@ -722,7 +725,7 @@ end subroutine spread_scale
 !! Rows of `kinds`: kind, load cycles, letters; of `balls`: radius and contraction of the largest
 !! neighbourhood that decides, and the greatest multiplier or exponent.
 subroutine basins(m, most, room, xi, mu, walls, r, load, clearance, starts, cycles, probes, &
-   max_cycles, threads, labels, events, n, kinds, letters, states, balls)
+   max_cycles, threads, tally, labels, events, n, kinds, letters, states, balls)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_attractor_catalogue, only: catalogue_type, label_states
    use vi_attractor_known, only: ball
@@ -732,6 +735,7 @@ subroutine basins(m, most, room, xi, mu, walls, r, load, clearance, starts, cycl
    !f2py threadsafe
    integer(c_int), intent(in) :: m, most, room, cycles, probes, max_cycles, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, starts(5, m)
+   integer(c_int), intent(inout) :: tally(3)
    integer(c_int), intent(out) :: labels(m), n, kinds(3, most), letters(room, most)
    real(c_double), intent(out) :: events, states(5, most), balls(3, most)
    type(catalogue_type) :: catalogue
@@ -740,7 +744,7 @@ subroutine basins(m, most, room, xi, mu, walls, r, load, clearance, starts, cycl
    catalogue%drive = new_drive(oscillator_type(xi, mu, walls), r, load, clearance)
    catalogue%max_cycles = max_cycles
    catalogue%threads = threads
-   call label_states(catalogue, starts, cycles, probes, labels, events)
+   call label_states(catalogue, starts, cycles, probes, labels, events, tally)
    n = catalogue%n
    kinds = 0
    letters = 0

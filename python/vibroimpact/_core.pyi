@@ -489,6 +489,7 @@ class _Lyapunov(Protocol):
         cycles: int,
         batches: int,
         threads: int,
+        tally: _Integer,
         m: int = ...,
     ) -> tuple[_Real, _Real, _Real, _Integer, _Real, _Integer]: ...
 
@@ -513,6 +514,7 @@ class _Bifurcation(Protocol):
         keep: int,
         points: int,
         threads: int,
+        tally: _Integer,
         n: int = ...,
         runs: int = ...,
     ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Integer]: ...
@@ -537,6 +539,7 @@ class _Response(Protocol):
         settling: int,
         keep: int,
         threads: int,
+        tally: _Integer,
         n: int = ...,
     ) -> tuple[_Real, _Real, _Integer, _Integer]: ...
 
@@ -563,6 +566,7 @@ class _Basins(Protocol):
         probes: int,
         max_cycles: int,
         threads: int,
+        tally: _Integer,
         m: int = ...,
     ) -> tuple[_Integer, float, int, _Integer, _Integer, _Real, _Real]: ...
 

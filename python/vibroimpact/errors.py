@@ -10,6 +10,7 @@ __all__ = [
     "ParameterError",
     "ParameterTypeError",
     "SingularError",
+    "StudyInterrupted",
     "VibroimpactError",
 ]
 
@@ -40,3 +41,11 @@ class ChartInterrupted(KeyboardInterrupt):
     def __init__(self, message: str, chart: Any) -> None:
         super().__init__(message)
         self.chart = chart
+
+
+class StudyInterrupted(KeyboardInterrupt):
+    """Ctrl-C in `basins`, `bifurcation_diagram`, `lyapunov` or `response`; `result` holds what was finished."""
+
+    def __init__(self, result: Any) -> None:
+        super().__init__("stopped; what was finished is the attribute `result` of this exception")
+        self.result = result

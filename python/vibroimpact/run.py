@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import _core, checks
 from .chart import chart
 from .errors import ParameterError, SingularError
-from .interrupt import interruptible
+from .interrupt import interruptible, new_tally
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .newton import exact
@@ -73,9 +73,9 @@ class Case(NamedTuple):
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """What the case asks for: its motions, branches, or one trajectory, zone, atlas or chart.
 
-        `progress` is as of `atlas`, and for zones and atlases.
+        `progress` is as of `atlas`, and for zones, atlases and studies of attractors.
         """
-        if self.kind in ("atlas", "zone"):
+        if self.kind in ("atlas", "zone", "lyapunov", "bifurcation", "response", "basins"):
             return [getattr(self, self.kind)(progress)]
         if self.kind in ("periodic", "equispaced", "exact"):
             return list(self.motions())
@@ -162,16 +162,18 @@ class Case(NamedTuple):
             **{name: keys[name] for name in limits}, progress=progress,
         )  # fmt: skip
 
-    def lyapunov(self) -> Lyapunov:
+    def lyapunov(self, progress: Callable[[float, str], None] | None = None) -> Lyapunov:
         """The exponents that a &lyapunov case asks for."""
         keys = self.keys
         line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
         return lyapunov(
             self.osc, line["r"], line["clearance"], keys["cycles"], self._state(), keys["load"],
-            keys["discard"], keys["batches"],
+            keys["discard"], keys["batches"], progress=progress,
         )  # fmt: skip
 
-    def bifurcation(self) -> BifurcationDiagram:
+    def bifurcation(
+        self, progress: Callable[[float, str], None] | None = None
+    ) -> BifurcationDiagram:
         """The diagram that a &bifurcation case asks for."""
         keys = self.keys
         line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
@@ -180,17 +182,18 @@ class Case(NamedTuple):
         limits = ("sweep", "states", "load", "settling", "keep", "points")
         return bifurcation_diagram(
             self.osc, keys["parameter"], values, **others, state=self._state() if "t" in keys else None,
-            **{name: keys[name] for name in limits if name in keys},
+            progress=progress, **{name: keys[name] for name in limits if name in keys},
         )  # fmt: skip
 
-    def response(self) -> Response:
+    def response(self, progress: Callable[[float, str], None] | None = None) -> Response:
         """The response that a &response case asks for."""
         keys = self.keys
         names = ("clearance", "inverse_clearance", "states", "load", "settling", "keep")
         line = np.linspace(keys["r_min"], keys["r_max"], keys["r_points"])
-        return response(self.osc, line, **{name: keys[name] for name in names if name in keys})
+        given = {name: keys[name] for name in names if name in keys}
+        return response(self.osc, line, **given, progress=progress)
 
-    def basins(self) -> Basins:
+    def basins(self, progress: Callable[[float, str], None] | None = None) -> Basins:
         """The basins that a &basins case asks for."""
         keys = self.keys
         first, second = zip(
@@ -200,7 +203,7 @@ class Case(NamedTuple):
         fixed: dict[str, float] = {name: keys[name] for name in others if name in keys}
         return basins(
             self.osc, self.r, keys["clearance"], (first, second), fixed=fixed,
-            **{name: keys[name] for name in ("load", "cycles", "probes", "max_cycles")},
+            **{name: keys[name] for name in ("load", "cycles", "probes", "max_cycles")}, progress=progress,
         )  # fmt: skip
 
     def _values(self) -> dict[str, Any]:
@@ -265,7 +268,7 @@ def run_namelists(
     only : str, optional
         The one kind of cases to run; a file without any is then an input that is wrong.
     progress : callable, optional
-        Called a few times a second with the share that is done of the zones and atlases begun.
+        Called a few times a second with the share done of the zones, atlases and studies of attractors begun.
 
     Returns
     -------
@@ -295,7 +298,7 @@ def run_namelists(
     size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
     room = 4096 + (len(files) + size // 20) * (800 + 2 * len(target) + max(map(len, files)))
     # the core keeps it up to date while it runs: work done and work in sight
-    tally = np.zeros(2, dtype=np.int32)
+    tally = new_tally()
     arguments = (
         _characters(b"\n".join(files)), _characters(target), _characters(kind.ljust(16).encode()), room, tally,
     )  # fmt: skip

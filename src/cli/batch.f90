@@ -38,8 +38,8 @@ contains
       type(log_type), intent(inout) :: log
       !> The one kind of cases that is run; without it, or if it is empty, all are.
       character(*), intent(in), optional :: only
-      !> Work done and work in sight, of zones and atlases.
-      integer, intent(inout), optional :: tally(2)
+      !> As of vi_tally; of zones, atlases and attractors.
+      integer, intent(inout), optional :: tally(3)
       type(case_type), allocatable :: cases(:)
       type(motion_type), allocatable :: motions(:)
       character(:), allocatable :: message
@@ -70,13 +70,13 @@ contains
          case ('atlas')
             call run_atlas(cases(i), folder, log, written, tally)
          case ('lyapunov')
-            call run_lyapunov(cases(i), folder, log, written)
+            call run_lyapunov(cases(i), folder, log, written, tally)
          case ('bifurcation')
-            call run_bifurcation(cases(i), folder, log, written)
+            call run_bifurcation(cases(i), folder, log, written, tally)
          case ('basins')
-            call run_basins(cases(i), folder, log, written)
+            call run_basins(cases(i), folder, log, written, tally)
          case ('response')
-            call run_response(cases(i), folder, log, written)
+            call run_response(cases(i), folder, log, written, tally)
          case ('branch')
             call compute(cases(i), motions)
             call run_branch(cases(i), motions, folder, log, written)

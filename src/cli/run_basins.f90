@@ -22,12 +22,14 @@ module vi_run_basins
 contains
 
    !> Finds to which attractor each state of a plane goes, and writes the states.
-   subroutine run_basins(case, folder, log, written)
+   subroutine run_basins(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(catalogue_type) :: catalogue
       type(line_type), allocatable :: names(:), lines(:)
       real(wp), allocatable :: states(:, :)
@@ -43,7 +45,8 @@ contains
          catalogue%threads = available_threads()
          allocate (states, source=plane_states(case))
          allocate (labels(size(states, 2)))
-         call label_states(catalogue, states, a%cycles, a%probes, labels, events)
+         call label_states(catalogue, states, a%cycles, a%probes, labels, events, &
+            tally)
       end associate
       lost = count(labels == 0)
       if (lost < size(labels)) then

@@ -19,12 +19,14 @@ module vi_run_bifurcation
 contains
 
    !> Sweeps, or starts anew at each value, and writes the impacts that are left.
-   subroutine run_bifurcation(case, folder, log, written)
+   subroutine run_bifurcation(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(path_type) :: path
       type(diagram_type) :: found
       type(line_type), allocatable :: lines(:)
@@ -36,7 +38,7 @@ contains
       directions = directions_of(case)
       associate (a => case%attractor)
          call diagram(path, directions, a%start(:merge(5, 0, case%started)), a%settling, a%keep, &
-            a%points, available_threads(), found)
+            a%points, available_threads(), found, tally)
       end associate
       lost = count(found%status /= stat%ok)
       if (lost < size(found%status)) then

@@ -25,18 +25,20 @@ module vi_run_lyapunov
 contains
 
    !> Computes the exponents along a line of points, or at one, and writes them.
-   subroutine run_lyapunov(case, folder, log, written)
+   subroutine run_lyapunov(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(spectra_type) :: found
       type(line_type), allocatable :: lines(:)
       integer :: j, lost
 
       written = .true.
-      call compute(case, found)
+      call compute(case, found, tally)
       lost = count(found%status /= stat%ok)
       if (lost < size(found%r)) then
          call spectra_lines(case, found, lines)
@@ -51,9 +53,10 @@ contains
          size(found%r), 'point')//': '//reason(found%status(j)))
    end subroutine run_lyapunov
 
-   subroutine compute(case, found)
+   subroutine compute(case, found, tally)
       type(case_type), intent(in) :: case
       type(spectra_type), intent(out) :: found
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: states(:, :), loads(:)
       integer, allocatable :: contacts(:, :)
       integer :: j, n
@@ -71,7 +74,8 @@ contains
          end do
          call lyapunov_points(case%osc, found%r, loads, found%clearance, states, contacts, &
             a%discard, a%cycles/a%batches, a%batches, available_threads(), found%exponents, &
-            found%deviations, found%dimensions, found%counts, found%errors, found%status)
+            found%deviations, found%dimensions, found%counts, found%errors, found%status, &
+            tally)
       end associate
    end subroutine compute
 

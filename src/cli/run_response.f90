@@ -18,12 +18,14 @@ module vi_run_response
 contains
 
    !> Finds max|X|/A over the attractors at each frequency ratio and writes its least and greatest.
-   subroutine run_response(case, folder, log, written)
+   subroutine run_response(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: r(:), clearance(:), attenuation(:, :), envelope(:, :)
       integer, allocatable :: periods(:, :, :), status(:, :)
       type(line_type), allocatable :: lines(:)
@@ -38,7 +40,7 @@ contains
          allocate (attenuation(a%states, n), envelope(2, n), periods(4, a%states, n), &
             status(a%states, n))
          call respond(case%osc, r, clearance, a%load, a%settling, a%keep, available_threads(), &
-            attenuation, envelope, periods, status)
+            attenuation, envelope, periods, status, tally)
       end associate
       lost = count(status /= stat%ok)
       if (lost < size(status)) then

@@ -32,7 +32,7 @@ module vi_status
       integer :: no_convergence = 10
       !> Rounding leaves too few digits.
       integer :: lost_digits = 11
-      !> A point of a chart that was stopped before it came to this point.
+      !> A point that was not come to, since the computation was stopped.
       integer :: not_computed = 12
    end type status_codes
 
@@ -71,7 +71,7 @@ contains
          text = 'rounding leaves too few digits: near a resonance without damping free and &
             &forced vibration cancel; move r away from it or add damping'
       case (stat%not_computed)
-         text = 'the chart was stopped before this point was computed'
+         text = 'it was stopped before this point was computed'
       case (stat%no_convergence)
          text = 'the iteration did not converge; a closer guess may help'
       case default

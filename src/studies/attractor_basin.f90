@@ -7,6 +7,7 @@ module vi_attractor_basin
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
+   use vi_tally, only: add_work, is_stopped
    implicit none (type, external)
    private
 
@@ -16,7 +17,7 @@ contains
 
    !> Initial states to the numbers of their attractors; 0 if not decided within the cycles.
    subroutine decide(osc, r, load, clearance, targets, starts, cycles, threads, labels, impacts, &
-      ends)
+      ends, tally)
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r, load, clearance
       type(target_type), intent(in) :: targets(:)
@@ -27,13 +28,20 @@ contains
       integer, intent(out) :: labels(:), impacts(:)
       !> (5, m): where a state is when it is decided or given up.
       real(wp), intent(out) :: ends(:, :)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(drive_type) :: drive
       integer :: j
 
+      labels = 0
+      impacts = 0
+      ends = starts
       drive = new_drive(osc, r, load, clearance)
       !$omp parallel do schedule(dynamic, 64) num_threads(threads)
       do j = 1, size(starts, 2)
+         if (is_stopped(tally)) cycle
          call follow(drive, targets, starts(:, j), cycles, labels(j), impacts(j), ends(:, j))
+         call add_work(1, tally)
       end do
       !$omp end parallel do
    end subroutine decide

@@ -8,6 +8,7 @@ module vi_attractor_catalogue
    use vi_drive, only: drive_type
    use vi_kinds, only: wp
    use vi_status, only: stat
+   use vi_tally, only: add_sight, is_stopped
    implicit none (type, external)
    private
 
@@ -15,8 +16,7 @@ module vi_attractor_catalogue
 
    !> Attractors at most: without damping every state may have its own.
    integer, parameter, public :: most_attractors = 1000
-   !> Rounds in which motions that were not known are added; they go on while they decide a share
-   !! at least, as when transients are long.
+   !> Rounds in which motions become known; they go on while they decide a share at least.
    integer, parameter :: rounds = 16
    real(wp), parameter :: lively = 0.02_wp
    !> States that are described at a time, and impacts that are kept of each.
@@ -42,17 +42,18 @@ module vi_attractor_catalogue
 contains
 
    !> The attractor of each state (0: not decided), by falling share of the states.
-   subroutine label_states(catalogue, starts, cycles, probes, labels, events)
+   subroutine label_states(catalogue, starts, cycles, probes, labels, events, tally)
       !> In: drive, longest period and threads.
       type(catalogue_type), intent(inout) :: catalogue
       !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
       !> Load cycles in which a state should be decided, and states simulated first.
       integer, intent(in) :: cycles, probes
-      !> (m)
+      !> (m), and the events simulated to decide.
       integer, intent(out) :: labels(:)
-      !> Events simulated to decide.
       real(wp), intent(out) :: events
+      !> As of vi_tally; states that are not come to before it is stopped are not decided.
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: ends(:, :), after(:, :)
       integer, allocatable :: open_ones(:), found(:), counts(:)
       integer :: i, known, round
@@ -61,26 +62,27 @@ contains
       labels = 0
       events = 0
       allocate (ends, source=starts)
-      allocate (open_ones(size(labels)))
-      open_ones = [(i, i=1, size(labels))]
-      call discover(catalogue, starts(:, some(size(labels), probes)), cycles/2)
+      allocate (open_ones, source=[(i, i=1, size(labels))])
+      call add_sight(size(labels), tally)
+      call discover(catalogue, starts(:, some(size(labels), probes)), cycles/2, tally)
       do round = 1, rounds
-         known = catalogue%n
          allocate (found(size(open_ones)), counts(size(open_ones)), after(5, size(open_ones)))
-         call decide_known(catalogue, ends, cycles, found, counts, after)
+         call decide_known(catalogue, ends, cycles, found, counts, after, tally)
          events = events + sum(real(counts, wp))
          labels(open_ones) = found
          call keep_open(found, after, open_ones, ends)
          known = count(found > 0)
          deallocate (found, counts, after)
-         if (size(open_ones) == 0) exit
+         if (size(open_ones) == 0 .or. is_stopped(tally)) exit
          i = catalogue%n
-         call discover(catalogue, ends(:, some(size(open_ones), 2*probes)), 0)
+         call discover(catalogue, ends(:, some(size(open_ones), 2*probes)), 0, tally)
          if (catalogue%n == i .and. .not. known > lively*(known + size(open_ones))) exit
+         call add_sight(size(open_ones), tally)
       end do
       do i = 1, size(open_ones), block
-         associate (members => open_ones(i:min(i + block - 1, size(open_ones))))
-            call describe(catalogue, ends(:, i:i + size(members) - 1), labels, members)
+         if (is_stopped(tally)) exit
+         associate (own => open_ones(i:min(i + block - 1, size(open_ones))))
+            call describe(catalogue, ends(:, i:i + size(own) - 1), labels, own, tally)
          end associate
       end do
       call order_by_share(catalogue, labels)
@@ -115,11 +117,12 @@ contains
    end subroutine keep_open
 
    !> Simulates states to what they settle on.
-   subroutine settle(catalogue, starts, settling, room, found)
+   subroutine settle(catalogue, starts, settling, room, found, tally)
       type(catalogue_type), intent(in) :: catalogue
       real(wp), intent(in) :: starts(:, :)
       integer, intent(in) :: settling, room
       type(ends_type), intent(out) :: found
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: parameters(:, :, :)
       integer :: m, j
 
@@ -134,21 +137,22 @@ contains
          end do
          call settle_chains(parameters, drive%load, starts, settling, 2*catalogue%max_cycles + 1, &
             0.0_wp, catalogue%threads, found%values, found%labels, found%found, found%periods, &
-            found%extremes, found%ends, found%status)
+            found%extremes, found%ends, found%status, tally)
       end associate
    end subroutine settle
 
    !> Adds the periodic motions that some states settle on.
-   subroutine discover(catalogue, starts, settling)
+   subroutine discover(catalogue, starts, settling, tally)
       type(catalogue_type), intent(inout) :: catalogue
       real(wp), intent(in) :: starts(:, :)
       integer, intent(in) :: settling
+      integer, intent(inout), optional :: tally(3)
       type(ends_type) :: found
       type(known_type) :: new
       integer :: i, j, n, seen(size(starts, 2))
       logical :: good
 
-      call settle(catalogue, starts, settling, 1, found)
+      call settle(catalogue, starts, settling, 1, found, tally)
       n = 0
       do j = 1, size(starts, 2)
          if (found%status(1, j) /= stat%ok .or. found%periods(1, 1, j) == 0 .or. &
@@ -181,12 +185,13 @@ contains
    end subroutine add
 
    !> The known periodic motion that each state comes near to.
-   subroutine decide_known(catalogue, starts, cycles, found, counts, after)
+   subroutine decide_known(catalogue, starts, cycles, found, counts, after, tally)
       type(catalogue_type), intent(in) :: catalogue
       real(wp), intent(in) :: starts(:, :)
       integer, intent(in) :: cycles
       integer, intent(out) :: found(:), counts(:)
       real(wp), intent(out) :: after(:, :)
+      integer, intent(inout), optional :: tally(3)
       type(target_type), allocatable :: targets(:)
       integer, allocatable :: owners(:)
       integer :: i, n
@@ -207,23 +212,24 @@ contains
       end do
       associate (drive => catalogue%drive)
          call decide(drive%osc, drive%r, drive%load, drive%clearance, targets, starts, cycles, &
-            catalogue%threads, found, counts, after)
+            catalogue%threads, found, counts, after, tally)
       end associate
       found = owners(found)
    end subroutine decide_known
 
    !> What states that come to no known motion are on.
-   subroutine describe(catalogue, starts, labels, members)
+   subroutine describe(catalogue, starts, labels, members, tally)
       type(catalogue_type), intent(inout) :: catalogue
       real(wp), intent(in) :: starts(:, :)
       integer, intent(inout) :: labels(:)
       !> The places of the states among all.
       integer, intent(in) :: members(:)
+      integer, intent(inout), optional :: tally(3)
       type(ends_type) :: found
       type(known_type) :: new
       integer :: i, j, kind, n
 
-      call settle(catalogue, starts, 0, impacts_kept, found)
+      call settle(catalogue, starts, 0, impacts_kept, found, tally)
       do j = 1, size(members)
          if (found%status(1, j) /= stat%ok) cycle
          new%state = within(found%ends(:, 1, j), catalogue%drive%clearance)

@@ -38,7 +38,7 @@ module vi_attractor_diagram
 contains
 
    !> Simulates all runs.
-   subroutine diagram(path, directions, start, settling, keep, points, threads, result)
+   subroutine diagram(path, directions, start, settling, keep, points, threads, result, tally)
       type(path_type), intent(in) :: path
       !> (runs): 1 up, -1 down, 0 anew at each value.
       integer, intent(in) :: directions(:)
@@ -47,6 +47,8 @@ contains
       !> Load cycles simulated first, load cycles looked at, impacts kept.
       integer, intent(in) :: settling, keep, points, threads
       type(diagram_type), intent(out), target :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable, target :: parameters(:, :, :)
       real(wp), allocatable :: starts(:, :), ends(:, :, :)
       real(wp), pointer :: chain_parameters(:, :, :), impacts(:, :, :, :), extremes(:, :, :)
@@ -76,7 +78,7 @@ contains
       extremes(1:2, 1:links, 1:chains) => result%extremes
       status(1:links, 1:chains) => result%status
       call settle_chains(chain_parameters, path%load, starts, settling, keep, kick, threads, &
-         impacts, labels, found, periods, extremes, ends, status)
+         impacts, labels, found, periods, extremes, ends, status, tally)
       do j = 1, runs
          if (directions(j) < 0) call turn_round(result, j)
       end do

@@ -22,6 +22,7 @@ module vi_attractor_lyapunov
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
+   use vi_tally, only: add_sight, add_work, is_stopped
    use vi_trajectory, only: unpack_state
    implicit none (type, external)
    private
@@ -47,7 +48,7 @@ contains
 
    !> The exponents at m points, by batches of time after one that is not counted.
    subroutine lyapunov_points(osc, r, load, clearance, states, contacts, discard, cycles, batches, &
-      threads, exponents, deviations, dimensions, counts, errors, status)
+      threads, exponents, deviations, dimensions, counts, errors, status, tally)
       type(oscillator_type), intent(in) :: osc
       !> (m) each
       real(wp), intent(in) :: r(:), load(:), clearance(:)
@@ -66,22 +67,26 @@ contains
       integer, intent(out) :: counts(:, :)
       !> (m): difference of the sum of logarithms from what volume says, per unit of time.
       real(wp), intent(out) :: errors(:)
-      !> (m): `stat%no_motion` if a batch has no two events.
+      !> (m): `stat%no_motion` if a batch has no two events, `stat%not_computed` if stopped before.
       integer, intent(out) :: status(:)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       integer :: j
+
+      call add_sight(size(r)*(batches + 1), tally)
 
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do j = 1, size(r)
          call exponents_of(new_drive(osc, r(j), load(j), clearance(j)), &
             unpack_state(states(:, j), contacts(:, j)), discard, cycles, batches, exponents(:, j), &
-            deviations(:, j), dimensions(j), counts(:, j), errors(j), status(j))
+            deviations(:, j), dimensions(j), counts(:, j), errors(j), status(j), tally)
       end do
       !$omp end parallel do
    end subroutine lyapunov_points
 
    !> The exponents of one trajectory, and what its batches tell of them.
-   pure subroutine exponents_of(drive, start, discard, cycles, batches, exponents, deviations, &
-      dimension, counts, error, status)
+   subroutine exponents_of(drive, start, discard, cycles, batches, exponents, deviations, &
+      dimension, counts, error, status, tally)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(in) :: start
       integer, intent(in) :: discard, cycles, batches
@@ -89,10 +94,11 @@ contains
       integer, intent(out) :: counts(2)
       real(wp), intent(out) :: error
       integer, intent(out) :: status
+      integer, intent(inout), optional :: tally(3)
       real(wp) :: each(4, 0:batches), mean(4), sum_before
       integer :: i, rank
 
-      call carry_along(drive, start, discard, cycles, each, rank, counts, error, status)
+      call carry_along(drive, start, discard, cycles, each, rank, counts, error, status, tally)
       mean = sum(each(:, 1:), dim=2)/batches
       deviations = 0
       do i = 1, batches
@@ -121,8 +127,8 @@ contains
    end subroutine exponents_of
 
    !> The averages of all batches together and of each, along a trajectory.
-   pure subroutine carry_along(drive, start, discard, cycles, exponents, rank, counts, error, &
-      status)
+   subroutine carry_along(drive, start, discard, cycles, exponents, rank, counts, error, status, &
+      tally)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(in) :: start
       integer, intent(in) :: discard, cycles
@@ -130,6 +136,7 @@ contains
       integer, intent(out) :: rank, counts(2)
       real(wp), intent(out) :: error
       integer, intent(out) :: status
+      integer, intent(inout), optional :: tally(3)
       type(state_type) :: state, final
       type(event_type) :: events(chunk)
       type(tangent_type) :: tangent
@@ -143,6 +150,7 @@ contains
       last = state%cycle + discard
       do
          call simulate(drive, state, last, start%phase, events, n, final, status)
+         if (is_stopped(tally)) status = stat%not_computed
          if (status /= stat%more_events) exit
       end do
       first = last + cycles
@@ -158,11 +166,12 @@ contains
                call carry(drive, events(i), [bump(done/(cycles*(size(exponents, 2) - 1))), &
                   bump((done + cycles)/cycles - (batch - 1))], tangent, sums)
             end do
+            if (is_stopped(tally)) status = stat%not_computed
             if (status /= stat%more_events) exit
          end do
+         call add_work(1, tally)
          if (batch == 1) then
-            ! the first batch is not counted: the directions settle
-            tangent%counts = 0
+            tangent%counts = 0                        ! it is not counted: the directions settle
             tangent%difference = 0
             tangent%time = 0
             cycle

@@ -16,7 +16,7 @@ contains
 
    !> max|X|/A of what initial states spread evenly settle on, at n points.
    subroutine respond(osc, r, clearance, load, settling, keep, threads, attenuation, envelope, &
-      periods, status)
+      periods, status, tally)
       type(oscillator_type), intent(in) :: osc
       !> (n) each
       real(wp), intent(in) :: r(:), clearance(:)
@@ -30,6 +30,8 @@ contains
       real(wp), intent(out) :: envelope(:, :)
       !> (4, states, n): period, letters, impacts, rests; (states, n).
       integer, intent(out) :: periods(:, :, :), status(:, :)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       integer, parameter :: room = 1
       real(wp), allocatable :: parameters(:, :, :), starts(:, :), impacts(:, :, :, :), &
          extremes(:, :, :), ends(:, :, :)
@@ -48,7 +50,7 @@ contains
             states)
       end do
       call settle_chains(parameters, load, starts, settling, keep, 0.0_wp, threads, impacts, &
-         labels, found, counts, extremes, ends, ends_status)
+         labels, found, counts, extremes, ends, ends_status, tally)
       status = reshape(ends_status, [states, n])
       periods = reshape(counts, [4, states, n])
       attenuation = reshape(max(-extremes(1, 1, :), extremes(2, 1, :)), [states, n])

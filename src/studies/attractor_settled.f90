@@ -3,6 +3,7 @@
 !! Simulations stand in chains. Along a chain the parameters change from link to link and the state
 !! goes on, so that a chain is a sweep; chains of one link are independent initial states.
 module vi_attractor_settled
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_drive, only: drive_type, event_type, impact_event, initial_state, new_drive, &
       release_event, state_time, state_type, stick_event
@@ -10,6 +11,7 @@ module vi_attractor_settled
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
+   use vi_tally, only: add_sight, add_work, is_stopped
    use vi_trajectory, only: extreme_positions, later, store_events
    implicit none (type, external)
    private
@@ -36,7 +38,7 @@ contains
 
    !> Chains of simulations, each chain a task of its own.
    subroutine settle_chains(parameters, load, starts, settling, keep, kick, threads, values, &
-      labels, found, periods, extremes, ends, status)
+      labels, found, periods, extremes, ends, status, tally)
       !> (6, links, chains): r, D, xi, mu, R1, R2
       real(wp), intent(in) :: parameters(:, :, :)
       real(wp), intent(in) :: load
@@ -55,15 +57,24 @@ contains
       real(wp), intent(inout) :: extremes(:, :, :)
       !> (5, links, chains): states at the end, as `starts`.
       real(wp), intent(inout) :: ends(:, :, :)
+      !> `stat%not_computed` from the link on at which it was stopped.
       integer, intent(inout) :: status(:, :)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(settled_type) :: settled
       type(state_type) :: state
       type(drive_type) :: drive
       integer :: i, j
 
+      call add_sight(size(parameters, 2)*size(starts, 2), tally)
+      status = stat%not_computed
+      found = 0
+      periods = 0
+      extremes = ieee_value(load, ieee_quiet_nan)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(settled, state, drive, i)
       do j = 1, size(starts, 2)
          do i = 1, size(parameters, 2)
+            if (is_stopped(tally)) exit
             associate (c => parameters(:, i, j))
                drive = new_drive(oscillator_type(c(3), c(4), c(5:6)), c(1), load, c(2))
             end associate
@@ -78,6 +89,7 @@ contains
             extremes(:, i, j) = [settled%x_min, settled%x_max]
             ends(:, i, j) = [state%phase/drive%r, state%x, state%x_dot, state%z, state%z_dot]
             status(i, j) = settled%status
+            call add_work(1, tally)
          end do
       end do
       !$omp end parallel do

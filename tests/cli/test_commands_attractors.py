@@ -1,6 +1,11 @@
 """The commands lyapunov, bifurcation, basins and response: the same digits as the functions give."""
 
+import contextlib
 import csv
+import os
+import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -85,3 +90,65 @@ def test_bad_input_is_named(tool, words, fault):
     done = tool(*words)
     assert (done.status, done.out) == (2, b"")
     assert fault in done.err.decode()
+
+
+def test_lyapunov_without_impacts_says_so(tool):
+    """Rest in a wide slot has none; the message names the option that helps, and it does."""
+    point = ["--r", "1.04", "--clearance", "72", "--cycles", "400", "--discard", "50"]
+    done = tool("lyapunov", *SYSTEM, *point)
+    assert done.status == 1
+    assert len(done.faults) == 1
+    assert done.faults[0].startswith("lyapunov: no exponents at 1 of 1 points: no impacts")
+    assert "--state X X_DOT Z Z_DOT" in done.faults[0]
+    done = tool("lyapunov", *SYSTEM, *point, "--state", "0", "6", "0", "9")
+    assert (done.status, done.err) == (0, b"")
+    start = {"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9}
+    result = vi.lyapunov(EQUAL, 1.04, 72.0, 400, start, discard=50)
+    assert float(table(tool, "lyapunov")["exponent_1"][0]) == result.per_cycle[0]
+
+
+#: Work for about a second each, on one line of the shell.
+LONG = {
+    "lyapunov": ["--r", "1.04", "--clearance", "10", "24", "150"],
+    "bifurcation": ["--r", "1.04", "--parameter", "clearance", "--values", "50", "75", "900"],
+    "response": ["--r", "1", "1.02", "300", "--inverse-clearance", "0.03"],
+    "basins": ["--r", "0.94", "--clearance", "37", "--plane", "x", "-30", "30", "99", "x_dot", "-30", "30", "99"],
+}  # fmt: skip
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+@pytest.mark.parametrize("name", LONG)
+def test_bar_and_interrupt_on_a_terminal(name, tool):
+    """A bar with the time left; Ctrl-C leaves a table of what is finished, and says so; status 1."""
+    (tool.cwd / "sitecustomize.py").write_text(
+        "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
+        "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n"
+    )
+    ours, theirs = os.openpty()
+    with subprocess.Popen(
+        [find_command(), name, *SYSTEM, *LONG[name]],
+        cwd=tool.cwd, stderr=theirs, stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(tool.cwd)},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:  # fmt: skip
+        os.close(theirs)
+        said, stopped = b"", False
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while part := os.read(ours, 4096):
+                said += part
+                # half way: something is finished then, whatever the order of the work
+                if not stopped and b"[" + b"#" * 15 in said:
+                    stopped = True
+                    process.send_signal(signal.SIGINT)
+    os.close(ours)
+    assert f"\r{name} [".encode() in said
+    assert b" s left " in said
+    assert stopped
+    assert process.returncode == 1
+    assert (
+        said.splitlines()[-1]
+        .decode()
+        .endswith(f"vibroimpact {name}: interrupted; what was finished is kept")
+    )
+    assert list((tool.cwd / "results").iterdir()) == [tool.cwd / "results" / f"{name}.csv"]
+    assert len(table(tool, name)) > 1

@@ -4,6 +4,7 @@ Simulations go on bit for bit, so what a basin says about a state can be compare
 very trajectory is later, even in transient chaos.
 """
 
+import importlib
 import math
 from dataclasses import replace
 
@@ -452,3 +453,96 @@ def test_tables_and_pictures(plane, sweeps):
     np.testing.assert_array_equal(table["clearance"], sweeps.values)
     with pytest.raises(vi.errors.ParameterError, match="quantity"):
         sweeps.plot(quantity="colour")
+
+
+def stopped(monkeypatch, study, *arguments, **more):
+    """What a study has finished that is stopped when about a third of its work is done."""
+    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+
+    def progress(share, what):
+        if share > 0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stop:
+        study(*arguments, **more, progress=progress)
+    return stop.value.result
+
+
+def test_stopped_lyapunov(monkeypatch):
+    """The points that are finished have the bits of the whole line."""
+    line = np.linspace(10, 24, 300)
+    part = stopped(monkeypatch, vi.lyapunov, EQUAL, 1.04, line, cycles=4000)
+    whole = vi.lyapunov(EQUAL, 1.04, line, cycles=4000)
+    at = np.searchsorted(line, part.clearance)
+    assert 0 < part.r.size < line.size
+    np.testing.assert_array_equal(part.clearance, line[at])
+    np.testing.assert_array_equal(part.exponents, whole.exponents[:, at])
+    np.testing.assert_array_equal(part.impacts, whole.impacts[at])
+
+
+def test_stopped_response(monkeypatch):
+    """The frequency ratios that are finished have the bits of the whole curve."""
+    r = np.linspace(1.0, 1.02, 200)
+    part = stopped(monkeypatch, vi.response, EQUAL, r, 33.0, states=12)
+    whole = vi.response(EQUAL, r, 33.0, states=12)
+    at = np.searchsorted(r, part.r)
+    assert 0 < part.r.size < r.size
+    np.testing.assert_array_equal(part.attenuation, whole.attenuation[at])
+    np.testing.assert_array_equal(part.highest, whole.highest[at])
+
+
+def test_stopped_bifurcation(monkeypatch):
+    """Sweeps have the impacts of the whole diagram as far as they came, and none beyond."""
+    values = np.linspace(50, 75, 400)
+    part = stopped(monkeypatch, vi.bifurcation_diagram, EQUAL, "clearance", values, r=1.04)
+    whole = vi.bifurcation_diagram(EQUAL, "clearance", values, r=1.04)
+    done = part.status == 0
+    assert 0 < done.sum() < done.size
+    assert vi.status_text(int(part.status.max())) == "it was stopped before this point was computed"
+    # up from the left, down from the right
+    assert (np.diff(done[0].astype(int)) <= 0).all()
+    assert (np.diff(done[1].astype(int)) >= 0).all()
+    there = done[whole.points["run"], whole.points["index"]]
+    assert part.points.tolist() == whole.points[there].tolist()
+    assert (part.cycles[~done] == 0).all()
+    assert np.isnan(part.x_max[~done]).all()
+
+
+def test_stopped_basins(monkeypatch):
+    """States that were decided go where they go in the whole plane; the others are not decided."""
+    plane = (("x", -30, 30, 120), ("x_dot", -30, 30, 120))
+    part = stopped(monkeypatch, vi.basins, TABLE, 0.94, 37.0, plane)
+    whole = vi.basins(TABLE, 0.94, 37.0, plane)
+    done = part.labels >= 0
+    assert 0 < done.sum() < done.size
+
+    def ends(result, where):
+        x = np.array([item.motion.X[0] if item.motion else np.nan for item in result.attractors])
+        return x[result.labels[where]]
+
+    np.testing.assert_array_equal(ends(part, done), ends(whole, done))
+
+
+def test_stopped_before_anything(monkeypatch):
+    """A single point has no part: a plain interrupt."""
+    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+
+    def progress(share, what):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stop:
+        vi.lyapunov(EQUAL, 1.04, 20.0, cycles=10**8, progress=progress)
+    assert not isinstance(stop.value, vi.errors.StudyInterrupted)
+
+
+def test_progress_changes_nothing(monkeypatch):
+    """What is told goes from 0 to 1, and the answer is the same to the last bit."""
+    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+    shares = []
+    line = np.linspace(10, 24, 100)
+    told = vi.lyapunov(
+        EQUAL, 1.04, line, cycles=2000, progress=lambda share, what: shares.append(share)
+    )
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] <= shares[-1] <= 1
+    np.testing.assert_array_equal(told.exponents, vi.lyapunov(EQUAL, 1.04, line, 2000).exponents)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..errors import ParameterError
 from ..studies.basins import basins
-from .point import add_system, draw, oscillator, write_table
+from .point import add_system, draw, oscillator, status, with_bar, write_table
 
 HELP = "find the attractors at a point and the basin of each"
 DESCRIPTION = """Find to which attractor each initial state of a plane, or each of many random ones, goes.
@@ -36,9 +36,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Find, print and write them."""
-    result = basins(
-        oscillator(options), options.r, options.clearance, _plane(options.plane), options.states,
-        seed=options.seed,
+    result = with_bar(
+        options, basins, oscillator(options), options.r, options.clearance, _plane(options.plane),
+        options.states, seed=options.seed,
     )  # fmt: skip
     labels = result.labels.ravel().tolist()
     names = [*(item.name for item in result.attractors), ""]
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"{left} of {len(labels)} states not decided")
     if result.axes is not None:
         draw(options, "basins", result)
-    return 1 if left else 0
+    return status(options, left > 0)
 
 
 def _plane(words: list[str] | None) -> tuple[Any, Any] | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import ParameterError
 from ..studies.bifurcation import COLUMNS, NAMES, SWEEPS, bifurcation_diagram
-from .point import add_system, draw, numbers, oscillator, write_table
+from .point import add_system, draw, numbers, oscillator, status, with_bar, write_table
 
 HELP = "sweep a parameter up and down, or from many states"
 DESCRIPTION = """Simulate along a parameter, with the state carried on up and down or from many initial states, and
@@ -51,15 +51,16 @@ def run(options: argparse.Namespace) -> int:
     for name in ("r", "clearance"):
         if name != options.parameter and getattr(options, name) is None:
             raise ParameterError(f"--{name}: must be given, it is not the parameter")
-    result = bifurcation_diagram(
-        oscillator(options), options.parameter, np.asarray(numbers(options.values, "values")), options.r,
-        options.clearance, options.sweep, options.states,
+    result = with_bar(
+        options, bifurcation_diagram, oscillator(options), options.parameter,
+        np.asarray(numbers(options.values, "values")), options.r, options.clearance, options.sweep, options.states,
     )  # fmt: skip
     points, labels = result.points, result.labels
-    rows = (
-        [result.runs[p["run"]], result.values[p["index"]].item(), labels[p["run"], p["index"]], p["side"],
-         *(p[name].item() for name in COLUMNS)]
-        for p in points
+    # whole columns: there may be millions of impacts
+    rows = zip(
+        np.array(result.runs)[points["run"]].tolist(), result.values[points["index"]].tolist(),
+        labels[points["run"], points["index"]].tolist(), points["side"].tolist(),
+        *(points[name].tolist() for name in COLUMNS), strict=True,
     )  # fmt: skip
     write_table(
         options, "bifurcation", ["run", options.parameter, "label", "side", *COLUMNS], rows, result
@@ -67,4 +68,4 @@ def run(options: argparse.Namespace) -> int:
     for window in result.windows:
         print(f"{window.run}: {window.label} from {window.low:.6g} to {window.high:.6g}")
     draw(options, "bifurcation", result, quantity=options.quantity)
-    return 1 if result.status.any() else 0
+    return status(options, bool(result.status.any()))

@@ -7,6 +7,7 @@ import json
 import re
 import tempfile
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -80,11 +81,17 @@ def shorter(
     with tempfile.TemporaryDirectory() as place:
         source = Path(place) / "case.nml"
         source.write_text(case.text, encoding="utf-8")
-        log = run_namelists([source], folder if options.format == "csv" else place)
+        target = folder if options.format == "csv" else place
+        with Progress(case.name) as bar:
+            log = run_namelists(
+                [source], target, progress=partial(bar.show, note="table") if bar.wanted else None
+            )
     tell(log, options.record)
     if options.format == "csv":
         options.record.files += map(str, log.results)
-    put(options, case, case.run() if log.results else [], folder, save)
+    with Progress(case.name) as bar:
+        results = case.run(bar.show if bar.wanted else None) if log.results else []
+    put(options, case, results, folder, save)
     return log.status
 
 

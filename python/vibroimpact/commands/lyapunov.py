@@ -7,7 +7,7 @@ import argparse
 import numpy as np
 
 from ..studies.lyapunov import lyapunov
-from .point import add_range, add_system, draw, numbers, oscillator, write_table
+from .point import add_range, add_system, draw, numbers, oscillator, status, with_bar, write_table
 
 HELP = "compute all Lyapunov exponents at a point or along a line"
 DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a point or
@@ -35,13 +35,22 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="load cycles before them (default: 1000)",
     )
+    parser.add_argument(
+        "--state", type=float, nargs=4, metavar=("X", "X_DOT", "Z", "Z_DOT"),
+        help="where each point starts, at t = 0 (default: rest in the middle)",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
     """Compute, print and write them."""
     r = np.atleast_1d(numbers(options.r, "r"))
     clearance = np.atleast_1d(numbers(options.clearance, "clearance"))
-    result = lyapunov(oscillator(options), r, clearance, options.cycles, discard=options.discard)
+    state = None
+    if options.state is not None:
+        state = dict(zip(("t", "x", "x_dot", "z", "z_dot"), (0.0, *options.state), strict=True))
+    result = with_bar(
+        options, lyapunov, oscillator(options), r, clearance, options.cycles, state, discard=options.discard,
+    )  # fmt: skip
     each = result.per_cycle
     errors = result.standard_error * (2 * np.pi / result.r)
     names = [
@@ -61,4 +70,10 @@ def run(options: argparse.Namespace) -> int:
         shown = "  ".join(f"{value:10.6f}" for value in each[:, i])
         print(f"r = {result.r[i]:.6g}  d K/F0 = {result.clearance[i]:.6g}:  {shown}")
     draw(options, "lyapunov", result)
-    return 1 if np.isnan(each).any() else 0
+    lost = int(np.isnan(each).any(axis=0).sum())
+    if lost:
+        options.record.fault(
+            f"lyapunov: no exponents at {lost} of {result.r.size} points: no impacts, or none that could be "
+            "found; another start may lead to some: --state X X_DOT Z Z_DOT"
+        )
+    return status(options, lost > 0)

@@ -75,17 +75,8 @@ def pictured(case: Case) -> Sequence[Callable[[], Any]]:
     if case.kind == "chart":
         data = case.chart()
         return [partial(draw_chart, data)] if (data.status == 0).any() else []
-    if case.kind == "zone":
-        zone = case.zone()
-        return [zone.plot] if zone else []
-    if case.kind == "atlas":
-        with Progress(case.name) as bar:
-            atlas = case.atlas(bar.show)
-        return [atlas.plot] if atlas.zones else []
-    if case.kind == "simulate":
-        return [case.trajectory().plot]
-    if case.kind in ("lyapunov", "bifurcation", "response", "basins"):
-        return [getattr(case, case.kind)().plot]
-    if case.kind == "branch":
-        return [branch.plot for branch in case.branches()]
-    return [motion.plot for motion in case.motions()]
+    with Progress(case.name) as bar:
+        results = case.run(bar.show if bar.wanted else None)
+    if case.kind in ("zone", "atlas"):
+        results = [item for item in results if getattr(item, "zones", item)]
+    return [item.plot for item in results]

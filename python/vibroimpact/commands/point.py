@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ParameterError
+from ..errors import ParameterError, StudyInterrupted
 from ..files import write_text
 from ..model import Oscillator
+from ..progress import Progress
 from . import FORMATS, add_forms, picture_writer
 
 
@@ -54,6 +55,28 @@ def oscillator(options: argparse.Namespace) -> Oscillator:
     """The system that the options name."""
     walls = options.restitution
     return Oscillator(options.xi, options.mu, walls[0] if len(walls) == 1 else tuple(walls))
+
+
+def with_bar(
+    options: argparse.Namespace, study: Callable[..., Any], *arguments: Any, **more: Any
+) -> Any:
+    """What a study finds, with a bar if that takes long; after Ctrl-C what it has finished."""
+    options.complete = True
+    with Progress(options.record.command) as bar:
+        try:
+            return study(*arguments, **more, progress=bar.show if bar.wanted else None)
+        except StudyInterrupted as stop:
+            options.complete = False
+            return stop.result
+
+
+def status(options: argparse.Namespace, lost: bool) -> int:
+    """The exit status: 1 if something is missing, and then it is said if that is so by Ctrl-C."""
+    if not options.complete:
+        options.record.fault(
+            f"vibroimpact {options.record.command}: interrupted; what was finished is kept"
+        )
+    return 1 if lost or not options.complete else 0
 
 
 def write_table(

@@ -7,7 +7,7 @@ import argparse
 import numpy as np
 
 from ..studies.response import response
-from .point import add_range, add_system, draw, numbers, oscillator, write_table
+from .point import add_range, add_system, draw, numbers, oscillator, status, with_bar, write_table
 
 HELP = "follow max|X|/A along r over all attractors"
 DESCRIPTION = """Find max|X|/A along r for a clearance or a load, from many initial states, and write its least and
@@ -32,8 +32,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Find, print and write it."""
-    result = response(
-        oscillator(options), np.atleast_1d(numbers(options.r, "r")), options.clearance,
+    result = with_bar(
+        options, response, oscillator(options), np.atleast_1d(numbers(options.r, "r")), options.clearance,
         options.inverse_clearance, options.states,
     )  # fmt: skip
     columns = [
@@ -48,4 +48,4 @@ def run(options: argparse.Namespace) -> int:
     )
     print(result)
     draw(options, "response", result)
-    return 1 if np.isnan(result.attenuation).any() else 0
+    return status(options, bool(np.isnan(result.attenuation).any()))

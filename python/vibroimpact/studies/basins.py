@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
-from ..errors import ParameterError
+from ..errors import ParameterError, StudyInterrupted
 from ..interchange.result import Result
 from ..model import Oscillator
 from .catalogue import BasinAttractor, find_attractors
@@ -176,6 +176,7 @@ def basins(
     max_cycles: int = 16,
     seed: int = 0,
     threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Basins:
     """To which attractor each of many initial states goes.
 
@@ -207,10 +208,18 @@ def basins(
         Of random states.
     threads : int, optional
         Default: one for each processor. The answer does not depend on it.
+    progress : callable, optional
+        Called a few times a second with the share done and what is being done.
 
     Returns
     -------
     Basins
+
+    Raises
+    ------
+    StudyInterrupted
+        After Ctrl-C, with what was finished as its attribute `result`:
+        states that were not come to have the label -1.
 
     Examples
     --------
@@ -244,14 +253,17 @@ def basins(
     else:
         starts = checks.real_array(states, "states", "a number or an array (5, M)")  # type: ignore[arg-type]
     _check_states(starts, clearance, on_plane=axes is not None)
-    attractors, labels, impacts = find_attractors(
-        osc, r, clearance, load, starts, cycles, probes, max_cycles, workers
+    attractors, labels, impacts, complete = find_attractors(
+        osc, r, clearance, load, starts, cycles, probes, max_cycles, workers, progress
     )
     shape = labels.shape if axes is None else (axes[0].n, axes[1].n)
-    return Basins(
+    result = Basins(
         osc, r, clearance, load, attractors, labels.reshape(shape), axes,
         starts.reshape(5, *shape), impacts,
     )  # fmt: skip
+    if not complete:
+        raise StudyInterrupted(result)
+    return result
 
 
 def _axes(plane: Any) -> tuple[Axis, Axis]:

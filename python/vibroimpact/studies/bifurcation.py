@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
-from ..errors import ParameterError
+from ..errors import ParameterError, StudyInterrupted
 from ..interchange.result import Result
+from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
-from .settling import PARAMETERS, one_state, thread_count
+from .settling import NOT_COMPUTED, PARAMETERS, one_state, thread_count
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
@@ -187,6 +188,7 @@ def bifurcation_diagram(
     keep: int = 33,
     points: int = 100,
     threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram:
     """The impacts that simulations settle on, along a parameter.
 
@@ -218,10 +220,18 @@ def bifurcation_diagram(
         Impacts kept of each run and value.
     threads : int, optional
         Default: one for each processor. The answer does not depend on it.
+    progress : callable, optional
+        Called a few times a second with the share done and what is being done.
 
     Returns
     -------
     BifurcationDiagram
+
+    Raises
+    ------
+    StudyInterrupted
+        After Ctrl-C, with what was finished as its attribute `result`:
+        values that a run did not come to have no impacts there.
 
     Examples
     --------
@@ -271,18 +281,25 @@ def bifurcation_diagram(
             if run in runs:
                 start = one_state(state, float(end))
     r_there, clearance_there = (np.broadcast_to(value, along.shape) for value in fixed.values())
-    impacts, labels, found, periods, extremes, status = _core.bifurcation(
-        osc.xi, osc.mu, osc.restitution, r_there, clearance_there, load,
+    arrays, complete = stoppable(
+        _core.bifurcation, osc.xi, osc.mu, osc.restitution, r_there, clearance_there, load,
         5 if parameter == "restitution" else PARAMETERS.index(parameter) + 1,
         parameter == "restitution", along, [DIRECTIONS.get(run, 0) for run in runs],
-        state is not None, start, settling, keep, points, workers,
+        state is not None, start, settling, keep, points, workers, tally=new_tally(), progress=progress,
+        note="bifurcation diagram",
     )  # fmt: skip
+    impacts, labels, found, periods, extremes, status = arrays
+    if (status == NOT_COMPUTED).all():
+        raise KeyboardInterrupt
     cycles, letters, counts, rests = periods.transpose(0, 2, 1)
     x_min, x_max = extremes.transpose(0, 2, 1)
-    return BifurcationDiagram(
+    result = BifurcationDiagram(
         osc, parameter, along, fixed["r"], fixed["clearance"], load, runs, cycles, letters, counts,
         rests, x_min, x_max, status.T, _impacts(impacts, labels[1], found),
     )  # fmt: skip
+    if not complete:
+        raise StudyInterrupted(result)
+    return result
 
 
 def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> float | _Array:

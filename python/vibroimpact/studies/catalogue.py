@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
 from ..motion import Motion
 from .lyapunov import Lyapunov, lyapunov
@@ -59,13 +61,18 @@ class BasinAttractor:
 
 def find_attractors(
     osc: Oscillator, r: float, clearance: float, load: float, starts: _Array, cycles: int,
-    probes: int, max_cycles: int, threads: int,
-) -> tuple[list[BasinAttractor], NDArray[np.int32], int]:  # fmt: skip
-    """The attractors by falling share, that of each state (5, m) (-1: none), and the events simulated."""
-    labels, events, n, kinds, letters, states, balls = _core.basins(
-        MOST, LETTERS, osc.xi, osc.mu, osc.restitution, r, load, clearance, starts, cycles, probes,
-        max_cycles, threads,
+    probes: int, max_cycles: int, threads: int, progress: Callable[[float, str], None] | None = None,
+) -> tuple[list[BasinAttractor], NDArray[np.int32], int, bool]:  # fmt: skip
+    """The attractors by falling share, that of each state (5, m) (-1: none), and the events simulated.
+
+    And whether all were come to: Ctrl-C stops it.
+    """
+    (labels, events, n, kinds, letters, states, balls), complete = stoppable(
+        _core.basins, MOST, LETTERS, osc.xi, osc.mu, osc.restitution, r, load, clearance, starts, cycles,
+        probes, max_cycles, threads, tally=new_tally(), progress=progress, note="basins",
     )  # fmt: skip
+    if n == 0 and not complete:
+        raise KeyboardInterrupt
     found = []
     for j in range(n):
         kind, (_, k, size) = KINDS[kinds[0, j]], kinds[:, j].tolist()
@@ -86,4 +93,4 @@ def find_attractors(
         if names.count(item.name) > 1 else item
         for i, item in enumerate(found)
     ]  # fmt: skip
-    return numbered, labels - np.int32(1), round(events)
+    return numbered, labels - np.int32(1), round(events), complete

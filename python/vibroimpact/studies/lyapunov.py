@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
-from ..errors import ParameterError, SingularError
+from ..errors import ParameterError, SingularError, StudyInterrupted
 from ..interchange.result import Result
+from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
 from ..trajectory import TWO_PI, _start
 
 __all__ = ["Lyapunov", "lyapunov"]
 
 _Array = NDArray[np.float64]
-NO_MOTION = 7
+NO_MOTION, NOT_COMPUTED = 7, 12
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -124,6 +125,7 @@ def lyapunov(
     discard: int = 1000,
     batches: int = 20,
     threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Lyapunov:
     """All four Lyapunov exponents, through impacts, accumulations and rests.
 
@@ -149,6 +151,8 @@ def lyapunov(
         2 to 1000.
     threads : int, optional
         Default: one for each processor. The answer does not depend on it.
+    progress : callable, optional
+        Called a few times a second with the share done and what is being done.
 
     Returns
     -------
@@ -158,6 +162,8 @@ def lyapunov(
     ------
     SingularError
         If a single point has no impacts.
+    StudyInterrupted
+        After Ctrl-C, if points were finished: its attribute `result` holds them, as a list.
 
     Examples
     --------
@@ -201,18 +207,30 @@ def lyapunov(
         each_clearance = checks.number(float(one_clearance), "clearance")
         system = (osc.xi, osc.mu, osc.restitution, each_r, load, each_clearance)
         states[:, j], contacts[:, j] = _start(system, state)[1]
-    exponents, deviations, dimensions, counts, errors, status = _core.lyapunov(
-        osc.xi, osc.mu, osc.restitution, rs.ravel(), np.full(rs.size, load), clearances.ravel(), states,
-        contacts, discard, cycles // batches, batches, threads,
+    found, complete = stoppable(
+        _core.lyapunov, osc.xi, osc.mu, osc.restitution, rs.ravel(), np.full(rs.size, load),
+        clearances.ravel(), states, contacts, discard, cycles // batches, batches, threads,
+        tally=new_tally(), progress=progress, note="Lyapunov exponents",
     )  # fmt: skip
+    status = found[-1]
+    if not complete:
+        done = status != NOT_COMPUTED
+        if rs.ndim == 0 or not done.any():
+            raise KeyboardInterrupt
+        rs, clearances = rs.ravel()[done], clearances.ravel()[done]
+        found = [item[..., done] for item in found]
+    exponents, deviations, dimensions, counts, errors, _ = found
     if rs.ndim == 0 and status[0] != 0:
         from ..solve import status_text
 
         why = "no impacts in a batch" if status[0] == NO_MOTION else status_text(int(status[0]))
         raise SingularError(f"Lyapunov exponents: {why}")
     shape = rs.shape
-    return Lyapunov(
+    result = Lyapunov(
         osc, rs, clearances, load, exponents.reshape(4, *shape), deviations.reshape(4, *shape),
         dimensions.reshape(shape), errors.reshape(shape), counts[0].reshape(shape),
         counts[1].reshape(shape), cycles // batches * batches,
     )  # fmt: skip
+    if not complete:
+        raise StudyInterrupted(result)
+    return result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
-from ..errors import ParameterError
+from ..errors import ParameterError, StudyInterrupted
 from ..interchange.result import Result
+from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
-from .settling import thread_count
+from .settling import NOT_COMPUTED, thread_count
 
 __all__ = ["Response", "response"]
 
@@ -80,6 +82,7 @@ def response(
     settling: int = 600,
     keep: int = 33,
     threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Response:
     """max|X|/A along r for a load or a clearance, over all attractors that initial states come to.
 
@@ -102,10 +105,18 @@ def response(
         Load cycles looked at.
     threads : int, optional
         Default: one for each processor. The answer does not depend on it.
+    progress : callable, optional
+        Called a few times a second with the share done and what is being done.
 
     Returns
     -------
     Response
+
+    Raises
+    ------
+    StudyInterrupted
+        After Ctrl-C, with what was finished as its attribute `result`:
+        the frequency ratios at which all states came to their end.
 
     Examples
     --------
@@ -142,10 +153,17 @@ def response(
     settling = checks.integer(settling, "settling", 0, 10**7)
     keep = checks.integer(keep, "keep", 3, 10**4)
     workers = thread_count(threads)
-    attenuation, envelope, periods, _ = _core.response(
-        states, osc.xi, osc.mu, osc.restitution, along, distance, load, settling, keep, workers
-    )
-    return Response(
-        osc, along, np.array(distance), load, attenuation.T, envelope[0], envelope[1], periods[0].T,
-        periods[1].T,
+    (attenuation, envelope, periods, status), complete = stoppable(
+        _core.response, states, osc.xi, osc.mu, osc.restitution, along, distance, load, settling, keep,
+        workers, tally=new_tally(), progress=progress, note="response",
     )  # fmt: skip
+    done = (status != NOT_COMPUTED).all(axis=0)
+    if not done.any():
+        raise KeyboardInterrupt
+    result = Response(
+        osc, along[done], np.array(distance)[done], load, attenuation.T[done], envelope[0, done],
+        envelope[1, done], periods[0].T[done], periods[1].T[done],
+    )  # fmt: skip
+    if not complete:
+        raise StudyInterrupted(result)
+    return result

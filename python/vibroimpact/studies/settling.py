@@ -19,6 +19,8 @@ from ..trajectory import NEEDED, _checked, simulate
 _Array = NDArray[np.float64]
 #: The core's parameters, in its order.
 PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
+#: Its status of what was not come to before it was stopped.
+NOT_COMPUTED = 12
 
 
 def thread_count(threads: int | None) -> int:

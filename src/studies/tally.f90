@@ -1,0 +1,45 @@
+!> A tally of work, which who looks at it while the work is done reads, and by which it is stopped.
+!!
+!! Its three numbers are the work done, the work in sight, and whether to stop (not 0). Threads add
+!! to it; what is computed does not depend on it, unless it is stopped.
+module vi_tally
+   implicit none (type, external)
+   private
+
+   public :: add_sight, add_work, is_stopped
+
+contains
+
+   !> More work has come in sight.
+   subroutine add_sight(work, tally)
+      integer, intent(in) :: work
+      integer, intent(inout), optional :: tally(3)
+
+      if (.not. present(tally)) return
+      !$omp atomic update
+      tally(2) = tally(2) + work
+   end subroutine add_sight
+
+   !> Some work is done.
+   subroutine add_work(work, tally)
+      integer, intent(in) :: work
+      integer, intent(inout), optional :: tally(3)
+
+      if (.not. present(tally)) return
+      !$omp atomic update
+      tally(1) = tally(1) + work
+   end subroutine add_work
+
+   !> Whether the rest is no longer wanted.
+   logical function is_stopped(tally)
+      integer, intent(inout), optional :: tally(3)
+      integer :: stop_now
+
+      is_stopped = .false.
+      if (.not. present(tally)) return
+      !$omp atomic read
+      stop_now = tally(3)
+      is_stopped = stop_now /= 0
+   end function is_stopped
+
+end module vi_tally
