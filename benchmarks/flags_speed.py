@@ -1,8 +1,9 @@
 """Microseconds a point from phases to the verdict `stable`, and to the spectral radius too.
 
-This package (`stability_flags`, one thread) and a numba loop with its own Householder least squares and
-double-shift QR on the same random points; it stops unless both give the same verdicts and radii. Beside them the
-LAPACK calls alone on points of the same kind, without what makes their matrices, if reference_chain is built.
+This package (`stability_flags`, one thread), a numba loop with its own Householder least squares and double-shift
+QR, and NumPy's batched `qr`, `solve` and `eigvals`, on the same random points; it stops unless all give the same
+verdicts and radii. Beside them the LAPACK calls alone on points of the same kind, without what makes their
+matrices, if reference_chain is built.
 
 Run with `python benchmarks/flags_speed.py` (needs numba).
 """
@@ -25,9 +26,9 @@ CHAIN = Path(__file__).resolve().parents[1] / "build/fortran/benchmarks/referenc
 
 
 @numba.njit(fastmath=True)
-def linear_motion(xi, mu, r, alpha, y, wall, a, x):
-    """Least squares solution of (26), (30) by Householder reflections; a is scratch (2N, N + 3)."""
-    n = alpha.size
+def equations(xi, mu, r, alpha, y, wall, a):
+    """Equations (26) and (30), one a row of a (2N, N + 3); of many points, if r and alpha[i] are arrays."""
+    n = len(alpha)
     h = math.sqrt(1 - xi * xi)
     a[:] = 0.0
     for i in range(n):
@@ -35,18 +36,18 @@ def linear_motion(xi, mu, r, alpha, y, wall, a, x):
         lp = alpha[i] - alpha[p] + (2 * math.pi if i == 0 else 0.0)
         li = alpha[j] - alpha[i] + (2 * math.pi if j == 0 else 0.0)
         lj = alpha[k] - alpha[j] + (2 * math.pi if k == 0 else 0.0)
-        e, t = math.exp(-xi * li / r), h * li / r
-        c1, c2 = e * math.sin(t), e * math.cos(t)
+        e, t = np.exp(-xi * li / r), h * li / r
+        c1, c2 = e * np.sin(t), e * np.cos(t)
         c3, c4 = h * c2 - xi * c1, -(h * c1 + xi * c2)
         g1 = (1 + mu) * wall[i] * r / ((1 + wall[i]) * lp)
         g2 = (1 - mu * wall[i]) * r / ((1 + wall[i]) * li)
         g3 = (wall[j] - mu) * r / ((1 + wall[j]) * li)
         g4 = (1 + mu) * r / ((1 + wall[j]) * lj)
         s, c, s2, k2 = (
-            math.sin(alpha[i]),
-            math.cos(alpha[i]),
-            math.sin(alpha[j]),
-            math.cos(alpha[j]),
+            np.sin(alpha[i]),
+            np.cos(alpha[i]),
+            np.sin(alpha[j]),
+            np.cos(alpha[j]),
         )
         su, cu = (r * c + xi * s) / h, (-r * s + xi * c) / h
         pull = g1 * (y[i] - y[p]) + g2 * (y[j] - y[i])
@@ -61,6 +62,13 @@ def linear_motion(xi, mu, r, alpha, y, wall, a, x):
         a[n + i, p] += c3 / h * g1
         a[n + i, n], a[n + i, n + 1] = c3 * su + c4 * s - r * k2, c3 * cu + c4 * c + r * s2
         a[n + i, n + 2] = -g3 * (y[j] - y[i]) - g4 * (y[k] - y[j]) + c3 / h * pull
+
+
+@numba.njit(fastmath=True)
+def linear_motion(xi, mu, r, alpha, y, wall, a, x):
+    """Least squares solution of the equations by Householder reflections."""
+    equations(xi, mu, r, alpha, y, wall, a)
+    n = alpha.size
     m, q = 2 * n, n + 2
     for j in range(min(q, m - 1)):
         norm = 0.0
@@ -85,11 +93,10 @@ def linear_motion(xi, mu, r, alpha, y, wall, a, x):
 
 
 @numba.njit(fastmath=True)
-def monodromy(xi, mu, r, alpha, y, wall, x, p):
-    """[P] = [P_N] .. [P_1] by (A5)-(A7)."""
-    n = alpha.size
+def monodromy(xi, mu, r, alpha, y, wall, x, p, part, new):
+    """[P] = [P_N] .. [P_1] by (A5)-(A7); part and new are scratch."""
+    n = len(alpha)
     h = math.sqrt(1 - xi * xi)
-    part, new = np.empty((4, 4)), np.empty((4, 4))
     for i in range(n):
         b4, j = (i - 1) % n, (i + 1) % n
         lp = alpha[i] - alpha[b4] + (2 * math.pi if i == 0 else 0.0)
@@ -97,14 +104,14 @@ def monodromy(xi, mu, r, alpha, y, wall, x, p):
         zp = r * (x[i] + y[i] - x[b4] - y[b4]) / lp
         z = r * (x[j] + y[j] - x[i] - y[i]) / li
         v = ((1 + mu) * wall[i] * zp + (1 - mu * wall[i]) * z) / (1 + wall[i])
-        e, t = math.exp(-xi * li / r), h * li / r
-        c1, c2 = e * math.sin(t), e * math.cos(t)
+        e, t = np.exp(-xi * li / r), h * li / r
+        c1, c2 = e * np.sin(t), e * np.cos(t)
         c3, c4 = h * c2 - xi * c1, -(h * c1 + xi * c2)
         sa, ca, sb, cb = (
-            math.sin(alpha[i]),
-            math.cos(alpha[i]),
-            math.sin(alpha[j]),
-            math.cos(alpha[j]),
+            np.sin(alpha[i]),
+            np.cos(alpha[i]),
+            np.sin(alpha[j]),
+            np.cos(alpha[j]),
         )
         s, c = sa * x[n] + ca * x[n + 1], ca * x[n] - sa * x[n + 1]
         s_, c_ = sb * x[n] + cb * x[n + 1], cb * x[n] - sb * x[n + 1]
@@ -230,10 +237,24 @@ def numba_radii(xi, mu, r, phases, y, wall, radii):
     """Spectral radius of every point; the phases of a point are a row."""
     n = phases.shape[1]
     a, x, p = np.empty((2 * n, n + 3)), np.empty(n + 2), np.empty((4, 4))
+    part, new = np.empty((4, 4)), np.empty((4, 4))
     for j in range(r.size):
         linear_motion(xi, mu, r[j], phases[j], y, wall, a, x)
-        monodromy(xi, mu, r[j], phases[j], y, wall, x, p)
+        monodromy(xi, mu, r[j], phases[j], y, wall, x, p, part, new)
         radii[j] = largest_modulus(p)
+
+
+def numpy_radii(xi, mu, r, phases, y, wall):
+    """The same formulas on arrays, with NumPy's batched linear algebra; the phases of a point are a column."""
+    n, count = phases.shape
+    a = np.empty((2 * n, n + 3, count))
+    equations.py_func(xi, mu, r, phases, y, wall, a)
+    a = np.ascontiguousarray(np.moveaxis(a, 2, 0))
+    q, upper = np.linalg.qr(a[:, :, :-1])
+    x = np.linalg.solve(upper, np.swapaxes(q, 1, 2) @ a[:, :, -1:])[:, :, 0].T
+    p, part, new = np.empty((3, 4, 4, count))
+    monodromy.py_func(xi, mu, r, phases, y, wall, x, p, part, new)
+    return np.abs(np.linalg.eigvals(np.moveaxis(p, 2, 0))).max(axis=1)
 
 
 def points(n):
@@ -275,6 +296,9 @@ def rows():
         def peer():
             numba_radii(OSC.xi, OSC.mu, r, turned, 0.5 * pattern.signs, wall, radii)  # noqa: B023
 
+        def arrays():
+            return numpy_radii(OSC.xi, OSC.mu, r, phases, 0.5 * pattern.signs, wall)  # noqa: B023
+
         def ours(radius):
             return vi.stability_flags(OSC, r, phases, pattern, spectral_radius=radius, threads=1)  # noqa: B023
 
@@ -282,15 +306,22 @@ def rows():
         flags = ours(True)
         clear = np.abs(radii - 1) > 1e-6
         apart = np.abs(flags.spectral_radius / radii - 1)
+        apart = np.maximum(apart, np.abs(arrays() / radii - 1))
         same = bool(
             ((flags.stable == 1) == (radii < 1))[clear].all() and np.quantile(apart, 0.999) < 1e-9
         )
-        fast, both, loop = microseconds([lambda: ours(False), lambda: ours(True), peer])
+        fast, both, loop, batched = microseconds(
+            [lambda: ours(False), lambda: ours(True), peer, arrays]
+        )
         for work, mine, wanted in (
             ("stable", fast, target),
             ("stable, radius", both, RADIUS_TARGET),
         ):
-            for name, other in (("numba", loop), ("bare LAPACK", lapack.get(n))):
+            for name, other in (
+                ("numba", loop),
+                ("NumPy, batched", batched),
+                ("bare LAPACK", lapack.get(n)),
+            ):
                 if other is not None:
                     table.append(
                         {
