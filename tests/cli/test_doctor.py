@@ -28,7 +28,7 @@ def test_doctor_tells_of_this_installation(tool):
     assert re.match(r"\w+ \d+\.\d+", facts["compiler"])
     assert facts["lapack"]
     assert facts["extras"]["plot"].keys() == {"matplotlib"}
-    developers = {"bench", "docs", "lint", "test"}
+    developers = {"bench", "docs", "lint", "test", "wheel"}
     assert facts["extras"].keys() | developers == set(
         metadata("vibroimpact").get_all("Provides-Extra")
     )
