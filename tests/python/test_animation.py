@@ -119,7 +119,7 @@ def test_mp4(tmp_path, monkeypatch):
     pictures = np.frombuffer(raw, np.uint8).reshape(-1, 360, 600, 3).astype(float)
     assert len(pictures) == 0.5 * animation.RATE
     with Image.open(motion.animate(tmp_path / "pair.gif", seconds=0.5)) as film:
-        for i, picture in enumerate(pictures):
+        for i in range(len(pictures)):
             film.seek(i)
             distances = [np.abs(other - np.array(film.convert("RGB"))).mean() for other in pictures]
             assert np.argmin(distances) == i
