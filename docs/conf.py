@@ -43,6 +43,8 @@ sphinx_gallery_conf = {
     "within_subsection_order": FileNameSortKey,
     "abort_on_example_error": True,
     "remove_config_comments": True,
+    # what an example prints depends on the package, not only on the script
+    "run_stale_examples": True,
     "show_memory": False,
     "show_signature": False,
     "min_reported_time": 3600,

@@ -16,6 +16,7 @@ for point in path.special_points:
     print(point)
 
 # %%
+# The largest displacement along it, relative to that without impacts:
 
 path.plot()
 

@@ -14,5 +14,6 @@ for piece in zone.boundary:
     print(piece)
 
 # %%
+# 2e stands for two impacts, equally spaced.
 
 zone.plot(inverse=True)

@@ -9,8 +9,15 @@ import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 window = {"r": (0.8, 1.2), "clearance": (2, 100)}
-ax = None
+zones = []
 for sides, symmetric in (("RL", False), ("RRL", None), ("RRLL", None)):
     zone = vi.zone(osc, vi.Pattern(sides), **window, symmetric=symmetric)
     print(zone)
+    zones.append(zone)
+
+# %%
+# 2u is unequally spaced. Each zone ends in a flip, a fold, a pitchfork or a Neimark–Sacker curve:
+
+ax = None
+for zone in zones:
     ax = zone.plot(ax, inverse=True)

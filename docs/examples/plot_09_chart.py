@@ -14,5 +14,8 @@ osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 data = vi.chart(
     osc, vi.Pattern("RL"), np.linspace(0.9, 1.1, 201), np.geomspace(5, 200, 161), symmetric=True
 )
-print(data.sizes)
+print(f"{data.sizes['r']} frequency ratios, {data.sizes['clearance']} clearances")
+
+# %%
+
 draw_chart(data, color="attenuation", inverse=True)

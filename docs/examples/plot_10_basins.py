@@ -3,7 +3,7 @@ Basins of attraction
 ====================
 
 Which motion an initial state goes to. At Table 1's point the unequispaced motion and its mirror image
-are both stable.
+are both stable: RL/1 (1) and (2).
 """
 
 import vibroimpact as vi

@@ -2,8 +2,9 @@
 Lyapunov exponents
 ==================
 
-All four exponents along a line of the plane. The largest is 0 on a quasi-periodic motion and positive
-on a chaotic one.
+All four exponents along a line of the plane. The largest is negative on a periodic motion, 0 on a
+quasi-periodic one and positive on a chaotic one. Where the free mass comes to rest, two of them are
+−∞ and not drawn.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 Response of an impact damper
 ============================
 
-max|X|/A along the frequency ratio, over all motions that initial states come to. Below 1 the impacts
-help.
+The largest displacement along the frequency ratio, max|X|/A, relative to that without impacts: where it
+is below 1, the impacts help. Each dot is an attractor that one of the initial states comes to.
 """
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The Fortran modules: their purpose and their public procedures, from the comments of the sources."""
 
+# Not ford: its 680 pages (23 s, 22 MB) load style and search from other hosts, and are bare without.
+
 import re
 
 from .shared import ROOT, sentence

@@ -85,6 +85,8 @@ def _finished(
     while not done.wait(INTERVAL):
         if watch is not None:
             watch()
+    if watch is not None:
+        watch()  # the last word, which fell between two looks
     if fault:
         raise fault[0]
     return answer[0]

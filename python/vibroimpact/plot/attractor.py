@@ -61,7 +61,7 @@ def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
     ax.axhline(0, color="0.6", lw=0.6)
     ax.set_xlabel(SYMBOLS[name])
     ax.set_ylabel("exponent per load cycle")
-    ax.legend(**style.ABOVE)
+    ax.legend(**style.ABOVE | {"ncols": 4})
     return ax
 
 
@@ -80,7 +80,7 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
     above = blended_transform_factory(ax.transData, ax.transAxes)
     longest = np.ptp(diagram.values)
     for window in diagram.windows:
-        level = 1.02 + 0.05 * diagram.runs.index(window.run)
+        level = 1.02 + 0.07 * diagram.runs.index(window.run)
         if window.run in ("up", "down") and window.high - window.low > 0.03 * longest:
             ax.plot(
                 [window.low, window.high], [level] * 2, "k-", lw=0.8, transform=above, clip_on=False
