@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib.metadata import metadata
 
 import numpy
 import pytest
@@ -27,6 +28,8 @@ def test_doctor_tells_of_this_installation(tool):
     assert re.match(r"\w+ \d+\.\d+", facts["compiler"])
     assert facts["lapack"]
     assert facts["extras"]["plot"].keys() == {"matplotlib"}
+    known = set(metadata("vibroimpact").get_all("Provides-Extra"))
+    assert facts["extras"].keys() == known - {"bench", "docs", "lint", "test"}
     plain = tool("doctor")
     assert plain.status == 0
     for name in ("vibroimpact", "lapack", "compiler", "computes"):
