@@ -13,7 +13,7 @@ from importlib.metadata import version
 from importlib.resources import as_file, files
 from io import StringIO
 
-from .commands import NAMES, PICTURES, Record, add_common, name_file
+from .commands import NAMES, PICTURES, Record, add_common, name_file, need_extras
 from .errors import VibroimpactError
 
 EXIT_STATUS = (
@@ -80,11 +80,17 @@ def outcome(name: str, options: argparse.Namespace) -> int:
     status = 2
     try:
         name_file(options)
+        need_extras(options)
         status = import_module(f".commands.{name}", __package__).run(options)
     except BrokenPipeError:
         raise
-    except (VibroimpactError, OSError) as error:
+    except VibroimpactError as error:
         options.record.fault(f"vibroimpact {name}: {error}")
+    except OSError as error:
+        told = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        options.record.fault(
+            f"vibroimpact {name}: {told}; must be a folder and disk that can be written"
+        )
     except KeyboardInterrupt:
         status = 1
         options.record.fault(f"vibroimpact {name}: interrupted; what was finished is kept")
@@ -100,9 +106,14 @@ def batch() -> int:
 
 
 def _separated(words: list[str]) -> list[str]:
-    """The words with the value of --plot made plain, which otherwise would swallow a file."""
+    """The words with the value of --plot made plain, which otherwise would swallow a file.
+
+    A plain word after it that is no file is a format too, and may be a wrong one.
+    """
     plain = [*words]
     for i, word in enumerate(words):
-        if word == "--plot" and words[i + 1 : i + 2] not in [[kind] for kind in PICTURES]:
-            plain[i] = f"--plot={PICTURES[0]}"
+        after = words[i + 1] if i + 1 < len(words) else "-"
+        if word == "--plot" and after not in PICTURES:
+            named = after.isalnum() and not os.path.exists(after)
+            plain[i] = "--plot" if named else f"--plot={PICTURES[0]}"
     return plain

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -88,6 +88,7 @@ def find(
     states: int = 24,
     settling: int = 600,
     releases: int = 32,
+    progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions:
     """Periodic motions at a point: from all side patterns, from releases, and from simulated attractors.
 
@@ -114,6 +115,8 @@ def find(
     releases : int
         Releases from rest, for each wall and number of cycles, from which Newton's method is started
         on the return map: it finds motions with rest that are unstable too.
+    progress : callable, optional
+        Called with the share done and what is being done.
 
     Returns
     -------
@@ -148,6 +151,9 @@ def find(
         side_patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1])
     )
     tried = inadmissible = 0
+    tell = progress or (lambda share, what: None)
+    # a pattern takes about as long as the square of its impacts
+    work, done = sum(len(pattern) ** 2 for pattern in patterns), 0
     with ThreadPoolExecutor() as pool:
 
         def search(pattern: Pattern) -> tuple[Pattern, NDArray[np.float64], int, int]:
@@ -159,6 +165,8 @@ def find(
 
         for pattern, columns, n, started in pool.map(search, patterns):
             tried += started
+            done += len(pattern) ** 2
+            tell(0.9 * (done / work), f"{pattern.sides}/{pattern.cycles}")
             for column in columns[:, :n].T:
                 x, theta = column[: len(pattern)], column[len(pattern) :]
                 try:
@@ -174,9 +182,11 @@ def find(
             return settle(osc, r, clearance, load, state, settling, max_cycles)
 
         starts = list(_spread_releases(osc, r, clearance, load, max_cycles, releases))
+        tell(0.9, "motions with rest")
         for motion in _rest_motions(osc, r, clearance, load, starts, pool):
             if len(motion.pattern) <= max_impacts:
                 _add(found, motion)
+        tell(0.95, "simulations")
         periods = list(pool.map(run, _spread_states(osc, r, clearance, load, states)))
     settled = 0
     for period in periods:

@@ -38,7 +38,7 @@ contains
       type(log_type), intent(inout) :: log
       !> The one kind of cases that is run; without it, or if it is empty, all are.
       character(*), intent(in), optional :: only
-      !> As of vi_tally; of zones, atlases and attractors.
+      !> As of vi_tally; of all but single motions and branches.
       integer, intent(inout), optional :: tally(3)
       type(case_type), allocatable :: cases(:)
       type(motion_type), allocatable :: motions(:)
@@ -62,9 +62,9 @@ contains
       do i = 1, size(cases)
          select case (cases(i)%kind)
          case ('simulate')
-            call run_simulation(cases(i), folder, log, written)
+            call run_simulation(cases(i), folder, log, written, tally)
          case ('chart')
-            call run_chart(cases(i), folder, log, written)
+            call run_chart(cases(i), folder, log, written, tally)
          case ('zone')
             call run_zone(cases(i), folder, log, written, tally)
          case ('atlas')
@@ -183,19 +183,20 @@ contains
    end subroutine compute
 
    !> Simulates a case and writes its events.
-   subroutine run_simulation(case, folder, log, written)
+   subroutine run_simulation(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
+      integer, intent(inout), optional :: tally(3)
       type(event_type), allocatable :: events(:)
       type(state_type) :: state
       type(line_type), allocatable :: lines(:)
       integer :: status
 
       call simulate_case(new_drive(case%osc, case%r, case%load, case%clearance), case%start, &
-         case%duration, case%discard, case%max_events, state, events, status)
+         case%duration, case%discard, case%max_events, state, events, status, tally)
       written = .true.
       if (status /= stat%ok .and. status /= stat%more_events) then
          call say(log, failed, case%name//': '//status_text(status))
@@ -210,17 +211,18 @@ contains
    end subroutine run_simulation
 
    !> Charts a case and writes its motions; a chart without any is said to be empty, not written.
-   subroutine run_chart(case, folder, log, written)
+   subroutine run_chart(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
+      integer, intent(inout), optional :: tally(3)
       type(map_type) :: map
       type(line_type), allocatable :: lines(:)
       character(:), allocatable :: what
 
-      call chart_window(case%osc, case%pattern, case%window, map)
+      call chart_window(case%osc, case%pattern, case%window, map, tally)
       written = .true.
       what = side_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
       if (all(map%status /= stat%ok)) then

@@ -16,6 +16,7 @@ module vi_chart
    use vi_sheets, only: assign_slots
    use vi_processor, only: runs_wide
    use vi_status, only: stat
+   use vi_tally, only: add_sight, add_work
    implicit none (type, external)
    private
 
@@ -28,7 +29,7 @@ contains
 
    !> Both equispaced motions at every point of a grid; a slot holds one of them throughout.
    subroutine equispaced_chart(osc, r, clearance, cycles, with_multipliers, threads, scalars, &
-      multipliers, verdicts, status)
+      multipliers, verdicts, status, tally)
       !> Its two coefficients of restitution are equal, and `cycles` is odd.
       type(oscillator_type), intent(in) :: osc
       !> (n), (m)
@@ -45,12 +46,15 @@ contains
       integer, intent(out) :: verdicts(:, :, :, :)
       !> (2, m, n)
       integer, intent(out) :: status(:, :, :)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(row_type) :: row
       type(summary_type), allocatable :: pairs(:, :)
       logical :: wide
       integer :: i, j, k
 
       wide = runs_wide() /= 0
+      call add_sight(size(r), tally)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(row, pairs, i, j)
       do k = 1, size(r)
          if (.not. allocated(pairs)) allocate (pairs(2, size(clearance)))
@@ -62,13 +66,14 @@ contains
                   verdicts(:, i, j, k), status(i, j, k))
             end do
          end do
+         call add_work(1, tally)
       end do
       !$omp end parallel do
    end subroutine equispaced_chart
 
    !> The exact motions of a pattern at every point of a grid, by a flood from some of its points.
    subroutine exact_chart(setting, r, clearance, points, guesses, symmetry, threads, phases, &
-      impacts, scalars, multipliers, verdicts, status, found)
+      impacts, scalars, multipliers, verdicts, status, found, tally)
       !> Its r and clearance do not matter.
       type(setting_type), intent(in) :: setting
       !> (n), (m)
@@ -79,18 +84,34 @@ contains
       real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
       complex(wp), intent(out) :: multipliers(:, :, :, :)
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :), found(:, :)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: unknowns(:, :, :, :)
       integer, allocatable :: marks(:, :, :, :), counts(:, :, :)
-      integer :: gained
+      integer :: gained, i, last, sweeps, left
 
       associate (keep => 4*max(size(status, 1), 4), m => size(clearance), n => size(r))
          allocate (unknowns(2*size(phases, 1), keep, m, n), source=0.0_wp)
          allocate (marks(2, keep, m, n), counts(2, m, n), source=0)
       end associate
-      call seed_flood(setting, r, clearance, points, guesses, symmetry, threads, unknowns, marks, &
-         counts)
-      call sweep_flood(setting, r, clearance, size(r)*size(clearance), symmetry, threads, &
-         unknowns, marks, counts, gained)
+      ! a flood crosses the grid in about as many sweeps as it has lines
+      sweeps = size(r) + size(clearance)
+      left = 2*sweeps
+      call add_sight(size(points, 2) + left, tally)
+      do i = 1, size(points, 2), 4*threads
+         last = min(i + 4*threads - 1, size(points, 2))
+         call seed_flood(setting, r, clearance, points(:, i:last), guesses, symmetry, threads, &
+            unknowns, marks, counts)
+         call add_work(last - i + 1, tally)
+      end do
+      do
+         call sweep_flood(setting, r, clearance, max(1, sweeps/20), symmetry, threads, unknowns, &
+            marks, counts, gained)
+         if (gained == 0) exit
+         call add_work(min(left, max(1, sweeps/20)), tally)
+         left = left - min(left, max(1, sweeps/20))
+      end do
+      call add_work(left, tally)
       found = counts(2, :, :)
       call finish_chart(setting, r, clearance, threads, unknowns, marks(1, :, :, :), found, &
          phases, impacts, scalars, multipliers, verdicts, status)

@@ -10,11 +10,15 @@ module vi_trajectory
    use vi_rest, only: new_rest
    use vi_simulate, only: drive_type, event_type, simulate, state_time, state_type
    use vi_status, only: stat
+   use vi_tally, only: add_sight, add_work
    implicit none (type, external)
    private
 
    public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, &
       pack_state, unpack_state, initial_state, later
+
+   !> What a whole simulation counts in a tally of work.
+   integer, parameter :: simulation_work = 1000
 
 contains
 
@@ -63,7 +67,8 @@ contains
    end subroutine simulate_arrays
 
    !> A whole simulation: the discarded cycles, then those that are kept.
-   pure subroutine simulate_case(drive, start, duration, discard, max_events, final, events, status)
+   subroutine simulate_case(drive, start, duration, discard, max_events, final, events, status, &
+      tally)
       type(drive_type), intent(in) :: drive
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
@@ -75,20 +80,27 @@ contains
       type(event_type), allocatable, intent(out) :: events(:)
       !> `stat%ok`, `stat%more_events` (max_events was reached) or `stat%budget`.
       integer, intent(out) :: status
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(state_type) :: state
+      integer :: first
 
+      call add_sight(simulation_work, tally)
+      first = 0
+      if (discard > 0) first = int(simulation_work*(discard/(discard + duration)))
       state = initial_state(drive, start)
       final = state
       allocate (events(0))
       status = stat%ok
       if (discard > 0) call gather(drive, state, final, discard, max_events, .false., events, &
-         status)
+         status, first, tally)
       if (status /= stat%ok) return
-      call gather(drive, state, final, duration, max_events, .true., events, status)
+      call gather(drive, state, final, duration, max_events, .true., events, status, &
+         simulation_work - first, tally)
    end subroutine simulate_case
 
    !> Simulates some cycles in chunks and appends the events, if they are kept.
-   pure subroutine gather(drive, state, final, cycles, max_events, keep, events, status)
+   subroutine gather(drive, state, final, cycles, max_events, keep, events, status, work, tally)
       type(drive_type), intent(in) :: drive
       !> Where the last flight or rest began, and the end from which the cycles count.
       type(state_type), intent(inout) :: state, final
@@ -97,20 +109,29 @@ contains
       logical, intent(in) :: keep
       type(event_type), allocatable, intent(inout) :: events(:)
       integer, intent(out) :: status
+      !> What it counts in the tally.
+      integer, intent(in) :: work
+      integer, intent(inout), optional :: tally(3)
       integer, parameter :: chunk = 65536
       type(event_type), allocatable :: room(:)
-      integer(int64) :: last_cycle
+      integer(int64) :: last_cycle, first_cycle
       real(wp) :: last_phase
-      integer :: n, total
+      integer :: n, total, told, now
 
       call later(final, cycles, last_cycle, last_phase)
       total = 0
+      told = 0
+      first_cycle = final%cycle
       do
          allocate (room(min(chunk, max_events - total)))
          call simulate(drive, state, last_cycle, last_phase, room, n, final, status)
          if (keep) events = [events, room(:n)]
-         deallocate (room)
          total = total + n
+         now = work
+         if (status == stat%more_events) now = int(work*((room(n)%cycle - first_cycle)/cycles))
+         call add_work(now - told, tally)
+         told = now
+         deallocate (room)
          if (status /= stat%more_events .or. total >= max_events) return
       end do
    end subroutine gather

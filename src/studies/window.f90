@@ -68,11 +68,13 @@ contains
    end function even
 
    !> All motions of a pattern in a window: the equispaced pair first, if it is wanted.
-   subroutine chart_window(osc, pattern, window, map)
+   subroutine chart_window(osc, pattern, window, map, tally)
       type(oscillator_type), intent(in) :: osc
       type(pattern_type), intent(in) :: pattern
       type(window_type), intent(in) :: window
       type(map_type), intent(out) :: map
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       integer :: pair, room, kind, threads
       logical :: closed_form
 
@@ -87,18 +89,19 @@ contains
          allocate (map%leading(pair + room, m, n), map%x_max(pair + room, m, n), map%verdicts(3, &
             pair + room, m, n), map%status(pair + room, m, n))
       end associate
-      if (pair > 0) call add_pair(osc, pattern, window, threads, map)
+      if (pair > 0) call add_pair(osc, pattern, window, threads, map, tally)
       if (room > 0) call add_exact(setting_type(osc, 1.0_wp, 1.0_wp, 1.0_wp, pattern, &
          default_restitution(pattern%sides, osc%restitution(1), osc%restitution(2))), window, &
-         pair, kind, threads, map)
+         pair, kind, threads, map, tally)
    end subroutine chart_window
 
-   subroutine add_pair(osc, pattern, window, threads, map)
+   subroutine add_pair(osc, pattern, window, threads, map, tally)
       type(oscillator_type), intent(in) :: osc
       type(pattern_type), intent(in) :: pattern
       type(window_type), intent(in) :: window
       integer, intent(in) :: threads
       type(map_type), intent(inout) :: map
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: scalars(:, :, :, :)
       complex(wp), allocatable :: multipliers(:, :, :, :)
 
@@ -106,16 +109,18 @@ contains
          allocate (scalars(4, 2, m, n), multipliers(4, 2, m, n))
       end associate
       call equispaced_chart(osc, r_axis(window), clearance_axis(window), pattern%cycles, .true., &
-         threads, scalars, multipliers, map%verdicts(:, :2, :, :), map%status(:2, :, :))
+         threads, scalars, multipliers, map%verdicts(:, :2, :, :), map%status(:2, :, :), &
+         tally)
       map%leading(:2, :, :) = abs(multipliers(1, :, :, :))
       map%x_max(:2, :, :) = scalars(4, :, :, :)
    end subroutine add_pair
 
-   subroutine add_exact(setting, window, pair, kind, threads, map)
+   subroutine add_exact(setting, window, pair, kind, threads, map, tally)
       type(setting_type), intent(in) :: setting
       type(window_type), intent(in) :: window
       integer, intent(in) :: pair, kind, threads
       type(map_type), intent(inout) :: map
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
       complex(wp), allocatable :: multipliers(:, :, :, :)
       integer, allocatable :: found(:, :), rows(:), columns(:), points(:, :)
@@ -136,7 +141,7 @@ contains
       end do
       call exact_chart(setting, r_axis(window), clearance_axis(window), points, window%guesses, &
          kind, threads, phases, impacts, scalars, multipliers, map%verdicts(:, pair + 1:, :, :), &
-         map%status(pair + 1:, :, :), found)
+         map%status(pair + 1:, :, :), found, tally)
       map%leading(pair + 1:, :, :) = abs(multipliers(1, :, :, :))
       map%x_max(pair + 1:, :, :) = scalars(6, :, :, :)
    end subroutine add_exact

@@ -493,15 +493,27 @@ def test_atlas_of_nothing_as_json(tool):
     assert list(contents(tool.cwd)) == []
 
 
-def test_progress_of_an_atlas(tmp_path, monkeypatch):
+CHART = (
+    "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n&chart sides = 'RRL',\n"
+    " r_min = 0.8, r_max = 1.2, clearance_min = 2, clearance_max = 100,\n"
+    " r_points = 40, clearance_points = 40 /\n"
+)
+SIMULATE = (
+    "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
+    "&simulate clearance = 10, cycles = 20000, discard = 60000, x_dot = 6, z_dot = 9 /\n"
+)
+
+
+@pytest.mark.parametrize("case", [ATLAS, CHART, SIMULATE], ids=["atlas", "chart", "simulate"])
+def test_progress_of_cases(case, tmp_path, monkeypatch):
     """What is told of the work while it runs goes from nothing to all, and changes no result."""
-    write(tmp_path / "case.nml", ATLAS)
+    write(tmp_path / "case.nml", case)
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
     shares = []
     told = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "told", progress=shares.append)
     assert shares
     assert shares == sorted(shares)
-    assert 0 <= shares[0] <= shares[-1] <= 1
+    assert 0 <= shares[0] < shares[-1] <= 1
     plain = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "plain")
     assert (told.status, told.lines) == (plain.status, plain.lines)
     assert contents(tmp_path / "told") == contents(tmp_path / "plain")
@@ -557,8 +569,8 @@ def test_equispaced_pair_by_options(tool):
      "vibroimpact atlas: case.nml: must hold a group &atlas; there is none"),
     (["branch", *ALONG_OPTIONS[:-1], "nan"], "vibroimpact branch: --bounds nan: must be a number above low"),
     (["branch", *ALONG_OPTIONS[:-3]], "vibroimpact branch: --bounds: must be given"),
-    (["branch", *POINT, "--sides", "R'L", "--parameter", "r", "--bounds", ".9", "1"],
-     "vibroimpact branch: --sides 'R''L': must be left out"),
+    (["branch", *POINT, "--sides", "R'L", "--phases-over-pi", "0", "1", "--parameter", "r", "--bounds", ".9", "1"],
+     "vibroimpact branch: --sides 'R''L': must be letters R and L"),
 ])  # fmt: skip
 def test_bad_options(words, said, tool):
     """One line that says what is wrong, status 2, nothing written."""

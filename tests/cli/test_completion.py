@@ -57,6 +57,17 @@ def test_bash(typed, wanted, script):
     assert found - {"--help", "--version"} == wanted
 
 
+def test_bash_takes_a_file_with_a_blank_as_one(script, tmp_path):
+    """Its name is one word."""
+    (tmp_path / "two words.nml").touch()
+    code = f"source {script('bash')}; COMP_WORDS=(vibroimpact run tw); COMP_CWORD=2; _vibroimpact; "
+    code += 'printf "%s|" "${COMPREPLY[@]}"'
+    done = subprocess.run(
+        ["bash", "-c", code], capture_output=True, text=True, cwd=tmp_path, check=True
+    )
+    assert done.stdout == "two words.nml|"
+
+
 @pytest.mark.parametrize(("typed", "wanted"), TYPED)
 def test_fish(typed, wanted, script):
     """As fish itself completes it."""

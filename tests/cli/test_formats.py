@@ -268,3 +268,24 @@ def test_a_reader_who_leaves(words, tool):
         os.close(ours)
         said = run.stderr.read()
     assert (run.returncode, said) == (1, b"")
+
+
+def test_interrupted_chart_is_written_as_far_as_it_came(tmp_path, monkeypatch, capsys):
+    """Ctrl-C in a chart that Python computes: what is there is in the file, the rest has its status."""
+    ours, calls = vi.chart.__globals__["_core"].equispaced_chart, []
+
+    def impatient(*arguments):
+        if calls:
+            raise KeyboardInterrupt
+        calls.append(1)
+        return ours(*arguments)
+
+    monkeypatch.setattr(vi.chart.__globals__["_core"], "equispaced_chart", impatient)
+    monkeypatch.setitem(vi.chart.__globals__, "CHUNK", 64)
+    path = write(tmp_path / "case.nml", kinds()["chart"])
+    assert main(["chart", str(path), "--format", "json", "-o", str(tmp_path / "out")]) == 1
+    assert capsys.readouterr().err == "vibroimpact chart: interrupted; what was finished is kept\n"
+    (name,) = contents(tmp_path / "out")
+    status = np.array(json.loads((tmp_path / "out" / name).read_text())["status"])
+    assert (status == 0).any()
+    assert (status == 12).any()

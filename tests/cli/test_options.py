@@ -1,8 +1,11 @@
 """Options and what is said about them: in the words that were typed, and never screens of it."""
 
+import sys
+
 import pytest
 import vibroimpact as vi
 from programs import SYSTEM, Runner, find_command
+from vibroimpact.command import main
 
 EQUAL = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75"]
 
@@ -59,3 +62,74 @@ def test_threads_of_an_atlas(threads):
         (vi.errors.ParameterError, vi.errors.ParameterTypeError), match="threads = "
     ):
         vi.atlas(osc, (1.0, 1.1), (20, 60), threads=threads)
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    ("basins --r 1.04 --clearance 9", "--plane, --states: exactly one of them must be given"),
+    ("basins --r 1.04 --clearance 9 --states 9 --plane x 0 1 2 y 0 1 2", "--plane, --states: exactly one"),
+    ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: needs --plane"),
+    ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: 3 and 5 values; must be as many"),
+    ("response --r 1.05 1 3 --clearance 9", "--r 1.05 1 3: must be a number, or LOW HIGH N with LOW below"),
+    ("response --r 1 nan 3 --clearance 9", "--r 1 nan 3: must be a number, or LOW HIGH N with LOW below"),
+    ("response --r 1 1.05 inf --clearance 9", "--r 1 1.05 inf: must be a number, or LOW HIGH N with LOW"),
+    ("bifurcation --r 1 --parameter clearance --values 9 9 3", "--values 9 9 3: must be a number, or LOW"),
+    ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1", "--sides RRL: needs --phases-over-pi"),
+])  # fmt: skip
+def test_options_that_do_not_go_together(words, said, tmp_path, monkeypatch, capsys):
+    """They are refused in the words of the options, before anything is computed."""
+    monkeypatch.chdir(tmp_path)
+    name, *others = words.split()
+    assert main([name, *["--xi", ".0114", "--mu", ".028", "--restitution", ".75"], *others]) == 2
+    assert capsys.readouterr().err.startswith(f"vibroimpact {name}: {said}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_wrong_format_of_a_picture(tmp_path, monkeypatch, capsys):
+    """It is called a wrong format, not a namelist file that is not there."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main(["zone", "case.nml", "--plot", "gif"])
+    assert ended.value.code == 2
+    assert "argument --plot: invalid choice: 'gif'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("words", "missing", "said"), [
+    ("--format netcdf", "xarray", "tables need xarray: pip install 'vibroimpact[data]'"),
+    ("--format netcdf", "h5netcdf", "netCDF needs h5netcdf: pip install 'vibroimpact[data]'"),
+    ("--format matlab", "scipy", "MATLAB files need scipy: pip install 'vibroimpact[matlab]'"),
+    ("--plot", "matplotlib", "pictures need matplotlib: pip install 'vibroimpact[plot]'"),
+])  # fmt: skip
+def test_missing_extra_is_told_before_work(words, missing, said, tmp_path, monkeypatch, capsys):
+    """What cannot be written in the end is not computed first."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "meta_path", [Absent(missing), *sys.meta_path])
+    for name in [name for name in sys.modules if name.split(".")[0] == missing]:
+        monkeypatch.delitem(sys.modules, name)
+    point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 1000000000"
+    assert main(["lyapunov", *point.split(), *words.split()]) == 2
+    assert capsys.readouterr().err == f"vibroimpact lyapunov: {said}\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+class Absent:
+    """A library that is not installed."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def find_spec(self, name, path=None, target=None):
+        """There is none."""
+        if name.split(".")[0] == self.name:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+def test_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
+    """Path, reason, and what is allowed."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 40 --discard 0"
+    assert main(["lyapunov", *point.split(), "-o", "file/x"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(
+        "vibroimpact lyapunov: file/x: Not a directory; must be a folder and disk"
+    )

@@ -240,3 +240,16 @@ def test_unstable_motion_with_rest_is_found():
     assert found.search.releases == 2 * 32
     without = vi.find(osc, r, clearance, max_impacts=3, max_cycles=1, states=0, releases=0)
     assert not any(motion.pattern.has_rest for motion in without)
+
+
+def test_progress_is_told():
+    """Shares rise to the end, with the pattern that is searched; the motions are the same."""
+    told = []
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    limits = {"max_impacts": 3, "max_cycles": 1, "states": 4}
+    motions = vi.find(osc, 0.94, 37.0, **limits, progress=lambda *what: told.append(what))
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares)
+    assert 0 < shares[0] <= shares[-1] <= 1
+    assert {"RL/1", "RRL/1"} <= {what for _, what in told}
+    assert list(map(repr, motions)) == list(map(repr, vi.find(osc, 0.94, 37.0, **limits)))

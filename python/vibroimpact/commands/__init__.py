@@ -116,6 +116,21 @@ def add_forms(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
+def need_extras(options: argparse.Namespace) -> None:
+    """An error before anything is computed, if a library is missing by which the result is to be written."""
+    form = getattr(options, "format", None)
+    if form == "netcdf":
+        from ..interchange.dataset import need_netcdf
+
+        need_netcdf()
+    if form == "matlab":
+        from ..interchange.matlab import scipy_io
+
+        scipy_io()
+    if getattr(options, "plot", None):
+        picture_writer()
+
+
 def picture_writer() -> Callable[[Any, Path], Path]:
     """What writes the figure of some axes to a file; an error where matplotlib is missing."""
     from ..plot import style

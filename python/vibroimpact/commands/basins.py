@@ -36,6 +36,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Find, print and write them."""
+    if (options.plane is None) == (options.states is None):
+        raise ParameterError("--plane, --states: exactly one of them must be given")
+    if options.plot and options.plane is None:
+        raise ParameterError(f"--plot {options.plot}: needs --plane; random states have no picture")
     result = with_bar(
         options, basins, oscillator(options), options.r, options.clearance, _plane(options.plane),
         options.states, seed=options.seed,
@@ -55,8 +59,7 @@ def run(options: argparse.Namespace) -> int:
     left = labels.count(-1)
     if left:
         print(f"{left} of {len(labels)} states not decided")
-    if result.axes is not None:
-        draw(options, "basins", result)
+    draw(options, "basins", result)
     return status(options, left > 0)
 
 

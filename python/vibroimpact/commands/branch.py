@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from ..errors import ParameterError
 from ..studies.branch import CHOICES
 from .cases import run_kind
 from .options import add_case, pair
@@ -48,6 +49,11 @@ def run(options: argparse.Namespace) -> int:
     """Follow the branches, write and draw them."""
     low, high = pair(options, "bounds")
     guessed = options.phases_over_pi is not None
+    if options.sides is not None and not guessed:
+        raise ParameterError(
+            f"--sides {options.sides}: needs --phases-over-pi too, about the phases of its impacts; without both "
+            "the equispaced motions RL are followed"
+        )
     groups = {
         "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution", "r")},
         "motion": {

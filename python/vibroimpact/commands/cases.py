@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..errors import ParameterError
+from ..errors import ChartInterrupted, ParameterError
 from ..files import write_text
 from ..interchange.dataset import save_dataset
 from ..interchange.namelist import Groups
@@ -99,8 +99,12 @@ def finish(
     options: argparse.Namespace, case: Case, folder: Path, save: Callable[[Any, Path], Path] | None
 ) -> int:
     """Compute a case that takes its time, say what came out, write and draw it."""
+    stopped = False
     with Progress(case.name) as bar:
-        (result,) = case.run(bar.show)
+        try:
+            (result,) = case.run(bar.show)
+        except ChartInterrupted as stop:  # as far as it came
+            result, stopped = stop.chart, True
     news, faults, there = WORDS[case.kind](result)
     for line in news:
         print(f"{case.name}: {line}")
@@ -108,6 +112,8 @@ def finish(
         options.record.fault(f"{case.name}: {line}")
     if there:
         put(options, case, [result], folder, save)
+    if stopped:
+        raise KeyboardInterrupt
     return 1 if faults else 0
 
 

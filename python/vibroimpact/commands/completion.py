@@ -9,9 +9,11 @@ from typing import NamedTuple
 HELP = "print a script for the shell, which then completes what is typed"
 DESCRIPTION = """Print a script by which bash, zsh or fish completes commands, options, their values and files:
 
-  bash   vibroimpact completion bash > ~/.local/share/bash-completion/completions/vibroimpact
+  bash   mkdir -p ~/.local/share/bash-completion/completions
+         vibroimpact completion bash > ~/.local/share/bash-completion/completions/vibroimpact
   zsh    put into ~/.zshrc, after compinit: source <(vibroimpact completion zsh)
-  fish   vibroimpact completion fish > ~/.config/fish/completions/vibroimpact.fish"""
+  fish   mkdir -p ~/.config/fish/completions
+         vibroimpact completion fish > ~/.config/fish/completions/vibroimpact.fish"""
 EXAMPLE = "vibroimpact completion bash"
 
 SHELLS = ("bash", "zsh", "fish")
@@ -104,6 +106,7 @@ _vibroimpact() {{
   if [ -n "$words" ]; then
     COMPREPLY=($(compgen -W "$words" -- "$current"))
   else
+    local IFS=$'\\n'  # names may hold blanks
     COMPREPLY=($(compgen -f -- "$current"))
   fi
 }}

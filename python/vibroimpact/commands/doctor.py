@@ -28,7 +28,7 @@ EXAMPLE = "vibroimpact doctor"
 #: What each extra is for; those for developers are not looked at.
 PURPOSES = {
     "data": "labelled tables (chart, to_xarray, to_pandas) and netCDF files",
-    "explorer": "the explorer in a browser",
+    "explorer": "the explorer in a browser (`vibroimpact explore`)",
     "film": "MP4 films, where the program ffmpeg is missing",
     "matlab": "MATLAB files",
     "plot": "pictures",
@@ -61,6 +61,8 @@ def run(options: argparse.Namespace) -> int:
         print(f"{'extra ' + extra + ':':<18} {said}")
         if missing:
             advice.append(f"for {PURPOSES[extra]}: pip install 'vibroimpact[{extra}]'")
+    if advice:
+        advice.append("in a copy of the project: pip install '.[NAME]', with the name of the extra")
     advice += counsel(facts)
     for line in advice:
         print(line)

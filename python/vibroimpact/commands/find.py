@@ -9,6 +9,7 @@ import textwrap
 from ..errors import ParameterError, SingularError
 from ..find import FoundMotions, find
 from ..model import Oscillator
+from ..progress import Progress
 from ..run import read_namelist
 from . import add_files
 
@@ -49,7 +50,10 @@ def run(options: argparse.Namespace) -> int:
             status = 1
             continue
         osc, r, clearance, load = point
-        found = find(osc, r, clearance, options.max_impacts, options.max_cycles, load)
+        with Progress("find") as bar:
+            found = find(
+                osc, r, clearance, options.max_impacts, options.max_cycles, load, progress=bar.show
+            )
         walls = ", ".join(f"{value:g}" for value in osc.restitution)
         print(
             f"xi = {osc.xi:g}, mu = {osc.mu:g}, restitution = {walls}, r = {r:g}, clearance = {clearance:.10g}"

@@ -6,6 +6,7 @@ import argparse
 
 import numpy as np
 
+from ..errors import ParameterError
 from ..studies.lyapunov import lyapunov
 from .point import add_range, add_system, draw, numbers, oscillator, status, with_bar, write_table
 
@@ -45,6 +46,10 @@ def run(options: argparse.Namespace) -> int:
     """Compute, print and write them."""
     r = np.atleast_1d(numbers(options.r, "r"))
     clearance = np.atleast_1d(numbers(options.clearance, "clearance"))
+    if 1 < r.size != clearance.size > 1:
+        raise ParameterError(
+            f"--r, --clearance: {r.size} and {clearance.size} values; must be as many, or one of them a number"
+        )
     state = None
     if options.state is not None:
         state = dict(zip(("t", "x", "x_dot", "z", "z_dot"), (0.0, *options.state), strict=True))

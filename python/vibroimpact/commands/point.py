@@ -16,6 +16,9 @@ from ..model import Oscillator
 from ..progress import Progress
 from . import FORMATS, add_forms, picture_writer
 
+#: Values of a line at most.
+MOST = 1_000_000
+
 
 def add_system(parser: argparse.ArgumentParser) -> None:
     """The oscillator, the folder and the forms of the results."""
@@ -44,9 +47,10 @@ def numbers(values: Sequence[float], name: str) -> float | NDArray[np.float64]:
     """What such an option says."""
     if len(values) == 1:
         return values[0]
-    if len(values) != 3 or values[2] != int(values[2]) or values[2] < 2:
+    if len(values) != 3 or not values[0] < values[1] or values[2] % 1 or not 2 <= values[2] <= MOST:
         raise ParameterError(
-            f"--{name} {' '.join(f'{v:g}' for v in values)}: must be a number, or LOW HIGH N with N >= 2"
+            f"--{name} {' '.join(f'{v:g}' for v in values)}: must be a number, or LOW HIGH N with LOW below HIGH, "
+            f"N from 2 to {MOST}"
         )
     return np.linspace(values[0], values[1], int(values[2]))
 

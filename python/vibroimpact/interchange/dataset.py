@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -279,8 +280,18 @@ def write_netcdf(result: Any, path: Path) -> None:
     save_dataset(data, path)
 
 
+def need_netcdf() -> None:
+    """An error that says how to get them, if netCDF files cannot be written."""
+    xarray()
+    try:
+        import_module("h5netcdf")
+    except ImportError:
+        raise MissingExtraError("netCDF needs h5netcdf: pip install 'vibroimpact[data]'") from None
+
+
 def save_dataset(data: Any, path: Path) -> None:
     """Write a dataset under a temporary name and rename it."""
+    need_netcdf()
     temporary = path.with_name(f"{path.name}.{os.getpid()}.part")
     packed = {
         name: {"zlib": True} for name, item in data.variables.items()
@@ -289,12 +300,6 @@ def save_dataset(data: Any, path: Path) -> None:
     try:
         data.to_netcdf(temporary, engine="h5netcdf", encoding=packed)
         os.replace(temporary, path)
-    except (ImportError, ValueError) as error:
-        if "h5netcdf" in str(error):
-            raise MissingExtraError(
-                "netCDF needs h5netcdf: pip install 'vibroimpact[data]'"
-            ) from None
-        raise
     finally:
         temporary.unlink(missing_ok=True)
 
