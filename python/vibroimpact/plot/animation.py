@@ -133,12 +133,11 @@ def _program(writer: str) -> dict[str, str]:
     """matplotlib's setting for the ffmpeg of imageio-ffmpeg, if the one that is set is not there."""
     import matplotlib
 
-    key = "animation.ffmpeg_path"
-    if writer == "ffmpeg" and not shutil.which(matplotlib.rcParams[key]):
+    if writer == "ffmpeg" and not shutil.which(matplotlib.rcParams["animation.ffmpeg_path"]):
         with suppress(ImportError, RuntimeError):
             from imageio_ffmpeg import get_ffmpeg_exe
 
-            return {key: get_ffmpeg_exe()}
+            return {"animation.ffmpeg_path": get_ffmpeg_exe()}
     return {}
 
 
