@@ -1,5 +1,6 @@
 """Sphinx's settings. Pages that repeat what the project already says are generated when a build begins."""
 
+import re
 import sys
 from html import escape
 from pathlib import Path
@@ -105,8 +106,18 @@ def generate_pages(app):
             path.unlink()
 
 
-def escape_bars(app, what, name, thing, options, lines):
-    """Make max|x|/A of a docstring stay as it is, which would be a substitution else."""
+def mend_docstring(app, what, name, thing, options, lines):
+    """Keep what Sphinx and napoleon would take for markup: bars, a colon, names in common.
+
+    max|x|/A would be a substitution, the words before a property's first colon its type, and of the names
+    `X, Z` all but the last one the type of that.
+    """
+    if what == "property" and lines and lines[-1].startswith(":type: "):
+        lines[:] = [f"{lines[-1].removeprefix(':type: ')}: {lines[0]}", *lines[1:-1]]
+    for i, line in enumerate(lines):
+        field = re.match(r":(?:ivar|vartype) ([^:]*):", line)
+        if field:
+            lines[i] = line.replace(field[1], field[1].replace(", ", ",\N{ZERO WIDTH SPACE}"), 1)
     example = False
     for i, line in enumerate(lines):
         example = bool(line.strip()) and (example or line.lstrip().startswith(">>>"))
@@ -116,7 +127,7 @@ def escape_bars(app, what, name, thing, options, lines):
 
 def setup(app):
     """Register what this file adds."""
-    app.connect("autodoc-process-docstring", escape_bars)
+    app.connect("autodoc-process-docstring", mend_docstring)
     app.connect("config-inited", lambda app, config: generate_pages(app))
     app.add_html_math_renderer("drawn", (show_math, None), (show_math, None))
 

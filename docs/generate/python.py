@@ -6,14 +6,16 @@ import vibroimpact.plot
 #: Modules by subject; what is public in a module that stands nowhere comes last.
 SUBJECTS = {
     "System, pattern, units": ("model",),
-    "Motions": ("solve", "newton", "find", "motion"),
+    "Motions": ("solve", "newton", "find", "motion", "flags"),
     "Simulation": ("trajectory", "bundle"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone", "studies.atlas", "chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
                    "studies.response"),
     "Namelists": ("run",),
+    "Results in files": ("interchange.result",),
 }  # fmt: skip
 EXTRA = {
+    "What all results can do": ("interchange.result.Result",),
     "Pictures": ("plot.draw", "plot.draw_chart"),
     "Errors": tuple(f"errors.{name}" for name in vibroimpact.errors.__all__),
 }

@@ -54,7 +54,7 @@ class Motion(Result):
     restitution : ndarray (N,)
         Coefficient of restitution of each impact.
     phases : ndarray (N,)
-        Load phase of each impact after the first, alpha_i.
+        Phase of each impact, alpha_i, counted from the first (whose load phase is `load_phase`).
     X, Z : ndarray (N,)
         Positions of primary and free mass at each impact.
     X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N,)

@@ -46,7 +46,8 @@ class Case(NamedTuple):
     ----------
     name : str
         Of the result.
-    kind : one of KINDS
+    kind : str
+        That of a &motion ("periodic", "equispaced", "exact"), else the name of the group.
     osc : Oscillator
     r : float or None
         Of a case that has several, None.

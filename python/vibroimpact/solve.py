@@ -53,7 +53,7 @@ def periodic(
     r : float
         Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
     phases : array_like (N,)
-        Load phase of each impact after the first: increasing from 0, below 2 pi k (radians).
+        Phase of each impact, counted from the first: increasing from 0, below 2 pi k (radians).
     pattern : Pattern
         Sides of the N impacts and the number k of load cycles.
     restitution : array_like (N,), optional
