@@ -16,9 +16,13 @@ from io import StringIO
 from .commands import NAMES, PICTURES, Record, add_common, name_file, need_extras
 from .errors import VibroimpactError
 
-EXIT_STATUS = (
-    "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
+EXIT_STATUS = """exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong
+Ctrl-C leaves what is finished, status 1"""
+#: For the commands that read or write numbers.
+UNITS = (
+    "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega"
 )
+WITHOUT_UNITS = ("explore", "reproduce", "init", "doctor", "bench", "completion")
 
 
 def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
@@ -39,7 +43,9 @@ def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParse
         module = import_module(f".commands.{name}", __package__)
         each[name] = commands.add_parser(
             name, help=module.HELP, description=module.DESCRIPTION, formatter_class=style,
-            epilog=f"example: {module.EXAMPLE}\n\n{EXIT_STATUS}",
+            epilog="\n\n".join([
+                f"example: {module.EXAMPLE}", *[UNITS] * (name not in WITHOUT_UNITS), EXIT_STATUS,
+            ]),
         )  # fmt: skip
         module.arguments(each[name])
         add_common(each[name])
@@ -50,7 +56,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of the command; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     main_parser, each = parsers()
-    if not words or words[0] not in each:
+    if not words:
+        main_parser.print_help(sys.stderr)
+        return 2
+    if words[0] not in each:
         main_parser.parse_args(words)  # help, version or a fault: does not return
     name = words[0]
     # files and names may stand on both sides of an option
@@ -59,8 +68,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         status = said_or_told(name, options)
         sys.stdout.flush()
-    except BrokenPipeError:  # who read has gone; nothing is left to be flushed at the end
+    except (
+        OSError
+    ) as error:  # who read has gone, or the disk is full; nothing is left to be flushed at the end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            print(
+                f"vibroimpact {name}: standard output: {error.strerror or error}", file=sys.stderr
+            )
         return 1
     return status
 
@@ -82,14 +97,14 @@ def outcome(name: str, options: argparse.Namespace) -> int:
         name_file(options)
         need_extras(options)
         status = import_module(f".commands.{name}", __package__).run(options)
-    except BrokenPipeError:
-        raise
     except VibroimpactError as error:
         options.record.fault(f"vibroimpact {name}: {error}")
     except OSError as error:
-        told = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        if error.filename is None:  # standard output
+            raise
         options.record.fault(
-            f"vibroimpact {name}: {told}; must be a folder and disk that can be written"
+            f"vibroimpact {name}: {error.filename}: {error.strerror}; must be a folder and disk that can be "
+            "written"
         )
     except KeyboardInterrupt:
         status = 1

@@ -21,11 +21,16 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 @contextlib.contextmanager
 def replacing(path: Path, temporary: Path) -> Iterator[Path]:
-    """Give the temporary name to write to; it takes the place of `path` unless that was broken off."""
+    """Give the temporary name to write to; it takes the place of `path` unless that was broken off.
+
+    An error names `path`, which the user knows, and not the temporary one.
+    """
     try:
         yield temporary
         os.replace(temporary, path)
-    except BaseException:
+    except BaseException as error:
         with contextlib.suppress(OSError):
             temporary.unlink()
+        if isinstance(error, OSError) and error.errno:
+            raise OSError(error.errno, os.strerror(error.errno), str(path)) from None
         raise

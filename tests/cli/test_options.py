@@ -1,5 +1,8 @@
 """Options and what is said about them: in the words that were typed, and never screens of it."""
 
+import os
+import signal
+import subprocess
 import sys
 
 import pytest
@@ -133,3 +136,67 @@ def test_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
     assert said.startswith(
         "vibroimpact lyapunov: file/x: Not a directory; must be a folder and disk"
     )
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+@pytest.mark.parametrize("words", ["completion bash", "doctor", "init --list"])
+def test_output_on_a_full_disk(words, tool):
+    """One line says so, and status 1; no traceback."""
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(
+            [find_command(), *words.split()], stdout=full, stderr=subprocess.PIPE, text=True, cwd=tool.cwd
+        )  # fmt: skip
+    name = words.split()[0]
+    assert done.returncode == 1
+    assert done.stderr == f"vibroimpact {name}: standard output: No space left on device\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
+@pytest.mark.parametrize("form", ["csv", "json", "netcdf", "matlab"])
+def test_result_on_a_full_disk(form, tool):
+    """The message names the result and what it needs; nothing half written is left. A limit is the disk."""
+    import resource
+
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+    plane = [
+        "--r",
+        "1.04",
+        "--clearance",
+        "14",
+        "--plane",
+        "x",
+        "-9",
+        "9",
+        "20",
+        "x_dot",
+        "-9",
+        "9",
+        "20",
+    ]
+    done = subprocess.run(
+        [find_command(), "basins", *EQUAL, *plane, "--format", form],
+        capture_output=True, text=True, cwd=tool.cwd, preexec_fn=limit,
+    )  # fmt: skip
+    assert done.returncode == 2
+    suffix = {"netcdf": "nc", "matlab": "mat"}.get(form, form)
+    said = f"vibroimpact basins: results/basins.{suffix}: File too large; must be a folder and disk"
+    assert done.stderr.startswith(said)
+    assert len(done.stderr.splitlines()) == 1
+    assert list((tool.cwd / "results").iterdir()) == []
+
+
+def test_no_command(tool):
+    """All commands are listed, and status 2; with --help the same, and status 0."""
+    done = tool()
+    helped = tool("--help")
+    assert (done.status, done.out, helped.status) == (2, b"", 0)
+    assert done.err == helped.out
+
+
+@pytest.mark.parametrize("name", ["lyapunov", "zone", "find"])
+def test_help_names_units(name, tool):
+    """Of what is typed and of what is written."""
+    assert "time in 1/omega, angles in radians" in tool(name, "--help").out.decode()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
+from ..files import replacing, write_bytes
 
 if TYPE_CHECKING:
     from ..motion import Motion
@@ -292,16 +293,17 @@ def need_netcdf() -> None:
 def save_dataset(data: Any, path: Path) -> None:
     """Write a dataset under a temporary name and rename it."""
     need_netcdf()
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.part")
     packed = {
         name: {"zlib": True} for name, item in data.variables.items()
         if item.dtype.kind in "fiu" and item.size > 100
     }  # fmt: skip
-    try:
-        data.to_netcdf(temporary, engine="h5netcdf", encoding=packed)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    try:  # in memory first: HDF5 ends the interpreter some time after a disk was full
+        content = bytes(data.to_netcdf(engine="h5netcdf", encoding=packed))
+    except (TypeError, ValueError):  # xarray before 2025.9 cannot
+        with replacing(path, path.with_name(f"{path.name}.{os.getpid()}.part")) as temporary:
+            data.to_netcdf(temporary, engine="h5netcdf", encoding=packed)
+        return
+    write_bytes(path, content)
 
 
 def read_netcdf(path: Path) -> str:
