@@ -68,9 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         status = said_or_told(name, options)
         sys.stdout.flush()
-    except (
-        OSError
-    ) as error:  # who read has gone, or the disk is full; nothing is left to be flushed at the end
+    except OSError as error:
+        # who read has gone, or the disk is full; nothing is left to be flushed at the end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             print(
