@@ -79,7 +79,7 @@ def test_response(tool):
 @pytest.mark.parametrize(
     ("words", "fault"),
     [
-        (["basins", *SYSTEM, "--r", "1", "--clearance", "9"], "give one of them"),
+        (["basins", *SYSTEM, "--r", "1", "--clearance", "9"], "exactly one of them must be given"),
         (["basins", *SYSTEM, "--r", "1", "--clearance", "9", "--plane", *"abcdefgh"], "--plane"),
         (["bifurcation", *SYSTEM, "--parameter", "r", "--values", "1", "2", "5"], "--clearance"),
         (["lyapunov", *SYSTEM, "--r", "1", "2", "--clearance", "9"], "--r"),
