@@ -73,8 +73,7 @@ contains
          call keep_open(found, after, open_ones, ends)
          known = count(found > 0)
          deallocate (found, counts, after)
-         if (size(open_ones) == 0) exit
-         if (is_stopped(tally)) exit
+         if (is_stopped(tally) .or. size(open_ones) == 0) exit
          i = catalogue%n
          call discover(catalogue, ends(:, some(size(open_ones), 2*probes)), 0, tally)
          if (catalogue%n == i .and. .not. known > lively*(known + size(open_ones))) exit
