@@ -54,10 +54,10 @@ def peak():
 def rows(largest=LARGEST):
     """Nanoseconds each by number, and the memory."""
     answer = []
-    for name, work, most in (("verdicts", verdicts, largest), ("impacts", impacts, largest // 10)):
+    for name, work in (("verdicts", verdicts), ("impacts", impacts)):
         work(10**3)
         count = 10**3
-        while count <= most:
+        while count <= largest:
             spent = min(work(count) for _ in range(3 if count < CHUNK else 1))
             answer.append(row(f"10^{len(str(count)) - 1} {name}", "ns each", 1e9 * spent))
             count *= 10
