@@ -1,12 +1,12 @@
-"""Impacts a second: this package, a hand-written numba event loop, and SciPy with events.
+"""Impacts a second: this package, a hand-written numba event loop, SciPy and SUNDIALS with events.
 
 The same work for all: 1000 load cycles from rest with the parameters of Figure 6, at a stable and at a
 chaotic point. The numba loop flies in closed form, looks at the gap 40 times a load cycle and finishes by
-Newton: fast, but it can miss a contact that is shorter than its step. SciPy (50 cycles only) integrates and
-looks for sign changes. All must find the same impacts: every one at the stable point, the first 20 at the
+Newton: fast, but it can miss a contact that is shorter than its step. SciPy and CVODE (50 cycles only) integrate
+and look for sign changes. All must find the same impacts: every one at the stable point, the first 20 at the
 chaotic one, where rounding grows by a factor in each.
 
-Run with `python benchmarks/simulate_speed.py` (needs numba and SciPy).
+Run with `python benchmarks/simulate_speed.py` (needs numba, SciPy and scikit-sundae).
 """
 
 import math
@@ -18,6 +18,7 @@ import numba
 import numpy as np
 import vibroimpact as vi
 from scipy.integrate import solve_ivp
+from sksundae.cvode import CVODE
 from table import row, show
 
 XI, MU, RESTITUTION = 0.0114, 0.028, 0.75
@@ -97,6 +98,14 @@ def numba_loop(xi, mu, restitution, r, clearance, cycles, times):
     return fly(xi, mu, restitution, r, clearance, 2 * math.pi * cycles / r, np.zeros(5), times, 0)
 
 
+def bounced(y):
+    """The state x, x', z, z' after an impact."""
+    momentum, approach = y[1] + MU * y[3], y[3] - y[1]
+    y[1] = (momentum + MU * RESTITUTION * approach) / (1 + MU)
+    y[3] = y[1] - RESTITUTION * approach
+    return y
+
+
 def scipy_impacts(r, clearance, cycles):
     """Number of impacts by solve_ivp with events, restarted at each."""
     half = 0.5 * clearance
@@ -118,11 +127,34 @@ def scipy_impacts(r, clearance, cycles):
                            events=(right, left))  # fmt: skip
         t, y = answer.t[-1], answer.y[:, -1].copy()
         if answer.status == 1:
-            n += 1
-            momentum, approach = y[1] + MU * y[3], y[3] - y[1]
-            y[1] = (momentum + MU * RESTITUTION * approach) / (1 + MU)
-            y[3] = y[1] - RESTITUTION * approach
+            n, y = n + 1, bounced(y)
     return n
+
+
+def sundials_impacts(r, clearance, cycles):
+    """The same by CVODE's Adams methods with its root finding."""
+    half = 0.5 * clearance
+
+    def motion(t, y, slope):
+        slope[:] = y[1], math.sin(r * t) - 2 * XI * y[1] - y[0], y[3], 0.0
+
+    def gaps(_, y, events):
+        events[:] = half - (y[2] - y[0]), half + (y[2] - y[0])
+
+    gaps.terminal, gaps.direction = [True, True], [-1, -1]
+    solver = CVODE(motion, method="Adams", rtol=1e-10, atol=1e-10, eventsfn=gaps, num_events=2,
+                   max_num_steps=10**6)  # fmt: skip
+    t, end, y, n = 0.0, 2 * math.pi * cycles / r, np.zeros(4), 0
+    while t < end:
+        answer = solver.solve([t, end], y)
+        t, y = answer.t[-1], answer.y[-1].copy()
+        if answer.t_events is not None and t < end:
+            n, y = n + 1, bounced(y)
+    return n
+
+
+#: What a user would install to integrate with events.
+INTEGRATORS = {"SciPy DOP853": scipy_impacts, "SUNDIALS CVODE": sundials_impacts}
 
 
 def seconds(work, calls):
@@ -148,16 +180,19 @@ def rows():
             there.append(n / spent / 1e6)
         compared = len(run.events) if name == "stable" else 20
         apart = np.abs(run.events["time"][:compared] - room[:compared]).max()
-        spent, found = seconds(lambda: scipy_impacts(r, clearance, 50), 1)  # noqa: B023
         short = len(vi.simulate(OSC, r, clearance, 50).events)
         ours = statistics.median(here)
         work = f"simulate 1000 cycles, {name} point"
-        answer += [
+        answer.append(
             row(work, "million impacts/s", ours, TARGETS[name], statistics.median(there), "numba",
-                bool(compared <= n and apart < 1e-9)),
-            row(work, "million impacts/s", ours, None, found / spent / 1e6, "SciPy DOP853",
-                bool(found == short or name == "chaotic")),
-        ]  # fmt: skip
+                bool(compared <= n and apart < 1e-9))
+        )  # fmt: skip
+        for peer, solve in INTEGRATORS.items():
+            spent, found = seconds(lambda: solve(r, clearance, 50), 1)  # noqa: B023
+            answer.append(
+                row(work, "million impacts/s", ours, None, found / spent / 1e6, peer,
+                    bool(found == short or name == "chaotic"))
+            )  # fmt: skip
     return answer
 
 
