@@ -1,18 +1,22 @@
-"""Impacts a second: this package, a hand-written numba event loop, SciPy and SUNDIALS with events.
+"""Impacts a second: this package, a hand-written numba event loop, SciPy, SUNDIALS and Siconos with events.
 
 The same work for all: 1000 load cycles from rest with the parameters of Figure 6, at a stable and at a
 chaotic point. The numba loop flies in closed form, looks at the gap 40 times a load cycle and finishes by
-Newton: fast, but it can miss a contact that is shorter than its step. SciPy and CVODE (50 cycles only) integrate
-and look for sign changes. All must find the same impacts: every one at the stable point, the first 20 at the
+Newton: fast, but it can miss a contact that is shorter than its step. The others (50 cycles only) integrate and
+look for sign changes. All must find the same impacts: every one at the stable point, the first 20 at the
 chaotic one, where rounding grows by a factor in each.
 
-Run with `python benchmarks/simulate_speed.py` (needs numba, SciPy and scikit-sundae).
+Run with `python benchmarks/simulate_speed.py` (needs numba, SciPy and scikit-sundae; Siconos where the
+system's Python has it).
 """
 
 import math
+import os
 import statistics
+import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numba
 import numpy as np
@@ -153,16 +157,31 @@ def sundials_impacts(r, clearance, cycles):
     return n
 
 
-#: What a user would install to integrate with events.
-INTEGRATORS = {"SciPy DOP853": scipy_impacts, "SUNDIALS CVODE": sundials_impacts}
-
-
 def seconds(work, calls):
     """CPU time of one call, as the mean of some, and its result."""
     begin = time.process_time()
     for _ in range(calls):
         result = work()
     return (time.process_time() - begin) / calls, result
+
+
+def integrators(r, clearance, cycles):
+    """CPU time and number of impacts by what a user would install to integrate with events."""
+    yield "SciPy DOP853", *seconds(lambda: scipy_impacts(r, clearance, cycles), 1)
+    yield "SUNDIALS CVODE", *seconds(lambda: sundials_impacts(r, clearance, cycles), 1)
+    system = ["env", "-i", f"PATH={os.defpath}", "python3"]
+    if (
+        subprocess.run(
+            [*system, "-c", "import siconos.kernel"], stderr=subprocess.DEVNULL
+        ).returncode
+        == 0
+    ):
+        numbers = (XI, MU, r, RESTITUTION, clearance, cycles)
+        call = [*system, Path(__file__).with_name("siconos_damper.py"), *map(str, numbers)]
+        found, spent = subprocess.run(
+            call, check=True, capture_output=True, text=True
+        ).stdout.split()[-2:]
+        yield "Siconos", float(spent), int(found)
 
 
 def rows():
@@ -187,8 +206,7 @@ def rows():
             row(work, "million impacts/s", ours, TARGETS[name], statistics.median(there), "numba",
                 bool(compared <= n and apart < 1e-9))
         )  # fmt: skip
-        for peer, solve in INTEGRATORS.items():
-            spent, found = seconds(lambda: solve(r, clearance, 50), 1)  # noqa: B023
+        for peer, spent, found in integrators(r, clearance, 50):
             answer.append(
                 row(work, "million impacts/s", ours, None, found / spent / 1e6, peer,
                     bool(found == short or name == "chaotic"))
