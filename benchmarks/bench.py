@@ -62,8 +62,8 @@ def main():
             "# Benchmarks", "",
             "Written by `./run bench`. CPU time on one core unless a line says otherwise, medians of interleaved "
             "runs; the ratio says how many times better this package is. Compare the columns of one run, not two "
-            "machines: the targets were set on a core of 3.4 GHz, on which numba made 1.30 and 1.27 million impacts a "
-            "second.", "",
+            "machines: targets stand for a core of 3.4 GHz on which numba makes 1.30 and 1.27 million impacts/s.",
+            "",
             *machine(), "", markdown(rows), "",
         ]  # fmt: skip
         path = Path(sys.argv[1])
