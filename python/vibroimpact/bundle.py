@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks
 from .errors import ParameterError
 from .model import Oscillator
-from .trajectory import TWO_PI
+from .states import TWO_PI
 
 __all__ = ["Bundle", "simulate_bundle"]
 

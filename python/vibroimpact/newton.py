@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from . import _core, checks
 from .errors import ParameterError, ParameterTypeError
+from .events import event_table, segments
 from .model import Oscillator, Pattern
-from .motion import VERDICT, Motion
-from .solve import frozen, impact_restitution, periodic, raise_status
-from .trajectory import Trajectory, event_table, segments, simulate
+from .motion import Motion
+from .solve import frozen, impact_restitution, periodic
+from .status import VERDICT, raise_status
+from .trajectory import Trajectory, simulate
 
 __all__ = ["exact"]
 

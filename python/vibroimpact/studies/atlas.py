@@ -20,7 +20,8 @@ from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from .conditions import can_be_symmetric
 from .settling import thread_count
-from .zone import ROOM, Window, Zone, assemble, span
+from .zone import Window, Zone, span
+from .zone_search import ROOM, assemble
 
 __all__ = ["Atlas", "Attractor", "atlas"]
 
