@@ -62,8 +62,7 @@ def simulate_bundle(
     """Simulate many initial states or parameters in one call, on several threads.
 
     The answer is the same to the last bit for any number of threads. After such a call do not fork
-    the
-    process (multiprocessing: use the "spawn" method); a forked child would hang.
+    the process (multiprocessing: use the "spawn" method); a forked child would hang.
 
     Parameters
     ----------
