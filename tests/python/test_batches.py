@@ -1,7 +1,4 @@
-"""Single precision, and many motions in one call, on random systems, against `first_principles`.
-
-Tolerances are rounding times the condition of what is compared; see `shared_laws`.
-"""
+"""Single precision, and many motions in one call, on random systems, against `first_principles`."""
 
 import numpy as np
 import pytest

@@ -1,7 +1,4 @@
-"""Verdicts, extremes and samples, between the impacts, on random systems, against `first_principles`.
-
-Tolerances are rounding times the condition of what is compared; see `shared_laws`.
-"""
+"""Verdicts, extremes and samples, between the impacts, on random systems, against `first_principles`."""
 
 import first_principles as fp
 import first_principles_flights as flights

@@ -1,7 +1,4 @@
-"""Laws that every answer of the linear equations obeys, on random systems, against `first_principles`.
-
-Tolerances are rounding times the condition of what is compared; see `shared_laws`.
-"""
+"""Laws that every answer of the linear equations obeys, on random systems, against `first_principles`."""
 
 from dataclasses import replace
 

@@ -215,6 +215,8 @@ def test_short_and_quiet_trajectories_are_drawn():
     ):
         axes = run.plot()
         axes[0].figure.canvas.draw()
+        assert len(axes) == len(KINDS)
+        assert np.isfinite([one.get_xlim() + one.get_ylim() for one in axes]).all()
 
 
 def test_settings_are_left_alone():

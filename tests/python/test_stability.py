@@ -1,7 +1,4 @@
-"""Laws of [P_i], [P] and the multipliers, on random systems, against `first_principles`.
-
-Tolerances are rounding times the condition of what is compared; see `shared_laws`.
-"""
+"""Laws of [P_i], [P] and the multipliers, on random systems, against `first_principles`."""
 
 from dataclasses import replace
 

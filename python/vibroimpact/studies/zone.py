@@ -195,6 +195,16 @@ def default_label(pattern: Pattern, symmetric: bool | None) -> str:
     return f"{len(pattern)}{cycles}{kind}"
 
 
+def checked_window(osc: Oscillator, r: Any, clearance: Any) -> Window:
+    """A window in which an oscillator has motions everywhere."""
+    window = (span(r, "r"), span(clearance, "clearance"))
+    if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
+        raise ParameterError(
+            f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)"
+        )
+    return window
+
+
 def span(values: Any, name: str) -> tuple[float, float]:
     """A checked pair (lowest, highest)."""
     wanted = f"(lowest, highest) with lowest < highest, each {checks.allowed(name)}"

@@ -17,7 +17,7 @@ from ..motion import Motion
 from ..status import MORE_EVENTS
 from .conditions import EDGE, can_be_symmetric, type_name
 from .geometry import dense_ring
-from .zone import Piece, Window, Zone, ZoneSearch, span
+from .zone import Piece, Window, Zone, ZoneSearch, checked_window
 
 __all__ = ["zone"]
 
@@ -102,11 +102,7 @@ def zone(
     checks.instance(pattern, "pattern", Pattern)
     if len(pattern) > 24:
         raise ParameterError(f"pattern of {len(pattern)} impacts: at most 24 are allowed")
-    window = (span(r, "r"), span(clearance, "clearance"))
-    if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
-        raise ParameterError(
-            f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)"
-        )
+    window = checked_window(osc, r, clearance)
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
     max_points = checks.integer(max_points, "max_points", 100, ROOM)
