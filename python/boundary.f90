@@ -1,8 +1,7 @@
 !> The only file that f2py reads: plain arrays and C kinds, no state, no defaults, no checks.
 !!
-!! Everything is checked in Python before it comes here. Shapes come first, results last, points
-!! are on
-!! the last axis; the rows of the results are those of vi_points.
+!! Everything is checked in Python before it comes here. Shapes come first, results last, points are
+!! on the last axis; the rows of the results are those of vi_points.
 
 !> Motions with given phases at many points.
 subroutine periodic(n, m, xi, mu, walls, r, cycles, sides, restitution, phases, acceptance, &
@@ -163,9 +162,8 @@ end subroutine condition_text
 !> Runs namelist files; `paths` are separated by line feeds, and so are the lines of `text`.
 !!
 !! The first character of a line tells what it is: '-' news, '!' a fault, '>' a table that was
-!! written.
-!! `only` names the kind of cases to run (blank: all). `text` has room for `room` bytes; `length`
-!! tells how many were wanted.
+!! written. `only` names the kind of cases to run (blank: all). `text` has room for `room` bytes;
+!! `length` tells how many were wanted.
 subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, tally, text, length, &
    status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int

@@ -62,7 +62,9 @@ def fortran_checks(path):
 
 def is_independent(path):
     """Whether a file of tests/python is no test but what tests compare with."""
-    return path.suffix == ".py" and not path.name.startswith(("test_", "conftest", "programs"))
+    return path.suffix == ".py" and not path.name.startswith(
+        ("test_", "conftest", "programs", "shared_")
+    )
 
 
 def pages():

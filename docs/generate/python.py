@@ -6,9 +6,10 @@ import vibroimpact.plot
 #: Modules by subject; what is public in a module that stands nowhere comes last.
 SUBJECTS = {
     "System, pattern, units": ("model",),
-    "Motions": ("solve", "newton", "find", "motion", "flags"),
+    "Motions": ("solve", "newton", "find", "motion", "events", "flags", "status"),
     "Simulation": ("trajectory", "bundle"),
-    "Branches, zones, atlases, charts": ("studies.branch", "studies.zone", "studies.atlas", "chart"),
+    "Branches, zones, atlases, charts": ("studies.branch", "studies.zone_search", "studies.zone",
+                                         "studies.atlas", "chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
                    "studies.response"),
     "Namelists": ("run",),

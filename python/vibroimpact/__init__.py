@@ -5,21 +5,24 @@ from importlib.metadata import version as _version
 from . import errors
 from .bundle import Bundle, simulate_bundle
 from .chart import chart
+from .events import Sample
 from .find import FoundMotions, Search, find
 from .flags import StabilityFlags, stability_flags
 from .interchange.result import load
 from .model import Oscillator, Pattern, Units
-from .motion import Motion, Motions, Sample
+from .motion import Motion, Motions
 from .newton import exact
 from .run import Case, RunLog, read_namelist, run_namelists
-from .solve import equispaced, linear_system, periodic, periodic_batch, status_text
+from .solve import equispaced, linear_system, periodic, periodic_batch
+from .status import status_text
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
 from .studies.branch import Branch, SpecialPoint, branch
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
-from .studies.zone import Piece, Zone, ZoneSearch, zone
+from .studies.zone import Piece, Zone, ZoneSearch
+from .studies.zone_search import zone
 from .trajectory import Trajectory, simulate
 
 __version__ = _version("vibroimpact")

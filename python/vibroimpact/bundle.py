@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks
 from .errors import ParameterError
 from .model import Oscillator
-from .trajectory import TWO_PI
+from .states import TWO_PI
 
 __all__ = ["Bundle", "simulate_bundle"]
 
@@ -62,8 +62,7 @@ def simulate_bundle(
     """Simulate many initial states or parameters in one call, on several threads.
 
     The answer is the same to the last bit for any number of threads. After such a call do not fork
-    the
-    process (multiprocessing: use the "spawn" method); a forked child would hang.
+    the process (multiprocessing: use the "spawn" method); a forked child would hang.
 
     Parameters
     ----------

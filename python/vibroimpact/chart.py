@@ -13,14 +13,13 @@ from . import _core, checks
 from .errors import ChartInterrupted, MissingExtraError, ParameterError
 from .model import Oscillator, Pattern
 from .progress import Progress
-from .solve import NO_MOTION, status_text
+from .status import NO_MOTION, NOT_COMPUTED, status_text
 
 __all__ = ["chart"]
 
 #: Points of a chart, and numbers that a flood may keep in memory.
 MOST_POINTS, MOST_NUMBERS = 1_000_000, 100_000_000
 MOST_IMPACTS = 12
-NOT_COMPUTED = 12
 #: Motions of the equispaced pair computed between two looks at the keyboard.
 CHUNK = 60_000
 

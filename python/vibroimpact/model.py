@@ -25,8 +25,7 @@ class Oscillator:
     """A primary mass on spring and dashpot, with a free mass between two walls.
 
     Between impacts ``x'' + 2 xi x' + x = sin(r t)`` and ``z'' = 0``, with time in 1/omega and
-    length
-    in F0/K (equations (1)-(4) of Popplewell, Bapat and McLachlan, 1983).
+    length in F0/K (equations (1)-(4) of Popplewell, Bapat and McLachlan, 1983).
 
     Parameters
     ----------
@@ -237,8 +236,7 @@ class Pattern:
     sides : str
         One letter an impact, R for the right wall and L for the left; 2 to 1000 letters, both walls
         at least once (a motion with impacts on one wall only is never periodic). A star after a
-        letter
-        stands for impacts that accumulate on that wall and end in rest there.
+        letter stands for impacts that accumulate on that wall and end in rest there.
     cycles : int, optional
         Load cycles k in one period of the motion, 1 to 10000.
 

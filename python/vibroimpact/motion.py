@@ -5,36 +5,23 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError
+from .events import EVENT_TYPE, Sample, sample, segments
 from .interchange.result import Result
 from .model import Oscillator, Pattern
+from .status import VERDICT, raise_status
 
 __all__ = ["Motion", "Motions", "Sample"]
-
-#: What the core's verdicts mean: 1, 0, and -1 for "not computed".
-VERDICT = {1: True, 0: False, -1: None}
-
 
 #: Leading arguments of the core's procedures on a finished motion.
 _Array = NDArray[np.float64]
 _Flights = tuple[float, float, float, int, NDArray[np.int32], _Array, _Array, _Array, float, float]
-
-
-class Sample(NamedTuple):
-    """Time history of a motion; each array has the shape of the times asked for."""
-
-    X: NDArray[np.float64]
-    X_dot: NDArray[np.float64]
-    Z: NDArray[np.float64]
-    Z_dot: NDArray[np.float64]
-    Y: NDArray[np.float64]
-    load: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -85,10 +72,8 @@ class Motion(Result):
     guess : ndarray (N,) or None
         Of an exact motion: the phases from which it was found, if it began with the linear equations.
     rest_events : structured ndarray or None
-        For a pattern with a star: all impacts, sticks and releases of a period from the first
-        impact on.
-        The arrays above have one entry a letter then; that of a starred letter is the first impact
-        of
+        For a pattern with a star: all impacts, sticks and releases of a period from the first impact on.
+        The arrays above have one entry a letter then; that of a starred letter is the first impact of
         the accumulation.
     """
 
@@ -124,8 +109,6 @@ class Motion(Result):
         """The events of one period from the first impact on, with the columns of `Trajectory.events`."""
         if self.rest_events is not None:
             return self.rest_events
-        from .trajectory import EVENT_TYPE
-
         events = np.empty(len(self.pattern), dtype=EVENT_TYPE)
         events["time"] = self.phases / self.r
         events["kind"] = "impact"
@@ -157,8 +140,7 @@ class Motion(Result):
     def leading_kind(self) -> str | None:
         """Where the leading multiplier lies: "positive", "negative" or "complex" (None: unknown).
 
-        Crossing the unit circle there is a fold or pitchfork, a flip, or a Neimark-Sacker
-        bifurcation.
+        Crossing the unit circle there is a fold or pitchfork, a flip, or a Neimark-Sacker bifurcation.
         """
         leading = complex(self.multipliers[0])
         if leading != leading:
@@ -173,8 +155,7 @@ class Motion(Result):
         Parameters
         ----------
         t : array_like
-            Times in 1/omega, 0 at the first impact; any finite value, the motion being periodic.
-            At an
+            Times in 1/omega, 0 at the first impact; any finite value, the motion being periodic. At an
             impact the velocities are those just after it.
 
         Examples
@@ -192,22 +173,10 @@ class Motion(Result):
         if self.rest_events is None:
             values = _core.sample(*self._flights(), times.ravel())
             values[5] *= self.load
-        else:
-            from .trajectory import segments
-
-            starts, resting = segments(self.rest_events, self.clearance)
-            wrapped = np.mod(times.ravel(), self.period)
-            values = _core.sample_trajectory(
-                self.osc.xi,
-                self.osc.mu,
-                self.r,
-                self.load,
-                self.clearance,
-                starts,
-                resting,
-                wrapped,
-            )
-        return Sample(*values.reshape((6, *times.shape)))
+            return Sample(*values.reshape((6, *times.shape)))
+        starts, resting = segments(self.rest_events, self.clearance)
+        wrapped = np.mod(times, self.period)
+        return sample(self.osc, self.r, self.load, self.clearance, starts, resting, wrapped)
 
     def plot(self, ax: Any = None, kind: str | None = None, cycles: float | None = None) -> Any:
         """Draw time history, load, acceleration and phase portrait (extra `plot`).
@@ -240,8 +209,7 @@ class Motion(Result):
         Parameters
         ----------
         path : str or path, optional
-            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg,
-            or the extra `film`).
+            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg, or the extra `film`).
         cycles : float, optional
             Load cycles shown from the first impact on; by default one period, so that the film goes round.
         seconds : float
@@ -267,8 +235,7 @@ class Motion(Result):
     def impact_maps(self) -> NDArray[np.float64]:
         """The matrices [P_i] of (A7), (N, 4, 4).
 
-        P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to
-        that
+        P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to that
         just after impact i. All zero where the impact has no approach speed.
         """
         if self.pattern.has_rest:
@@ -330,17 +297,10 @@ class Motion(Result):
 
     def _flights(self) -> _Flights:
         """The leading arguments of the core's procedures on a finished motion."""
-        impacts = np.stack(
-            [
-                self.X,
-                self.Z,
-                self.X_dot_before,
-                self.X_dot_after,
-                self.Z_dot_before,
-                self.Z_dot_after,
-            ],
-            axis=1,
-        )
+        columns = (
+            self.X, self.Z, self.X_dot_before, self.X_dot_after, self.Z_dot_before, self.Z_dot_after,
+        )  # fmt: skip
+        impacts = np.stack(columns, axis=1)
         return (
             self.osc.xi, self.osc.mu, self.r, self.pattern.cycles, self.pattern.signs,
             self.restitution, self.phases, impacts, self.A, self.tau,
@@ -401,8 +361,6 @@ class Motions:
 
     def __getitem__(self, index: int) -> Motion:
         """One motion; SingularError where that point failed."""
-        from .solve import raise_status
-
         raise_status(int(self.status[index]))
         values: dict[str, Any] = {}
         for item in fields(self):

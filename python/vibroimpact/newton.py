@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from . import _core, checks
 from .errors import ParameterError, ParameterTypeError
+from .events import event_table, segments
 from .model import Oscillator, Pattern
-from .motion import VERDICT, Motion
-from .solve import frozen, impact_restitution, periodic, raise_status
-from .trajectory import Trajectory, event_table, segments, simulate
+from .motion import Motion
+from .solve import frozen, impact_restitution, periodic
+from .status import VERDICT, raise_status
+from .trajectory import Trajectory, simulate
 
 __all__ = ["exact"]
 
@@ -41,9 +43,8 @@ def exact(
 ) -> Motion:
     """The exact periodic motion near a guess, by Newton's method with the analytic derivative.
 
-    Without rest the unknowns are the N positions and N phases of the impacts. With accumulation
-    and rest
-    they are the phase and velocity at a release, a fixed point of the return map there.
+    Without rest the unknowns are the N positions and N phases of the impacts. With accumulation and
+    rest they are the phase and velocity at a release, a fixed point of the return map there.
 
     Parameters
     ----------
@@ -51,8 +52,7 @@ def exact(
         As in `simulate`.
     guess : Motion, Trajectory or (phases, Pattern)
         A motion at other parameters; a trajectory whose last cycles are about periodic; or impact
-        phases,
-        for which the linear equations of 1983 give the rest of the guess.
+        phases, for which the linear equations of 1983 give the rest of the guess.
 
     Returns
     -------
@@ -236,8 +236,7 @@ def last_period(trajectory: Trajectory, most_cycles: int = 16, tolerance: float 
     """The shortest period, in load cycles, with which a trajectory ends.
 
     The last k cycles are compared with the k before; the pattern has to be the same and the phases
-    within
-    the tolerance.
+    within the tolerance.
     """
     events = trajectory.events
     r = trajectory.r

@@ -26,7 +26,8 @@ from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.branch import Branch, branch
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
-from .studies.zone import Zone, zone
+from .studies.zone import Zone
+from .studies.zone_search import zone
 from .trajectory import Trajectory, simulate
 
 __all__ = ["Case", "RunLog", "read_namelist", "run_namelists"]

@@ -2,34 +2,20 @@
 
 from __future__ import annotations
 
-import functools
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
-from .errors import ParameterError, SingularError
+from .errors import ParameterError
 from .model import Oscillator, Pattern
-from .motion import VERDICT, Motion, Motions
+from .motion import Motion, Motions
+from .status import NO_MOTION, VERDICT, raise_status
 
-__all__ = ["equispaced", "linear_system", "periodic", "periodic_batch", "status_text"]
+__all__ = ["equispaced", "linear_system", "periodic", "periodic_batch"]
 
 PRECISIONS = ("double", "single")
-NO_MOTION = 7
-
-
-@functools.cache
-def status_text(code: int) -> str:
-    """What a status code of the core means."""
-    text, length = _core.status_text(code)
-    return text[:length].tobytes().decode()
-
-
-def raise_status(code: int) -> None:
-    """Raise SingularError unless the code says that all went well."""
-    if code:
-        raise SingularError(status_text(code))
 
 
 def periodic(
@@ -43,8 +29,7 @@ def periodic(
 ) -> Motion:
     """The periodic motion whose impact phases are given (equations (26), (30) of the 1983 paper).
 
-    N = 2 impacts are a square linear system (LAPACK DGESV). N > 2 are overdetermined (DGELS): the
-    motion
+    N = 2 impacts are a square linear system (LAPACK DGESV). N > 2 are overdetermined (DGELS): the motion
     is consistent only as far as its `residual` is small.
 
     Parameters
@@ -93,9 +78,8 @@ def periodic(
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
     acceptance = checks.number(acceptance, "acceptance")
     results = _core.periodic(
-        osc.xi, osc.mu, osc.restitution, r, pattern.cycles, pattern.signs, each, table[:,
-        np.newaxis],
-        acceptance, single, True,
+        osc.xi, osc.mu, osc.restitution, r, pattern.cycles, pattern.signs, each,
+        table[:, np.newaxis], acceptance, single, True,
     )  # fmt: skip
     raise_status(int(results[4][0]))
     return _motion(osc, r, pattern, each, table, results, 0, precision, "periodic")
@@ -147,8 +131,7 @@ def periodic_batch(
     acceptance = checks.number(acceptance, "acceptance")
     impacts, scalars, multipliers, verdicts, status = _core.periodic(
         osc.xi, osc.mu, osc.restitution, ratios, pattern.cycles, pattern.signs, each, table,
-        acceptance,
-        single, bool(flights),
+        acceptance, single, bool(flights),
     )  # fmt: skip
     for array in (impacts, scalars, multipliers, verdicts, status):
         array.flags.writeable = False
@@ -171,8 +154,7 @@ def equispaced(
 ) -> list[Motion]:
     """The motions with two equally spaced impacts: none, one or two of them.
 
-    With equal restitution the phases 0, k pi leave the amplitude free; at a given clearance the
-    phase
+    With equal restitution the phases 0, k pi leave the amplitude free; at a given clearance the phase
     tau lies on the intersection of a line with a circle.
 
     Parameters

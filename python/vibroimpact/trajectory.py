@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,41 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
-from .errors import ParameterError, ParameterTypeError, SingularError
+from .errors import ParameterError
+from .events import EVENT_TYPE, WORDS, Sample, sample, segments
 from .interchange.result import Result
 from .model import Oscillator
-from .motion import Sample
+from .states import EXTRA, NEEDED, Moment, State, System, later, start_of, state_of
+from .status import MORE_EVENTS, raise_status
 
 __all__ = ["State", "Trajectory", "simulate"]
 
-TWO_PI = 2 * math.pi
-KINDS = np.array(["", "impact", "stick", "release"])
-LETTERS = {1: "R", -1: "L"}
-#: Columns of `Trajectory.events`.
-EVENT_TYPE = np.dtype(
-    [
-        ("time", "f8"), ("kind", "U7"), ("side", "U1"), ("phase", "f8"), ("x", "f8"),
-        ("x_dot_before", "f8"), ("x_dot_after", "f8"), ("z_dot_before", "f8"), ("z_dot_after", "f8"),
-    ]
-)  # fmt: skip
-#: What stands for side and kind in a record, as four numbers that are copied and no more.
-NAMES = np.zeros((3, 2), dtype=EVENT_TYPE)
-NAMES["kind"], NAMES["side"] = KINDS[1:, None], ("R", "L")
-WORDS = np.asfortranarray(NAMES.view(np.float64).reshape(3, 2, 11)[..., 1:5].T)
 #: Events and load cycles that one call of the core finds at most: between calls Ctrl-C is heard.
 CHUNK, SPAN = 65_536, 1_000_000
-MORE_EVENTS = 8
-
-#: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on without loss.
-State = dict[str, Any]
-
-#: A moment of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
-_Moment = tuple[NDArray[np.float64], NDArray[np.int32]]
-#: xi, mu, R1 and R2, r, load, clearance.
-_System = tuple[float, float, tuple[float, float], float, float, float]
-
-NEEDED = ("t", "x", "x_dot", "z", "z_dot")
-EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -106,28 +81,15 @@ class Trajectory(Result):
                 f"{first:.6g} to {last:.6g}"
             )
         starts, resting = self._segments()
-        values = _core.sample_trajectory(
-            self.osc.xi,
-            self.osc.mu,
-            self.r,
-            self.load,
-            self.clearance,
-            starts,
-            resting,
-            times.ravel(),
-        )
-        return Sample(*values.reshape((6, *times.shape)))
+        return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
     def plot(self, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
-        """Draw the last load cycles: time history, load, acceleration and phase portrait (extra
-        `plot`).
+        """Draw the last load cycles: time history, load, acceleration, phase portrait (extra `plot`).
 
         Parameters
         ----------
-        ax : matplotlib Axes, optional
-            Where to draw one panel; without it a figure with all panels is made.
-        kind : {"history", "load", "acceleration", "portrait"}, optional
-            Which panel.
+        ax, kind
+            As in `Motion.plot`.
         cycles : float
             Load cycles shown, the last ones.
 
@@ -146,18 +108,15 @@ class Trajectory(Result):
 
         Parameters
         ----------
-        path : str or path, optional
-            The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg,
-            or the extra `film`).
+        path, seconds
+            As in `Motion.animate`.
         cycles : float
             Load cycles shown, the last ones.
-        seconds : float
-            How long a load cycle lasts on the screen.
 
         Returns
         -------
         Path
-            Without `path` matplotlib's FuncAnimation, which a notebook shows by its `to_jshtml()`.
+            Without `path` matplotlib's FuncAnimation, as in `Motion.animate`.
 
         Examples
         --------
@@ -190,35 +149,6 @@ class Trajectory(Result):
             f"<Trajectory at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, t = {self.initial_state['t']:.6g} "
             f"to {self.final_state['t']:.6g}: {impacts}{rests}{cut}>"
         )
-
-
-def segments(
-    events: NDArray[Any], clearance: float
-) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Start (6, n) of the segment that each event begins, and the side of rest in it or 0."""
-    side = np.where(events["side"] == "R", 1, -1)
-    z = events["x"] + 0.5 * side * clearance
-    starts = [
-        events["time"],
-        events["phase"],
-        events["x"],
-        events["x_dot_after"],
-        z,
-        events["z_dot_after"],
-    ]
-    return np.array(starts), np.where(events["kind"] == "stick", side, 0).astype(np.int32)
-
-
-def event_table(numbers: NDArray[np.float64], labels: NDArray[np.int32]) -> NDArray[Any]:
-    """The events of the core as a structured array, read-only."""
-    events = np.empty(numbers.shape[1], dtype=EVENT_TYPE)
-    events["kind"] = KINDS[labels[0]]
-    events["side"] = np.where(labels[1] > 0, "R", "L")
-    names = ("time", "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-    for name, column in zip(names, numbers, strict=True):
-        events[name] = column
-    events.flags.writeable = False
-    return events
 
 
 def simulate(
@@ -289,14 +219,14 @@ def simulate(
     discard = checks.number(discard, "cycles_simulated", "discard")
     max_events = checks.integer(max_events, "max_events", 1, 10**9)
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
-    now, begun = _start(system, state)
+    now, begun = start_of(system, state)
     if discard:
         _, now, begun, complete = _run(system, now, begun, discard, max_events, keep=False)
         if not complete:
             raise ParameterError(
                 f"max_events = {max_events}: was reached within the discarded cycles"
             )
-    first = _state(system, now, begun)
+    first = state_of(system, now, begun)
     events, now, begun, complete = _run(system, now, begun, cycles, max_events, keep=True)
     events.flags.writeable = False
     request = None
@@ -306,13 +236,13 @@ def simulate(
         )
         request = {"clearance": clearance, "cycles": cycles, "discard": discard, "load": load, **start,
                    "max_events": max_events}  # fmt: skip
-    last = _state(system, now, begun)
+    last = state_of(system, now, begun)
     return Trajectory(osc, r, clearance, load, events, first, last, complete, request)
 
 
 def _run(
-    system: _System, now: _Moment, begun: _Moment, cycles: float, max_events: int, *, keep: bool
-) -> tuple[NDArray[Any], _Moment, _Moment, bool]:
+    system: System, now: Moment, begun: Moment, cycles: float, max_events: int, *, keep: bool
+) -> tuple[NDArray[Any], Moment, Moment, bool]:
     """Simulate some cycles in chunks.
 
     `now` is the moment from which the cycles count, and `begun` where its flight or rest began.
@@ -326,7 +256,7 @@ def _run(
     complete : bool
         Whether the end was reached.
     """
-    end = _later(now[0], cycles)
+    end = later(now[0], cycles)
     span = max(1.0, SPAN * min(1.0, system[3]))
     tables, total = [], 0
     chunk = int(min(CHUNK, 64 + 4 * (cycles + 1)))
@@ -343,127 +273,9 @@ def _run(
         if keep and n:
             tables.append(table[:n] if 4 * n > len(table) else table[:n].copy())
         if status not in (0, MORE_EVENTS):
-            from .solve import status_text
-
-            raise SingularError(status_text(status))
+            raise_status(status)
         if last_part if status == 0 else total == max_events:
             break
         chunk = CHUNK if status else chunk
     rows = tables[0] if len(tables) == 1 else np.concatenate([np.empty((0, 11)), *tables])
     return rows.view(EVENT_TYPE)[:, 0], now, begun, status == 0
-
-
-def _later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
-    """Cycle and phase a number of load cycles after a moment."""
-    whole = math.floor(cycles)
-    phase = values[1] + TWO_PI * (cycles - whole)
-    over = 1 if phase >= TWO_PI else 0
-    return float(values[0] + whole + over), float(max(0.0, phase - TWO_PI * over))
-
-
-def _state(system: _System, now: _Moment, begun: _Moment) -> State:
-    """A moment as a dictionary.
-
-    `since` tells to whom and to what it belongs, and where its flight or rest began: a simulation of the
-    same system that starts from the unchanged state goes on from there, bit for bit.
-    """
-    cycle, phase, x, x_dot, z, z_dot, speed = now[0].tolist()
-    side, resting, released = now[1].tolist()
-    t = (TWO_PI * cycle + phase) / system[3]
-    xi, mu, walls, *rest = system
-    since = (xi, mu, *walls, *rest, t, x, x_dot, z, z_dot, cycle, phase, side, speed, resting, released,
-             *begun[0].tolist(), *begun[1].tolist())  # fmt: skip
-    return {
-        "t": t, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot, "cycle": cycle, "phase": phase,
-        "side": side, "speed": speed, "resting": resting, "released": released, "since": since,
-    }  # fmt: skip
-
-
-def _belongs(system: _System, state: Mapping[str, Any]) -> tuple[float, ...]:
-    """The numbers by which a state is recognised: of its system, then its own."""
-    xi, mu, walls, *rest = system
-    return (xi, mu, *walls, *rest, *(state[name] for name in NEEDED + EXTRA))
-
-
-def _start(system: _System, state: Mapping[str, Any] | None) -> tuple[_Moment, _Moment]:
-    """The moment of a state given by the caller, and where its flight or rest began."""
-    clearance = system[5]
-    if state is None:
-        moment = (np.zeros(7), np.zeros(3, dtype=np.int32))
-        return moment, moment
-    given = _checked(state, clearance)
-    if all(name in given for name in EXTRA):
-        resumed = _resume(given, state, system)
-        if resumed is not None:
-            return resumed
-    start = np.array([given[name] for name in NEEDED])
-    moment = _core.start_state(system[0], system[3], system[4], clearance, start)
-    return moment, moment
-
-
-def _checked(state: Any, clearance: float) -> dict[str, float]:
-    """The numbers of a state given by the caller."""
-    if not isinstance(state, Mapping):
-        raise ParameterTypeError(
-            f"state = {state!r}: must be a mapping with t, x, x_dot, z, z_dot, or a final_state"
-        )
-    missing = [name for name in NEEDED if name not in state]
-    unknown = [name for name in state if name not in (*NEEDED, *EXTRA, "since")]
-    if missing or unknown:
-        raise ParameterError(
-            f"state with {', '.join(map(repr, state))}: must have {', '.join(NEEDED)} "
-            f"(missing: {missing}, unknown: {unknown})"
-        )
-    given = {}
-    for name in state:
-        if name == "since":
-            continue
-        given[name] = checks.to_float(state[name], f"state[{name!r}]", "a finite number")
-        if not math.isfinite(given[name]):
-            raise ParameterError(f"state[{name!r}] = {state[name]!r}: must be a finite number")
-    y, half = given["z"] - given["x"], 0.5 * clearance
-    if abs(y) > half * (1 + 1e-9):
-        raise ParameterError(
-            f"state['z'] - state['x'] = {y!r}: must be between the walls, -{half:.6g} to {half:.6g}"
-        )
-    return given
-
-
-def _resume(
-    given: Mapping[str, float], state: Mapping[str, Any], system: _System
-) -> tuple[_Moment, _Moment] | None:
-    """The moments of a `final_state`; None if its t is not that of the rest of it."""
-    r, clearance = system[3], system[5]
-    ranges = {
-        "cycle": (-(2.0**53), 2.0**53, True),
-        "phase": (0.0, TWO_PI, False),
-        "side": (-1, 1, True),
-        "speed": (0.0, math.inf, False),
-        "resting": (0, 1, True),
-        "released": (0, 1, True),
-    }
-    for name, (low, high, closed) in ranges.items():
-        value = given[name]
-        whole = name in ("phase", "speed") or value == math.floor(value)
-        if not (whole and (low <= value < high or (closed and value == high))):
-            raise ParameterError(
-                f"state[{name!r}] = {value!r}: must be as a final_state has it, {low:g} to {high:g}"
-            )
-    belongs = _belongs(system, given)
-    n = len(belongs)
-    since: Any = state.get("since")
-    known = isinstance(since, (tuple, list)) and len(since) == n + 10
-    own = len(NEEDED + EXTRA)
-    untouched = known and tuple(since[n - own : n]) == belongs[-own:]
-    t = (TWO_PI * given["cycle"] + given["phase"]) / r
-    if not untouched and abs(t - given["t"]) > 1e-12 * max(1.0, abs(t)):
-        return None
-    numbers = [given[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
-    labels = [int(given[name]) for name in ("side", "resting", "released")]
-    y = given["z"] - given["x"]
-    if labels[0] and abs(y - 0.5 * labels[0] * clearance) > 1e-9 * clearance:
-        labels, numbers[6] = [0, 0, 0], 0.0  # the wall is elsewhere now
-    moment = (np.array(numbers), np.array(labels, dtype=np.int32))
-    if known and tuple(since[:n]) == belongs:
-        return moment, (np.array(since[n : n + 7]), np.array(since[n + 7 :], dtype=np.int32))
-    return moment, moment

@@ -6,10 +6,9 @@
 !!
 !! From any instant a bound on the fourth derivative of the gaps tells how long neither can close;
 !! steps of that length cannot jump over a contact, however short it is, and converge to it with
-!! third order.
-!! In the first moments after leaving a wall the gap to that wall is a small difference of large
-!! numbers. There its Taylor series is used instead: g(t) = t k(t) with k(0) the departure speed, so
-!! that flights in an accumulation of impacts keep their relative accuracy.
+!! third order. In the first moments after leaving a wall the gap to that wall is a small difference
+!! of large numbers. There its Taylor series is used instead: g(t) = t k(t) with k(0) the departure
+!! speed, so that flights in an accumulation of impacts keep their relative accuracy.
 module vi_contact
    use vi_advance, only: safe_step
    use vi_flight, only: flight_type

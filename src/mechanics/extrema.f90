@@ -20,11 +20,10 @@ contains
    !> The least and greatest stationary value of z - x strictly inside a flight.
    !!
    !! The ends of the flight are not stationary points and do not count. Where there is no
-   !! stationary
-   !! point, `lowest` is +huge and `highest` is -huge. With z = z_dot = 0 the answer is that of -x.
-   !! A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest time
-   !! scale, so
-   !! that the error of the value, at most |x''| delta^2/2, is of the order of rounding.
+   !! stationary point, `lowest` is +huge and `highest` is -huge. With z = z_dot = 0 the answer is
+   !! that of -x. A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest
+   !! time scale, so that the error of the value, at most |x''| delta^2/2, is of the order of
+   !! rounding.
    pure subroutine relative_extrema(flight, lowest, highest, complete, lowest_at, highest_at)
       type(flight_type), intent(in) :: flight
       real(wp), intent(out) :: lowest, highest

@@ -40,8 +40,7 @@ contains
    !> `admissible`, and the extreme positions of the primary mass, from certified extrema.
    !!
    !! Admissible: at every impact the masses approach each other, s (z' - x') > 0 just before it,
-   !! and
-   !! inside every flight the free mass stays strictly between the walls, |y| < d/2.
+   !! and inside every flight the free mass stays strictly between the walls, |y| < d/2.
    pure subroutine assess_flights(motion)
       type(motion_type), intent(inout) :: motion
       type(flight_type) :: flight

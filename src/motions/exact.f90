@@ -1,10 +1,8 @@
 !> Exact motions: Newton's method on the 2N unknowns x_i, alpha_i at a given clearance.
 !!
 !! The equations (26), (30) with A known and the phases unknown (the footnote on the paper's page
-!! 45).
-!! They say that every flight ends where and as fast as the next impact starts. The unknown phases
-!! are
-!! theta_i = alpha_i + tau, the arguments of the forced motion A sin(theta).
+!! 45). They say that every flight ends where and as fast as the next impact starts. The unknown
+!! phases are theta_i = alpha_i + tau, the arguments of the forced motion A sin(theta).
 module vi_exact
    use vi_flight, only: flight_type, new_flight
    use vi_impact, only: primary_velocities

@@ -1,9 +1,8 @@
 !> The derivative of the map from one impact to the next, [P_i] of (A5)-(A7).
 !!
 !! The state is (x, x', z', alpha) just after an impact, alpha being the load phase of the impact.
-!! Three
-!! terms of the printed formulas are corrected here (see the comments); with them [P_i] is the exact
-!! derivative, also for unequal restitution.
+!! Three terms of the printed formulas are corrected here (see the comments); with them [P_i] is the
+!! exact derivative, also for unequal restitution.
 module vi_impact_map
    use vi_kinds, only: wp
    use vi_motion, only: motion_type

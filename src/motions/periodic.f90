@@ -2,8 +2,7 @@
 !!
 !! N impacts in k load cycles give 2N equations in the N + 2 unknowns x_1 .. x_N, A cos(tau),
 !! A sin(tau). They are proportional to the clearance, so they are solved with d = 1 and read in
-!! units
-!! of F0/K afterwards. N = 2 is a square system (DGESV); N > 2 is overdetermined (DGELS) and
+!! units of F0/K afterwards. N = 2 is a square system (DGESV); N > 2 is overdetermined (DGELS) and
 !! consistent only if the phases are those of a motion.
 module vi_periodic
    use vi_kinds, only: wp
@@ -122,9 +121,8 @@ contains
       type(oscillator_type), intent(in) :: osc
       !> eta of (3), and the frequency ratio.
       real(wp), intent(in) :: h, r
-      !> R of impacts i and i+1; phase lengths of flights i-1, i, i+1; C_1i, C_2i of (9), (10);
-      !! sine and
-      !> cosine of the phases alpha_i and alpha_(i+1); change of y in flights i-1, i, i+1.
+      !> R of impacts i and i+1; phase lengths of flights i-1, i, i+1; C_1i, C_2i of (9), (10); sine
+      !! and cosine of the phases alpha_i and alpha_(i+1); change of y in flights i-1, i, i+1.
       real(wp), intent(in) :: restitution(2), length(3), c1, c2, sine(2), cosine(2), y_step(3)
       real(wp), intent(out) :: w(6), v(7)
       real(wp) :: c3, c4, g1, g2, g3, g4, sine_term, cosine_term, pull, c1h, c3h

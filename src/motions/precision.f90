@@ -1,10 +1,8 @@
 !> The same chain in single precision, for a caller that works in double precision.
 !!
 !! Every number of the computation is rounded to 32 bits and every LAPACK call is the S routine;
-!! only
-!! the given data and the finished motion are converted. This is the one file, beside the kinds,
-!! that
-!! knows of two precisions.
+!! only the given data and the finished motion are converted. This is the one file, beside the
+!! kinds, that knows of two precisions.
 module vi_precision
    use vi_chain_single, only: equispaced_chain_single => equispaced_chain, &
       periodic_chain_single => periodic_chain

@@ -1,8 +1,7 @@
 !> The one real kind of the second build of the core, which repeats single-precision runs.
 !!
 !! `single_source.py` renames the modules of every other core file to `vi_*_single`; this file is
-!! the
-!! only one that exists twice.
+!! the only one that exists twice.
 module vi_kinds_single
    use, intrinsic :: iso_fortran_env, only: real32
    implicit none (type, external)

@@ -1,8 +1,7 @@
 !> Many simulations in one call: initial states or parameters spread over threads.
 !!
 !! Each simulation is one task that writes to its own place, so the answer is the same to the last
-!! bit
-!! for any number of threads.
+!! bit for any number of threads.
 module vi_bundle
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp

@@ -3,8 +3,7 @@
 !! Where the rest ends both masses have one velocity v and the primary mass has no acceleration, so
 !! x = f sin(phase) - 2 xi v: the state at a release is two numbers (phase, v), and the motion is a
 !! fixed point of a map of the plane. Its two eigenvalues and two zeros, which the accumulation
-!! brings,
-!! are the multipliers.
+!! brings, are the multipliers.
 module vi_rest_motion
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
@@ -79,8 +78,7 @@ contains
    !> Newton's method for a fixed point of the return map.
    !!
    !! The derivative is a difference quotient of order four with steps of 1e-4, which is right to
-   !! 1e-11:
-   !! the map is smooth, since accumulations are completed and not cut off.
+   !! 1e-11: the map is smooth, since accumulations are completed and not cut off.
    pure subroutine solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, &
       status)
       type(drive_type), intent(in) :: drive

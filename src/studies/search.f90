@@ -1,10 +1,8 @@
 !> All exact motions of one pattern that a spread of guesses leads to.
 !!
 !! A guess is a set of phases from a low-discrepancy sequence, with positions and tau from the
-!! paper's
-!! linear problem for these phases. Newton's method is repelled by the motions found before, so
-!! that each
-!! further success is another motion.
+!! paper's linear problem for these phases. Newton's method is repelled by the motions found before,
+!! so that each further success is another motion.
 module vi_search
    use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp

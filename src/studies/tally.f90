@@ -15,9 +15,7 @@ contains
       integer, intent(in) :: work
       integer, intent(inout), optional :: tally(3)
 
-      if (.not. present(tally)) return
-      !$omp atomic update
-      tally(2) = tally(2) + work
+      if (present(tally)) call add(work, tally(2))
    end subroutine add_sight
 
    !> Some work is done.
@@ -25,10 +23,17 @@ contains
       integer, intent(in) :: work
       integer, intent(inout), optional :: tally(3)
 
-      if (.not. present(tally)) return
-      !$omp atomic update
-      tally(1) = tally(1) + work
+      if (present(tally)) call add(work, tally(1))
    end subroutine add_work
+
+   !> One of the sums becomes larger, whichever threads add to it.
+   subroutine add(work, total)
+      integer, intent(in) :: work
+      integer, intent(inout) :: total
+
+      !$omp atomic update
+      total = total + work
+   end subroutine add
 
    !> Whether the rest is no longer wanted.
    logical function is_stopped(tally)

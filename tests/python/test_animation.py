@@ -6,8 +6,9 @@ import sys
 import numpy as np
 import pytest
 import vibroimpact as vi
-from test_exact import COLUMN, TABLE
-from test_simulate import RIG, TURN, settled
+from shared_motions import COLUMN
+from shared_simulations import settled
+from shared_systems import RIG, TABLE, TURN
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")

@@ -6,19 +6,8 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from scipy.optimize import brentq
-
-TABLE1 = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-FIGURE6 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-FIGURE8 = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
-
-
-def pair_motion(osc=TABLE1, r=0.94, clearance=37.0):
-    return vi.exact(osc, r, clearance, ([0, 1.37 * math.pi], vi.Pattern("RL")))
-
-
-def triple_motion():
-    motions = vi.find(FIGURE8, 0.8195, 6.2, max_impacts=3, max_cycles=1, states=0)
-    return next(m for m in motions if m.pattern.sides == "RRL")
+from shared_motions import pair_motion, triple_motion
+from shared_systems import FIGURE6, TABLE
 
 
 def product_of_restitution(branch):
@@ -152,14 +141,6 @@ def test_stability_changes_at_special_points_only(path):
         assert all({i, i + 1} & marks for i in changes), f"{name} changes at {changes}"
 
 
-def leading_real(r, clearance, which, target):
-    """The multiplier of an equispaced motion of [P] that is nearest to a value, by the closed form."""
-    motion = vi.equispaced(FIGURE6, r, clearance)[which]
-    values = motion.multipliers
-    values = values[np.abs(values.imag) < 1e-12].real
-    return float(values[np.argmin(np.abs(values - target))] - target)
-
-
 def test_equispaced_bifurcations_against_the_closed_form():
     """Pitchfork and Neimark-Sacker points of the pair, by bisection on its own multipliers."""
     r, checked = 1.04, []
@@ -214,105 +195,13 @@ def test_mirror_image_gives_the_same_branch():
     motion = pair_motion()
     image = next(
         m
-        for m in vi.find(TABLE1, 0.94, 37.0, max_impacts=2, max_cycles=1, states=0)
+        for m in vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1, states=0)
         if m.stable and abs(m.phases[1] - motion.phases[1]) > 1e-3
     )
     one, other = (vi.branch(m, "clearance", (10, 60)) for m in (motion, image))
     for a, b in zip(one.special_points, other.special_points, strict=True):
         assert a.type == b.type
         assert abs(a.clearance / b.clearance - 1) < 1e-9
-
-
-def settles_on(motion, branch_pattern=None):
-    """Whether a simulation from a disturbed motion comes back to it."""
-    i = 0
-    state = {
-        "t": motion.load_phase / motion.r,
-        "x": motion.X[i] * (1 + 1e-7),
-        "x_dot": motion.X_dot_after[i],
-        "z": motion.Z[i] + motion.X[i] * 1e-7,
-        "z_dot": motion.Z_dot_after[i],
-    }
-    n = len(motion.pattern)
-    run = vi.simulate(motion.osc, motion.r, motion.clearance, 3000, state=state)
-    events = run.events[run.events["kind"] == "impact"]
-    last = events[-n:]["x"]
-    return min(np.abs(np.roll(last, j) - motion.X).max() for j in range(n)) < (
-        1e-4 * motion.clearance
-    )
-
-
-def test_switching_at_a_flip():
-    """The doubled motion is exact, of twice the period, and as stable as simulation says."""
-    branch = vi.branch(pair_motion(), "clearance", (10, 60))
-    flip = next(p for p in branch.special_points if p.type == "flip")
-    (doubled,) = flip.switch()
-    assert doubled.pattern == vi.Pattern("RLRL", 2)
-    assert doubled.residual < 1e-12
-    assert np.abs(doubled.X[:2] - doubled.X[2:]).max() > 1e-4 * doubled.clearance
-    # supercritical: where the simple motion is unstable the doubled one is stable
-    simple = vi.exact(doubled.osc, doubled.r, doubled.clearance, flip.motion)
-    assert doubled.stable != simple.stable
-    assert settles_on(doubled) == doubled.stable
-
-
-def test_switching_at_a_pitchfork():
-    """Two mirror images on one side of the point; they are stable where the symmetric one is not."""
-    branch = vi.branch(vi.equispaced(FIGURE6, 1.04, 25.0)[0], "clearance", (3, 60))
-    branches = [branch, vi.branch(vi.equispaced(FIGURE6, 1.04, 25.0)[1], "clearance", (3, 60))]
-    points = [p for b in branches for p in b.special_points if p.type == "pitchfork"]
-    assert points
-    one, other = points[0].switch()
-    assert one.residual < 1e-12
-    assert other.residual < 1e-12
-    np.testing.assert_allclose(np.sort(one.X), np.sort(-other.X), atol=1e-10 * one.clearance)
-    x = points[0].motion.X[0] / points[0].clearance
-    symmetric = min(
-        vi.equispaced(FIGURE6, one.r, one.clearance), key=lambda m: abs(m.X[0] / m.clearance - x)
-    )
-    assert one.stable == other.stable
-    assert one.stable != symmetric.stable
-    # followed back, they end at the same point
-    back = vi.branch(one, "clearance", (3, 60))
-    ends = [p for p in back.special_points if p.type == "pitchfork"]
-    assert min(abs(p.clearance / points[0].clearance - 1) for p in ends) < 1e-8
-
-
-def test_switching_at_grazing_adds_an_impact():
-    branch = vi.branch(pair_motion(), "clearance", (10, 60))
-    point = next(p for p in branch.special_points if p.type == "grazing")
-    for motion in point.switch():
-        assert len(motion.pattern) == 3
-        assert motion.residual < 1e-12
-        assert motion.admissible
-
-
-@pytest.mark.parametrize("parameter", ["clearance", "r", "mu"])
-def test_switching_at_a_grazing_of_a_symmetric_motion(parameter):
-    """Both walls are touched at once: one impact more, or the mirrored pair, which begins right here."""
-    osc = vi.Oscillator(xi=0.05, mu=0.3, restitution=0.6)
-    start = next(m for m in vi.equispaced(osc, 0.36, 2.2) if m.admissible)
-    bounds = {"clearance": (1.1, 4.4), "r": (0.342, 0.378), "mu": (0.21, 0.39)}[parameter]
-    points = vi.branch(start, parameter, bounds).special_points
-    point = next(p for p in points if p.type == "grazing")
-
-    def values(motion):
-        return {"clearance": motion.clearance, "r": motion.r, "mu": motion.osc.mu}
-
-    for motion in point.switch():
-        assert motion.admissible
-        assert motion.residual < 1e-12
-        same = {k: v for k, v in values(motion).items() if k != parameter}
-        assert same == {k: v for k, v in values(point.motion).items() if k != parameter}
-    pair = next(m for m in point.switch() if len(m.pattern) == 4)
-    np.testing.assert_allclose(pair.X[2:], -pair.X[:2], atol=1e-10 * pair.clearance)
-    np.testing.assert_allclose(pair.phases[2:], pair.phases[:2] + np.pi, atol=1e-10)
-    # followed back, the new impacts lose their approach speed where the wall is first touched
-    ends = [
-        p for p in vi.branch(pair, parameter, bounds).special_points if p.type == "zero_approach"
-    ]
-    here = values(point.motion)[parameter]
-    assert min(abs(values(p.motion)[parameter] / here - 1) for p in ends) < 1e-8
 
 
 def test_zero_approach_is_one_event():

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from test_exact import TABLE, UNEVEN, after_impact
-from test_simulate import RIG, TURN, state
+from shared_motions import UNEVEN, after_impact
+from shared_simulations import state
+from shared_systems import RIG, TABLE, TURN
 
 
 def same_orbit(one, other):

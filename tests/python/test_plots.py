@@ -5,8 +5,9 @@ import sys
 import numpy as np
 import pytest
 import vibroimpact as vi
-from test_exact import COLUMN, TABLE, rest_motion
-from test_simulate import RIG, TURN, settled
+from shared_motions import COLUMN, rest_motion
+from shared_simulations import settled
+from shared_systems import RIG, TABLE, TURN
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
@@ -214,6 +215,8 @@ def test_short_and_quiet_trajectories_are_drawn():
     ):
         axes = run.plot()
         axes[0].figure.canvas.draw()
+        assert len(axes) == len(KINDS)
+        assert np.isfinite([one.get_xlim() + one.get_ylim() for one in axes]).all()
 
 
 def test_settings_are_left_alone():

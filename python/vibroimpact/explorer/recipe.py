@@ -13,8 +13,9 @@ from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import exact
 from ..solve import equispaced
+from ..states import NEEDED
 from ..studies.conditions import is_symmetric
-from ..trajectory import NEEDED, simulate
+from ..trajectory import simulate
 
 __all__ = ["Recipe", "recipe_of", "start_of"]
 

@@ -11,8 +11,8 @@ from urllib.parse import parse_qsl, urlencode
 from .. import checks
 from ..errors import ParameterError, VibroimpactError
 from ..model import Oscillator, Pattern
+from ..states import NEEDED
 from ..studies.zone import span
-from ..trajectory import NEEDED
 from .recipe import Recipe
 
 __all__ = ["Run", "State"]

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from ..model import Oscillator, Pattern
 from ..studies.atlas import standard
 from ..studies.conditions import can_be_symmetric
-from ..studies.zone import Window, Zone, zone
+from ..studies.zone import Window, Zone
+from ..studies.zone_search import zone
 from .state import pattern_text
 
 __all__ = ["COARSE", "FINE", "Family", "compute", "families"]

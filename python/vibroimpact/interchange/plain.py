@@ -220,8 +220,8 @@ def decode_array(
 
 def decode_events(value: Mapping[str, Any], label: str, dimensions: Dimensions) -> NDArray[Any]:
     """The events of a trajectory or of a motion with rest, or the impacts of a bifurcation diagram."""
+    from ..events import EVENT_TYPE, KINDS
     from ..studies.bifurcation import COLUMNS
-    from ..trajectory import EVENT_TYPE, KINDS
 
     record_type = EVENT_TYPE
     if "run" in value:

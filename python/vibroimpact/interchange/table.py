@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
 from ..files import write_text
+from ..status import NO_MOTION, VERDICT
 
 if TYPE_CHECKING:
     from ..motion import Motion
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
 
 #: Names of columns with the values of all rows.
 Columns = dict[str, list[Any]]
-#: A code of the core: there is no motion.
-NO_MOTION = 7
-VERDICTS = {1: True, 0: False, -1: None}
 #: As the compiled program says it.
 NOT_CLOSED = "not closed: a boundary could not be followed until it closes"
 
@@ -94,7 +92,7 @@ def branch_columns(branch: Branch, number: int = 1) -> Columns:
         name: getattr(branch, name).tolist() for name in ("r", "clearance", "xi", "mu", "R1", "R2")
     }
     for row, name in enumerate(("consistent", "admissible", "stable")):
-        table[name] = [VERDICTS[code] for code in branch.verdicts[row].tolist()]
+        table[name] = [VERDICT[code] for code in branch.verdicts[row].tolist()]
     moduli = np.hypot(branch.multipliers.real, branch.multipliers.imag)
     table |= {f"multiplier_{i}_modulus": row.tolist() for i, row in enumerate(moduli, start=1)}
     for name in ("A", "tau", "residual", "x_min", "x_max", "attenuation"):
@@ -171,7 +169,7 @@ def chart_columns(data: Any) -> Columns:
     }  # fmt: skip
     for name in ("consistent", "admissible", "stable"):
         values = data[name].transpose(*order).values[i, j, k]
-        table[name] = [VERDICTS[code] for code in values.tolist()]
+        table[name] = [VERDICT[code] for code in values.tolist()]
     leading = data["multiplier_modulus"][0].transpose(*order).values[i, j, k]
     table["multiplier_1_modulus"] = leading.tolist()
     table["x_max"] = data["x_max"].transpose(*order).values[i, j, k].tolist()

@@ -84,6 +84,13 @@ def bars(ax: Any, found: Sequence[Bar], kind: str, label: str = "") -> None:
     )
 
 
+def letters(ax: Any, places: Mapping[str, tuple[float, float]]) -> None:
+    """Points (r, d K/F0) that another figure shows, with their letters there."""
+    for name, (r, clearance) in places.items():
+        ax.plot(r, 1 / clearance, "k.", ms=4)
+        ax.annotate(name, (r, 1 / clearance), textcoords="offset points", xytext=(3, 2), fontsize=8)
+
+
 def axes_of_zones(ax: Any, *, inverse: bool = True) -> None:
     """Labels and a logarithmic ordinate: the zones span two decades."""
     ax.set_yscale("log")

@@ -33,10 +33,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         canvas.zone(ax, strips, kind, traced=traced)
         canvas.bars(ax, bars(sweeps, kind), kind)
         print(f"Figure 8a: {canvas.inside(sweeps, kind, strips)}; {compared(traced, strips)}")
-    for name in ("a", "b", "c"):
-        _, _, r, clearance = PANELS[name]
-        ax.plot(r, 1 / clearance, "k.", ms=4)
-        ax.annotate(name, (r, 1 / clearance), textcoords="offset points", xytext=(3, 2), fontsize=8)
+    canvas.letters(ax, {name: PANELS[name][2:] for name in ("a", "b", "c")})
     canvas.axes_of_zones(ax)
     ax.set(xlim=(0.55, 1.5), ylim=(0.006, 1.5))
     canvas.legend(ax, loc="lower right")

@@ -41,10 +41,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         canvas.zone(ax, strips, "rest", name, color=colour, traced=traced)
         print(f"Figure 8b, {sides}: {compared(traced, strips)}")
     canvas.bars(ax, bars(sweeps, "rest"), "rest")
-    for name in ("c", "d"):
-        _, _, r, clearance = PANELS[name]
-        ax.plot(r, 1 / clearance, "k.", ms=4)
-        ax.annotate(name, (r, 1 / clearance), textcoords="offset points", xytext=(3, 2), fontsize=8)
+    canvas.letters(ax, {name: PANELS[name][2:] for name in ("c", "d")})
     canvas.axes_of_zones(ax)
     ax.set(xlim=R, ylim=(0.02, 2.5))
     canvas.legend(ax, loc="lower right")

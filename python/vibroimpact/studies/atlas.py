@@ -20,7 +20,8 @@ from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from .conditions import can_be_symmetric
 from .settling import thread_count
-from .zone import ROOM, Window, Zone, assemble, span
+from .zone import Window, Zone, checked_window
+from .zone_search import ROOM, assemble
 
 __all__ = ["Atlas", "Attractor", "atlas"]
 
@@ -186,11 +187,7 @@ def atlas(
     ['RL', 'RRL']
     """
     checks.instance(osc, "osc", Oscillator)
-    window = (span(r, "r"), span(clearance, "clearance"))
-    if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
-        raise ParameterError(
-            f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)"
-        )
+    window = checked_window(osc, r, clearance)
     max_impacts = checks.integer(max_impacts, "max_impacts", 2, 8)
     max_cycles = checks.integer(max_cycles, "max_cycles", 1, 4)
     survey = checks.integer(survey, "survey", 0, 10**6)

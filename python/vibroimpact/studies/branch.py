@@ -14,8 +14,9 @@ from ..errors import ParameterError, SingularError
 from ..interchange import namelist
 from ..interchange.result import Result
 from ..model import Oscillator, Pattern
-from ..motion import VERDICT, Motion
-from ..solve import frozen, raise_status
+from ..motion import Motion
+from ..solve import frozen
+from ..status import VERDICT, raise_status
 from .conditions import (
     EDGE,
     GRAZING,

@@ -15,12 +15,12 @@ from ..errors import ParameterError, SingularError, StudyInterrupted
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
-from ..trajectory import TWO_PI, _start
+from ..states import TWO_PI, start_of
+from ..status import NO_MOTION, NOT_COMPUTED, status_text
 
 __all__ = ["Lyapunov", "lyapunov"]
 
 _Array = NDArray[np.float64]
-NO_MOTION, NOT_COMPUTED = 7, 12
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -206,7 +206,7 @@ def lyapunov(
         each_r = checks.frequency_ratio(float(one_r), osc.xi)
         each_clearance = checks.number(float(one_clearance), "clearance")
         system = (osc.xi, osc.mu, osc.restitution, each_r, load, each_clearance)
-        states[:, j], contacts[:, j] = _start(system, state)[1]
+        states[:, j], contacts[:, j] = start_of(system, state)[1]
     found, complete = stoppable(
         _core.lyapunov, osc.xi, osc.mu, osc.restitution, rs.ravel(), np.full(rs.size, load),
         clearances.ravel(), states, contacts, discard, cycles // batches, batches, threads,
@@ -221,8 +221,6 @@ def lyapunov(
         found = [item[..., done] for item in found]
     exponents, deviations, dimensions, counts, errors, _ = found
     if rs.ndim == 0 and status[0] != 0:
-        from ..solve import status_text
-
         why = "no impacts in a batch" if status[0] == NO_MOTION else status_text(int(status[0]))
         raise SingularError(f"Lyapunov exponents: {why}")
     shape = rs.shape

@@ -14,7 +14,8 @@ from ..errors import VibroimpactError
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact
-from ..trajectory import NEEDED, _checked, simulate
+from ..states import NEEDED, checked_state
+from ..trajectory import simulate
 
 _Array = NDArray[np.float64]
 #: The core's parameters, in its order.
@@ -35,7 +36,7 @@ def scale(osc: Oscillator, r: float, clearance: float, load: float) -> float:
 
 def one_state(state: Mapping[str, float], clearance: float) -> _Array:
     """t, x, x', z, z' of a state given by the caller."""
-    given = _checked(state, clearance)
+    given = checked_state(state, clearance)
     return np.array([given[name] for name in NEEDED])
 
 

@@ -1,0 +1,75 @@
+"""Events in the order of time, and the closed form between them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .model import Oscillator
+
+KINDS = np.array(["", "impact", "stick", "release"])
+#: Columns of `Trajectory.events`.
+EVENT_TYPE = np.dtype(
+    [
+        ("time", "f8"), ("kind", "U7"), ("side", "U1"), ("phase", "f8"), ("x", "f8"),
+        ("x_dot_before", "f8"), ("x_dot_after", "f8"), ("z_dot_before", "f8"), ("z_dot_after", "f8"),
+    ]
+)  # fmt: skip
+#: What stands for side and kind in a record, as four numbers that are copied and no more.
+_NAMES = np.zeros((3, 2), dtype=EVENT_TYPE)
+_NAMES["kind"], _NAMES["side"] = KINDS[1:, None], ("R", "L")
+WORDS = np.asfortranarray(_NAMES.view(np.float64).reshape(3, 2, 11)[..., 1:5].T)
+
+
+class Sample(NamedTuple):
+    """Time history of a motion; each array has the shape of the times asked for."""
+
+    X: NDArray[np.float64]
+    X_dot: NDArray[np.float64]
+    Z: NDArray[np.float64]
+    Z_dot: NDArray[np.float64]
+    Y: NDArray[np.float64]
+    load: NDArray[np.float64]
+
+
+def event_table(numbers: NDArray[np.float64], labels: NDArray[np.int32]) -> NDArray[Any]:
+    """The events of the core as a structured array, read-only."""
+    events = np.empty(numbers.shape[1], dtype=EVENT_TYPE)
+    events["kind"] = KINDS[labels[0]]
+    events["side"] = np.where(labels[1] > 0, "R", "L")
+    names = ("time", "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
+    for name, column in zip(names, numbers, strict=True):
+        events[name] = column
+    events.flags.writeable = False
+    return events
+
+
+def segments(
+    events: NDArray[Any], clearance: float
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Start (6, n) of the segment that each event begins, and the side of rest in it or 0."""
+    side = np.where(events["side"] == "R", 1, -1)
+    z = events["x"] + 0.5 * side * clearance
+    starts = [
+        events["time"],
+        events["phase"],
+        events["x"],
+        events["x_dot_after"],
+        z,
+        events["z_dot_after"],
+    ]
+    return np.array(starts), np.where(events["kind"] == "stick", side, 0).astype(np.int32)
+
+
+def sample(
+    osc: Oscillator, r: float, load: float, clearance: float, starts: NDArray[np.float64],
+    resting: NDArray[np.int32], times: NDArray[np.float64],
+) -> Sample:  # fmt: skip
+    """Positions, velocities and load at times of any shape, within some segments."""
+    values = _core.sample_trajectory(
+        osc.xi, osc.mu, r, load, clearance, starts, resting, times.ravel()
+    )
+    return Sample(*values.reshape((6, *times.shape)))

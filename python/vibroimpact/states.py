@@ -1,0 +1,141 @@
+"""States from which simulations start and in which they end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core, checks
+from .errors import ParameterError, ParameterTypeError
+
+TWO_PI = 2 * math.pi
+NEEDED = ("t", "x", "x_dot", "z", "z_dot")
+EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
+
+#: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on without loss.
+State = dict[str, Any]
+
+#: A moment of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
+Moment = tuple[NDArray[np.float64], NDArray[np.int32]]
+#: xi, mu, R1 and R2, r, load, clearance.
+System = tuple[float, float, tuple[float, float], float, float, float]
+
+
+def later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
+    """Cycle and phase a number of load cycles after a moment."""
+    whole = math.floor(cycles)
+    phase = values[1] + TWO_PI * (cycles - whole)
+    over = 1 if phase >= TWO_PI else 0
+    return float(values[0] + whole + over), float(max(0.0, phase - TWO_PI * over))
+
+
+def state_of(system: System, now: Moment, begun: Moment) -> State:
+    """A moment as a dictionary.
+
+    `since` tells to whom and to what it belongs, and where its flight or rest began: a simulation of the
+    same system that starts from the unchanged state goes on from there, bit for bit.
+    """
+    cycle, phase, x, x_dot, z, z_dot, speed = now[0].tolist()
+    side, resting, released = now[1].tolist()
+    t = (TWO_PI * cycle + phase) / system[3]
+    xi, mu, walls, *rest = system
+    since = (xi, mu, *walls, *rest, t, x, x_dot, z, z_dot, cycle, phase, side, speed, resting, released,
+             *begun[0].tolist(), *begun[1].tolist())  # fmt: skip
+    return {
+        "t": t, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot, "cycle": cycle, "phase": phase,
+        "side": side, "speed": speed, "resting": resting, "released": released, "since": since,
+    }  # fmt: skip
+
+
+def _belongs(system: System, state: Mapping[str, Any]) -> tuple[float, ...]:
+    """The numbers by which a state is recognised: of its system, then its own."""
+    xi, mu, walls, *rest = system
+    return (xi, mu, *walls, *rest, *(state[name] for name in NEEDED + EXTRA))
+
+
+def start_of(system: System, state: Mapping[str, Any] | None) -> tuple[Moment, Moment]:
+    """The moment of a state given by the caller, and where its flight or rest began."""
+    clearance = system[5]
+    if state is None:
+        moment = (np.zeros(7), np.zeros(3, dtype=np.int32))
+        return moment, moment
+    given = checked_state(state, clearance)
+    if all(name in given for name in EXTRA):
+        resumed = _resume(given, state, system)
+        if resumed is not None:
+            return resumed
+    start = np.array([given[name] for name in NEEDED])
+    moment = _core.start_state(system[0], system[3], system[4], clearance, start)
+    return moment, moment
+
+
+def checked_state(state: Any, clearance: float) -> dict[str, float]:
+    """The numbers of a state given by the caller."""
+    if not isinstance(state, Mapping):
+        raise ParameterTypeError(
+            f"state = {state!r}: must be a mapping with t, x, x_dot, z, z_dot, or a final_state"
+        )
+    missing = [name for name in NEEDED if name not in state]
+    unknown = [name for name in state if name not in (*NEEDED, *EXTRA, "since")]
+    if missing or unknown:
+        raise ParameterError(
+            f"state with {', '.join(map(repr, state))}: must have {', '.join(NEEDED)} "
+            f"(missing: {missing}, unknown: {unknown})"
+        )
+    given = {}
+    for name in state:
+        if name == "since":
+            continue
+        given[name] = checks.to_float(state[name], f"state[{name!r}]", "a finite number")
+        if not math.isfinite(given[name]):
+            raise ParameterError(f"state[{name!r}] = {state[name]!r}: must be a finite number")
+    y, half = given["z"] - given["x"], 0.5 * clearance
+    if abs(y) > half * (1 + 1e-9):
+        raise ParameterError(
+            f"state['z'] - state['x'] = {y!r}: must be between the walls, -{half:.6g} to {half:.6g}"
+        )
+    return given
+
+
+def _resume(
+    given: Mapping[str, float], state: Mapping[str, Any], system: System
+) -> tuple[Moment, Moment] | None:
+    """The moments of a `final_state`; None if its t is not that of the rest of it."""
+    r, clearance = system[3], system[5]
+    ranges = {
+        "cycle": (-(2.0**53), 2.0**53, True),
+        "phase": (0.0, TWO_PI, False),
+        "side": (-1, 1, True),
+        "speed": (0.0, math.inf, False),
+        "resting": (0, 1, True),
+        "released": (0, 1, True),
+    }
+    for name, (low, high, closed) in ranges.items():
+        value = given[name]
+        whole = name in ("phase", "speed") or value == math.floor(value)
+        if not (whole and (low <= value < high or (closed and value == high))):
+            raise ParameterError(
+                f"state[{name!r}] = {value!r}: must be as a final_state has it, {low:g} to {high:g}"
+            )
+    belongs = _belongs(system, given)
+    n = len(belongs)
+    since: Any = state.get("since")
+    known = isinstance(since, (tuple, list)) and len(since) == n + 10
+    own = len(NEEDED + EXTRA)
+    untouched = known and tuple(since[n - own : n]) == belongs[-own:]
+    t = (TWO_PI * given["cycle"] + given["phase"]) / r
+    if not untouched and abs(t - given["t"]) > 1e-12 * max(1.0, abs(t)):
+        return None
+    numbers = [given[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
+    labels = [int(given[name]) for name in ("side", "resting", "released")]
+    y = given["z"] - given["x"]
+    if labels[0] and abs(y - 0.5 * labels[0] * clearance) > 1e-9 * clearance:
+        labels, numbers[6] = [0, 0, 0], 0.0  # the wall is elsewhere now
+    moment = (np.array(numbers), np.array(labels, dtype=np.int32))
+    if known and tuple(since[:n]) == belongs:
+        return moment, (np.array(since[n : n + 7]), np.array(since[n + 7 :], dtype=np.int32))
+    return moment, moment

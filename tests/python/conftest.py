@@ -1,0 +1,47 @@
+"""Results that several files look at."""
+
+import pytest
+
+# what their asserts compared is shown as in a test
+pytest.register_assert_rewrite("shared_laws", "shared_simulations")
+
+import vibroimpact as vi  # noqa: E402
+from shared_motions import COLUMN, rest_motion  # noqa: E402
+from shared_systems import FIGURE6, TABLE  # noqa: E402
+
+START = {"t": 0, "x": 3.5, "x_dot": 0, "z": 0, "z_dot": -2}
+
+
+@pytest.fixture(scope="session")
+def results():
+    """One result of each kind, and of the kinds within them."""
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    uneven = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    return {
+        "motion": motion,
+        "rest": rest_motion(),
+        "free": vi.exact(TABLE, 0.94, 74.0, motion, load=2.0),
+        "pair": vi.equispaced(TABLE, 0.94, 37.0)[0],
+        "linear": vi.periodic(
+            TABLE, 0.94, [0, 2.0, 4.1], vi.Pattern("RRL"), [0.7, 0.8, 0.75], "single"
+        ),
+        "trajectory": vi.simulate(TABLE, 0.94, 37.0, 20, START),
+        "rests": vi.simulate(uneven, 0.9, 6.0, 4, discard=50),
+        "still": vi.simulate(TABLE, 0.94, 37.0, 0),
+        "branch": vi.branch(motion, "clearance", (15, 45)),
+        "zone": vi.zone(FIGURE6, vi.Pattern("RL"), (0.8, 1.2), (2, 200)),
+        "atlas": vi.atlas(FIGURE6, (1.0, 1.1), (20, 60), max_impacts=2, survey=12),
+    }
+
+
+@pytest.fixture(scope="session")
+def attractors():
+    """Results of the studies of attractors, with motions, exponents and states within them."""
+    return {
+        "lyapunov": vi.lyapunov(FIGURE6, 1.04, [25.0, 30.0], cycles=100, discard=50),
+        "one": vi.lyapunov(FIGURE6, 1.04, 25.0, cycles=100, discard=50),
+        "basins": vi.basins(TABLE, 0.94, 37.0, (("x", -30, 30, 6), ("x_dot", -30, 30, 5))),
+        "states": vi.basins(TABLE, 0.94, 37.0, states=9),
+        "bifurcation": vi.bifurcation_diagram(FIGURE6, "clearance", [20, 30, 40], r=1.04),
+        "response": vi.response(FIGURE6, [1.0, 1.02], clearance=25.0, states=3),
+    }

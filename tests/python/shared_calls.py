@@ -1,0 +1,37 @@
+"""The package's functions with right arguments, of which a test changes some."""
+
+import math
+
+import vibroimpact as vi
+
+NAN, INF = math.nan, math.inf
+OSC = vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.75, 0.61))
+EVEN = vi.Oscillator(xi=0.01, mu=0.05, restitution=0.75)
+PAIR = vi.Pattern("RL")
+PHASES = [0.0, 3.3]
+
+
+def oscillator(**changes):
+    """Make the oscillator with some parameter wrong."""
+    return vi.Oscillator(**{"xi": 0.01, "mu": 0.05, "restitution": 0.75} | changes)
+
+
+def periodic(**changes):
+    """Solve the periodic problem with some argument wrong."""
+    return vi.periodic(**{"osc": OSC, "r": 0.9, "phases": PHASES, "pattern": PAIR} | changes)
+
+
+def linear_system(**changes):
+    """Assemble the linear system with some argument wrong."""
+    return vi.linear_system(**{"osc": OSC, "r": 0.9, "phases": PHASES, "pattern": PAIR} | changes)
+
+
+def batch(**changes):
+    """Solve a batch of two with some argument wrong."""
+    good = {"osc": OSC, "r": 0.9, "phases": [[0.0, 0.0], [3.3, 3.4]], "pattern": PAIR}
+    return vi.periodic_batch(**good | changes)
+
+
+def equispaced(**changes):
+    """Solve the equispaced problem with some argument wrong."""
+    return vi.equispaced(**{"osc": EVEN, "r": 0.9, "clearance": 20.0} | changes)

@@ -1,0 +1,46 @@
+"""Which results there are, and whether two are the same."""
+
+import numpy as np
+
+NAMES = (
+    "motion",
+    "rest",
+    "free",
+    "pair",
+    "linear",
+    "trajectory",
+    "rests",
+    "still",
+    "branch",
+    "zone",
+    "atlas",
+)
+
+
+def same(one, other):
+    """Whether two results are the same in type and in every bit, NaN, -0.0 and structure included."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return (
+            one.dtype == other.dtype
+            and one.shape == other.shape
+            and one.tobytes() == other.tobytes()
+        )
+    if isinstance(one, float):
+        return np.float64(one).tobytes() == np.float64(other).tobytes()
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    if hasattr(one, "__dataclass_fields__"):
+        return all(
+            same(getattr(one, name), getattr(other, name)) for name in one.__dataclass_fields__
+        )
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(same, one, other))
+    return one == other
+
+
+def write(path, text):
+    """A file, and its path."""
+    path.write_text(text, encoding="utf-8")
+    return path

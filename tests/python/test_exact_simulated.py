@@ -1,0 +1,95 @@
+"""What simulation says to exact motions: it stays, leaves and comes back as their multipliers tell."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_motions import COLUMN, POINTS, after_impact, motions
+from shared_systems import TABLE, TURN
+
+
+def by_period(run, motion, cycles):
+    """Impacts of a run in rows of one period of a motion."""
+    events, n = run.events, len(motion.pattern)
+    rows = events[: cycles * n].reshape(cycles, n)
+    assert set(rows["kind"].ravel()) == {"impact"}
+    return rows
+
+
+def test_stays_on_a_stable_motion_for_ten_thousand_cycles():
+    """Every impact of 10,000 cycles is at the phase and place of the exact motion."""
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    run = vi.simulate(TABLE, 0.94, 37.0, 10_000, after_impact(motion))
+    assert run.events.size in (19_999, 20_000)
+    rows = by_period(run, motion, 9_999)
+    phases = np.mod(motion.phases[[1, 0]] + motion.load_phase, TURN)
+    assert np.abs(np.mod(rows["phase"] - phases + 1, TURN) - 1).max() < 1e-11
+    assert np.abs(rows["x"] - motion.X[[1, 0]]).max() < 1e-11
+    assert np.abs(rows["z_dot_after"] - motion.Z_dot_after[[1, 0]]).max() < 1e-11
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_leaves_an_unstable_motion_at_the_rate_of_its_multiplier(which):
+    """A departure of 1e-9 grows period by period by the leading multiplier, to 1 %."""
+    motion = vi.equispaced(TABLE, 0.94, 37.0)[which]
+    motion = vi.exact(TABLE, 0.94, 37.0, motion)
+    assert not motion.stable
+    values, vectors = np.linalg.eig(motion.stability_matrix())
+    lead = int(np.abs(values).argmax())
+    nudge = 1e-9 * vectors[:, lead].real
+    first = after_impact(motion)
+    first["t"] += nudge[3] / motion.r
+    first["x"] += nudge[0]
+    first["z"] += nudge[0]
+    first["x_dot"] += nudge[1]
+    first["z_dot"] += nudge[2]
+    run = vi.simulate(TABLE, 0.94, 37.0, 30, first)
+    right = run.events[(run.events["side"] == "R") & (run.events["kind"] == "impact")]
+    off = np.abs(right["x"][:15] - motion.X[0])
+    use = (off > 1e-8) & (off < 1e-3)
+    period = np.arange(off.size)[use]
+    assert period.size >= 4
+    assert np.all(np.diff(period) == 1)
+    rate = math.exp(np.polyfit(period, np.log(off[use]), 1)[0])
+    assert rate == pytest.approx(abs(motion.multipliers[0]), rel=0.01)
+
+
+@pytest.mark.parametrize("point", POINTS)
+def test_a_perturbation_follows_the_stability_matrix(point):
+    """One simulated period maps a small change of (x, x', z', phase) as [P] does."""
+    osc, r, clearance = point
+    for motion in motions(*point, impacts=3, cycles=1):
+        matrix, size = motion.stability_matrix(), 1e-6
+        n, side = len(motion.pattern), motion.pattern.signs[0]
+        for column in range(4):
+            ends = []
+            for sign in (1, -1):
+                change = np.zeros(4)
+                change[column] = sign * size
+                first = after_impact(motion)
+                first["x"] += change[0]
+                first["z"] = first["x"] + 0.5 * side * clearance
+                first["x_dot"] += change[1]
+                first["z_dot"] += change[2]
+                first["t"] += change[3] / r
+                event = vi.simulate(osc, r, clearance, 1.5, first).events[n - 1]
+                ends.append(
+                    [event["x"], event["x_dot_after"], event["z_dot_after"], event["time"] * r]
+                )
+            got = np.subtract(*ends) / (2 * size)
+            assert got == pytest.approx(matrix[:, column], abs=2e-6 * np.abs(matrix).max())
+
+
+def test_a_small_perturbation_of_a_stable_motion_dies_out():
+    """The rate at which it does is the modulus of the leading multiplier."""
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    first = after_impact(motion)
+    first["x_dot"] += 1e-4
+    run = vi.simulate(TABLE, 0.94, 37.0, 300, first)
+    right = run.events[run.events["side"] == "R"]
+    off = np.abs(right["x"] - motion.X[0])
+    tops = [off[i : i + 20].max() for i in range(20, 200, 20)]
+    rate = math.exp(np.polyfit(np.arange(len(tops)) * 20, np.log(tops), 1)[0])
+    assert rate == pytest.approx(abs(motion.multipliers[0]), rel=0.01)
+    assert off[-20:].max() < 1e-10

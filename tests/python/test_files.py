@@ -1,0 +1,169 @@
+"""Results as netCDF, MATLAB and CSV files, labelled datasets and data frames."""
+
+import sys
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_results import NAMES, same, write
+
+FILES = [name for name in NAMES if name != "still"]
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".mat"])
+@pytest.mark.parametrize("name", FILES)
+def test_files_give_every_bit(name, suffix, results, tmp_path):
+    """netCDF and MATLAB files are read back whole; nothing is left of the temporary file."""
+    pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy"}[suffix])
+    path = tmp_path / f"result{suffix}"
+    results[name].save(path)
+    assert [item.name for item in tmp_path.iterdir()] == [path.name]
+    assert same(vi.load(path), results[name])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_datasets_are_labelled(name, results):
+    """Every variable has a unit or flags and a meaning; the case and the version are there."""
+    pytest.importorskip("xarray")
+    result = results[name]
+    data = result.to_xarray()
+    for variable in data.variables.values():
+        assert variable.attrs["long_name"]
+        assert "units" in variable.attrs or variable.dtype.kind in "OU"
+    assert data.attrs["source"] == f"vibroimpact {vi.__version__}"
+    assert data.attrs["Conventions"].startswith("CF-")
+    if name not in ("rest", "free"):
+        assert data.attrs["case"] == result.to_namelist()
+    if isinstance(result, vi.Motion):
+        np.testing.assert_array_equal(data.X, result.X)
+        np.testing.assert_array_equal(
+            data.multipliers_real + 1j * data.multipliers_imag, result.multipliers
+        )
+        assert float(data.clearance) == result.clearance
+    elif isinstance(result, vi.Trajectory):
+        np.testing.assert_array_equal(data.time, result.events["time"])
+        assert data.side.values.tolist() == result.events["side"].tolist()
+    elif isinstance(result, vi.Branch):
+        np.testing.assert_array_equal(data.Z_dot_after[:, 3], result[3].Z_dot_after)
+    elif isinstance(result, vi.Zone):
+        for i, piece in enumerate(result.boundary):
+            here = data.sel(vertex=data.piece == i)
+            np.testing.assert_array_equal(here.r, piece.r)
+            np.testing.assert_array_equal(here.piece_x[: len(piece.x)], piece.x)
+            assert str(data.type.values[i]) == piece.type
+        for i, ring in enumerate(result.loops):
+            here = data.sel(ring_vertex=data.ring == i)
+            np.testing.assert_array_equal(np.c_[here.ring_r, here.ring_clearance], ring)
+    else:
+        assert data.sides.values.tolist() == [zone.pattern.sides for zone in result.zones]
+        assert data.sizes["vertex"] == sum(len(p) for zone in result.zones for p in zone.boundary)
+
+
+def test_netcdf_is_read_by_others(results, tmp_path):
+    """Plain h5py sees the numbers and the units."""
+    h5py = pytest.importorskip("h5py")
+    results["motion"].save(tmp_path / "motion.nc")
+    with h5py.File(tmp_path / "motion.nc") as file:
+        assert file["X"][:].tolist() == results["motion"].X.tolist()
+        unit = file["X"].attrs["units"]
+        assert (unit.decode() if isinstance(unit, bytes) else unit) == "F0/K"
+
+
+def test_matlab_is_read_by_others(results, tmp_path):
+    """As MATLAB sees them: a struct, cells of structs, complex numbers, logicals."""
+    scipy_io = pytest.importorskip("scipy.io")
+    for name in ("motion", "zone", "trajectory"):
+        results[name].save(tmp_path / f"{name}.mat")
+    motion = scipy_io.loadmat(tmp_path / "motion.mat", simplify_cells=True)["motion"]
+    np.testing.assert_array_equal(motion["multipliers"], results["motion"].multipliers)
+    np.testing.assert_array_equal(motion["X_dot_before"], results["motion"].X_dot_before)
+    assert motion["pattern"]["sides"] == "RL"
+    assert motion["osc"]["restitution"].tolist() == [0.75, 0.75]
+    assert bool(motion["stable"]) is True
+    zone = scipy_io.loadmat(tmp_path / "zone.mat", simplify_cells=True)["zone"]
+    for ours, theirs in zip(zone["boundary"], results["zone"].boundary, strict=True):
+        assert ours["type"] == theirs.type
+        np.testing.assert_array_equal(ours["clearance"], theirs.clearance)
+    run = scipy_io.loadmat(tmp_path / "trajectory.mat", simplify_cells=True)["trajectory"]
+    np.testing.assert_array_equal(run["events"]["x"], results["trajectory"].events["x"])
+    assert run["events"]["side"].tolist() == results["trajectory"].events["side"].tolist()
+
+
+@pytest.mark.parametrize(
+    "name", ["motion", "linear", "trajectory", "rests", "still", "branch", "zone", "atlas"]
+)
+def test_csv_is_what_run_writes(name, results, tmp_path):
+    """The same bytes as by way of a namelist; so it is an input that gives the same once more."""
+    results[name].save(tmp_path / "mine.csv")
+    path = write(tmp_path / "case.nml", results[name].to_namelist() + "&output name = 'mine' /\n")
+    log = vi.run_namelists([path], tmp_path / "run")
+    assert (log.status, len(log.results)) == (0, 1)
+    assert (tmp_path / "mine.csv").read_text() == log.results[0].read_text()
+    log = vi.run_namelists([tmp_path / "mine.csv"], tmp_path / "again")
+    assert log.results[0].read_bytes() == (tmp_path / "mine.csv").read_bytes()
+
+
+def test_csv_without_a_namelist(results, tmp_path):
+    """The table is there, and that no namelist tells how it began."""
+    results["rest"].save(tmp_path / "rest.csv")
+    lines = (tmp_path / "rest.csv").read_text().splitlines()
+    assert lines[0].endswith("no namelist tells how it began")
+    assert len(lines) == 2 + len(results["rest"].pattern)
+    with pytest.raises(vi.errors.ParameterError, match=r"rest\.csv': must be a file that"):
+        vi.load(tmp_path / "rest.csv")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_data_frames(name, results):
+    """The columns of the table, with their numbers."""
+    pytest.importorskip("pandas")
+    frame = results[name].to_pandas()
+    result = results[name]
+    if isinstance(result, vi.Trajectory):
+        assert frame["x"].tolist() == result.events["x"].tolist()
+    elif isinstance(result, vi.Motion):
+        assert frame["phase"].tolist() == result.phases.tolist()
+        assert frame["r"].unique().tolist() == [result.r]
+    elif isinstance(result, vi.Branch):
+        assert frame["special"][frame["special"] != ""].tolist() == [
+            p.type for p in result.special_points
+        ]
+    else:
+        assert set(frame["type"]) <= {"fold", "pitchfork", "neimark_sacker", "flip", "grazing", "window",
+                                      "zero_approach"}  # fmt: skip
+
+
+def test_files_of_another_kind_by_suffix(results, tmp_path):
+    """A file that is not what its name says, and one without a record, are named."""
+    pytest.importorskip("h5netcdf")
+    pytest.importorskip("scipy.io").savemat(tmp_path / "other.mat", {"a": 1})
+    results["motion"].to_xarray().to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    write(tmp_path / "text.nc", "no netCDF")
+    write(tmp_path / "text.mat", "no matrix, however long the text may be " * 9)
+    for name in ("other.mat", "other.nc", "text.nc", "text.mat", "none.nc", "none.mat"):
+        with pytest.raises(vi.errors.ParameterError, match=rf"{name}': must be a file that"):
+            vi.load(tmp_path / name)
+
+
+def test_missing_libraries_are_named(results, tmp_path, monkeypatch):
+    """The extra that has them; and no half of a file."""
+    for module in ("scipy", "scipy.io", "xarray", "pandas"):
+        monkeypatch.setitem(sys.modules, module, None)
+    for suffix, extra in ((".mat", "matlab"), (".nc", "data")):
+        with pytest.raises(
+            vi.errors.MissingExtraError, match=rf"pip install 'vibroimpact\[{extra}\]'"
+        ):
+            results["motion"].save(tmp_path / f"motion{suffix}")
+    with pytest.raises(vi.errors.MissingExtraError, match=r"vibroimpact\[data\]"):
+        results["motion"].to_pandas()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".json", ".nc", ".mat"])
+@pytest.mark.parametrize("name", ["lyapunov", "one", "basins", "states", "bifurcation", "response"])
+def test_studies_of_attractors_come_back(name, suffix, attractors, tmp_path):
+    """Every bit of them too."""
+    pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy", ".json": "json"}[suffix])
+    path = tmp_path / f"result{suffix}"
+    attractors[name].save(path)
+    assert same(vi.load(path), attractors[name])

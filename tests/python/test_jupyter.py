@@ -1,0 +1,58 @@
+"""What Jupyter shows of a result."""
+
+import base64
+import sys
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_results import NAMES
+from shared_systems import FIGURE6
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_jupyter_shows_a_picture(name, results):
+    """HTML that parses, with what the result says of itself and one image; no figure is left open."""
+    plt = pytest.importorskip("matplotlib.pyplot")
+    before = plt.get_fignums()
+    text = results[name]._repr_html_()
+    assert plt.get_fignums() == before
+    root = ElementTree.fromstring(text)
+    assert root.find("code").text == repr(results[name])
+    assert len(text) < 100_000
+    kind, _, data = root.find("img").get("src").partition("base64,")
+    assert kind == "data:image/png;"
+    picture = base64.b64decode(data)
+    assert picture.startswith(b"\x89PNG")
+    assert len(picture) > 3000
+    if isinstance(results[name], vi.Motion):
+        cells = {row[0].text: row[1].text for row in root.iter("tr")}
+        moduli = [float(word) for word in cells["|λ|"].split(", ")]
+        assert moduli == pytest.approx(np.abs(results[name].multipliers), rel=1e-3)
+
+
+def test_jupyter_without_matplotlib(results, monkeypatch):
+    """The numbers alone."""
+    for module in [name for name in sys.modules if name.split(".")[0] == "matplotlib"]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    text = results["motion"]._repr_html_()
+    assert "img" not in text
+    assert "<table>" in text
+
+
+def test_jupyter_of_an_empty_zone():
+    """There is nothing to see, and that is said."""
+    zone = vi.zone(FIGURE6, vi.Pattern("RL"), (0.9, 1.0), (1e5, 1e6), lines=5, guesses=1)
+    assert "0 loops" in zone._repr_html_()
+    assert "img" not in zone._repr_html_()
+
+
+@pytest.mark.parametrize("name", ["lyapunov", "basins", "states", "bifurcation", "response"])
+def test_jupyter_shows_studies_of_attractors(name, attractors):
+    """They inherit it; states in no plane have no picture."""
+    pytest.importorskip("matplotlib")
+    root = ElementTree.fromstring(attractors[name]._repr_html_())
+    assert root.find("code").text == repr(attractors[name])
+    assert (root.find("img") is None) == (name == "states")

@@ -1,0 +1,192 @@
+"""Oscillators, patterns, motions and batches as objects: frozen, equal, as JSON, in words."""
+
+import json
+import math
+import pickle
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shared_calls import EVEN, OSC, PAIR, PHASES, batch, periodic
+
+ARRAYS = (
+    "restitution",
+    "phases",
+    "X",
+    "Z",
+    "X_dot_before",
+    "X_dot_after",
+    "Z_dot_before",
+    "Z_dot_after",
+    "multipliers",
+)
+
+
+def test_equispaced_answers():
+    """Two motions below the largest clearance, none above, one or two equal ones there."""
+    osc = vi.Oscillator(xi=0.0, mu=0.0, restitution=0.5)
+    r, A = 0.5, 1.0 / 0.75
+    limit = A * math.hypot(3.0 * math.pi, 2.0)
+    below, above = (vi.equispaced(osc, r, limit * f) for f in (1 - 1e-6, 1 + 1e-6))
+    assert len(below) == 2
+    assert below[0].tau != below[1].tau
+    assert above == []
+    there = vi.equispaced(osc, r, limit)
+    assert len(there) <= 2
+    assert all(abs(motion.tau - there[0].tau) < 1e-6 for motion in there)
+
+
+def test_singular_phases():
+    """Equal restitution and equal halves leave the amplitude free: an error that says so."""
+    with pytest.raises(vi.errors.SingularError) as caught:
+        vi.periodic(EVEN, 0.9, [0.0, math.pi], PAIR)
+    assert isinstance(caught.value, ArithmeticError)
+    assert isinstance(caught.value, vi.errors.VibroimpactError)
+    assert len(str(caught.value)) > 20
+
+
+def test_phases_that_need_no_load():
+    """Two symmetric periods in one cycle are answered without load: then no clearance is right."""
+    osc = vi.Oscillator(xi=0.0, mu=0.0, restitution=0.0)
+    with pytest.raises(vi.errors.SingularError, match="load"):
+        vi.periodic(osc, 2.0, np.arange(4) * math.pi / 2, vi.Pattern("RLRL"))
+
+
+def test_unusual_but_right():
+    """Integers, tuples, float32, arrays of one number's kind, N = 8, R = 0 and 1, mu = 0."""
+    one = vi.Oscillator(0, 0, 1)
+    assert one.restitution == (1.0, 1.0)
+    assert vi.Oscillator(0.1, 1, (0, 1)).restitution == (0.0, 1.0)
+    expected = vi.periodic(OSC, 2.0, [0.0, 3.0], PAIR).X
+    for phases in ((0, 3), np.array([0, 3]), np.array([0, 3], np.float32), range(0, 6, 3)):
+        assert np.array_equal(vi.periodic(OSC, 2, phases, PAIR).X, expected)
+    assert np.array_equal(vi.periodic(OSC, np.float64(2.0), [0, 3], PAIR).X, expected)
+    many = vi.periodic(OSC, 2.0, np.arange(8) * 0.7, vi.Pattern("RRLLRLRL"))
+    assert many.X.shape == (8,)
+    assert vi.Pattern("RL", np.int64(2)).cycles == 2
+
+
+def test_frozen():
+    """Nothing of an oscillator, a pattern or a motion can be assigned."""
+    motion = periodic()
+    for thing, name in (
+        (OSC, "xi"),
+        (OSC, "restitution"),
+        (PAIR, "sides"),
+        (PAIR, "cycles"),
+        (motion, "X"),
+        (motion, "stable"),
+        (motion, "clearance"),
+        (motion, "r"),
+    ):
+        before = getattr(thing, name)
+        with pytest.raises(AttributeError):
+            setattr(thing, name, 1.0)
+        with pytest.raises(AttributeError):
+            delattr(thing, name)
+        assert getattr(thing, name) is before
+
+
+def test_arrays_are_read_only_and_ours():
+    """The arrays of a motion cannot be written, and are not the caller's."""
+    phases, own = np.array(PHASES), np.array([0.5, 0.6])
+    motion = periodic(phases=phases, restitution=own)
+    (half, *_) = vi.equispaced(EVEN, 0.9, 20.0)
+    many = np.array([[0.0, 0.0], [3.3, 3.4]])
+    ratios = np.array([0.9, 0.91])
+    motions = batch(phases=many, r=ratios)
+    for thing in (motion, half, motions, motions[1]):
+        for name in ARRAYS:
+            with pytest.raises(ValueError, match="read-only"):
+                getattr(thing, name)[0] = 0.0
+    phases[1], own[0], many[1, 0], ratios[0] = 2.0, 0.1, 2.0, 0.5
+    assert (motion.phases[1], motion.restitution[0]) == (3.3, 0.5)
+    assert (motions.phases[1, 0], motions.r[0]) == (3.3, 0.9)
+    motion.impact_maps()[0, 0, 0] = 1.0
+    assert motion.impact_maps()[0, 0, 0] != 1.0
+
+
+def test_equal_oscillators_and_patterns():
+    """Values compare by value and can be keys."""
+    assert vi.Oscillator(0.01, 0.05, (0.75, 0.61)) == OSC
+    assert vi.Pattern("RL", 1) == PAIR
+    assert vi.Pattern("RL", 2) != PAIR
+    assert len({OSC, vi.Oscillator(0.01, 0.05, (0.75, 0.61))}) == 1
+    assert len({PAIR, vi.Pattern("RL")}) == 1
+    assert eval(repr(OSC), {"Oscillator": vi.Oscillator}) == OSC
+    assert eval(repr(PAIR), {"Pattern": vi.Pattern}) == PAIR
+    assert pickle.loads(pickle.dumps(OSC)) == OSC
+    assert pickle.loads(pickle.dumps(PAIR)) == PAIR
+    assert np.array_equal(pickle.loads(pickle.dumps(periodic())).X, periodic().X)
+
+
+def test_to_dict_is_json():
+    """Plain values throughout, and the same after a round trip."""
+    motion = periodic()
+    plain = json.loads(json.dumps(motion.to_dict(), allow_nan=False))
+    for name in (
+        "r",
+        "clearance",
+        "A",
+        "tau",
+        "residual",
+        "x_min",
+        "x_max",
+        "consistent",
+        "admissible",
+        "stable",
+        "precision",
+    ):
+        assert plain[name] == getattr(motion, name), name
+    for name in ARRAYS[:-1]:
+        assert plain[name] == getattr(motion, name).tolist(), name
+    multipliers = np.array(plain["multipliers"])
+    assert np.array_equal(multipliers[:, 0] + 1j * multipliers[:, 1], motion.multipliers)
+    assert "RL" in json.dumps(plain)
+    assert len(motion.to_dict()["X"]) == 2
+
+
+@pytest.mark.parametrize("name", ["consistent", "admissible", "stable"])
+def test_repr_names_the_verdicts(name):
+    """A glance at a motion shows what it is worth."""
+    assert name in repr(periodic())
+    assert "RL" in repr(periodic())
+
+
+def test_sample_of_nothing():
+    """No times give empty arrays."""
+    assert periodic().sample([]).X.shape == (0,)
+
+
+def test_index_of_a_batch():
+    """Points are found from both ends, and none beyond."""
+    motions = batch()
+    assert np.array_equal(motions[-1].X, motions[1].X)
+    assert len(list(motions)) == 2
+    with pytest.raises(IndexError):
+        motions[2]
+
+
+@given(st.floats(0.01, 0.99), st.floats(-150, 150), st.floats(-150, 150))
+@settings(max_examples=300, deadline=None, derandomize=True)
+def test_damping_ratio_is_the_nearest_number(xi, log_M, log_K):
+    """C/(2 sqrt(K M)) to the last bit, in exact arithmetic, however large or small M and K are."""
+    M, K = 10.0**log_M, 10.0**log_K
+    C = xi * 2 * math.sqrt(M) * math.sqrt(K)
+    osc = vi.Oscillator.from_dimensional(M, K, C, 0.1 * M, 0.5)
+    below, above = (
+        (Fraction(osc.xi) + Fraction(math.nextafter(osc.xi, end))) / 2 for end in (0, 1)
+    )
+    square = Fraction(C) ** 2 / (4 * Fraction(K) * Fraction(M))
+    assert below**2 <= square <= above**2
+
+
+def test_round_damping_ratios_come_out_round():
+    """M = 4, K = 25 and C = 1 are 5 % of critical damping."""
+    assert vi.Oscillator.from_dimensional(4.0, 25.0, 1.0, 0.1, 0.5).xi == 0.05
+    assert vi.Oscillator.from_dimensional(2.0, 800.0, 4.0, 0.1, 0.5).xi == 0.05
+    with pytest.raises(vi.errors.ParameterError, match="critical damping 2 sqrt"):
+        vi.Oscillator.from_dimensional(4.0, 25.0, 20.0, 0.1, 0.5)
