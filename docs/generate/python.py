@@ -10,7 +10,7 @@ SUBJECTS = {
     "Simulation": ("trajectory", "bundle"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone", "studies.atlas", "chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
-                   "studies.response"),
+                   "studies.response", "studies.spacing"),
     "Namelists": ("run",),
     "Results in files": ("interchange.result",),
 }  # fmt: skip

@@ -19,6 +19,7 @@ from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation
 from .studies.branch import Branch, SpecialPoint, branch
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
+from .studies.spacing import spaced
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
@@ -70,6 +71,7 @@ __all__ = [
     "run_namelists",
     "simulate",
     "simulate_bundle",
+    "spaced",
     "stability_flags",
     "status_text",
     "zone",
