@@ -707,6 +707,18 @@ subroutine response(n, states, xi, mu, walls, r, clearance, load, settling, keep
       attenuation, envelope, periods, status, tally)
 end subroutine response
 
+!> Numbers from low to high, with equal differences or (1) equal ratios.
+subroutine spaced(n, low, high, geometric, values)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_window, only: spaced_values => spaced
+   implicit none (type, external)
+   integer(c_int), intent(in) :: n, geometric
+   real(c_double), intent(in) :: low, high
+   real(c_double), intent(out) :: values(n)
+
+   values = spaced_values(low, high, n, geometric /= 0)
+end subroutine spaced
+
 !> A length that initial states are spread over.
 subroutine spread_scale(xi, r, load, clearance, length)
    use, intrinsic :: iso_c_binding, only: c_double

@@ -11,7 +11,7 @@ SUBJECTS = {
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone_search", "studies.zone",
                                          "studies.atlas", "chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
-                   "studies.response"),
+                   "studies.response", "studies.spacing"),
     "Namelists": ("run",),
     "Results in files": ("interchange.result",),
 }  # fmt: skip

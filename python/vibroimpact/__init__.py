@@ -21,6 +21,7 @@ from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation
 from .studies.branch import Branch, SpecialPoint, branch
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
+from .studies.spacing import spaced
 from .studies.zone import Piece, Zone, ZoneSearch
 from .studies.zone_search import zone
 from .trajectory import Trajectory, simulate
@@ -73,6 +74,7 @@ __all__ = [
     "run_namelists",
     "simulate",
     "simulate_bundle",
+    "spaced",
     "stability_flags",
     "status_text",
     "zone",

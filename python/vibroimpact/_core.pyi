@@ -544,6 +544,11 @@ class _Response(Protocol):
     ) -> tuple[_Real, _Real, _Integer, _Integer]: ...
 
 @type_check_only
+class _Spaced(Protocol):
+    # values
+    def __call__(self, n: int, low: float, high: float, geometric: int) -> _Real: ...
+
+@type_check_only
 class _SpreadScale(Protocol):
     # length
     def __call__(self, xi: float, r: float, load: float, clearance: float) -> float: ...
@@ -601,5 +606,6 @@ lyapunov: _Lyapunov
 bifurcation: _Bifurcation
 periodic_windows: _PeriodicWindows
 response: _Response
+spaced: _Spaced
 spread_scale: _SpreadScale
 basins: _Basins

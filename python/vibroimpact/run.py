@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -26,6 +25,7 @@ from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.branch import Branch, branch
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
+from .studies.spacing import spaced
 from .studies.zone import Zone
 from .studies.zone_search import zone
 from .trajectory import Trajectory, simulate
@@ -128,11 +128,10 @@ class Case(NamedTuple):
     def chart(self) -> Any:
         """The dataset of a chart that a &chart case asks for."""
         keys = self.keys
-        axis = np.linspace if keys["spacing"] == "linear" else geometric
         return chart(
             self.osc, Pattern(keys["sides"], keys["cycles"]),
-            np.linspace(keys["r_min"], keys["r_max"], keys["r_points"]),
-            axis(keys["clearance_min"], keys["clearance_max"], keys["clearance_points"]),
+            spaced(keys["r_min"], keys["r_max"], keys["r_points"]),
+            spaced(keys["clearance_min"], keys["clearance_max"], keys["clearance_points"], keys["spacing"]),
             {"yes": True, "no": False, "both": None}[keys["symmetric"]], room=keys["room"],
             guesses=keys["guesses"], seeds=keys["seeds"],
         )  # fmt: skip
@@ -191,7 +190,7 @@ class Case(NamedTuple):
         """The response that a &response case asks for."""
         keys = self.keys
         names = ("clearance", "inverse_clearance", "states", "load", "settling", "keep")
-        line = np.linspace(keys["r_min"], keys["r_max"], keys["r_points"])
+        line = spaced(keys["r_min"], keys["r_max"], keys["r_points"])
         given = {name: keys[name] for name in names if name in keys}
         return response(self.osc, line, **given, progress=progress)
 
@@ -213,7 +212,8 @@ class Case(NamedTuple):
         keys = self.keys
         if "parameter" not in keys:
             return {}
-        return {keys["parameter"]: np.linspace(keys["low"], keys["high"], keys["values"])}
+        values = spaced(keys["low"], keys["high"], keys["values"], keys["spacing"])
+        return {keys["parameter"]: values}
 
     def _state(self) -> dict[str, float]:
         """The initial state."""
@@ -226,12 +226,6 @@ class Case(NamedTuple):
             self.osc, self.r, keys["clearance"], keys["cycles"], self._state(), keys["load"],
             keys["discard"], keys["max_events"],
         )  # fmt: skip
-
-
-def geometric(low: float, high: float, n: int) -> list[float]:
-    """Numbers with equal ratios, by the core's arithmetic to the last bit (numpy's exp is another one)."""
-    inner = np.linspace(math.log(low), math.log(high), n)[1:-1].tolist()
-    return [low, *map(math.exp, inner), high]
 
 
 class RunLog(NamedTuple):

@@ -9,13 +9,13 @@ module vi_case_attractor
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
    use vi_raw, only: is_blank, no_number
-   use vi_text, only: lower, whole
-   use vi_window, only: even, most_numbers
+   use vi_text, only: exact, lower, whole
+   use vi_window, only: most_numbers, spaced
    implicit none (type, external)
    private
 
    public :: available_threads, check_number, check_start, check_whole, line_points
-   public :: take_bifurcation, take_lyapunov
+   public :: parameter_values, take_bifurcation, take_lyapunov
 
    character(5), parameter :: coordinates(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']
 
@@ -81,7 +81,8 @@ contains
       type(case_type), intent(inout) :: case
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
-      character(6), parameter :: companions(3) = [character(6) :: 'low', 'high', 'values']
+      character(7), parameter :: companions(4) = [character(7) :: 'low', 'high', 'values', &
+         'spacing']
       integer :: place, i
 
       associate (a => case%attractor)
@@ -120,16 +121,23 @@ contains
       character(:), allocatable, intent(inout) :: message
 
       associate (a => case%attractor)
-         if (.not. (a%low(1) >= least(place) .and. is_blank(a%low(2)))) then
+         if (all(lower(a%spacing) /= [character(9) :: 'linear', 'geometric'])) then
+            call complain(group, 'spacing', line, message)
+         else if (.not. (a%low(1) >= least(place) .and. is_blank(a%low(2)))) then
             call complain(group, 'low', line, message, trim(ranges(place)))
          else if (.not. (a%high(1) > a%low(1) .and. a%high(1) <= most(place) .and. &
             is_blank(a%high(2)))) then
             call complain(group, 'high', line, message, trim(ranges(place)))
          else if (a%values(1) < 2 .or. a%values(1) > 1000000 .or. a%values(2) /= no_number) then
             call complain(group, 'values', line, message)
+         else if (lower(a%spacing) == 'geometric' .and. .not. a%low(1) > 0) then
+            call complain(group, 'low', line, message, 'above 0 with spacing = ''geometric''')
+         else if (.not. rise(parameter_values(case))) then
+            call complain(group, 'values', line, message, 'so many between '//exact(a%low(1))// &
+               ' and '//exact(a%high(1))//' do not differ')
          else if (case%parameter == 'r' .and. case%osc%xi <= 0) then
-            if (any(abs(even(a%low(1), a%high(1), a%values(1)) - 1) <= 0)) call complain(group, &
-               'low', line, message, &
+            if (any(abs(parameter_values(case) - 1) <= 0)) call complain(group, 'low', line, &
+               message, &
                'r = 1 with xi = 0 (resonance without damping) must not be among the values')
          else if (case%parameter == 'xi' .and. a%low(1) <= 0 .and. abs(case%r - 1) <= 0) then
             call complain(group, 'low', line, message, &
@@ -137,6 +145,23 @@ contains
          end if
       end associate
    end subroutine check_values
+
+   !> Whether each number is above the one before.
+   pure logical function rise(values)
+      real(wp), intent(in) :: values(:)
+
+      rise = all(values(2:) > values(:size(values) - 1))
+   end function rise
+
+   !> The values of the parameter.
+   pure function parameter_values(case) result(values)
+      type(case_type), intent(in) :: case
+      real(wp), allocatable :: values(:)
+
+      associate (a => case%attractor)
+         values = spaced(a%low(1), a%high(1), a%values(1), lower(a%spacing) == 'geometric')
+      end associate
+   end function parameter_values
 
    !> The points of a line along r or the clearance, or the one of the case.
    pure subroutine line_points(case, r, clearance)
@@ -148,10 +173,8 @@ contains
       if (len(case%parameter) > 0) n = case%attractor%values(1)
       allocate (r(n), source=case%r)
       allocate (clearance(n), source=case%attractor%clearance)
-      associate (a => case%attractor)
-         if (case%parameter == 'r') r = even(a%low(1), a%high(1), n)
-         if (case%parameter == 'clearance') clearance = even(a%low(1), a%high(1), n)
-      end associate
+      if (case%parameter == 'r') r = parameter_values(case)
+      if (case%parameter == 'clearance') clearance = parameter_values(case)
    end subroutine line_points
 
    !> The threads that there are; no answer depends on them.

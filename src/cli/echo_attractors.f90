@@ -3,7 +3,7 @@ module vi_echo_attractors
    use vi_case_basins, only: axis_names, fixed_value
    use vi_case_type, only: case_type
    use vi_raw, only: is_blank
-   use vi_text, only: append, exact, line_type, whole
+   use vi_text, only: append, exact, line_type, lower, whole
    implicit none (type, external)
    private
 
@@ -97,6 +97,7 @@ contains
          call append(lines, '#   low = '//exact(a%low(1)))
          call append(lines, '#   high = '//exact(a%high(1)))
          call append(lines, '#   values = '//whole(a%values(1)))
+         call append(lines, '#   spacing = '''//trim(lower(a%spacing))//'''')
       end associate
    end subroutine echo_line
 

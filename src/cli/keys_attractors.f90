@@ -26,6 +26,9 @@ contains
          text = 'a whole number with 2 <= values <= 1000000'
          if (group == 'basins') text = 'two whole numbers, one an axis, each with 2 <= values <= &
             &100000'
+      case ('spacing')
+         text = '''linear'' or ''geometric'' (of the values)'
+         if (group == 'lyapunov') text = text//'; it goes with parameter'
       case ('axes')
          text = 'two of ''x'', ''x_dot'', ''y'' (z - x), ''z_dot'' and ''t'''
       case ('sweep')
@@ -68,11 +71,11 @@ contains
 
       select case (group)
       case ('lyapunov')
-         text = 'clearance, parameter, low, high, values, cycles, discard, batches, load, t, x, &
-            &x_dot, z, z_dot'
+         text = 'clearance, parameter, low, high, values, spacing, cycles, discard, batches, load, &
+            &t, x, x_dot, z, z_dot'
       case ('bifurcation')
-         text = 'parameter, low, high, values, clearance, sweep, states, load, settling, keep, &
-            &points, t, x, x_dot, z, z_dot'
+         text = 'parameter, low, high, values, spacing, clearance, sweep, states, load, settling, &
+            &keep, points, t, x, x_dot, z, z_dot'
       case ('basins')
          text = 'clearance, axes, low, high, values, t, x, x_dot, y, z_dot, load, cycles, probes, &
             &max_cycles'

@@ -13,7 +13,7 @@ module vi_raw_attractors
 
    !> A key means the same in every group that has it.
    type, public :: attractor_keys_type
-      character(most_letters) :: parameter = '', sweep = 'both', axes(2) = ''
+      character(most_letters) :: parameter = '', spacing = 'linear', sweep = 'both', axes(2) = ''
       real(wp) :: clearance = 0, inverse_clearance = 0, load = 1
       !> Two for the axes of a plane.
       real(wp), dimension(2) :: low = 0, high = 0
@@ -67,16 +67,17 @@ contains
       character(*), intent(in) :: text
       type(attractor_keys_type), intent(inout), target :: raw
       integer, intent(out) :: status
-      character(most_letters), pointer :: parameter, sweep, axes(:)
+      character(most_letters), pointer :: parameter, spacing, sweep, axes(:)
       real(wp), pointer :: clearance, inverse_clearance, load, low(:), high(:), r_min, r_max, &
          t, x, x_dot, y, z, z_dot
       integer, pointer :: values(:), r_points, cycles, discard, batches, states, settling, keep, &
          points, probes, max_cycles
-      namelist /attractor/ parameter, sweep, axes, clearance, inverse_clearance, load, low, high, &
-         values, r_min, r_max, r_points, t, x, x_dot, y, z, z_dot, cycles, discard, batches, &
-         states, settling, keep, points, probes, max_cycles
+      namelist /attractor/ parameter, spacing, sweep, axes, clearance, inverse_clearance, load, &
+         low, high, values, r_min, r_max, r_points, t, x, x_dot, y, z, z_dot, cycles, discard, &
+         batches, states, settling, keep, points, probes, max_cycles
 
       parameter => raw%parameter
+      spacing => raw%spacing
       sweep => raw%sweep
       axes => raw%axes
       clearance => raw%clearance

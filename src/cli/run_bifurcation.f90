@@ -1,7 +1,7 @@
 !> Runs a case with a bifurcation diagram: one row an impact.
 module vi_run_bifurcation
    use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
-   use vi_case_attractor, only: available_threads
+   use vi_case_attractor, only: available_threads, parameter_values
    use vi_case_branch, only: parameter_place
    use vi_case_type, only: case_type
    use vi_echo, only: echo
@@ -10,7 +10,6 @@ module vi_run_bifurcation
    use vi_pattern, only: side_letters
    use vi_status, only: stat, status_text
    use vi_text, only: append, columns, counted, exact, lengthen, line_type, whole
-   use vi_window, only: even
    implicit none (type, external)
    private
 
@@ -63,7 +62,7 @@ contains
       associate (a => case%attractor)
          allocate (path%clearance(1), source=a%clearance)
          path%load = a%load
-         allocate (path%values, source=even(a%low(1), a%high(1), a%values(1)))
+         allocate (path%values, source=parameter_values(case))
       end associate
       call parameter_place(case%parameter, path%place, path%tied)
    end function path_of

@@ -10,7 +10,7 @@ module vi_window
    implicit none (type, external)
    private
 
-   public :: chart_window, clearance_axis, even, r_axis
+   public :: chart_window, clearance_axis, even, r_axis, spaced
 
    !> Limits of a chart: points, and points x room x impacts.
    integer, parameter, public :: most_points = 1000000, most_numbers = 12500000
@@ -47,14 +47,24 @@ contains
       type(window_type), intent(in) :: window
       real(wp) :: axis(window%clearance_points)
 
-      if (window%geometric) then
-         axis = exp(even(log(window%clearance_min), log(window%clearance_max), size(axis)))
-         axis(1) = window%clearance_min
-         axis(size(axis)) = window%clearance_max
-      else
-         axis = even(window%clearance_min, window%clearance_max, size(axis))
-      end if
+      axis = spaced(window%clearance_min, window%clearance_max, size(axis), window%geometric)
    end function clearance_axis
+
+   !> Numbers with equal ratios or equal differences, both ends included.
+   pure function spaced(low, high, n, geometric) result(axis)
+      real(wp), intent(in) :: low, high
+      integer, intent(in) :: n
+      logical, intent(in) :: geometric
+      real(wp) :: axis(n)
+
+      if (geometric) then
+         axis = exp(even(log(low), log(high), n))
+         axis(1) = low
+         axis(n) = high
+      else
+         axis = even(low, high, n)
+      end if
+   end function spaced
 
    !> Numbers with equal differences, both ends included.
    pure function even(low, high, n) result(axis)

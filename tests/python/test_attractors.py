@@ -230,6 +230,69 @@ def test_labels_of_motions_with_rest():
     assert (result.impacts > 10).all()
 
 
+def test_spaced_values():
+    """Both ends exactly, equal differences or ratios, and numpy's to rounding."""
+    for low, high, n in [(5.0, 60.0, 12), (1e-6, 1e6, 100), (37.0, 37.0001, 7)]:
+        even, ratios = (vi.spaced(low, high, n, name) for name in ("linear", "geometric"))
+        np.testing.assert_array_equal(even, np.linspace(low, high, n))
+        np.testing.assert_allclose(ratios, np.geomspace(low, high, n), rtol=1e-14)
+        np.testing.assert_allclose(
+            ratios[1:] / ratios[:-1], (high / low) ** (1 / (n - 1)), rtol=1e-14
+        )
+        assert [ratios[0], ratios[-1]] == [even[0], even[-1]] == [low, high]
+
+
+def test_a_sweep_in_ratios_is_that_over_the_same_values():
+    """Where the values of the two spacings are equal, what starts anew at each is too."""
+    ratios = vi.spaced(15.0, 60.0, 3, "geometric")
+    even = vi.spaced(15.0, 60.0, 4)
+    study = {"r": 1.04, "sweep": "states", "states": 3, "settling": 100}
+    one, other = (vi.bifurcation_diagram(EQUAL, "clearance", v, **study) for v in (ratios, even))
+    for i, j in ((0, 0), (2, 3)):
+        ours, theirs = (d.points[d.points["index"] == k] for d, k in ((one, i), (other, j)))
+        assert len(ours) > 10
+        for name in ours.dtype.names:
+            if name != "index":
+                np.testing.assert_array_equal(ours[name], theirs[name])
+    assert "spacing = 'geometric'" in one.case
+    assert "spacing = 'linear'" in other.case
+
+
+@pytest.mark.parametrize(
+    ("parameter", "values", "more"),
+    [
+        ("clearance", vi.spaced(8.0, 70.0, 5, "geometric"), {"r": 1.04, "sweep": "down"}),
+        ("r", vi.spaced(1.0, 1.04, 3, "geometric"), {"clearance": 30.0, "state": MOVING}),
+        (
+            "restitution",
+            [0.5, 0.6, 0.7],
+            {"r": 1.04, "clearance": 30.0, "sweep": "states", "states": 2},
+        ),
+    ],
+)
+def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
+    """It gives the diagram again, to the last bit."""
+    result = vi.bifurcation_diagram(
+        EQUAL, parameter, values, settling=40, points=9, load=1.1, **more
+    )
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    np.testing.assert_array_equal(again.points, result.points)
+    np.testing.assert_array_equal(again.values, result.values)
+    assert again.case == result.case
+
+
+def test_a_diagram_without_a_namelist():
+    """Values that are spaced otherwise, and a line across the plane."""
+    odd = vi.bifurcation_diagram(EQUAL, "clearance", [20, 21, 23], r=1.04, settling=10)
+    values = [1.0, 1.02, 1.04]
+    across = vi.bifurcation_diagram(EQUAL, "r", values, clearance=[20, 21, 22], settling=10)
+    for result in (odd, across):
+        with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
+            result.to_namelist()
+
+
 def test_diagram_does_not_depend_on_threads():
     for sweep in ("both", "states"):
         one, two = (
@@ -406,6 +469,10 @@ def test_load_scales_lengths():
         (lambda: vi.bifurcation_diagram(EQUAL, "r", [1], clearance=9), "values"),
         (lambda: vi.bifurcation_diagram(EQUAL, "R1", [0.5, 1.5], 1.0, 9.0), "R1"),
         (lambda: vi.bifurcation_diagram(EQUAL, "r", [1, 1.1], clearance=9, sweep="x"), "sweep"),
+        (lambda: vi.spaced(1, 2, 5, "equal"), "spacing"),
+        (lambda: vi.spaced(2, 1, 5), "low below high"),
+        (lambda: vi.spaced(0, 1, 5, "geometric"), "positive"),
+        (lambda: vi.spaced(0, 1, 1), "n = 1"),
         (lambda: vi.basins(EQUAL, 1.04, 10.0), "give one"),
         (lambda: vi.basins(EQUAL, 1.04, 10.0, (("z", 0, 1, 5), ("x", 0, 1, 5))), "name"),
         (lambda: vi.basins(EQUAL, 1.04, 10.0, (("x", 1, 0, 5), ("y", 0, 1, 5))), "rise"),

@@ -11,10 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, StudyInterrupted
+from ..interchange import namelist
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
+from ..trajectory import NEEDED
 from .settling import NOT_COMPUTED, PARAMETERS, one_state, thread_count
+from .spacing import spacing_of
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
@@ -64,6 +67,8 @@ class BifurcationDiagram(Result):
     points : structured ndarray
         The impacts kept: ``run`` and ``index`` (of the value), ``side`` ("R", "L"), ``phase``, ``x``,
         ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
+    case : str
+        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
     """
 
     osc: Oscillator
@@ -81,6 +86,7 @@ class BifurcationDiagram(Result):
     x_max: _Array
     status: NDArray[np.int32]
     points: NDArray[Any]
+    case: str = ""
 
     @property
     def labels(self) -> NDArray[Any]:
@@ -202,7 +208,7 @@ def bifurcation_diagram(
     parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}
         "restitution" changes both walls.
     values : array_like
-        At least two.
+        At least two. A namelist can tell those of `spaced`.
     r, clearance : float or array_like
         The ones that are not `parameter`: a number, or one for each of `values` (which rise then), for a
         line across the plane.
@@ -280,6 +286,13 @@ def bifurcation_diagram(
         for run, end in zip(("up", "down"), (ends[0], ends[-1]), strict=True):
             if run in runs:
                 start = one_state(state, float(end))
+    own = (
+        {"states": states} if sweep == "states" else dict(zip(NEEDED, start.tolist(), strict=True))
+    )
+    limits = {"settling": settling, "keep": keep, "points": points, "load": load}
+    asked = _case(osc, parameter, along, fixed, {
+        "sweep": sweep, **(own if sweep == "states" or state is not None else {}), **limits,
+    })  # fmt: skip
     r_there, clearance_there = (np.broadcast_to(value, along.shape) for value in fixed.values())
     arrays, complete = stoppable(
         _core.bifurcation, osc.xi, osc.mu, osc.restitution, r_there, clearance_there, load,
@@ -295,11 +308,29 @@ def bifurcation_diagram(
     x_min, x_max = extremes.transpose(0, 2, 1)
     result = BifurcationDiagram(
         osc, parameter, along, fixed["r"], fixed["clearance"], load, runs, cycles, letters, counts,
-        rests, x_min, x_max, status.T, _impacts(impacts, labels[1], found),
+        rests, x_min, x_max, status.T, _impacts(impacts, labels[1], found), asked,
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)
     return result
+
+
+def _case(
+    osc: Oscillator,
+    parameter: str,
+    along: _Array,
+    fixed: Mapping[str, Any],
+    keys: Mapping[str, Any],
+) -> str:
+    """What was asked for as a namelist, empty if it cannot tell the values."""
+    spacing = spacing_of(along)
+    others = {name: value for name, value in fixed.items() if name != parameter}
+    if spacing is None or any(np.ndim(value) for value in others.values()):
+        return ""
+    line = {"low": float(along[0]), "high": float(along[-1]), "values": along.size}
+    return namelist.case(osc, others.pop("r", None), bifurcation={
+        "parameter": parameter, **line, "spacing": spacing, **others, **keys,
+    })  # fmt: skip
 
 
 def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> float | _Array:
