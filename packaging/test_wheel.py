@@ -122,7 +122,9 @@ def check_licences(wheel):
         assert key, f"{library}: whose licence that is, test_wheel.py does not know"
         package, words = LICENCES[key]
         own = [text for name, text in texts.items() if fnmatch(name, f"{package}/*")]
-        assert any(re.search(words, text, re.IGNORECASE) for text in own), f"{library}: no licence in {sorted(texts)}"
+        assert any(re.search(words, text, re.IGNORECASE) for text in own), (
+            f"{library}: no licence in {sorted(texts)}"
+        )
         # what an exception is made from
         version = re.compile(r"GNU GENERAL PUBLIC LICENSE\s+Version 3")
         assert words != GCC or any(map(version.search, texts.values())), f"{library}: no GPL 3"
