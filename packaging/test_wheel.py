@@ -6,12 +6,17 @@ The Python that runs this has the package built in the tree, and mypy; the wheel
 another that is named. Everything is in build/wheel.
 """
 
+import base64
+import csv
+import hashlib
 import os
 import re
 import shutil
 import subprocess
 import sys
+from fnmatch import fnmatch
 from pathlib import Path
+from zipfile import ZipFile
 
 from hide import HIDDEN, hidden
 
@@ -19,6 +24,18 @@ ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "build" / "wheel"
 PYTHON = FOLDER / "env" / "bin" / "python"
 CASE = ROOT / "inputs" / "table1.nml"
+GCC = "GCC RUNTIME LIBRARY EXCEPTION"
+#: Of each library that a wheel may carry: the package that its licence came from, and words of it.
+LICENCES = {
+    "libgfortran": ("libgfortran*", GCC),
+    "libgomp": ("libgomp*", GCC),
+    "libgcc_s": ("libgcc*", GCC),
+    "libquadmath": ("libquadmath*", "(Library|Lesser) General Public"),
+    "liblapack": ("liblapack*", "University of Tennessee"),
+    "libblas": ("libblas*", "University of Tennessee"),
+    "libopenblas": ("libopenblas*", "OpenBLAS"),
+    "libscipy_openblas": ("scipy-openblas32", "OpenBLAS"),
+}
 USER_SCRIPT = """import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
@@ -83,6 +100,46 @@ def close(one, other):
     )
 
 
+def check_licences(wheel):
+    """The licence of each library that is in the wheel is there too, and RECORD knows every file."""
+    with ZipFile(wheel) as opened:
+        held = {name: opened.read(name) for name in opened.namelist() if not name.endswith("/")}
+    (info,) = {name.split("/")[0] for name in held if ".dist-info/" in name}
+    folder = f"{info}/licenses/"
+    texts = {
+        name.removeprefix(folder): text.decode()
+        for name, text in held.items()
+        if name.startswith(folder)
+    }
+    told = re.findall(r"^License-File: (.*)", held[f"{info}/METADATA"].decode(), re.MULTILINE)
+    assert sorted(told) == sorted(texts)
+    paths = [Path(name) for name in held if re.search(r"\.libs/|/lib[^/]*\.(so|dylib)", name)]
+    carried = {re.match(r"lib[a-z_]+", path.name)[0] for path in paths}
+    if lapack(PYTHON) == "reference LAPACK, static":
+        carried |= {"liblapack", "libblas"}
+    for library in carried:
+        key = next((key for key in LICENCES if library.startswith(key)), None)
+        assert key, f"{library}: whose licence that is, test_wheel.py does not know"
+        package, words = LICENCES[key]
+        own = [text for name, text in texts.items() if fnmatch(name, f"{package}/*")]
+        assert any(re.search(words, text, re.IGNORECASE) for text in own), (
+            f"{library}: no licence in {sorted(texts)}"
+        )
+        # what an exception is made from
+        version = re.compile(r"GNU GENERAL PUBLIC LICENSE\s+Version 3")
+        assert words != GCC or any(map(version.search, texts.values())), f"{library}: no GPL 3"
+    record = held.pop(f"{info}/RECORD").decode().splitlines()
+    sums = {name: sum256 for name, sum256, _ in csv.reader(record)}
+    assert {**{name: digest(data) for name, data in held.items()}, f"{info}/RECORD": ""} == sums
+    print("licences: of", *sorted(carried))
+
+
+def digest(data):
+    """As RECORD has it."""
+    sum256 = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).decode().rstrip("=")
+    return f"sha256={sum256}"
+
+
 def check_types():
     """A user's script passes mypy --strict, and one with a wrong type does not."""
     mypy = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir=cache"]
@@ -103,4 +160,5 @@ if __name__ == "__main__":
     install(*sys.argv[1:])
     check_in_clean_environment()
     check_results()
+    check_licences(sys.argv[1])
     check_types()
