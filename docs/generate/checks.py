@@ -97,7 +97,10 @@ def pages():
             lists.append("")
             total += len(found)
         totals.append(f"{total} of {title[:1].lower()}{title[1:]}")
-        head = ["| subject | checks | of what, against what | with the help of |", "|---|---|---|---|"]
+        head = [
+            "| subject | checks | of what, against what | with the help of |",
+            "|---|---|---|---|",
+        ]
         body += [f"## {title}", "", *head, *table, "", *lists]
     whole = f"**{next(number) - 1} checks**: {', '.join(totals)}."
     compare = ["## Code of the tests alone", "", *routes, ""]

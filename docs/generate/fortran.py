@@ -46,7 +46,9 @@ def module(path):
     lines = path.read_text(encoding="utf-8").splitlines()
     start = next(k for k, line in enumerate(lines) if re.match(r"(module|program) ", line))
     name = lines[start].split()[1]
-    public = {m[1] for m in re.finditer(r"^   .*, public ::\s*(\w+)", "\n".join(lines), re.MULTILINE)}
+    public = {
+        m[1] for m in re.finditer(r"^   .*, public ::\s*(\w+)", "\n".join(lines), re.MULTILINE)
+    }
     for k, line in enumerate(lines):
         if line.startswith("   public ::"):
             public |= set(re.findall(r"\w+", joined(lines, k).split("::")[1]))
