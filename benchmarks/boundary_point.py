@@ -138,9 +138,9 @@ def rows(program=PROGRAM) -> list[dict]:
         if other is not None:
             told = {"peer": other, "peer_name": "AUTO-07p", "same_answer": apart < 1e-7}
         answer += [
-            {"work": f"a point of the {work}", "ours": point, "unit": "us", "target": TARGET, **told},
-            {"work": f"with all conditions, {work}", "ours": vertex, "unit": "us", "target": TARGET, **peer},
-            {"work": f"a step of the net, {work}", "ours": step, "unit": "us", "target": None, **peer},
+            {"work": f"a point of the {work}", "ours": point, "unit": "µs", "target": TARGET, **told},
+            {"work": f"with all conditions, {work}", "ours": vertex, "unit": "µs", "target": TARGET, **peer},
+            {"work": f"a step of the net, {work}", "ours": step, "unit": "µs", "target": None, **peer},
         ]  # fmt: skip
     return answer
 

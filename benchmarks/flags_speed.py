@@ -326,7 +326,7 @@ def rows():
                     table.append(
                         {
                             "work": f"phases to {work}, N = {n}", "ours": mine, "peer": other, "peer_name": name,
-                            "unit": "us a point", "target": wanted, "same_answer": same,
+                            "unit": "µs a point", "target": wanted, "same_answer": same,
                         }
                     )  # fmt: skip
     return table
@@ -334,7 +334,7 @@ def rows():
 
 def main():
     """Print the table."""
-    print(f"{'work':<30}{'ours':>8}{'target':>8}{'peer':>8}{'ratio':>7}  peer, us a point")
+    print(f"{'work':<30}{'ours':>8}{'target':>8}{'peer':>8}{'ratio':>7}  peer, µs a point")
     for row in rows():
         assert row["same_answer"], f"{row['work']}: the answers differ"
         print(

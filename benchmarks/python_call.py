@@ -25,7 +25,7 @@ def rows():
         for _ in range(CALLS):
             vi.periodic(osc, 0.97, phases, pattern)
         times.append((time.process_time() - begin) / CALLS * 1e6)
-    return [row("one call of periodic, N = 3", "us", statistics.median(times), TARGET)]
+    return [row("one call of periodic, N = 3", "µs", statistics.median(times), TARGET)]
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ def rows():
         answer.append(
             row(
                 work,
-                "us a point",
+                "µs a point",
                 float(chain),
                 1.15 * float(bare),
                 float(bare),

@@ -59,7 +59,8 @@ def rows(largest=LARGEST):
         count = 10**3
         while count <= largest:
             spent = min(work(count) for _ in range(3 if count < CHUNK else 1))
-            answer.append(row(f"10^{len(str(count)) - 1} {name}", "ns each", 1e9 * spent))
+            power = "⁰¹²³⁴⁵⁶⁷⁸⁹"[len(str(count)) - 1]
+            answer.append(row(f"10{power} {name}", "ns each", 1e9 * spent))
             count *= 10
         answer.append(row(f"memory after {name}", "MiB", peak()))
     return answer

@@ -5,7 +5,7 @@ with "/s" or "times"), `target` (None without one), `same_answer` (whether both 
 without a peer).
 """
 
-HEADER = ("work", "unit", "vibroimpact", "peer", "", "ratio", "target", "same answer")
+HEADER = ("work", "unit", "vibroimpact", "peer", "which", "ratio", "target", "same answer")
 
 
 def row(work, unit, ours, target=None, peer=None, peer_name="", same_answer=None):
@@ -14,6 +14,11 @@ def row(work, unit, ours, target=None, peer=None, peer_name="", same_answer=None
         "work": work, "unit": unit, "ours": ours, "target": target, "peer": peer, "peer_name": peer_name,
         "same_answer": same_answer,
     }  # fmt: skip
+
+
+def digits(number):
+    """Three digits, without a power of ten where there are no more than five."""
+    return f"{number:.0f}" if 1000 <= number < 1e5 else f"{number:.3g}"
 
 
 def more_is_better(item):
@@ -25,10 +30,10 @@ def cells(item):
     """A row as texts."""
     peer, ratio = "", ""
     if item["peer"] is not None:
-        peer = f"{item['peer']:.3g}"
+        peer = digits(item["peer"])
     if item["peer"]:
         better = item["ours"] / item["peer"]
-        ratio = f"{better if more_is_better(item) else 1 / better:.3g}"
+        ratio = digits(better if more_is_better(item) else 1 / better)
     target = ""
     if item["target"] is not None:
         met = (
@@ -39,7 +44,7 @@ def cells(item):
         target = f"{item['target']:.3g} {'met' if met else 'not met'}"
     same = {True: "yes", False: "NO", None: ""}[item["same_answer"]]
     return (
-        item["work"], item["unit"], f"{item['ours']:.3g}", peer, item["peer_name"] or "", ratio, target, same,
+        item["work"], item["unit"], digits(item["ours"]), peer, item["peer_name"] or "", ratio, target, same,
     )  # fmt: skip
 
 

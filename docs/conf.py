@@ -73,7 +73,9 @@ def show_math(translator, node):
     """Write a formula as a drawing in the page: no script and no font is loaded for it."""
     block = node.tagname == "math_block"
     tex = node.astext()
-    drawing = ziamath.Latex(tex, size=16, color="currentColor", inline=not block)
+    # without an empty group before it the subscript of a P is drawn into the letter
+    drawn = re.sub(r"P_(?:{([^}]*)}|(\w))", r"P_{{}\1\2}", tex)
+    drawing = ziamath.Latex(drawn, size=16, color="currentColor", inline=not block)
     _, _, width, height = (float(x) for x in drawing.svgxml().attrib["viewBox"].split())
     # in em: a formula grows with the text around it
     style = f"width: {width / 15:.3f}em; height: {height / 15:.3f}em; vertical-align: {depth(drawing):.3f}em"

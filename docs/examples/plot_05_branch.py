@@ -2,7 +2,8 @@
 A branch with its special points
 ================================
 
-One motion followed along the clearance: where it loses its stability, and where it ends.
+One motion followed along the clearance: where it loses its stability (a flip), and from where on it would
+pass through a wall (a grazing). A bound is an end of the range.
 """
 
 import math

@@ -2,8 +2,8 @@
 A chart coloured by what the damper does
 ========================================
 
-Every point of a grid with its verdicts; the stable zone is coloured by max|x|/A, the amplitude
-relative to that without impacts.
+Every point of a grid with its verdicts; the stable zone is coloured by max|x|/A, the largest displacement
+relative to that without impacts: dark is good.
 """
 
 import numpy as np

@@ -3,8 +3,7 @@ A bifurcation diagram
 =====================
 
 Simulations carried from value to value, up and then down. Where the two sweeps differ there is
-hysteresis; the lines on top name the periodic windows:
-2/1 is two impacts in one load cycle.
+hysteresis; the lines on top name the periodic windows: 2/1 is two impacts in one load cycle.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 The impact pair, mu = 0
 =======================
 
-A free mass so light that the primary mass does not feel it. The same calls do; the stable motions
-are those of a ball between two walls that move harmonically.
+A free mass so light that the primary mass does not feel it: its motions are those of a ball between two
+walls that move harmonically. The same calls find them.
 """
 
 import vibroimpact as vi
@@ -11,7 +11,7 @@ import vibroimpact as vi
 pair = vi.Oscillator(xi=0.05, mu=0.0, restitution=0.6)
 for motion in vi.equispaced(pair, r=1.2, clearance=12.0):
     print(repr(motion))
-    print("primary mass:", motion.x_max, "=", motion.A)
+    print(f"primary mass: {motion.x_max:.12f}, without impacts {motion.A:.12f}")
 
 # %%
 # Its zone of two equally spaced impacts a cycle:

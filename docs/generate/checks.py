@@ -12,12 +12,14 @@ FOLDERS = {
     "tests/cli": "The programs",
     "tests/fortran": "The Fortran core",
 }
-#: What a file compares with, by a word that it holds.
+#: What a file takes from elsewhere, by a word that it holds.
 ROUTES = {
-    "first_principles": "first principles",
-    "reference_simulation": "100-digit simulation",
+    "first_principles": "`first_principles.py`",
+    "reference_simulation": "`reference_simulation.py`",
     "mpmath": "mpmath",
-    "scipy": "SciPy",
+    "scipy.optimize": "SciPy's roots and minima",
+    "scipy.io": "SciPy's reader of MATLAB files",
+    "import h5py": "h5py",
     "table1.csv": "the paper's numbers",
     "use random_systems": "random systems",
     "hypothesis": "random systems",
@@ -85,7 +87,8 @@ def pages():
             subject = path.stem.removeprefix("test_").replace("_", " ").capitalize()
             text = path.read_text(encoding="utf-8")
             used = ", ".join(dict.fromkeys(route for word, route in ROUTES.items() if word in text))
-            table.append(f"| {subject} | {len(found)} | {used} |")
+            about = sentence(re.split(r"(?<=\.) ", " ".join(purpose.split()), maxsplit=1)[0])
+            table.append(f"| {subject} | {len(found)} | {about} | {used} |")
             lists += [
                 f"### {title}: {subject}",
                 "",
@@ -96,8 +99,11 @@ def pages():
             lists.append("")
             total += len(found)
         totals.append(f"{total} of {title[:1].lower()}{title[1:]}")
-        head = ["| subject | checks | compared with, or on |", "|---|---|---|"]
+        head = [
+            "| subject | checks | of what, against what | with the help of |",
+            "|---|---|---|---|",
+        ]
         body += [f"## {title}", "", *head, *table, "", *lists]
     whole = f"**{next(number) - 1} checks**: {', '.join(totals)}."
-    compare = ["## What they compare with", "", *routes, ""]
+    compare = ["## Code of the tests alone", "", *routes, ""]
     return {"checks.md": "\n".join([whole, "", *compare, *body])}

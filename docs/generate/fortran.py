@@ -1,4 +1,4 @@
-"""The Fortran modules: their purpose and their public procedures, from the comments of the sources."""
+"""The Fortran modules: their purpose and what is public in them, from the comments of the sources."""
 
 # Not ford: its 680 pages (23 s, 22 MB) load style and search from other hosts, and are bare without.
 
@@ -9,8 +9,11 @@ from .shared import ROOT, sentence
 ROOMS = ("numerics", "mechanics", "motions", "studies", "cli")
 HEAD = re.compile(
     r"^   (?:(?:pure|elemental|recursive|impure|module|type\([\w ]+\)|real\([\w ]+\)|integer|logical"
-    r"|character\([\w *:]+\))\s+)*(?:function|subroutine)\s+(\w+)|^   type\b[^(]*?::\s*(\w+)|^   type\s+(\w+)$"
+    r"|character\([\w *:]+\))\s+)*(?:function|subroutine)\s+(\w+)|^   type(?:, \w+(?:\(\w+\))?)* ::\s*(\w+)"
+    r"|^   [\w()* ]+, parameter(?:, public)? ::\s*(\w+)|^      integer\(c_int\) function (\w+)"
 )
+#: The codes of vi_status: a comment above each.
+CODE = re.compile(r"^ +!> (.*)\n +integer :: (\w+) = (\d+)$", re.MULTILINE)
 
 
 def comment_before(lines, i):
@@ -20,7 +23,13 @@ def comment_before(lines, i):
         first -= 1
     block = [line.strip() for line in lines[first:i]]
     starts = [k for k, line in enumerate(block) if line.startswith("!>")]
-    return " ".join(line.lstrip("!> ") for line in block[starts[-1] :]) if starts else ""
+    if not starts:
+        return ""
+    begin = starts[-1]
+    while begin - 1 in starts:
+        begin -= 1
+    # a list becomes a sentence
+    return " ".join(re.sub("^- ", "", line.lstrip("!> ")) for line in block[begin:])
 
 
 def joined(lines, i):
@@ -37,7 +46,9 @@ def module(path):
     lines = path.read_text(encoding="utf-8").splitlines()
     start = next(k for k, line in enumerate(lines) if re.match(r"(module|program) ", line))
     name = lines[start].split()[1]
-    public = set()
+    public = {
+        m[1] for m in re.finditer(r"^   .*, public ::\s*(\w+)", "\n".join(lines), re.MULTILINE)
+    }
     for k, line in enumerate(lines):
         if line.startswith("   public ::"):
             public |= set(re.findall(r"\w+", joined(lines, k).split("::")[1]))
@@ -51,8 +62,13 @@ def module(path):
         found = HEAD.match(line)
         what = next(filter(None, found.groups()), "") if found else ""
         if what in public:
-            text = joined(lines, k).replace("`", "")
-            out += [f"`{text}`", f": {sentence(comment_before(lines, k)) or 'See the source.'}", ""]
+            text = re.sub(r", public\b", "", joined(lines, k)).replace("`", "")
+            said = sentence(comment_before(lines, k))
+            out += [f"`{text}`", *([f": {said}"] if said else []), ""]
+    if codes := name == "vi_status" and CODE.findall("\n".join(lines)):
+        out += ["| code | `stat%` | says |", "|---|---|---|", "| 0 | `ok` | Done. |"]
+        out += [f"| {number} | `{word}` | {sentence(said)} |" for said, word, number in codes]
+        out += [""]
     return out
 
 

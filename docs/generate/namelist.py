@@ -53,22 +53,31 @@ def explained():
         keys = re.findall(r"`(\w+)`", cells[1])
         values = cells[3].rstrip(" |").split(", ")
         each = values if len(values) == len(keys) else [", ".join(values)] * len(keys)
+        note = re.search(r"\([^)]*\)$", cells[1])
         for key, value in zip(keys, each, strict=True):
-            same = re.fullmatch(r"as (?:for|of) `&(\w+)`", cells[2])
-            other = table.get((same[1], key)) if same else None
-            value = other[1] if other and value == "as there" else value
-            table[group, key] = (other[0] if other else cells[2], value)
+            takes = f"{note[0]} {cells[2]}" if note else cells[2]
+            same = re.match(r"as of `&(\w+)`", cells[2])
+            if other := same and table.get((same[1], key)):
+                # what holds for the kinds of a &motion alone stays there
+                plain = re.sub(r"^\([^)]*\) |; odd for .*", "", other[0])
+                takes = takes.replace(same[0], plain)
+                value = other[1] if value == "as there" else value
+            table[group, key] = (takes, value)
     return table
 
 
 def pages():
-    """One table a group, with the program's words where the table leaves out a number that they hold."""
+    """One table a group, with the program's words where the table leaves out a number that they hold.
+
+    Neighbours of which the same is told share a row.
+    """
     known = explained()
     lines = []
     said = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True).stdout
     for group in re.findall(r"&(\w+)", said.split("Groups:")[1]):
         keys = complaint(group, "nokey").removeprefix("one of ").split(", ")
         lines += [f"## `&{group}`", "", "| key | takes | if it is missing |", "|---|---|---|"]
+        rows = []
         for key in keys:
             if (group, key) not in known:
                 raise RuntimeError(f"&{group} {key} is not in the table of inputs/README.md")
@@ -79,6 +88,9 @@ def pages():
                 takes = words
             elif set(number.findall(words)) - set(number.findall(takes)):
                 takes += "; " + words.replace("<=", "≤")
-            lines.append(f"| `{key}` | {takes} | {default} |")
-        lines.append("")
+            if rows and rows[-1][1:] == (takes, default):
+                rows[-1] = (f"{rows[-1][0]}, `{key}`", takes, default)
+            else:
+                rows.append((f"`{key}`", takes, default))
+        lines += [*(f"| {' | '.join(row)} |" for row in rows), ""]
     return {"namelist.md": "\n".join(lines)}

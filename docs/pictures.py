@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Write docs/static/overview.png, the picture of README.md, and zones.png, what the tutorial draws."""
+
+import contextlib
+import io
+import os
+import re
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import vibroimpact as vi
+from PIL import Image
+
+DOCS = Path(__file__).parent
+STYLE = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False}
+
+
+def overview():
+    """Two impacts a cycle, and the zones of two, three and four."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.4, 3.5), layout="constrained")
+    vi.equispaced(osc, r=1.04, clearance=25.0)[0].plot(ax=left, kind="history")
+    for sides, label in (("RL", "2"), ("RRL", "3"), ("RRLL", "4")):
+        window = {"r": (0.8, 1.2), "clearance": (2, 400)}
+        symmetric = True if sides == "RL" else None
+        vi.zone(osc, vi.Pattern(sides), **window, symmetric=symmetric).plot(right, True, label)
+    right.set_yscale("log")
+    right.set_ylim(bottom=0.002)
+    right.legend(loc="lower center", ncols=2, frameon=False)
+    right.set_title("where 2, 3 and 4 impacts a cycle are stable", fontsize=9)
+    figure.savefig("overview.png", dpi=200)
+
+
+def tutorial():
+    """The blocks of the tutorial, in order; one of them writes zones.png."""
+    blocks = re.findall(
+        r"^```python\n(.*?)^```", (DOCS / "tutorial.md").read_text("utf-8"), re.M | re.S
+    )
+    names = {}
+    for block in blocks:
+        with contextlib.redirect_stdout(io.StringIO()):
+            exec(compile(block, "tutorial.md", "exec"), names)
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        with plt.rc_context(STYLE):
+            overview()
+        tutorial()
+        for name in ("overview.png", "zones.png"):
+            picture = Image.open(name).convert("RGB").quantize(256, dither=0)
+            picture.save(DOCS / "static" / name, optimize=True)
+        os.chdir(DOCS)
