@@ -6,7 +6,7 @@
 !! of the net; a line for each round. With the name of a file it instead reads points of such a
 !! piece from there (u_i, theta_i, r, log D) and prints how far the curve is from them.
 program boundary_point
-   use vi_curve, only: correct, curve_type, tangent_at
+   use vi_curve, only: correct, tangent_at
    use vi_frame, only: condition_type
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type, trace_loop

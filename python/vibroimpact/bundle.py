@@ -102,21 +102,26 @@ def simulate_bundle(
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in columns.items())
         raise ParameterError(f"{shapes}, states {start.shape}: must have one length M") from None
+    if not m:
+        raise ParameterError("r, clearance, load, states: must have at least one of each, not 0")
     for name, array in columns.items():
-        for value in (array.min(), array.max()) if array.size else ():
+        for value in (array.min(), array.max()):
             checks.number(float(value), name)
         columns[name] = np.ascontiguousarray(np.broadcast_to(array, m))
     if osc.xi == 0 and (columns["r"] == 1).any():
         checks.frequency_ratio(1.0, osc.xi)
-    if not np.isfinite(start).all():
-        raise ParameterError("states: must be finite")
     start = np.broadcast_to(start.reshape(5, -1), (5, m))
+    finite = np.isfinite(start).all(axis=0)
+    if not finite.all():
+        j = int(np.argmin(finite))
+        raise ParameterError(f"states[:, {j}] = {start[:, j].tolist()!r}: must be finite numbers")
     half = 0.5 * columns["clearance"] * (1 + 1e-9)
     outside = np.abs(start[3] - start[1]) > half
     if outside.any():
         j = int(np.argmax(outside))
         raise ParameterError(
-            f"states[:, {j}] = {start[:, j].tolist()!r}: z - x must be within half the clearance"
+            f"states[:, {j}] = {start[:, j].tolist()!r}: must have z - x between the walls, "
+            f"-{half[j]:.6g} to {half[j]:.6g}"
         )
     cycles = checks.number(cycles, "cycles_simulated", "cycles")
     max_events = checks.integer(max_events, "max_events", 1, 10**9)

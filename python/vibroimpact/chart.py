@@ -14,6 +14,7 @@ from .errors import ChartInterrupted, MissingExtraError, ParameterError
 from .model import Oscillator, Pattern
 from .progress import Progress
 from .status import NO_MOTION, NOT_COMPUTED, status_text
+from .studies.conditions import can_be_symmetric, check_symmetric
 
 __all__ = ["chart"]
 
@@ -166,13 +167,13 @@ def chart(
             f"r and clearance: {axes[0].size} x {axes[1].size} = {points} points; at most "
             f"{MOST_POINTS} are allowed, make several charts"
         )
-    _check_symmetric(symmetric, osc, pattern)
+    check_symmetric(symmetric, osc, pattern)
     room = checks.integer(room, "room", 1, 32)
     guesses = checks.integer(guesses, "guesses", 1, 10**4)
     seeds = checks.integer(seeds, "seeds", 1, 10**4)
     processors = os.cpu_count() or 1
     threads = checks.integer(processors if threads is None else threads, "threads", 1, 1024)
-    pair = len(pattern) == 2 and _allows_symmetry(osc, pattern)
+    pair = len(pattern) == 2 and can_be_symmetric(osc, pattern)
     if 8 * max(room, 4) * len(pattern) * points > MOST_NUMBERS and not (pair and symmetric):
         raise ParameterError(
             f"r and clearance: {points} points with room for {room} motions of {len(pattern)} impacts "
@@ -189,7 +190,7 @@ def chart(
             found += (part.status == 0).sum(axis=0, dtype=np.int32)
         if complete and not (pair and symmetric):
             kind = -1 if pair else 0
-            if symmetric is not None and _allows_symmetry(osc, pattern):
+            if symmetric is not None and can_be_symmetric(osc, pattern):
                 kind = 1 if symmetric else -1
             part, counts, complete = _flood(task, kind, room, guesses, seeds)
             parts.append(part)
@@ -356,25 +357,6 @@ def _axis(values: ArrayLike, name: str) -> NDArray[np.float64]:
             f"{name}[{i}], {name}[{i + 1}] = {float(array[i])!r}, {float(array[i + 1])!r}: must increase"
         )
     return np.ascontiguousarray(array)
-
-
-def _allows_symmetry(osc: Oscillator, pattern: Pattern) -> bool:
-    """Whether a motion of this pattern can be its own mirror image half a period later."""
-    half = len(pattern) // 2
-    turned = np.roll(pattern.signs, half)
-    equal = osc.restitution[0] == osc.restitution[1]
-    return equal and pattern.cycles % 2 == 1 and bool((turned == -pattern.signs).all())
-
-
-def _check_symmetric(symmetric: Any, osc: Oscillator, pattern: Pattern) -> None:
-    if symmetric not in (None, True, False):
-        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
-    if symmetric and not _allows_symmetry(osc, pattern):
-        raise ParameterError(
-            f"symmetric = True: {pattern.sides}/{pattern.cycles} with restitution {osc.restitution} has "
-            "no symmetric motion; it takes equal restitution, an odd number of cycles and a pattern "
-            "whose second half is the mirror image of the first"
-        )
 
 
 def _spread(n: int, most: int) -> list[int]:

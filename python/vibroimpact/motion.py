@@ -240,7 +240,7 @@ class Motion(Result):
         """
         if self.pattern.has_rest:
             raise ParameterError(
-                f"pattern = {self.pattern.sides!r}: a motion with rest has no finite list of [P_i]"
+                f"pattern = {self.pattern.sides!r}: must be without rest, which has no finite list of [P_i]"
             )
         maps, _ = _core.impact_maps(*self._flights())
         return np.moveaxis(maps, 2, 0)

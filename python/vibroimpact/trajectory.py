@@ -224,7 +224,7 @@ def simulate(
         _, now, begun, complete = _run(system, now, begun, discard, max_events, keep=False)
         if not complete:
             raise ParameterError(
-                f"max_events = {max_events}: was reached within the discarded cycles"
+                f"max_events = {max_events}: must be more; it was reached within the discarded cycles"
             )
     first = state_of(system, now, begun)
     events, now, begun, complete = _run(system, now, begun, cycles, max_events, keep=True)

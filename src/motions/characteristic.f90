@@ -4,7 +4,7 @@ module vi_characteristic
    implicit none (type, external)
    private
 
-   public :: characteristic, characteristic_slope, is_contraction, resolvent, resolvent_slope
+   public :: characteristic, characteristic_slope, resolvent, resolvent_slope
 
 contains
 
@@ -79,15 +79,6 @@ contains
       a(:, 3) = [x(2), x(4), 0.0_wp, -x(6)]
       a(:, 4) = [x(3), x(5), x(6), 0.0_wp]
    end function antisymmetric
-
-   !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
-   pure logical function is_contraction(e)
-      !> As `characteristic` gives them.
-      real(wp), intent(in) :: e(4)
-
-      is_contraction = abs(e(4)) < 1 .and. 1 + e(2) + e(4) > abs(e(1) + e(3)) .and. &
-         abs(e(3) - e(1)*e(4)) < 1 - e(4)**2 .and. resolvent(e) > 0
-   end function is_contraction
 
    !> The product of all 1 - lambda_i lambda_j, i < j: the resolvent cubic at 1 + e4.
    pure real(wp) function resolvent(e)

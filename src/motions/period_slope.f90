@@ -5,7 +5,7 @@
 !! those of the whole product, and those of what it is made of by going back through (A5)-(A7).
 module vi_period_slope
    use vi_kinds, only: wp
-   use vi_orbit, only: by_forced, by_r, by_speed, by_time, most_impacts, orbit_type, period_parts
+   use vi_orbit, only: by_forced, by_r, by_speed, by_time, most_impacts, orbit_type
    implicit none (type, external)
    private
 

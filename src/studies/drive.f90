@@ -11,7 +11,7 @@ module vi_drive
    implicit none (type, external)
    private
 
-   public :: new_drive, initial_state, state_time, flight_from, rest_from, departure_from, on_wall
+   public :: new_drive, initial_state, state_time, flight_from, rest_from, departure_from
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3

@@ -11,7 +11,7 @@ module vi_equispaced_row
    use vi_impact, only: primary_velocities
    use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
-   use vi_motion, only: complete_motion, motion_type, start_motion, unknown, yes
+   use vi_motion, only: complete_motion, motion_type, start_motion, unknown
    use vi_lane_half, only: lane_halves
    use vi_lane_half_wide, only: lane_halves_wide => lane_halves
    use vi_nodes, only: find_largest, most_nodes, new_nodes, nodes_type

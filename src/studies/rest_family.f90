@@ -6,7 +6,6 @@
 !! is touched once more. On the far side of these conditions the map of the period is another one:
 !! they count as zero a little before.
 module vi_rest_family
-   use, intrinsic :: iso_fortran_env, only: int64
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
    use vi_kinds, only: wp

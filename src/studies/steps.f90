@@ -1,7 +1,7 @@
 !> Steps along a curve of motions, and the places on a step where a condition is zero.
 module vi_steps
    use vi_conditions, only: all_conditions
-   use vi_curve, only: correct, curve_type, parameters_of, point_size, tangent_at, unknowns_of
+   use vi_curve, only: correct, curve_type, parameters_of, tangent_at, unknowns_of
    use vi_family, only: image_of
    use vi_frame, only: condition_count, condition_type, grazing, repetition, &
       rest_vanishes, unknown_count

@@ -1,4 +1,4 @@
-!> A tally of work, which who looks at it while the work is done reads, and by which it is stopped.
+!> A tally of work, read from outside while the work goes on, and written there to stop it.
 !!
 !! Its three numbers are the work done, the work in sight, and whether to stop (not 0). Threads add
 !! to it; what is computed does not depend on it, unless it is stopped.

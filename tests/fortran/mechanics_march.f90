@@ -15,7 +15,7 @@ module mechanics_march
    implicit none (type, external)
    private
 
-   public :: test_march, compare_flights
+   public :: test_march
 
    !> A flight away from a wall.
    type :: case_type

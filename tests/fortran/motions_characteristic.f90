@@ -2,14 +2,14 @@
 module motions_characteristic
    use checks, only: check, check_close
    use random_numbers, only: draw, fill, random_type
-   use vi_characteristic, only: characteristic, is_contraction, resolvent
+   use vi_characteristic, only: characteristic, resolvent
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: test_characteristic
+   public :: test_characteristic, is_contraction
 
    type(random_type) :: random
 
@@ -55,5 +55,14 @@ contains
       end do
       call check(inside > 1000 .and. inside < 9000, 'characteristic: both kinds come up')
    end subroutine test_characteristic
+
+   !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
+   pure logical function is_contraction(e)
+      !> As `characteristic` gives them.
+      real(wp), intent(in) :: e(4)
+
+      is_contraction = abs(e(4)) < 1 .and. 1 + e(2) + e(4) > abs(e(1) + e(3)) .and. &
+         abs(e(3) - e(1)*e(4)) < 1 - e(4)**2 .and. resolvent(e) > 0
+   end function is_contraction
 
 end module motions_characteristic

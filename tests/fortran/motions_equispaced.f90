@@ -7,7 +7,7 @@ module motions_equispaced
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_oscillator, only: gain, oscillator_type
-   use vi_pattern, only: new_pattern, pattern_type
+   use vi_pattern, only: new_pattern
    use vi_periodic, only: linear_system_type, solve_periodic
    use vi_sample, only: sample_motion
    use vi_stability, only: multipliers

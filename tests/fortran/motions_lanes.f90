@@ -1,9 +1,10 @@
 !> Motions side by side in lanes: against the scalar procedures, and against laws.
 module motions_lanes
    use checks, only: check, check_close
+   use motions_characteristic, only: is_contraction
    use random_numbers, only: draw, draw_log, random_type
    use random_systems, only: pi, random_frequency, random_motion, random_phases
-   use vi_characteristic, only: characteristic, is_contraction
+   use vi_characteristic, only: characteristic
    use vi_new_plan, only: new_plan
    use vi_kinds, only: wp
    use vi_lane_least_squares, only: lane_least_squares

@@ -1,10 +1,10 @@
 !> The room of studies: many points in one call, and the same in single precision.
 program test_studies
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-   use checks, only: check, check_close, finish
+   use checks, only: check, finish
    use random_numbers, only: draw_integer, draw_log, random_type
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
-      random_phases, random_sides, scale_of
+      random_phases, random_sides
    use studies_atlas, only: test_atlas, test_rings
    use studies_conditions, only: test_conditions
    use studies_rows, only: test_rows

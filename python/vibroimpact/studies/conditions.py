@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from .. import _core
+from ..errors import ParameterError
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 
@@ -28,6 +30,18 @@ def can_be_symmetric(osc: Oscillator, pattern: Pattern) -> bool:
         and pattern.cycles % 2 == 1
         and bool(np.all(np.roll(pattern.signs, n // 2) == -pattern.signs))
     )
+
+
+def check_symmetric(symmetric: Any, osc: Oscillator, pattern: Pattern) -> None:
+    """Error unless it is a choice of motions, and one that the pattern has."""
+    if symmetric not in (None, True, False):
+        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
+    if symmetric and not can_be_symmetric(osc, pattern):
+        raise ParameterError(
+            f"symmetric = True: must be None or False for {pattern.sides}/{pattern.cycles} with restitution "
+            f"{osc.restitution!r}, which has no symmetric motion; that takes equal restitution, an odd number "
+            "of cycles and a pattern whose second half is the mirror image of the first"
+        )
 
 
 def is_symmetric(motion: Motion) -> bool:

@@ -198,6 +198,8 @@ def lyapunov(
         raise ParameterError(
             f"r {rs.shape}, clearance {clearances.shape}: must have one shape"
         ) from None
+    if not rs.size:
+        raise ParameterError(f"r, clearance of shape {rs.shape}: must have at least one point")
     states, contacts = (
         np.empty((7, rs.size), order="F"),
         np.empty((3, rs.size), np.int32, order="F"),

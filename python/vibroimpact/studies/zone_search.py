@@ -15,7 +15,7 @@ from ..interrupt import interruptible
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..status import MORE_EVENTS
-from .conditions import EDGE, can_be_symmetric, type_name
+from .conditions import EDGE, can_be_symmetric, check_symmetric, type_name
 from .geometry import dense_ring
 from .zone import Piece, Window, Zone, ZoneSearch, checked_window
 
@@ -106,20 +106,14 @@ def zone(
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
     max_points = checks.integer(max_points, "max_points", 100, ROOM)
-    if symmetric not in (None, True, False):
-        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
     if symmetric is not None and pattern.has_rest:
         raise ParameterError(
             f"symmetric = {symmetric!r}: must be None for a pattern with rest, whose motions are not told apart"
         )
+    check_symmetric(symmetric, osc, pattern)
     kinds = [symmetric]
     if symmetric is None:
         kinds = [True, False] if can_be_symmetric(osc, pattern) else [False]
-    elif symmetric and not can_be_symmetric(osc, pattern):
-        raise ParameterError(
-            f"symmetric = True: a motion with sides {pattern.sides!r} in {pattern.cycles} cycles and "
-            f"restitution {osc.restitution!r} cannot be its own mirror image"
-        )
     table = seed_table(pattern, seeds)
     found = assemble(
         osc, pattern, window, symmetric, kinds, lines, guesses, table, max_points, progress

@@ -1,0 +1,83 @@
+"""Many simulations in one call: the same bits as one by one, for any number of threads."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_simulations import STATE
+from shared_systems import FIGURE6, RIG
+
+RATIOS = np.linspace(0.8, 1.1, 7)
+STATES = np.random.default_rng(6).uniform(-1.4, 1.4, (5, 7))
+
+
+def test_a_bundle_is_the_single_simulations():
+    """Bit for bit: states, and the numbers of impacts and rests."""
+    bundle = vi.simulate_bundle(RIG, RATIOS, 6.0, 40, STATES, load=1.5)
+    for j, r in enumerate(RATIOS):
+        start = dict(zip(STATE, STATES[:, j].tolist(), strict=True))
+        run = vi.simulate(RIG, r, 6.0, 40, start, load=1.5)
+        assert [getattr(bundle, name)[j] for name in STATE] == [run.final_state[n] for n in STATE]
+        kinds = run.events["kind"].tolist()
+        assert (bundle.impacts[j], bundle.rests[j]) == (kinds.count("impact"), kinds.count("stick"))
+    assert (bundle.status == 0).all()
+    assert bundle.impacts.min() > 0
+    assert bundle.rests.max() > 0
+
+
+@pytest.mark.parametrize("threads", [2, 3, 64])
+def test_threads_change_no_bit(threads):
+    one, many = (vi.simulate_bundle(RIG, RATIOS, 6.0, 40, STATES, threads=n) for n in (1, threads))
+    for name in (*STATE, "impacts", "rests", "status"):
+        assert getattr(one, name).tobytes() == getattr(many, name).tobytes()
+
+
+def test_one_state_for_all():
+    """Without states all begin at rest in the middle; one state, or one parameter, is for all."""
+    alike = vi.simulate_bundle(FIGURE6, 1.04, [25.0, 25.0], 30, [0.0, 1.0, 0.0, 0.5, 0.0])
+    assert (
+        alike.x[0]
+        == alike.x[1]
+        == vi.simulate_bundle(FIGURE6, 1.04, 25.0, 30, [[0.0], [1.0], [0.0], [0.5], [0.0]]).x
+    )
+    rest = vi.simulate(FIGURE6, 1.04, 25.0, 30).final_state
+    assert vi.simulate_bundle(FIGURE6, 1.04, 25.0, 30).x[0] == rest["x"]
+
+
+def test_event_budget():
+    """A simulation that has more events ends early, and says so; the others go on."""
+    whole = vi.simulate_bundle(RIG, RATIOS, 6.0, 40)
+    most = int(np.median(whole.impacts + whole.rests))
+    cut = vi.simulate_bundle(RIG, RATIOS, 6.0, 40, max_events=most)
+    assert {0, 8} == set(cut.status.tolist())
+    for j in np.flatnonzero(cut.status == 0):
+        assert cut.x[j] == whole.x[j]
+    assert (cut.t[cut.status == 8] < whole.t[cut.status == 8]).all()
+    assert "events is full" in vi.status_text(8)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"osc": None}, "osc = None"),
+        ({"r": 0.0}, "r = 0.0"),
+        ({"r": []}, "r, clearance, load, states: must"),
+        ({"clearance": [1.0, -1.0]}, "clearance = -1.0"),
+        ({"r": [0.9, 1.0], "clearance": [1.0, 2.0, 3.0]}, r"r \(2,\), clearance \(3,\)"),
+        ({"load": np.nan}, "load = nan"),
+        ({"cycles": -1}, "cycles = -1"),
+        ({"states": np.zeros(4)}, r"states of shape \(4,\)"),
+        ({"states": [0, 0, 0, np.inf, 0]}, r"states\[:, 0\] = .*inf.*: must be finite"),
+        ({"states": [0, 0, 0, 3.1, 0]}, r"states\[:, 0\] = .*: must have z - x .* -3 to 3"),
+        ({"max_events": 0}, "max_events = 0"),
+        ({"threads": 0}, "threads = 0"),
+    ],
+)
+def test_bad_input(changes, words):
+    given = {"osc": RIG, "r": 0.9, "clearance": 6.0, "cycles": 3, **changes}
+    with pytest.raises(vi.errors.VibroimpactError, match=words):
+        vi.simulate_bundle(**given)
+
+
+def test_resonance_without_damping():
+    with pytest.raises(vi.errors.ParameterError, match=r"r = 1\.0.*xi = 0"):
+        vi.simulate_bundle(vi.Oscillator(xi=0.0, mu=0.1, restitution=0.5), [0.9, 1.0], 6.0, 3)
