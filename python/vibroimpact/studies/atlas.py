@@ -205,15 +205,7 @@ def atlas(
     attractors, guesses_of = surveyed(
         osc, window, survey, settling, max_impacts, max_cycles, workers
     )
-    mirrored = osc.restitution[0] == osc.restitution[1]
-    # in the order of the core's find_atlas, which does the same for namelists
-    patterns = list(side_patterns(max_impacts, max_cycles, mirrored=mirrored))
-    patterns += [item.pattern for item in attractors if item.pattern.has_rest]
-    families = [
-        (pattern, symmetric)
-        for pattern in dict.fromkeys(patterns)
-        for symmetric in ((True, False) if can_be_symmetric(osc, pattern) else (False,))
-    ]
+    families = families_of(osc, attractors, max_impacts, max_cycles)
 
     def trace(family: tuple[Pattern, bool], finer: int = 1) -> Zone:
         pattern, symmetric = family
@@ -257,6 +249,23 @@ def atlas(
         found = result()
     tell(1.0, "done")
     return found
+
+
+def families_of(
+    osc: Oscillator, attractors: list[Attractor], max_impacts: int, max_cycles: int
+) -> list[tuple[Pattern, bool]]:
+    """Patterns without rest up to a size and those with rest that were seen, each with its symmetry.
+
+    They come in the order of the core's find_atlas, which does the same for namelists.
+    """
+    mirrored = osc.restitution[0] == osc.restitution[1]
+    patterns = list(side_patterns(max_impacts, max_cycles, mirrored=mirrored))
+    patterns += [item.pattern for item in attractors if item.pattern.has_rest]
+    return [
+        (pattern, symmetric)
+        for pattern in dict.fromkeys(patterns)
+        for symmetric in ((True, False) if can_be_symmetric(osc, pattern) else (False,))
+    ]
 
 
 def surveyed(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -280,37 +280,15 @@ def branch(
     """
     checks.instance(motion, "motion", Motion)
     checks.choice(parameter, "parameter", CHOICES)
-    checks.plain_pattern(motion.pattern)
-    if motion.load != 1.0:
-        raise ParameterError(
-            f"motion.load = {motion.load!r}: must be 1; scale the clearance instead"
-        )
     longest_step = checks.number(longest_step, "longest_step")
     max_points = checks.integer(max_points, "max_points", 10, 10**5)
-    right, left = motion.osc.restitution
-    if not np.array_equal(motion.restitution, np.where(motion.pattern.signs > 0, right, left)):
-        raise ParameterError(
-            f"motion.restitution = {motion.restitution.tolist()!r}: must be that of the walls"
-        )
-    if parameter == "restitution" and right != left:
-        raise ParameterError(
-            f"parameter = 'restitution': needs R1 = R2, not {right!r} and {left!r}"
-        )
-    start = {
-        "r": motion.r, "clearance": motion.clearance, "xi": motion.osc.xi, "mu": motion.osc.mu,
-        "R1": right, "R2": left, "restitution": right,
-    }[parameter]  # fmt: skip
-    low, high = ordered_bounds(bounds, parameter, start)
-    if (parameter == "r" and motion.osc.xi == 0 and low <= 1 <= high) or (
-        parameter == "xi" and low == 0 and motion.r == 1
-    ):
-        raise ParameterError(
-            f"bounds = ({low!r}, {high!r}): must not contain r = 1 with xi = 0 (resonance without damping)"
-        )
+    low, high = checked_bounds(motion, parameter, bounds)
     symmetric = is_symmetric(motion) and parameter not in ("R1", "R2")
     tied = parameter == "restitution"
     which = PARAMETERS.index("R1" if tied else parameter) + 1
-    constants = np.array([motion.r, motion.clearance, motion.osc.xi, motion.osc.mu, right, left])
+    constants = np.array(
+        [motion.r, motion.clearance, motion.osc.xi, motion.osc.mu, *motion.osc.restitution]
+    )
     theta = motion.phases + motion.tau
     parameters, phases, impacts, scalars, multipliers, verdicts, _, special, n, ends, status = (
         _core.branch(
@@ -343,25 +321,55 @@ def branch(
             "max_points": max_points,
         }) if motion.precision == "double" else "",
     )  # fmt: skip
-    n_family = len(motion.pattern) // 2 if symmetric else len(motion.pattern)
-    for i in np.flatnonzero(special[0, keep]).tolist():
-        kind, index, side = special[:, i].tolist()
-        with contextlib.suppress(SingularError):
-            here = result[i]
-            result.special_points.append(
-                SpecialPoint(
-                    type_name(kind, index, bool(symmetric), mirrored),
-                    i,
-                    here.r,
-                    here.clearance,
-                    here,
-                    index - 1 if kind not in (EDGE, REPETITION) and index <= n_family else -1,
-                    ("R" if side > 0 else "L") if kind == GRAZING else "",
-                    parameter,
-                    detail_text(kind, index, side),
-                )
-            )
+    result.special_points.extend(located(result, special[:, keep], mirrored))
     return result
+
+
+def located(branch: Branch, special: NDArray[np.int32], mirrored: bool) -> Iterator[SpecialPoint]:
+    """The special points of a branch, from kind, index and side at each of its points."""
+    n_family = len(branch.pattern) // 2 if branch.symmetric else len(branch.pattern)
+    for i in np.flatnonzero(special[0]).tolist():
+        kind, index, side = special[:, i].tolist()
+        try:
+            here = branch[i]
+        except SingularError:
+            continue
+        yield SpecialPoint(
+            type_name(kind, index, branch.symmetric, mirrored), i, here.r, here.clearance, here,
+            index - 1 if kind not in (EDGE, REPETITION) and index <= n_family else -1,
+            ("R" if side > 0 else "L") if kind == GRAZING else "", branch.parameter,
+            detail_text(kind, index, side),
+        )  # fmt: skip
+
+
+def checked_bounds(motion: Motion, parameter: str, bounds: Any) -> tuple[float, float]:
+    """Bounds within which a motion can be followed along a parameter; an error if it cannot be at all."""
+    checks.plain_pattern(motion.pattern)
+    if motion.load != 1.0:
+        raise ParameterError(
+            f"motion.load = {motion.load!r}: must be 1; scale the clearance instead"
+        )
+    right, left = motion.osc.restitution
+    if not np.array_equal(motion.restitution, np.where(motion.pattern.signs > 0, right, left)):
+        raise ParameterError(
+            f"motion.restitution = {motion.restitution.tolist()!r}: must be that of the walls"
+        )
+    if parameter == "restitution" and right != left:
+        raise ParameterError(
+            f"parameter = 'restitution': needs R1 = R2, not {right!r} and {left!r}"
+        )
+    start = {
+        "r": motion.r, "clearance": motion.clearance, "xi": motion.osc.xi, "mu": motion.osc.mu,
+        "R1": right, "R2": left, "restitution": right,
+    }[parameter]  # fmt: skip
+    low, high = ordered_bounds(bounds, parameter, start)
+    if (parameter == "r" and motion.osc.xi == 0 and low <= 1 <= high) or (
+        parameter == "xi" and low == 0 and motion.r == 1
+    ):
+        raise ParameterError(
+            f"bounds = ({low!r}, {high!r}): must not contain r = 1 with xi = 0 (resonance without damping)"
+        )
+    return low, high
 
 
 def ordered_bounds(bounds: Any, parameter: str, start: float) -> tuple[float, float]:
