@@ -243,7 +243,7 @@ contains
       shift = (e + e2*(((2*a*a - b)*e - a) + e2*(5*a*(b - a*a) - c))) + last
    end subroutine revert
 
-   !> The moment a transition f, a time t, later: as in `moment_after`, but inlined here.
+   !> The moment a transition f, a time t, later: as `moment_after` does, here without a call.
    pure function moved(m, from, f, t) result(to)
       type(transition_type), intent(in) :: m
       type(moment_type), intent(in) :: from
