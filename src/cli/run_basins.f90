@@ -149,8 +149,8 @@ contains
       associate (a => case%attractor)
          first = even(a%low(1), a%high(1), a%values(1))
          second = even(a%low(2), a%high(2), a%values(2))
-         cells = (a%high - a%low)/(a%values - 1)
-         call largest_disc(plane, i, cells(2:1:-1), radius, place)
+         cells = (a%high(2:1:-1) - a%low(2:1:-1))/(a%values(2:1:-1) - 1)
+         call largest_disc(plane, i, cells, radius, place)
          text = ', radius of the largest disc '//exact(radius)//' about '//trim(a%axes(1))//', '// &
             trim(a%axes(2))//' = '//exact(first(place(2)))//', '//exact(second(place(1)))
       end associate

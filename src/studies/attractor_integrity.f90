@@ -40,8 +40,8 @@ contains
       real(wp), intent(in) :: pairs(:, :)
       real(wp), allocatable :: x(:), y(:)
 
-      x = log(pack(pairs(1, :), pairs(2, :) > 0))
-      y = log(pack(pairs(2, :), pairs(2, :) > 0))
+      allocate (x, source=log(pack(pairs(1, :), pairs(2, :) > 0)))
+      allocate (y, source=log(pack(pairs(2, :), pairs(2, :) > 0)))
       a = ieee_value(1.0_wp, ieee_quiet_nan)
       if (size(x) < 2) return
       x = x - sum(x)/size(x)

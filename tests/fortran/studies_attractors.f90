@@ -74,6 +74,7 @@ contains
       real(wp) :: chi_square
       integer :: counts(0:boxes - 1), i, j, place
 
+      allocate (states(5, n), u(4, n))
       do i = 0, 3
          states = random_states(0.5_wp, 1.0_wp, 0.0_wp, 2.0_wp, n, i)   ! a box from -1 to 1
          u = states(2:, :)
@@ -195,14 +196,14 @@ contains
       integer, intent(in) :: labels(:, :), label, place(2)
       real(wp), intent(in) :: cells(2)
       integer :: i, j
-      logical :: inside
+      logical :: inside(0:size(labels, 1) + 1, 0:size(labels, 2) + 1)
 
+      inside = .false.
+      inside(1:size(labels, 1), 1:size(labels, 2)) = labels == label
       distance = huge(1.0_wp)
       do j = 0, size(labels, 2) + 1
          do i = 0, size(labels, 1) + 1
-            inside = i > 0 .and. i <= size(labels, 1) .and. j > 0 .and. j <= size(labels, 2)
-            if (inside) inside = labels(i, j) == label
-            if (.not. inside) distance = min(distance, norm2(cells*([i, j] - place)))
+            if (.not. inside(i, j)) distance = min(distance, norm2(cells*([i, j] - place)))
          end do
       end do
    end function distance_at

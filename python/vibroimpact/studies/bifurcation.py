@@ -15,7 +15,7 @@ from ..interchange import namelist
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
-from ..trajectory import NEEDED
+from ..states import NEEDED
 from .settling import NOT_COMPUTED, PARAMETERS, one_state, thread_count
 from .spacing import spacing_of
 
