@@ -719,16 +719,51 @@ subroutine spaced(n, low, high, geometric, values)
    values = spaced_values(low, high, n, geometric /= 0)
 end subroutine spaced
 
-!> A length that initial states are spread over.
-subroutine spread_scale(xi, r, load, clearance, length)
-   use, intrinsic :: iso_c_binding, only: c_double
-   use vi_attractor_spread, only: scale_of => spread_scale
+!> Random states (5, n) at t = 0 in the box of `random_states`.
+subroutine random_states(n, seed, xi, r, load, clearance, states)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_spread, only: states_of => random_states
    implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, seed
    real(c_double), intent(in) :: xi, r, load, clearance
-   real(c_double), intent(out) :: length
+   real(c_double), intent(out) :: states(5, n)
 
-   length = scale_of(xi, r, load, clearance)
-end subroutine spread_scale
+   states = states_of(xi, r, load, clearance, n, seed)
+end subroutine random_states
+
+!> Distances of pairs of states and the shares of pairs with different ends, `count` of them, and
+!! the exponent; the first dimension of the labels is the second axis.
+subroutine uncertain_pairs(m, n, labels, pairs, count, exponent)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_integrity, only: pairs_of => uncertain_pairs, uncertainty_exponent
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, n, labels(m, n)
+   real(c_double), intent(out) :: pairs(2, 8), exponent
+   integer(c_int), intent(out) :: count
+   real(c_double), allocatable :: found(:, :)
+
+   found = pairs_of(labels)
+   count = size(found, 2)
+   pairs = 0
+   pairs(:, :count) = found
+   exponent = uncertainty_exponent(found)
+end subroutine uncertain_pairs
+
+!> Radius and place (from 1) of the largest disc of states with a label.
+subroutine largest_disc(m, n, labels, label, cells, radius, place)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_attractor_integrity, only: disc_of => largest_disc
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, n, labels(m, n), label
+   real(c_double), intent(in) :: cells(2)
+   real(c_double), intent(out) :: radius
+   integer(c_int), intent(out) :: place(2)
+
+   call disc_of(labels, label, cells, radius, place)
+end subroutine largest_disc
 
 !> The attractors of m states (labels from 1, 0: not decided), n of them, by falling share.
 !!

@@ -549,9 +549,25 @@ class _Spaced(Protocol):
     def __call__(self, n: int, low: float, high: float, geometric: int) -> _Real: ...
 
 @type_check_only
-class _SpreadScale(Protocol):
-    # length
-    def __call__(self, xi: float, r: float, load: float, clearance: float) -> float: ...
+class _RandomStates(Protocol):
+    # states
+    def __call__(
+        self, n: int, seed: int, xi: float, r: float, load: float, clearance: float
+    ) -> _Real: ...
+
+@type_check_only
+class _UncertainPairs(Protocol):
+    # pairs, count, exponent
+    def __call__(
+        self, labels: ArrayLike, m: int = ..., n: int = ...
+    ) -> tuple[_Real, int, float]: ...
+
+@type_check_only
+class _LargestDisc(Protocol):
+    # radius, place
+    def __call__(
+        self, labels: ArrayLike, label: int, cells: ArrayLike, m: int = ..., n: int = ...
+    ) -> tuple[float, _Integer]: ...
 
 @type_check_only
 class _Basins(Protocol):
@@ -607,5 +623,7 @@ bifurcation: _Bifurcation
 periodic_windows: _PeriodicWindows
 response: _Response
 spaced: _Spaced
-spread_scale: _SpreadScale
+random_states: _RandomStates
+uncertain_pairs: _UncertainPairs
+largest_disc: _LargestDisc
 basins: _Basins

@@ -197,15 +197,14 @@ class Case(NamedTuple):
     def basins(self, progress: Callable[[float, str], None] | None = None) -> Basins:
         """The basins that a &basins case asks for."""
         keys = self.keys
-        first, second = zip(
-            *(keys[name] for name in ("axes", "low", "high", "values")), strict=True
-        )
-        others = ("t", "x", "x_dot", "y", "z_dot")
-        fixed: dict[str, float] = {name: keys[name] for name in others if name in keys}
-        return basins(
-            self.osc, self.r, keys["clearance"], (first, second), fixed=fixed,
-            **{name: keys[name] for name in ("load", "cycles", "probes", "max_cycles")}, progress=progress,
-        )  # fmt: skip
+        limits = ("load", "cycles", "probes", "max_cycles", "states", "seed")
+        given = {name: keys[name] for name in limits if name in keys}
+        if "axes" in keys:
+            columns = (keys[name] for name in ("axes", "low", "high", "values"))
+            others = ("t", "x", "x_dot", "y", "z_dot")
+            given["plane"] = tuple(zip(*columns, strict=True))
+            given["fixed"] = {name: keys[name] for name in others if name in keys}
+        return basins(self.osc, self.r, keys["clearance"], **given, progress=progress)
 
     def _values(self) -> dict[str, Any]:
         """The parameter of a line of points, if there is one, with its values."""

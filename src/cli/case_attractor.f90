@@ -3,7 +3,7 @@ module vi_case_attractor
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    !$ use omp_lib, only: omp_get_max_threads
-   use vi_case_branch, only: least, most, parameters, ranges
+   use vi_case_branch, only: least, most, parameters
    use vi_case_type, only: case_type
    use vi_keys, only: complain, forbid, given
    use vi_kinds, only: wp
@@ -124,10 +124,10 @@ contains
          if (all(lower(a%spacing) /= [character(9) :: 'linear', 'geometric'])) then
             call complain(group, 'spacing', line, message)
          else if (.not. (a%low(1) >= least(place) .and. is_blank(a%low(2)))) then
-            call complain(group, 'low', line, message, trim(ranges(place)))
+            call complain(group, 'low', line, message)
          else if (.not. (a%high(1) > a%low(1) .and. a%high(1) <= most(place) .and. &
             is_blank(a%high(2)))) then
-            call complain(group, 'high', line, message, trim(ranges(place)))
+            call complain(group, 'high', line, message)
          else if (a%values(1) < 2 .or. a%values(1) > 1000000 .or. a%values(2) /= no_number) then
             call complain(group, 'values', line, message)
          else if (lower(a%spacing) == 'geometric' .and. .not. a%low(1) > 0) then

@@ -2,6 +2,7 @@
 module vi_case_basins
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_spread, only: random_states
    use vi_case_attractor, only: check_number, check_whole
    use vi_case_type, only: case_type
    use vi_keys, only: complain, forbid, given
@@ -12,7 +13,7 @@ module vi_case_basins
    implicit none (type, external)
    private
 
-   public :: fixed_value, plane_states, take_basins
+   public :: fixed_value, initial_states, take_basins
 
    !> Coordinates of a state; y is z - x.
    character(5), parameter, public :: axis_names(5) = [character(5) :: 't', 'x', 'x_dot', 'y', &
@@ -30,14 +31,38 @@ contains
       associate (a => case%attractor)
          a%axes = [lower(a%axes(1)), lower(a%axes(2))]
          call check_number(group, 'clearance', a%clearance, 1.0e-12_wp, 1.0e12_wp, line, message)
-         if (len(message) == 0) call check_plane(group, case, line, message)
-         if (len(message) == 0) call check_fixed(group, case, line, message)
+         if (given(group, 'states')) then
+            call check_random(group, case, line, message)
+         else
+            if (len(message) == 0) call forbid(group, 'seed', line, message, &
+               'must be left out: it goes with states')
+            if (len(message) == 0) call check_plane(group, case, line, message)
+            if (len(message) == 0) call check_fixed(group, case, line, message)
+         end if
          call check_number(group, 'load', a%load, 0.0_wp, 1.0e12_wp, line, message)
          call check_whole(group, 'cycles', a%cycles, 1, 10**7, line, message)
          call check_whole(group, 'probes', a%probes, 1, 10**6, line, message)
          call check_whole(group, 'max_cycles', a%max_cycles, 1, 100, line, message)
       end associate
    end subroutine take_basins
+
+   !> Checks random states: nothing of a plane is beside them.
+   subroutine check_random(group, case, line, message)
+      type(group_type), intent(in) :: group
+      type(case_type), intent(in) :: case
+      integer, intent(inout) :: line
+      character(:), allocatable, intent(inout) :: message
+      character(6), parameter :: others(9) = [character(6) :: 'axes', 'low', 'high', 'values', &
+         axis_names]
+      integer :: i
+
+      do i = 1, size(others)
+         if (len(message) == 0) call forbid(group, trim(others(i)), line, message, &
+            'must be left out beside states: they are random in all coordinates, at t = 0')
+      end do
+      call check_whole(group, 'states', case%attractor%states, 1, most_numbers, line, message)
+      call check_whole(group, 'seed', case%attractor%seed, 0, huge(1), line, message)
+   end subroutine check_random
 
    !> Checks the axes and their values.
    subroutine check_plane(group, case, line, message)
@@ -107,7 +132,21 @@ contains
       if (axis_names(i) == 'y') value = case%attractor%y
    end function fixed_value
 
-   !> The states (5, n m) of the plane: t, x, x', z, z'; the second axis varies first.
+   !> The states: t, x, x', z, z' of each.
+   pure function initial_states(case) result(states)
+      type(case_type), intent(in) :: case
+      real(wp), allocatable :: states(:, :)
+
+      associate (a => case%attractor)
+         if (a%states > 0) then
+            states = random_states(case%osc%xi, case%r, a%load, a%clearance, a%states, a%seed)
+         else
+            states = plane_states(case)
+         end if
+      end associate
+   end function initial_states
+
+   !> The states (5, n m) of the plane; the second axis varies first.
    pure function plane_states(case) result(states)
       type(case_type), intent(in) :: case
       real(wp), allocatable :: states(:, :)

@@ -16,7 +16,7 @@ module vi_case_branch
    private
 
    public :: parameter_place, take_branch, take_start
-   public :: least, most, parameters, ranges
+   public :: least, most, parameters
 
    !> What a branch can follow, in the order of the core, and their ranges.
    character(11), parameter :: parameters(7) = [character(11) :: 'r', 'clearance', 'xi', 'mu', &

@@ -32,7 +32,7 @@ contains
             call append(lines, '#   points = '//whole(a%points))
             if (case%started) call echo_start(case, lines)
          case ('basins')
-            call echo_plane(case, lines)
+            call echo_basins(case, lines)
          case default
             call append(lines, '#   r_min = '//exact(a%r_min))
             call append(lines, '#   r_max = '//exact(a%r_max))
@@ -49,27 +49,32 @@ contains
       call append(lines, '# /')
    end subroutine echo_attractor
 
-   !> The plane of initial states, and what decides.
-   pure subroutine echo_plane(case, lines)
+   !> The initial states, and what decides.
+   pure subroutine echo_basins(case, lines)
       type(case_type), intent(in) :: case
       type(line_type), allocatable, intent(inout) :: lines(:)
       integer :: i
 
       associate (a => case%attractor)
          call append(lines, '#   clearance = '//exact(a%clearance))
-         call append(lines, '#   axes = '''//trim(a%axes(1))//''', '''//trim(a%axes(2))//'''')
-         call append(lines, '#   low = '//exact(a%low(1))//', '//exact(a%low(2)))
-         call append(lines, '#   high = '//exact(a%high(1))//', '//exact(a%high(2)))
-         call append(lines, '#   values = '//whole(a%values(1))//', '//whole(a%values(2)))
-         do i = 1, size(axis_names)
-            if (all(a%axes /= axis_names(i))) call append(lines, '#   '//trim(axis_names(i))// &
-               ' = '//exact(fixed_value(case, i)))
-         end do
+         if (a%states > 0) then
+            call append(lines, '#   states = '//whole(a%states))
+            call append(lines, '#   seed = '//whole(a%seed))
+         else
+            call append(lines, '#   axes = '''//trim(a%axes(1))//''', '''//trim(a%axes(2))//'''')
+            call append(lines, '#   low = '//exact(a%low(1))//', '//exact(a%low(2)))
+            call append(lines, '#   high = '//exact(a%high(1))//', '//exact(a%high(2)))
+            call append(lines, '#   values = '//whole(a%values(1))//', '//whole(a%values(2)))
+            do i = 1, size(axis_names)
+               if (all(a%axes /= axis_names(i))) call append(lines, '#   '//trim(axis_names(i))// &
+                  ' = '//exact(fixed_value(case, i)))
+            end do
+         end if
          call append(lines, '#   cycles = '//whole(a%cycles))
          call append(lines, '#   probes = '//whole(a%probes))
          call append(lines, '#   max_cycles = '//whole(a%max_cycles))
       end associate
-   end subroutine echo_plane
+   end subroutine echo_basins
 
    !> How many states are simulated, and how long.
    pure subroutine echo_settling(case, lines)

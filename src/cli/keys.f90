@@ -193,8 +193,11 @@ contains
                end if
             end do
             status = 1
-            if (len(item%value) > 0 .and. .not. too_long(item%value)) call read_value('&'// &
-               group%name//' '//item%target//' = '//item%value//' /', group%name, raw, status)
+            if (len(item%value) > 0 .and. .not. (too_long(item%value) .or. &
+               has_name(item%value))) then
+               call read_value('&'//group%name//' '//item%target//' = '//item%value//' /', &
+                  group%name, raw, status)
+            end if
             if (status /= 0) then
                call complain(group, item%key, line, message, at=i)
                return
@@ -210,6 +213,32 @@ contains
 
       too_long = len(value) > most_letters + 2 .and. scan(value(1:1), '''"') == 1
    end function too_long
+
+   !> Whether a word stands outside quotes: the compiler's reader takes the name of a variable for
+   !! the next assignment, and leaves out the number.
+   pure logical function has_name(value)
+      character(*), intent(in) :: value
+      character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
+      character(:), allocatable :: text
+      character :: quote
+      integer :: i, n
+
+      text = ','//lower(value)//','
+      has_name = .false.
+      quote = ' '
+      do i = 2, len(text)
+         if (quote /= ' ') then
+            if (text(i:i) == quote) quote = ' '
+         else if (scan(text(i:i), '''"') > 0) then
+            quote = text(i:i)
+         else if (scan(text(i:i), letters) > 0 .and. scan(text(i - 1:i - 1), letters// &
+            '0123456789_.') == 0) then
+            n = verify(text(i:), letters//'0123456789_') - 1
+            has_name = has_name .or. all(text(i:i + n - 1) /= [character(8) :: 'nan', 'inf', &
+               'infinity'])
+         end if
+      end do
+   end function has_name
 
    !> The message for a key that is missing or has a wrong value; `why` adds to what is allowed.
    pure subroutine complain(group, key, line, message, why, at)

@@ -20,7 +20,8 @@ contains
             &walls)'
          if (group == 'lyapunov') text = '''r'' or ''clearance''; low, high and values go with it'
       case ('low', 'high')
-         text = 'a number in the range of the parameter, low below high'
+         text = 'a number in the range of the parameter (1e-6 <= r <= 1e6, 1e-12 <= clearance <= &
+            &1e12, 0 <= xi < 1, 0 <= mu <= 1e6, 0 <= R <= 1), low below high'
          if (group == 'basins') text = 'two finite numbers, one an axis, low below high'
       case ('values')
          text = 'a whole number with 2 <= values <= 1000000'
@@ -30,7 +31,8 @@ contains
          text = '''linear'' or ''geometric'' (of the values)'
          if (group == 'lyapunov') text = text//'; it goes with parameter'
       case ('axes')
-         text = 'two of ''x'', ''x_dot'', ''y'' (z - x), ''z_dot'' and ''t'''
+         text = 'two of ''x'', ''x_dot'', ''y'' (z - x), ''z_dot'' and ''t'', or states = N &
+            &instead of a plane'
       case ('sweep')
          text = '''up'', ''down'', ''both'' or ''states'''
       case ('clearance', 'inverse_clearance')
@@ -53,6 +55,9 @@ contains
          text = 'a whole number with 2 <= batches <= 1000'
       case ('states', 'probes')
          text = 'a whole number with 1 <= '//key//' <= 1000000'
+         if (group//key == 'basinsstates') text = 'a whole number with 1 <= states <= 12500000'
+      case ('seed')
+         text = 'a whole number with 0 <= seed <= 2147483647'
       case ('settling')
          text = 'a whole number with 0 <= settling <= 10000000'
       case ('keep')
@@ -77,8 +82,8 @@ contains
          text = 'parameter, low, high, values, spacing, clearance, sweep, states, load, settling, &
             &keep, points, t, x, x_dot, z, z_dot'
       case ('basins')
-         text = 'clearance, axes, low, high, values, t, x, x_dot, y, z_dot, load, cycles, probes, &
-            &max_cycles'
+         text = 'clearance, axes, low, high, values, t, x, x_dot, y, z_dot, states, seed, load, &
+            &cycles, probes, max_cycles'
       case ('response')
          text = 'r_min, r_max, r_points, clearance, inverse_clearance, states, load, settling, keep'
       case default

@@ -23,7 +23,7 @@ module vi_raw_attractors
       !> t, x, x', z, z', and z - x.
       real(wp) :: start(5) = 0, y = 0
       integer :: cycles = 0, discard = 0, batches = 0, states = 0, settling = 0, keep = 0, &
-         points = 0, probes = 0, max_cycles = 0
+         points = 0, probes = 0, max_cycles = 0, seed = 0
    end type attractor_keys_type
 
 contains
@@ -71,10 +71,10 @@ contains
       real(wp), pointer :: clearance, inverse_clearance, load, low(:), high(:), r_min, r_max, &
          t, x, x_dot, y, z, z_dot
       integer, pointer :: values(:), r_points, cycles, discard, batches, states, settling, keep, &
-         points, probes, max_cycles
+         points, probes, max_cycles, seed
       namelist /attractor/ parameter, spacing, sweep, axes, clearance, inverse_clearance, load, &
          low, high, values, r_min, r_max, r_points, t, x, x_dot, y, z, z_dot, cycles, discard, &
-         batches, states, settling, keep, points, probes, max_cycles
+         batches, states, settling, keep, points, probes, max_cycles, seed
 
       parameter => raw%parameter
       spacing => raw%spacing
@@ -104,6 +104,7 @@ contains
       points => raw%points
       probes => raw%probes
       max_cycles => raw%max_cycles
+      seed => raw%seed
       read (text, nml=attractor, iostat=status)
    end subroutine read_attractor
 

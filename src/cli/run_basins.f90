@@ -1,9 +1,11 @@
 !> Runs a case with basins of attraction: one row a state.
 module vi_run_basins
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use vi_attractor_catalogue, only: catalogue_type, label_states
    use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
    use vi_case_attractor, only: available_threads
-   use vi_case_basins, only: plane_states
+   use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
+   use vi_case_basins, only: initial_states
    use vi_case_type, only: case_type
    use vi_drive, only: new_drive
    use vi_echo, only: echo, list
@@ -11,6 +13,7 @@ module vi_run_basins
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_pattern, only: starred_letters
    use vi_text, only: append, columns, counted, exact, lengthen, line_type, shown, whole
+   use vi_window, only: even
    implicit none (type, external)
    private
 
@@ -21,7 +24,7 @@ module vi_run_basins
 
 contains
 
-   !> Finds to which attractor each state of a plane goes, and writes the states.
+   !> Finds to which attractor each state goes, and writes the states.
    subroutine run_basins(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
@@ -43,7 +46,7 @@ contains
          catalogue%drive = new_drive(case%osc, case%r, a%load, a%clearance)
          catalogue%max_cycles = a%max_cycles
          catalogue%threads = available_threads()
-         allocate (states, source=plane_states(case))
+         allocate (states, source=initial_states(case))
          allocate (labels(size(states, 2)))
          call label_states(catalogue, states, a%cycles, a%probes, labels, events, &
             tally)
@@ -56,7 +59,8 @@ contains
          if (.not. written) return
          text = counted(size(labels), 'state')
          do i = 1, catalogue%n
-            text = text//', '//names(i)%text//' '//shown(100*share(labels, i), 'f12.2')//'%'
+            text = text//', '//names(i)%text//' '//shown(100*share(labels, i), 'f12.2')//'% +- '// &
+               shown(100*standard_error(labels, i), 'f12.2')//'%'
          end do
          call say(log, done, case%name//': '//text)
       end if
@@ -81,6 +85,7 @@ contains
             catalogue%known(i)%kind))//'), share '//exact(share(labels, i))//details( &
             catalogue%known(i)))
       end do
+      call append_safety(case, catalogue%n, labels, lines)
       call append(lines, 't,x,x_dot,z,z_dot,label,attractor')
       n = size(lines)
       call lengthen(lines, size(labels))
@@ -98,6 +103,58 @@ contains
 
       share = real(count(labels == i), wp)/size(labels)
    end function share
+
+   !> Of the share, as of as many independent states: an upper bound for those of a plane.
+   pure real(wp) function standard_error(labels, i)
+      integer, intent(in) :: labels(:), i
+
+      standard_error = sqrt(share(labels, i)*(1 - share(labels, i))/size(labels))
+   end function standard_error
+
+   !> How sure the shares are, and of a plane how safe its states.
+   pure subroutine append_safety(case, n, labels, lines)
+      type(case_type), intent(in) :: case
+      !> Attractors.
+      integer, intent(in) :: n, labels(:)
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      integer, allocatable :: plane(:, :)
+      character(:), allocatable :: text
+      real(wp) :: exponent
+      integer :: i
+
+      associate (a => case%attractor)
+         if (a%states == 0) plane = reshape(labels, [a%values(2), a%values(1)])
+         do i = 1, n
+            text = '# ! '//whole(i - 1)//': standard error of the share '//exact(standard_error( &
+               labels, i))
+            if (a%states == 0) text = text//disc(case, plane, i)
+            call append(lines, text)
+         end do
+      end associate
+      if (.not. allocated(plane)) return
+      exponent = uncertainty_exponent(uncertain_pairs(plane))
+      if (.not. ieee_is_nan(exponent)) call append(lines, '# ! uncertainty exponent '//exact( &
+         exponent))
+   end subroutine append_safety
+
+   !> The largest disc of the plane inside a basin.
+   pure function disc(case, plane, i) result(text)
+      type(case_type), intent(in) :: case
+      !> (second axis, first axis)
+      integer, intent(in) :: plane(:, :), i
+      character(:), allocatable :: text
+      real(wp) :: cells(2), radius, first(size(plane, 2)), second(size(plane, 1))
+      integer :: place(2)
+
+      associate (a => case%attractor)
+         first = even(a%low(1), a%high(1), a%values(1))
+         second = even(a%low(2), a%high(2), a%values(2))
+         cells = (a%high(2:1:-1) - a%low(2:1:-1))/(a%values(2:1:-1) - 1)
+         call largest_disc(plane, i, cells, radius, place)
+         text = ', radius of the largest disc '//exact(radius)//' about '//trim(a%axes(1))//', '// &
+            trim(a%axes(2))//' = '//exact(first(place(2)))//', '//exact(second(place(1)))
+      end associate
+   end function disc
 
    !> What else is known of an attractor.
    pure function details(known) result(text)

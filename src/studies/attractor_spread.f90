@@ -1,11 +1,14 @@
-!> Initial states spread evenly over what motions with impacts may reach: the same ones every time.
+!> Initial states over what motions with impacts may reach, spread evenly or at random: the same
+!! ones every time.
 module vi_attractor_spread
+   use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
    use vi_oscillator, only: gain, oscillator_type
+   use vi_philox, only: philox
    implicit none (type, external)
    private
 
-   public :: spread_scale, spread_states
+   public :: random_states, spread_states
 
 contains
 
@@ -36,5 +39,24 @@ contains
             scale*u(4)]
       end do
    end function spread_states
+
+   !> Random states (5, n) at t = 0, uniform in a box: x, x' and z' within the scale either way,
+   !! z - x between the walls. A state depends on the seed and its place alone.
+   pure function random_states(xi, r, load, clearance, n, seed) result(states)
+      real(wp), intent(in) :: xi, r, load, clearance
+      integer, intent(in) :: n, seed
+      real(wp) :: states(5, n)
+      real(wp) :: scale, u(4)
+      integer :: i
+
+      scale = spread_scale(xi, r, load, clearance)
+      do i = 1, n
+         ! odd multiples of 2**-32 from -1 to 1, exactly: as many on either side of 0
+         u = (2*philox([int(i - 1, int64), 0_int64, 0_int64, 0_int64], [int(seed, int64), &
+            0_int64]) + 1)*2.0_wp**(-32) - 1
+         states(:, i) = [0.0_wp, scale*u(1), scale*u(2), scale*u(1) + 0.5_wp*clearance*u(3), &
+            scale*u(4)]
+      end do
+   end function random_states
 
 end module vi_attractor_spread

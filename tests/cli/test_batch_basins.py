@@ -1,14 +1,34 @@
 """Spacing of a line of values, and random states, in namelists: the digits of the API from both programs."""
 
+import math
+import re
+
 import numpy as np
 import pytest
 from programs import contents, rows
-from test_batch_attractors import DIAGRAM, EQUAL, MOVING, both, case_of, column, refused
+from test_batch_attractors import (
+    DIAGRAM,
+    EQUAL,
+    MOVING,
+    PLANE,
+    TABLE,
+    WALLS,
+    both,
+    case_of,
+    column,
+    refused,
+    told,
+)  # fmt: skip
 
 RATIOS = DIAGRAM.replace("values = 4", "values = 4, spacing = 'geometric'")
 EXPONENTS = f"""{EQUAL}&lyapunov parameter = 'clearance'
   low = 9, high = 40, values = 3, spacing = 'geometric'
   cycles = 100, {MOVING}
+/
+"""
+RANDOM = f"""{TABLE}&basins clearance = 37
+  states = 150, seed = 4
+  probes = 50
 /
 """
 
@@ -67,3 +87,109 @@ def test_spacing_without_a_parameter(batch):
     text = text.replace("low = 9, high = 40, values = 3, ", "")
     refused(text, "lyapunov", "must be left out: it goes with parameter", 3, batch)
     assert list(contents(batch.cwd)) == ["case.nml"]
+
+
+def sure(path):
+    """What the header says of each attractor's share, of its largest disc, and the uncertainty exponent."""
+    number = r"(\S+)"
+    disc = rf", radius of the largest disc {number} about \w+, \w+ = {number}, {number}"
+    text = path.read_text()
+    shares = re.findall(
+        rf"^# ! (\d+): standard error of the share {number}(?:{disc})?$", text, re.MULTILINE
+    )
+    exponents = re.findall(rf"^# ! uncertainty exponent {number}$", text, re.MULTILINE)
+    return [[float(item) for item in found if item] for found in shares], [
+        float(item) for item in exponents
+    ]
+
+
+@pytest.mark.parametrize("text", [
+    RANDOM,
+    RANDOM.replace(", seed = 4", ""),
+    RANDOM.replace("= 4", "= 2147483647").replace("= 37", "= 25, load = 0.7"),
+    RANDOM.replace(TABLE, WALLS).replace("= 4", "= 04").replace("= 37", "= 6, cycles = 300"),
+])  # fmt: skip
+def test_random_states_of_the_api(text, batch, command, same_build):
+    table = both(text, batch, command)
+    result = case_of(batch).basins()
+    assert result.axes is None
+    for name, values in zip(("t", "x", "x_dot", "z", "z_dot"), result.states, strict=True):
+        assert column(table, name).tolist() == values.tolist()
+    assert column(table, "label").tolist() == result.labels.tolist()
+    shares, exponents = sure(batch.cwd / "results/case.csv")
+    assert shares == [[i, error] for i, error in enumerate(result.standard_error.tolist())]
+    assert exponents == []
+    said = [float(item[3]) for item in told(batch.cwd / "results/case.csv")]
+    assert said == result.fractions.tolist()
+
+
+def test_safety_of_the_api(batch, command, same_build):
+    """A plane's discs and exponent; and the standard errors on standard output."""
+    text = PLANE.replace("8, 9", "40, 33")
+    both(text, batch, command)
+    result = case_of(batch).basins()
+    shares, exponents = sure(batch.cwd / "results/case.csv")
+    wanted = []
+    for i, error in enumerate(result.standard_error.tolist()):
+        radius, centre = result.integrity(i)
+        wanted.append([i, error, radius, *centre])
+    assert shares == wanted
+    assert exponents == [result.uncertainty_exponent]
+    said = batch.case(text).out.decode()
+    for item, share, error in zip(
+        result.attractors, result.fractions, result.standard_error, strict=True
+    ):
+        assert f"{item.name} {100 * share:.2f}% +- {100 * error:.2f}%" in said
+
+
+def test_a_plane_without_a_boundary_has_no_exponent(batch):
+    """One attractor alone; the largest disc reaches from the middle to a cell beyond the edge."""
+    text = PLANE.replace(TABLE, WALLS).replace("= 37", "= 6").replace("8, 9", "17, 19")
+    assert batch.case(text).status == 0
+    ((_, error, radius, x, x_dot),), exponents = sure(batch.cwd / "results/case.csv")
+    assert (error, exponents) == (0, [])
+    assert (x, x_dot) == (0, 0)
+    assert radius == pytest.approx(30 + 60 / 18)
+
+
+def test_another_seed_has_other_states(batch):
+    """... of the same shares within their errors; and more states begin with those of fewer."""
+    tables = []
+    for new in ("states = 600, seed = 4", "states = 150, seed = 5", "states = 150, seed = 4"):
+        assert batch.case(RANDOM.replace("states = 150, seed = 4", new)).status == 0
+        tables.append(rows(batch.cwd / "results/case.csv"))
+    starts = [[tuple(row.values())[1:5] for row in table] for table in tables]
+    assert starts[0][:150] == starts[2]
+    assert set(starts[0]).isdisjoint(starts[1])
+    pair = [np.mean([row["attractor"][:4] == "RL/1" for row in table]) for table in tables]
+    assert abs(pair[0] - pair[1]) < 4 * math.sqrt(pair[0] * (1 - pair[0]) * (1 / 600 + 1 / 150))
+
+
+BESIDE = "must be left out beside states"
+
+
+@pytest.mark.parametrize(("old", "new", "wanted", "line"), [
+    *[("states = 150", f"states = {v}", "1 <= states <= 12500000", 3)
+      for v in ("0", "-1", "1.5", "12500001", "x")],
+    *[("seed = 4", f"seed = {v}", "0 <= seed <= 2147483647", 3) for v in ("-1", "2147483648", "1.5", "4, 5", "x")],
+    ("states = 150, ", "", "seed = 4: must be left out: it goes with states", 3),
+    ("states = 150, seed = 4", "", "axes: is missing; must be two of 'x'", 2),
+    *[("probes = 50", f"{key} = {v}", f"{key} = {v}: {BESIDE}", 4) for key, v in (
+        ("axes", "'x', 'y'"), ("low", "0, 0"), ("high", "1, 1"), ("values", "9, 9"), ("t", "0"), ("x", "1"),
+        ("x_dot", "1"), ("y", "0"), ("z_dot", "2"))],
+])  # fmt: skip
+def test_bad_random_states(old, new, wanted, line, batch):
+    assert old in RANDOM
+    refused(RANDOM.replace(old, new, 1), "basins", wanted, line, batch)
+
+
+@pytest.mark.parametrize("name", ["x", "low", "inverse_clearance", "probes", "2*x"])
+def test_a_name_is_no_number(name, batch):
+    """The compiler's reader takes the name of a variable for a number that is left out."""
+    refused(RANDOM.replace("= 50", f"= {name}"), "basins", "1 <= probes", 4, batch)
+    text = DIAGRAM.replace("low = 20", f"low = 20, {name}")
+    refused(text, "bifurcation", "a number in the range of the parameter", 3, batch)
+
+
+def test_a_plane_has_no_seed(batch):
+    refused(PLANE.replace("probes", "seed = 1, probes"), "basins", "it goes with states", 5, batch)

@@ -6,6 +6,7 @@ program test_studies
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
       random_phases, random_sides
    use studies_atlas, only: test_atlas, test_rings
+   use studies_attractors, only: test_attractors
    use studies_conditions, only: test_conditions
    use studies_rows, only: test_rows
    use vi_assess, only: paper_acceptance
@@ -40,6 +41,7 @@ program test_studies
    call test_atlas()
    call test_conditions()
    call test_rows()
+   call test_attractors()
    call finish()
 
 contains

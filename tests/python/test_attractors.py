@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.studies.basins import Axis
-from vibroimpact.studies.lattice import distance_to_other
 
 TABLE = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
@@ -327,17 +326,114 @@ def test_states_go_where_their_basin_says(plane):
     assert checked > 150
 
 
+def mirrors(one, other):
+    """Return which attractor of one result is the mirror image of which of the other."""
+    return [
+        next(j for j, item in enumerate(other.attractors)
+             if np.abs(np.sort(item.motion.X) - np.sort(-mine.motion.X)).max() < 1e-7)
+        for mine in one.attractors
+    ]  # fmt: skip
+
+
 def test_mirror_images_have_equal_shares():
-    """Of random states, which are as likely as their mirror images half a period later."""
+    """Of random states, and of their mirror images half a period later: those go to the mirror images."""
     result = vi.basins(EQUAL, 1.04, 14.0, states=3000)
+    reflected = -result.states
+    reflected[0] = math.pi / 1.04
+    there = vi.basins(EQUAL, 1.04, 14.0, states=reflected)
     first, second = result.attractors
     assert {first.kind, second.kind} == {"periodic"}
-    np.testing.assert_allclose(np.sort(first.motion.X), np.sort(-second.motion.X), atol=1e-8 * 14)
-    assert abs(np.diff(result.fractions)[0]) < 4 * 2 * result.standard_error[0]
-    assert result.fractions.sum() == 1
+    assert sorted(mirrors(result, result)) == [0, 1] != mirrors(result, result)
+    images = np.array(mirrors(result, there))
+    # transient chaos is decided by rounding: shares, not every state, are the same
+    assert np.mean(images[result.labels] == there.labels) > 0.95
+    error = 4 * math.hypot(result.standard_error[0], there.standard_error[0])
+    np.testing.assert_allclose(result.fractions, there.fractions[images], atol=error)
+    # a plane that is its own mirror image: a whole period of times
+    period = 2 * math.pi / 1.04
+    plane = (("t", 0, period * 39 / 40, 40), ("x", -20, 20, 41))
+    even = vi.basins(EQUAL, 1.04, 14.0, plane)
+    assert abs(np.diff(even.fractions)[0]) < 4 * 2 * even.standard_error[0]
+    assert result.fractions.sum() == even.fractions.sum() == 1
     for item in result.attractors:
         assert np.abs(item.motion.multipliers).max() < item.contraction < 1
         assert item.radius > 0
+
+
+def philox(counter, key):
+    """Return the words of Philox4x32-10 (Salmon et al., SC11) in whole numbers without end."""
+    c, (a, b), word = list(counter), key, 2**32
+    for _ in range(10):
+        p, q = 0xD2511F53 * c[0], 0xCD9E8D57 * c[2]
+        c = [q // word ^ c[1] ^ a, q % word, p // word ^ c[3] ^ b, p % word]
+        a, b = (a + 0x9E3779B9) % word, (b + 0xBB67AE85) % word
+    return c
+
+
+@pytest.mark.parametrize(("load", "seed"), [(1.0, 0), (0.0, 7), (50.0, 2**31 - 1)])
+def test_random_states(load, seed):
+    """Bit for bit a count through a published generator, in the box that is told."""
+    r, clearance, n = 1.04, 14.0, 30
+    states = vi.basins(
+        EQUAL, r, clearance, states=n, load=load, seed=seed, cycles=1, probes=1
+    ).states
+    known = [0xD16CFE09, 0x94FDCCEB, 0x5001E420, 0x24126EA1]
+    pi = (0x243F6A88, 0x85A308D3, 0x13198A2E, 0x03707344), (0xA4093822, 0x299F31D0)
+    assert philox(*pi) == known
+    amplitude = load / math.hypot(1 - r**2, 2 * EQUAL.xi * r)
+    s = min(max(amplitude, clearance / 2), 3 * clearance)
+    for i, (t, x, x_dot, z, z_dot) in enumerate(states.T.tolist()):
+        u = [(2 * word + 1) / 2**32 - 1 for word in philox((i, 0, 0, 0), (seed, 0))]
+        assert t == 0
+        np.testing.assert_allclose(
+            [x, x_dot, z - x, z_dot],
+            [s * u[0], s * u[1], clearance / 2 * u[2], s * u[3]],
+            rtol=1e-12,
+        )
+    fewer = vi.basins(EQUAL, r, clearance, states=9, load=load, seed=seed, cycles=1, probes=1)
+    np.testing.assert_array_equal(fewer.states, states[:, :9])
+
+
+def test_random_shares_are_those_of_a_lattice():
+    """Of states in the middles of 4096 equal boxes that fill the same box."""
+    r, clearance = 0.94, 37.0
+    s = 1 / math.hypot(1 - r**2, 2 * TABLE.xi * r)
+    s = min(max(s, clearance / 2), 3 * clearance)
+    u = (np.arange(8) + 0.5) / 4 - 1
+    x, x_dot, y, z_dot = (item.ravel() for item in np.meshgrid(u, u, u, u))
+    states = [0 * x, s * x, s * x_dot, s * x + clearance / 2 * y, s * z_dot]
+    lattice = vi.basins(TABLE, r, clearance, states=np.array(states))
+    thrown = vi.basins(TABLE, r, clearance, states=3000, seed=1)
+    shares = [
+        dict(zip([np.round(np.sort(a.motion.X), 5).tobytes() if a.motion else a.kind
+                  for a in result.attractors], result.fractions.tolist(), strict=True))
+        for result in (lattice, thrown)
+    ]  # fmt: skip
+    assert max(shares[0].values()) < 0.9
+    for which, share in shares[0].items():
+        error = math.sqrt(share * (1 - share) * (1 / 4096 + 1 / 3000)) + 1e-3
+        assert abs(shares[1].get(which, 0.0) - share) < 4 * error
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        {"states": 60, "seed": 3},
+        {"plane": (("y", -3, 3, 5), ("t", 0, 6, 7)), "fixed": {"x": 1.5, "z_dot": -2}},
+    ],
+)
+def test_the_namelist_of_basins(start, tmp_path):
+    """It gives them again, to the last bit."""
+    result = vi.basins(EQUAL, 1.04, 14.0, load=1.1, probes=20, max_cycles=4, **start)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    np.testing.assert_array_equal(again.states, result.states)
+    np.testing.assert_array_equal(again.labels, result.labels)
+    assert again.case == result.case
+    given = vi.basins(EQUAL, 1.04, 14.0, states=result.states.reshape(5, -1), probes=20)
+    with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
+        given.to_namelist()
 
 
 def test_decision_does_not_depend_on_how_soon(plane):
@@ -414,14 +510,23 @@ def test_integrity_is_the_largest_disc():
     assert np.hypot(centre[0] - 0.2, centre[1] + 0.1) < 0.011
 
 
-def test_distances_are_those_of_every_pair():
-    random = np.random.default_rng(5)
-    inside = random.random((13, 17)) > 0.2
-    points = np.argwhere(np.pad(~inside, 1, constant_values=True)) - 1
-    found = distance_to_other(inside, 0.5, 0.3)
-    for (i, j), value in np.ndenumerate(found):
-        near = np.hypot(0.5 * (points[:, 0] - i), 0.3 * (points[:, 1] - j)).min()
-        assert value == pytest.approx(near, abs=1e-12)
+@pytest.mark.parametrize("seed", range(5))
+def test_integrity_is_that_of_every_pair(seed):
+    """Of all states and all that are elsewhere or a cell beyond the edge, by brute force."""
+    labels = (np.random.default_rng(seed).random((13, 17)) > 0.2).astype(int)
+    basins = drawn(labels, -1.0, 2.0)
+    first, second = basins.axes
+    cells = np.array([3 / 12, 3 / 16])
+    for label in (0, 1):
+        outside = np.argwhere(np.pad(labels != label, 1, constant_values=True)) - 1
+        apart = np.argwhere(np.ones_like(labels))[:, None] - outside
+        near = np.linalg.norm(apart * cells, axis=-1).min(axis=1).reshape(labels.shape)
+        radius, centre = basins.integrity(label)
+        assert radius == pytest.approx(near.max(), rel=1e-12)
+        i, j = (
+            int(np.searchsorted(a.values, x)) for a, x in zip((first, second), centre, strict=True)
+        )
+        assert near[i, j] == pytest.approx(radius, rel=1e-12)
 
 
 # Response
@@ -481,6 +586,16 @@ def test_load_scales_lengths():
             "half the clearance",
         ),
         (lambda: vi.basins(EQUAL, 1.04, 10.0, states=0), "states"),
+        (lambda: vi.basins(EQUAL, 1.04, 10.0, states=9, seed=-1), "seed"),
+        (lambda: vi.basins(EQUAL, 1.04, 10.0, states=9, seed=2**31), "seed"),
+        (
+            lambda: vi.basins(EQUAL, 1.04, 10.0, states=9, fixed={"x": 1}),
+            "fixed .* goes with plane",
+        ),
+        (
+            lambda: vi.basins(EQUAL, 1.04, 10.0, (("x", 0, 1, 5), ("y", 0, 1, 5)), fixed={"x": 1}),
+            "it is an axis",
+        ),
         (lambda: vi.response(EQUAL, [1.0]), "give one"),
         (lambda: vi.response(EQUAL, [1.0], clearance=-1.0), "positive"),
         (lambda: vi.response(EQUAL, [1.0], clearance=9.0, load=0), "load"),

@@ -105,7 +105,9 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
     from matplotlib.patches import Patch
 
     if basins.axes is None:
-        raise ParameterError("plot: needs states on a plane; these are a list (give plane=)")
+        raise ParameterError(
+            "plot: needs states on a plane; these are random or a list (give a plane)"
+        )
     ax = axes(ax, style.ONE_COLUMN + 1.2, 3.2)
     n = len(basins.attractors)
     colors = ["0.7", *(AREAS[i % len(AREAS)] for i in range(n))]

@@ -10,13 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks
+from .. import _core, checks
 from ..errors import ParameterError, StudyInterrupted
+from ..interchange import namelist
 from ..interchange.result import Result
 from ..model import Oscillator
 from .catalogue import BasinAttractor, find_attractors
-from .lattice import distance_to_other
-from .settling import scale, thread_count
+from .settling import thread_count
+from .spacing import spaced
 
 __all__ = ["Axis", "BasinAttractor", "Basins", "basins"]
 
@@ -36,7 +37,7 @@ class Axis(NamedTuple):
     @property
     def values(self) -> _Array:
         """The places."""
-        return np.linspace(self.low, self.high, self.n)
+        return spaced(self.low, self.high, self.n)
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -56,6 +57,8 @@ class Basins(Result):
         t, x, x_dot, z, z_dot of each.
     impacts : int
         Events simulated to decide.
+    case : str
+        What was asked for as a namelist; empty for a list of states (see `to_namelist`).
     """
 
     osc: Oscillator
@@ -67,6 +70,7 @@ class Basins(Result):
     axes: tuple[Axis, Axis] | None
     states: _Array
     impacts: int
+    case: str = ""
 
     @property
     def fractions(self) -> _Array:
@@ -89,12 +93,8 @@ class Basins(Result):
         Pairs lie along the first or the second axis.
         """
         self._need_plane("uncertain")
-        steps = [s for s in (1, 2, 3, 4, 6, 8, 12, 16) if s <= min(self.labels.shape) // 8]
-        shares = []
-        for s in steps:
-            pairs = [self.labels[s:] != self.labels[:-s], self.labels[:, s:] != self.labels[:, :-s]]
-            shares.append(np.concatenate([pair.ravel() for pair in pairs]).mean())
-        return np.array(steps, float), np.array(shares)
+        pairs, n, _ = _core.uncertain_pairs(self.labels.T)
+        return pairs[0, :n], pairs[1, :n]
 
     @property
     def uncertainty_exponent(self) -> float:
@@ -103,11 +103,8 @@ class Basins(Result):
         1 for smooth boundaries; near 0 for fractal ones, where knowing the state better hardly helps. The
         boundary in the plane has dimension 2 - a. NaN if there is no boundary.
         """
-        steps, shares = self.uncertain
-        good = shares > 0
-        if good.sum() < 2:
-            return math.nan
-        return float(np.polyfit(np.log(steps[good]), np.log(shares[good]), 1)[0])
+        self._need_plane("uncertainty_exponent")
+        return _core.uncertain_pairs(self.labels.T)[2]
 
     def integrity(self, attractor: int) -> tuple[float, tuple[float, float]]:
         """Radius and centre of the largest disc of the plane inside a basin, the axes being equal measures.
@@ -117,15 +114,16 @@ class Basins(Result):
         """
         first, second = self._need_plane("integrity")
         checks.integer(attractor, "attractor", 0, len(self.attractors) - 1)
-        cell = [(axis.high - axis.low) / (axis.n - 1) for axis in (first, second)]
-        distance = distance_to_other(self.labels == attractor, cell[0], cell[1])
-        i, j = np.unravel_index(int(np.argmax(distance)), distance.shape)
-        return float(distance[i, j]), (float(first.values[i]), float(second.values[j]))
+        cells = [(axis.high - axis.low) / (axis.n - 1) for axis in (second, first)]
+        radius, (j, i) = _core.largest_disc(self.labels.T, attractor, cells)
+        return radius, (float(first.values[i - 1]), float(second.values[j - 1]))
 
     def _need_plane(self, name: str) -> tuple[Axis, Axis]:
         """The axes, or an error."""
         if self.axes is None:
-            raise ParameterError(f"{name}: needs states on a plane; these are a list (give plane=)")
+            raise ParameterError(
+                f"{name}: needs states on a plane; these are random or a list (give a plane)"
+            )
         return self.axes
 
     def to_xarray(self) -> Any:
@@ -195,9 +193,11 @@ def basins(
     plane : ((name, low, high, n), (name, low, high, n)), optional
         Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t".
     states : int or array_like (5, M), optional
-        Instead of a plane: this many random states of x, x', y, z', or t, x, x', z, z' of each.
+        Instead of a plane: this many random states, or t, x, x', z, z' of each. Random ones are at t = 0,
+        uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is the amplitude of the
+        motion without impacts, but at least half the clearance and at most three times the clearance.
     fixed : mapping, optional
-        The other coordinates; 0 by default.
+        The coordinates that are no axes of the plane; 0 by default.
     cycles : int
         Load cycles in which a state should be decided.
     probes : int
@@ -205,7 +205,8 @@ def basins(
     max_cycles : int
         Longest period that is looked for, in load cycles.
     seed : int
-        Of random states.
+        Of random states, from 0 to 2**31 - 1. A state depends on the seed and its place alone: more states
+        begin with those of fewer.
     threads : int, optional
         Default: one for each processor. The answer does not depend on it.
     progress : callable, optional
@@ -240,16 +241,25 @@ def basins(
     cycles = checks.integer(cycles, "cycles", 1, 10**7)
     probes = checks.integer(probes, "probes", 1, 10**6)
     max_cycles = checks.integer(max_cycles, "max_cycles", 1, 100)
-    seed = checks.integer(seed, "seed", 0, 2**63)
+    seed = checks.integer(seed, "seed", 0, 2**31 - 1)
     workers = thread_count(threads)
     if (plane is None) == (states is None):
         raise ParameterError(f"plane = {plane!r}, states = {states!r}: give one of them")
     axes = None if plane is None else _axes(plane)
+    which: dict[str, Any] = {}
     if axes is not None:
-        starts = _plane_states(axes, fixed)
+        others = _others(fixed, axes)
+        starts = _plane_states(axes, others)
+        columns = zip(*axes, strict=True)
+        which = (
+            dict(zip(("axes", "low", "high", "values"), map(list, columns), strict=True)) | others
+        )
+    elif fixed is not None:
+        raise ParameterError(f"fixed = {fixed!r}: must be left out: it goes with plane")
     elif isinstance(states, (int, np.integer)):
         number = checks.integer(states, "states", 1, 10**8)
-        starts = _random_states(number, scale(osc, r, clearance, load), clearance, seed)
+        starts = _core.random_states(number, seed, osc.xi, r, load, clearance)
+        which = {"states": number, "seed": seed}
     else:
         starts = checks.real_array(states, "states", "a number or an array (5, M)")  # type: ignore[arg-type]
     _check_states(starts, clearance, on_plane=axes is not None)
@@ -257,9 +267,13 @@ def basins(
         osc, r, clearance, load, starts, cycles, probes, max_cycles, workers, progress
     )
     shape = labels.shape if axes is None else (axes[0].n, axes[1].n)
+    limits = {"cycles": cycles, "probes": probes, "max_cycles": max_cycles, "load": load}
+    asked = (
+        namelist.case(osc, r, basins={"clearance": clearance, **which, **limits}) if which else ""
+    )
     result = Basins(
         osc, r, clearance, load, attractors, labels.reshape(shape), axes,
-        starts.reshape(5, *shape), impacts,
+        starts.reshape(5, *shape), impacts, asked,
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)
@@ -285,25 +299,24 @@ def _axes(plane: Any) -> tuple[Axis, Axis]:
     return axes[0], axes[1]
 
 
-def _plane_states(axes: tuple[Axis, Axis], fixed: Mapping[str, float] | None) -> _Array:
-    """The states (5, n m) of a plane."""
-    values = dict.fromkeys(COORDINATES, 0.0)
+def _others(fixed: Mapping[str, float] | None, axes: tuple[Axis, Axis]) -> dict[str, float]:
+    """The coordinates that are no axes."""
+    values = dict.fromkeys(set(COORDINATES).difference(axis.name for axis in axes), 0.0)
     for name, value in (fixed or {}).items():
-        checks.choice(name, "fixed", COORDINATES)
+        if checks.choice(name, "fixed", COORDINATES) not in values:
+            raise ParameterError(f"fixed[{name!r}] = {value!r}: must be left out: it is an axis")
         values[name] = checks.to_float(value, f"fixed[{name!r}]", "a finite number")
+    return values
+
+
+def _plane_states(axes: tuple[Axis, Axis], others: Mapping[str, float]) -> _Array:
+    """The states (5, n m) of a plane."""
     grid = np.meshgrid(*(axis.values for axis in axes), indexing="ij")
-    table = np.array([np.full(grid[0].size, values[name]) for name in COORDINATES])
+    table = np.array([np.full(grid[0].size, others.get(name, 0.0)) for name in COORDINATES])
     for axis, column in zip(axes, grid, strict=True):
         table[COORDINATES.index(axis.name)] = column.ravel()
     table[3] += table[1]
     return table
-
-
-def _random_states(n: int, size: float, clearance: float, seed: int) -> _Array:
-    """Random states (5, n) at t = 0."""
-    u = np.random.default_rng(seed).uniform(-1, 1, (4, n))
-    x = size * u[0]
-    return np.array([np.zeros(n), x, size * u[1], x + 0.5 * clearance * u[2], size * u[3]])
 
 
 def _check_states(starts: _Array, clearance: float, on_plane: bool) -> None:

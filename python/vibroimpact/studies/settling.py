@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, checks
+from .. import checks
 from ..errors import VibroimpactError
 from ..model import Oscillator
 from ..motion import Motion
@@ -27,11 +27,6 @@ NOT_COMPUTED = 12
 def thread_count(threads: int | None) -> int:
     """Threads that were asked for, or one for each processor."""
     return checks.integer(os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024)
-
-
-def scale(osc: Oscillator, r: float, clearance: float, load: float) -> float:
-    """A length that initial states are spread over: that of the motion without impacts, within limits."""
-    return float(_core.spread_scale(osc.xi, r, load, clearance))
 
 
 def one_state(state: Mapping[str, float], clearance: float) -> _Array:

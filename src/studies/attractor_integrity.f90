@@ -1,0 +1,115 @@
+!> How safe a plane of initial states is: pairs of states with different ends, and the largest disc
+!! inside a basin. In the core the second axis of a plane is the first dimension of its labels.
+module vi_attractor_integrity
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: largest_disc, uncertain_pairs, uncertainty_exponent
+
+   !> Distances in cells at which pairs are compared, up to an eighth of the plane.
+   integer, parameter, public :: distances(8) = [1, 2, 3, 4, 6, 8, 12, 16]
+
+contains
+
+   !> Distances of pairs along either axis, and the share of the pairs that have different ends.
+   pure function uncertain_pairs(labels) result(pairs)
+      integer, intent(in) :: labels(:, :)
+      !> (2, distances)
+      real(wp), allocatable :: pairs(:, :)
+      integer(int64) :: different, all_pairs
+      integer :: i, s, m, n
+
+      m = size(labels, 1)
+      n = size(labels, 2)
+      allocate (pairs(2, count(distances <= min(m, n)/8)))
+      do i = 1, size(pairs, 2)
+         s = distances(i)
+         different = count(labels(s + 1:, :) /= labels(:m - s, :), kind=int64) + &
+            count(labels(:, s + 1:) /= labels(:, :n - s), kind=int64)
+         all_pairs = int(m - s, int64)*n + int(n - s, int64)*m
+         pairs(:, i) = [real(s, wp), real(different, wp)/real(all_pairs, wp)]
+      end do
+   end function uncertain_pairs
+
+   !> a in: a share ~ distance**a of the pairs has different ends; NaN if there is no boundary.
+   pure real(wp) function uncertainty_exponent(pairs) result(a)
+      !> As of `uncertain_pairs`.
+      real(wp), intent(in) :: pairs(:, :)
+      real(wp), allocatable :: x(:), y(:)
+
+      allocate (x, source=log(pack(pairs(1, :), pairs(2, :) > 0)))
+      allocate (y, source=log(pack(pairs(2, :), pairs(2, :) > 0)))
+      a = ieee_value(1.0_wp, ieee_quiet_nan)
+      if (size(x) < 2) return
+      x = x - sum(x)/size(x)
+      a = dot_product(x, y)/dot_product(x, x)
+   end function uncertainty_exponent
+
+   !> The largest disc inside a basin: from a state to the nearest one that goes elsewhere, or to
+   !! the edge, a cell beyond the last states.
+   pure subroutine largest_disc(labels, label, cells, radius, place)
+      integer, intent(in) :: labels(:, :), label
+      !> Distances of neighbours along the first and the second dimension.
+      real(wp), intent(in) :: cells(2)
+      real(wp), intent(out) :: radius
+      !> Of its centre, along both.
+      integer, intent(out) :: place(2)
+      real(wp) :: squares(size(labels, 1), 0:size(labels, 2) + 1), steps(2)
+      integer :: i, j, up, down
+
+      steps = cells/maxval(cells)
+      squares(:, [0, size(labels, 2) + 1]) = 0
+      do j = 1, size(labels, 2)
+         up = 0
+         do i = 1, size(labels, 1)
+            up = merge(up + 1, 0, labels(i, j) == label)
+            squares(i, j) = (up*steps(1))**2
+         end do
+         down = 0
+         do i = size(labels, 1), 1, -1
+            down = merge(down + 1, 0, labels(i, j) == label)
+            squares(i, j) = min(squares(i, j), (down*steps(1))**2)
+         end do
+      end do
+      do i = 1, size(labels, 1)
+         call lower_envelope(squares(i, :), steps(2))
+      end do
+      place = maxloc(squares(:, 1:size(labels, 2)))
+      radius = maxval(cells)*sqrt(squares(place(1), place(2)))
+   end subroutine largest_disc
+
+   !> The least of the parabolas f(q) + (cell (p - q))**2 at each place p, all of them in one pass
+   !! (Felzenszwalb and Huttenlocher, Distance transforms of sampled functions, 2012).
+   pure subroutine lower_envelope(f, cell)
+      real(wp), intent(inout) :: f(:)
+      real(wp), intent(in) :: cell
+      real(wp) :: least(size(f)), from(size(f)), crossing
+      integer :: lowest(size(f)), k, p, q
+
+      k = 1
+      lowest(1) = 1
+      from(1) = -huge(1.0_wp)
+      do q = 2, size(f)
+         do
+            p = lowest(k)
+            crossing = 0.5_wp*((f(q) - f(p))/(cell**2*(q - p)) + (q + p))
+            if (k == 1 .or. crossing > from(k)) exit
+            k = k - 1
+         end do
+         k = k + 1
+         lowest(k) = q
+         from(k) = crossing
+      end do
+      do p = size(f), 1, -1
+         do while (from(k) > p)
+            k = k - 1
+         end do
+         least(p) = f(lowest(k)) + (cell*(p - lowest(k)))**2
+      end do
+      f = least
+   end subroutine lower_envelope
+
+end module vi_attractor_integrity

@@ -1,0 +1,211 @@
+!> Laws of what studies of attractors are made of: random states, and how safe a plane of states is.
+module studies_attractors
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use, intrinsic :: iso_fortran_env, only: int64
+   use checks, only: check, check_close
+   use random_numbers, only: draw, draw_integer, random_type
+   use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
+   use vi_attractor_spread, only: random_states
+   use vi_kinds, only: wp
+   use vi_oscillator, only: gain
+   use vi_philox, only: philox
+   implicit none (type, external)
+   private
+
+   public :: test_attractors
+
+   type(random_type) :: random
+
+contains
+
+   subroutine test_attractors()
+      call test_known_words()
+      call test_random_states()
+      call test_uniform()
+      call test_pairs()
+      call test_disc()
+   end subroutine test_attractors
+
+   !> The known answers that come with Random123, the library of the authors of Philox.
+   subroutine test_known_words()
+      integer(int64), parameter :: all_ones = int(z'FFFFFFFF', int64)
+
+      call check(all(philox(spread(0_int64, 1, 4), spread(0_int64, 1, 2)) == &
+         [int(z'6627E8D5', int64), int(z'E169C58D', int64), int(z'BC57AC4C', int64), &
+         int(z'9B00DBD8', int64)]), 'known words of zeros')
+      call check(all(philox(spread(all_ones, 1, 4), spread(all_ones, 1, 2)) == &
+         [int(z'408F276D', int64), int(z'41C83B0E', int64), int(z'A20BC7C6', int64), &
+         int(z'6D5451FD', int64)]), 'known words of ones')
+      call check(all(philox([int(z'243F6A88', int64), int(z'85A308D3', int64), &
+         int(z'13198A2E', int64), int(z'03707344', int64)], [int(z'A4093822', int64), &
+         int(z'299F31D0', int64)]) == [int(z'D16CFE09', int64), int(z'94FDCCEB', int64), &
+         int(z'5001E420', int64), int(z'24126EA1', int64)]), 'known words of digits of pi')
+   end subroutine test_known_words
+
+   !> States are in their box, begin alike however many there are, and differ with the seed.
+   subroutine test_random_states()
+      real(wp) :: states(5, 200), more(5, 1000), others(5, 200), scale, xi, r, load, clearance
+      integer :: i
+
+      do i = 1, 50
+         xi = draw(random, 0.001_wp, 0.9_wp)
+         r = draw(random, 0.1_wp, 3.0_wp)
+         load = draw(random, 0.0_wp, 2.0_wp)
+         clearance = 10**draw(random, -2.0_wp, 2.0_wp)
+         states = random_states(xi, r, load, clearance, 200, i)
+         more = random_states(xi, r, load, clearance, 1000, i)
+         others = random_states(xi, r, load, clearance, 200, i - 1)
+         scale = min(max(load*gain(xi, r), 0.5_wp*clearance), 3*clearance)
+         call check(all(abs(states(1, :)) <= 0), 'random states are at t = 0')
+         call check(all(abs(more([2, 3, 5], :)) < scale), 'random states are in their box')
+         call check(all(abs(more(4, :) - more(2, :)) < 0.5_wp*clearance*(1 + 1.0e-12_wp)), &
+            'random states are between the walls')
+         call check(maxval(abs(more([2, 3, 5], :))) > 0.99_wp*scale, 'random states fill their box')
+         call check(all(abs(states - more(:, :200)) <= 0), 'more states begin with those of fewer')
+         call check(all(abs(states(2:, :) - others(2:, :)) > 0), 'another seed, other states')
+      end do
+   end subroutine test_random_states
+
+   !> 4**4 equal boxes hold equally many states, to the scatter of chance; neighbours have nothing
+   !! to do with each other.
+   subroutine test_uniform()
+      integer, parameter :: n = 100000, each = 4, boxes = each**4
+      real(wp), allocatable :: states(:, :), u(:, :)
+      real(wp) :: chi_square
+      integer :: counts(0:boxes - 1), i, j, place
+
+      allocate (states(5, n), u(4, n))
+      do i = 0, 3
+         states = random_states(0.5_wp, 1.0_wp, 0.0_wp, 2.0_wp, n, i)   ! a box from -1 to 1
+         u = states(2:, :)
+         u(3, :) = u(3, :) - u(1, :)
+         counts = 0
+         do j = 1, n
+            place = dot_product(each**[0, 1, 2, 3], int(each*0.5_wp*(u(:, j) + 1)))
+            counts(place) = counts(place) + 1
+         end do
+         chi_square = sum((counts - real(n, wp)/boxes)**2)/(real(n, wp)/boxes)
+         call check(abs(chi_square - (boxes - 1)) < 4*sqrt(2.0_wp*(boxes - 1)), &
+            'random states are uniform')
+         do j = 1, 4
+            ! of the product of two independent numbers the variance is 1/9
+            call check(abs(sum(u(j, 2:)*u(j, :n - 1))) < 4*sqrt(n/9.0_wp), &
+               'neighbours are independent')
+            call check(abs(sum(u(j, :)*u(modulo(j, 4) + 1, :))) < 4*sqrt(n/9.0_wp), &
+               'coordinates are independent')
+         end do
+      end do
+   end subroutine test_uniform
+
+   !> Pairs are all of them; a straight boundary has the exponent 1, noise 0, no boundary none.
+   subroutine test_pairs()
+      integer, parameter :: side = 1280
+      integer :: labels(61, 40), different, i, j, s, m, n
+      integer, allocatable :: half(:, :)
+      real(wp), allocatable :: pairs(:, :)
+
+      do j = 1, size(labels, 2)
+         do i = 1, size(labels, 1)
+            labels(i, j) = draw_integer(random, 0, 2)
+         end do
+      end do
+      m = size(labels, 1)
+      n = size(labels, 2)
+      allocate (pairs, source=uncertain_pairs(labels))
+      call check(all(nint(pairs(1, :)) == [1, 2, 3, 4]), 'distances up to an eighth of the plane')
+      do s = 1, 4
+         different = 0
+         do j = 1, n
+            do i = 1, m
+               if (i + s <= m) different = different + merge(0, 1, labels(i, j) == labels(i + s, j))
+               if (j + s <= n) different = different + merge(0, 1, labels(i, j) == labels(i, j + s))
+            end do
+         end do
+         call check_close(pairs(2, s), real(different, wp)/((m - s)*n + m*(n - s)), 0.0_wp, &
+            'the share of pairs')
+      end do
+      call check(abs(uncertainty_exponent(pairs)) < 0.03_wp, 'noise has the exponent 0')
+      ! not quite: there are fewer pairs far apart, as s/(side - s)
+      allocate (half(side, side))
+      do j = 1, side
+         half(:, j) = [(merge(1, 0, 3*i + j > 2*side), i=1, side)]
+      end do
+      call check(abs(uncertainty_exponent(uncertain_pairs(half)) - 1) < 0.01_wp, &
+         'a straight boundary has the exponent 1')
+      half = 7
+      call check(ieee_is_nan(uncertainty_exponent(uncertain_pairs(half))), 'no boundary, none')
+      call check(ieee_is_nan(uncertainty_exponent(uncertain_pairs(half(:7, :)))), 'a narrow plane')
+   end subroutine test_pairs
+
+   !> The disc against all pairs of states, the edge being a cell beyond the last ones.
+   subroutine test_disc()
+      integer, allocatable :: labels(:, :)
+      real(wp) :: cells(2), radius
+      integer :: i, m, n, label, place(2)
+
+      do i = 1, 400
+         m = draw_integer(random, 1, 24)
+         n = draw_integer(random, 1, 24)
+         ! cells from as wide as high to a thousand times as wide, either way
+         cells = [10**draw(random, -3.0_wp, 3.0_wp), draw(random, 0.5_wp, 2.0_wp)]
+         allocate (labels(m, n))
+         call paint(labels)
+         do label = 0, 2
+            call largest_disc(labels, label, cells, radius, place)
+            call check_close(radius, distance_at(labels, label, cells, place), 1.0e-12_wp*radius, &
+               'the disc is inside the basin')
+            call check_close(radius, widest(labels, label, cells), 1.0e-12_wp*radius, &
+               'no disc inside the basin is larger')
+         end do
+         deallocate (labels)
+      end do
+   end subroutine test_disc
+
+   !> Blots of labels: some planes have one label alone, some are noise.
+   subroutine paint(labels)
+      integer, intent(out) :: labels(:, :)
+      integer :: i, j, blot, size_of, first(2)
+
+      labels = 0
+      do blot = 1, draw_integer(random, 0, 40)
+         first = [(draw_integer(random, 1, size(labels, i)), i=1, 2)]
+         size_of = draw_integer(random, 0, 6)
+         do j = first(2), min(first(2) + size_of, size(labels, 2))
+            do i = first(1), min(first(1) + size_of, size(labels, 1))
+               labels(i, j) = modulo(blot, 3)
+            end do
+         end do
+      end do
+   end subroutine paint
+
+   real(wp) function widest(labels, label, cells)
+      integer, intent(in) :: labels(:, :), label
+      real(wp), intent(in) :: cells(2)
+      integer :: i, j
+
+      widest = 0
+      do j = 1, size(labels, 2)
+         do i = 1, size(labels, 1)
+            widest = max(widest, distance_at(labels, label, cells, [i, j]))
+         end do
+      end do
+   end function widest
+
+   !> From a state to the nearest that is elsewhere, by looking at all of them.
+   real(wp) function distance_at(labels, label, cells, place) result(distance)
+      integer, intent(in) :: labels(:, :), label, place(2)
+      real(wp), intent(in) :: cells(2)
+      integer :: i, j
+      logical :: inside(0:size(labels, 1) + 1, 0:size(labels, 2) + 1)
+
+      inside = .false.
+      inside(1:size(labels, 1), 1:size(labels, 2)) = labels == label
+      distance = huge(1.0_wp)
+      do j = 0, size(labels, 2) + 1
+         do i = 0, size(labels, 1) + 1
+            if (.not. inside(i, j)) distance = min(distance, norm2(cells*([i, j] - place)))
+         end do
+      end do
+   end function distance_at
+
+end module studies_attractors
