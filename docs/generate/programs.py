@@ -8,7 +8,6 @@ from vibroimpact.command import parsers
 
 from .shared import PROGRAM
 
-
 #: Letters in a line.
 WIDTH = 96
 
