@@ -108,12 +108,35 @@ def generate_pages(app):
             path.unlink()
 
 
+#: A parameter as napoleon writes it: its name, its text, and its type if there is one.
+PARAMETER = r"^:param ([^:]+): ?(.*(?:\n +.*)*)(?:\n:type \1: (.*))?$"
+
+
+def merge_parameters(lines):
+    """Give neighbouring parameters of one text and type, which napoleon takes apart, one entry again."""
+    out, before = [], None
+    text = "\n".join(lines)
+    end = 0
+    for found in re.finditer(PARAMETER, text, re.MULTILINE):
+        between, end = text[end : found.start()], found.end()
+        name, said, kind = found[1], " ".join(found[2].split()), found[3]
+        if before and before[1:] == (said, kind) and between == "\n":
+            out.pop()
+            name = f"{before[0]},\N{ZERO WIDTH SPACE}{name}"
+        else:
+            out.append(between)
+        out.append(f":param {name}: {said}" + (f"\n:type {name}: {kind}" if kind else ""))
+        before = (name, said, kind)
+    lines[:] = ("".join(out) + text[end:]).split("\n")
+
+
 def mend_docstring(app, what, name, thing, options, lines):
     """Keep what Sphinx and napoleon would take for markup: bars, a colon, names in common.
 
     max|x|/A would be a substitution, the words before a property's first colon its type, and of the names
     `X, Z` all but the last one the type of that.
     """
+    merge_parameters(lines)
     if what == "property" and lines and lines[-1].startswith(":type: "):
         lines[:] = [f"{lines[-1].removeprefix(':type: ')}: {lines[0]}", *lines[1:-1]]
     for i, line in enumerate(lines):

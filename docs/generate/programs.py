@@ -2,15 +2,28 @@
 
 import os
 import subprocess
+import textwrap
 
 from vibroimpact.command import parsers
 
 from .shared import PROGRAM
 
+#: Letters in a line.
+WIDTH = 96
+
+
+def wrapped(text):
+    """A text whose examples go on in the next line where they are long; no option is broken."""
+    fold = textwrap.TextWrapper(WIDTH, subsequent_indent=4 * " ", break_on_hyphens=False)
+    return "\n".join(
+        fold.fill(line) if line.startswith("example: ") else line
+        for line in text.rstrip().splitlines()
+    )
+
 
 def pages():
     """`vibroimpact`, each of its commands, and `vibroimpact-batch`."""
-    os.environ["COLUMNS"] = "80"
+    os.environ["COLUMNS"] = str(WIDTH)
     main, each = parsers()
     batch = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True).stdout
     texts = {
@@ -18,5 +31,5 @@ def pages():
         "vibroimpact": main.format_help(),
         **{f"vibroimpact {name}": parser.format_help() for name, parser in each.items()},
     }
-    lines = [f"## {name}\n\n```text\n{text.rstrip()}\n```\n" for name, text in texts.items()]
+    lines = [f"## {name}\n\n```text\n{wrapped(text)}\n```\n" for name, text in texts.items()]
     return {"programs.md": "\n".join(lines)}
