@@ -3,6 +3,7 @@ export function render({ model }) {
   const at = (id) => document.getElementById(id)
   const all = (selector) => [...document.querySelectorAll(selector)]
   const waiting = new Map()
+  const models = {}
   let busy = 0, sent = 0, peeking = false, dragged = null, touched = false
 
   function ask(kind, message = {}) {
@@ -23,9 +24,8 @@ export function render({ model }) {
 
   // -- what Python tells
   model.on("msg:custom", (told) => {
-    if (told.number) {
-      busy = 0
-    }
+    if (told.number) busy = 0
+    if (told.pictures) draw(told.pictures, told.numbers)
     if (told.fault !== undefined) fault(told.fault)
     // while the pointer is over the chart, what is found for the chosen point waits until it has left
     if (told.table && (told.peek || told.number || !peeking)) {
@@ -49,6 +49,19 @@ export function render({ model }) {
     next()
   })
 
+  // changes of the figures' models, by name; arrays are parts of one
+  function draw(pictures, numbers) {
+    const unpacked = (value) => {
+      if (Array.isArray(value)) return value.map(unpacked)
+      if (value === null || typeof value !== "object") return value
+      if ("from" in value) return numbers.slice(value.from, value.to)
+      return Object.fromEntries(Object.entries(value).map(([name, part]) => [name, unpacked(part)]))
+    }
+    for (const [name, change] of Object.entries(pictures)) {
+      models[name] ??= Bokeh.documents[0].get_model_by_name(name)
+      models[name].setv(unpacked(change), { sync: false }) // not sent back to Python, which knows
+    }
+  }
   function fault(text) {
     at("fault").textContent = text
     at("fault").hidden = !text
@@ -84,11 +97,11 @@ export function render({ model }) {
     return row
   }
   function families(zones) {
-    at("families").replaceChildren(...zones.map(({ name, color }) => {
+    at("families").replaceChildren(...zones.map(({ name, color, hatch }) => {
       const item = document.createElement("li"), swatch = document.createElement("b")
       swatch.className = "swatch"
-      swatch.style.background = color + "33"
-      swatch.style.borderColor = color
+      swatch.dataset.hatch = hatch
+      Object.assign(swatch.style, { color, backgroundColor: color + "22" })
       item.append(swatch, " ", name)
       return item
     }))
@@ -160,7 +173,8 @@ export function render({ model }) {
     },
     lost: () => fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
       + "its address holds what is shown."),
-    idle: () => !busy && waiting.size === 0,
+    settled: () => !busy && waiting.size === 0 && at("families").children.length > 0
+      && !at("status").textContent && /were searched.$/.test(at("searched").textContent),
   }
   // a finger has no place until it taps
   for (const event of ["pointerdown", "pointermove"]) {

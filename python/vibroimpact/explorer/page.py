@@ -15,7 +15,7 @@ from panel.custom import JSComponent
 
 from ..plot.style import condition_name
 from ..plot.zone import LINES
-from .figures import dashes
+from .figures import dashes, figures
 from .session import Session
 
 __all__ = ["page"]
@@ -79,32 +79,19 @@ def page() -> Any:
         ConnectionLost, CustomJS(code="window.vibroimpact && window.vibroimpact.lost()")
     )
 
-    def at_once(work: Callable[[], None]) -> None:
-        """Do some work as one patch of the page: what is told comes behind what is drawn."""
-        # Bokeh's own hold keeps patches in order; panel's can send a later one first
-        document.hold("combine")
-        try:
-            work()
-        finally:
-            document.unhold()
-
     def at_its_turn(work: Callable[[], None]) -> None:
         if document.session_context is not None:  # else the page has been closed
-            document.add_next_tick_callback(lambda: at_once(work))
+            document.add_next_tick_callback(work)
 
     session = Session(urlencode(words), bridge.tell, at_its_turn)
-
-    def heard(message: dict[str, Any]) -> None:
-        at_once(lambda: session.heard(message))
-
-    bridge.heard = heard
+    bridge.heard = session.heard
     template = pn.Template(_text("page.html"))
     for name, text in (
         ("style", _text("page.css")), ("sliders", SLIDERS), ("run_fields", RUN_FIELDS),
         ("boundaries", boundary_legend()),
     ):  # fmt: skip
         template.add_variable(name, text)
-    for plot in session.plots:
+    for plot in figures():
         template.add_panel(plot.name, pn.pane.Bokeh(plot, sizing_mode="stretch_both", margin=0))
     template.add_panel("bridge", bridge)
     return template
