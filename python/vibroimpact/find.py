@@ -213,13 +213,12 @@ def find(
 
 def _add(found: list[Motion], motion: Motion) -> None:
     """Add a motion, and its mirror image where the walls are alike, unless they are there."""
-    motion = turned(reduced(motion))
-    images = [motion]
+    images = [reduced(motion)]
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
-        images.append(turned(mirror(motion)))
+        images.append(mirror(turned(images[0])))
     for image in images:
         if not any(same(image, other) for other in found):
-            found.append(image)
+            found.append(turned(image))
 
 
 def reduced(motion: Motion) -> Motion:

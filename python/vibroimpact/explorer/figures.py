@@ -1,4 +1,4 @@
-"""The five figures (Bokeh), in the look of the other pictures, as they are before anything is drawn.
+"""The chart and the diagram (Bokeh), in the look of the other pictures, before anything is drawn.
 
 What `pictures` tells goes into models of these names in the browser, not through Python's copies of them.
 """
@@ -73,7 +73,7 @@ def ranges(name: str, high: float = 1, low: float = 0) -> dict[str, Any]:
 
 def figures() -> list[Any]:
     """All of them, each by its name."""
-    return [zone_chart(), *histories(), circle(), diagram()]
+    return [zone_chart(), diagram()]
 
 
 def zone_chart() -> Any:
@@ -109,56 +109,6 @@ def zone_chart() -> Any:
         "x", "y", source=source("zones.point", "x", "y"), marker="circle_cross", size=15,
         line_color="#000000", line_width=2, fill_color="#FFFFFF", fill_alpha=0.8,
     )  # fmt: skip
-    return plot
-
-
-def histories() -> tuple[Any, Any]:
-    """Time history with walls and impacts, and the portrait of the relative motion."""
-    curves = source("history.curves", "t", "x", "z", "right", "left", "y", "y_dot")
-    events = source("history.events", "t", "x", "y", "y_dot", "marker")
-    time = blank(
-        "history", x_axis_label="time  (load cycles)", y_axis_label="X, Z  (F₀/K)",
-        **ranges("history"),
-    )  # fmt: skip
-    blue = {"source": curves, "line_color": style.PRIMARY}
-    time.varea("t", "left", "right", source=curves, fill_color=style.PRIMARY, fill_alpha=0.07)
-    for wall in ("left", "right"):
-        time.line("t", wall, line_dash="5 3", line_width=1, **blue)
-    # thick and thin: told apart without colour
-    time.line("t", "x", line_width=3, **blue)
-    time.line("t", "z", source=curves, line_color=style.FREE, line_width=1.25)
-    marks = {"source": events, "marker": "marker", "size": 7, "line_color": "#FFFFFF"}
-    time.scatter("t", "x", fill_color=style.IMPACT, **marks)
-    portrait = blank(
-        "portrait", ("tap",), x_axis_label="Y = Z − X  (F₀/K)", y_axis_label="dY/dt  (ωF₀/K)",
-        **ranges("portrait"),
-    )  # fmt: skip
-    portrait.xaxis.ticker.desired_num_ticks = 4
-    for wall in ("left", "right"):
-        place = Span(
-            dimension="height", line_color=style.PRIMARY, line_dash=[5, 3], name=f"portrait.{wall}"
-        )
-        portrait.add_layout(place)
-    portrait.line("y", "y_dot", source=curves, line_color=style.FREE, line_width=1.5)
-    portrait.scatter("y", "y_dot", fill_color=style.IMPACT, **marks)
-    return time, portrait
-
-
-def circle() -> Any:
-    """The multipliers in the unit circle."""
-    plot = blank("circle", x_axis_label="Re λ", y_axis_label="Im λ")
-    plot.match_aspect = True
-    # what the axes follow, so that the circle stays round in any frame
-    plot.scatter([-1.9, 1.9], [-1.9, 1.9], alpha=0)
-    plot.circle(0, 0, radius=1, fill_color=style.PRIMARY, fill_alpha=0.06, line_color="#222222")
-    points = source("circle.points", "x", "y", "marker", "text", "align")
-    plot.scatter(
-        "x", "y", source=points, marker="marker", size=10, line_color=style.FREE,
-        fill_color=style.FREE, line_width=2,
-    )  # fmt: skip
-    plot.text(
-        "x", "y", "text", source=points, text_align="align", y_offset=-8, text_font_size="12px"
-    )
     return plot
 
 

@@ -69,13 +69,13 @@ def ordered(motions: Iterable[Motion], kept: Iterable[Shown] = ()) -> list[Shown
     """Each once, with its mirror image where the walls are alike; the stable ones first."""
     shown = list(kept)
     for motion in motions:
-        images = [turned(reduced(motion))]
+        images = [reduced(motion)]
         if motion.osc.restitution[0] == motion.osc.restitution[1]:
-            images.append(turned(mirror(images[0])))
+            images.append(mirror(turned(images[0])))
         for image in images:
             if any(same(image, other.motion) for other in shown):
                 continue
-            made = recipe_of(image)
+            made = recipe_of(turned(image))
             if made is not None:
                 shown.append(Shown(made[1], made[0]))
     return sorted(shown, key=_order)

@@ -4,6 +4,7 @@ export function render({ model }) {
   const all = (selector) => [...document.querySelectorAll(selector)]
   const waiting = new Map()
   const models = {}
+  const sketches = Object.fromEntries(["history", "portrait", "circle"].map((name) => [name, sketch(at(name))]))
   let busy = 0, sent = 0, peeking = false, dragged = null, touched = false
 
   function ask(kind, message = {}) {
@@ -23,9 +24,10 @@ export function render({ model }) {
   }
 
   // -- what Python tells
-  model.on("msg:custom", (told) => {
+  model.on("msg:custom", ({ text, numbers }) => {
+    const told = JSON.parse(text, (_, part) => part?.to === undefined ? part : numbers.slice(part.from, part.to))
     if (told.number) busy = 0
-    if (told.pictures) draw(told.pictures, told.numbers)
+    draw(told.pictures)
     if (told.fault !== undefined) fault(told.fault)
     // while the pointer is over the chart, what is found for the chosen point waits until it has left
     if (told.table && (told.peek || told.number || !peeking)) {
@@ -49,17 +51,13 @@ export function render({ model }) {
     next()
   })
 
-  // changes of the figures' models, by name; arrays are parts of one
-  function draw(pictures, numbers) {
-    const unpacked = (value) => {
-      if (Array.isArray(value)) return value.map(unpacked)
-      if (value === null || typeof value !== "object") return value
-      if ("from" in value) return numbers.slice(value.from, value.to)
-      return Object.fromEntries(Object.entries(value).map(([name, part]) => [name, unpacked(part)]))
-    }
-    for (const [name, change] of Object.entries(pictures)) {
-      models[name] ??= Bokeh.documents[0].get_model_by_name(name)
-      models[name].setv(unpacked(change), { sync: false }) // not sent back to Python, which knows
+  function draw(pictures) {
+    for (const [name, picture] of Object.entries(pictures)) {
+      if (name in sketches) sketches[name].draw(picture)
+      else {
+        models[name] ??= Bokeh.documents[0].get_model_by_name(name)
+        models[name].setv(picture, { sync: false }) // not sent back to Python, which knows
+      }
     }
   }
   function fault(text) {
@@ -155,7 +153,6 @@ export function render({ model }) {
   // -- what the reader does
   window.vibroimpact = {
     pointer(figure, event, x, y) {
-      if (figure === "portrait") return ask("launch", { y: x, y_dot: y })
       if (event === "mousemove" && !dragged && !touched) ask("peek", { r: x, clearance: y })
       if (event === "mouseleave") {
         waiting.delete("peek")
@@ -171,6 +168,7 @@ export function render({ model }) {
         dragged = null
       }
     },
+    sketches,
     lost: () => fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
       + "its address holds what is shown."),
     settled: () => !busy && waiting.size === 0 && at("families").children.length > 0
@@ -180,6 +178,10 @@ export function render({ model }) {
   for (const event of ["pointerdown", "pointermove"]) {
     document.addEventListener(event, (e) => { touched = e.pointerType === "touch" }, true)
   }
+  at("portrait").addEventListener("click", (event) => {
+    const [y, y_dot] = sketches.portrait.place(event)
+    ask("launch", { y, y_dot })
+  })
   all("[data-slider]").forEach((slider) => slider.addEventListener("input", () => {
     ask("set", { words: { [slider.dataset.slider]: slider.value } })
   }))

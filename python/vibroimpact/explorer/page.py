@@ -41,15 +41,15 @@ def _text(name: str) -> str:
 class Bridge(JSComponent):  # type: ignore[misc]
     """Messages to and from the page's script."""
 
-    _esm = _text("page.js")
+    _esm = _text("sketch.js") + _text("page.js")
     heard: Callable[[dict[str, Any]], None]
 
     def _handle_msg(self, message: dict[str, Any]) -> None:
         self.heard(message)
 
-    def tell(self, **message: Any) -> None:
-        """Send a message."""
-        self._send_msg(message)
+    def tell(self, text: str, numbers: Any) -> None:
+        """Send a message: JSON, which Bokeh leaves as it is, and an array."""
+        self._send_msg({"text": text, "numbers": numbers})
 
 
 def boundary_legend() -> str:

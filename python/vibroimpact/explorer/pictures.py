@@ -1,26 +1,24 @@
-"""What changes in the figures, as plain data: attributes of their models, by name.
+"""What changes in the chart and the diagram, as plain data: attributes of their models, by name.
 
 The page's script puts all of it into the figures at once: one message, and one picture of each figure.
 """
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..motion import Motion
-from ..plot.history import history as history_of
 from ..studies.bifurcation import BifurcationDiagram
 from ..studies.zone import Window
-from ..trajectory import Trajectory
 from .shapes import labels
 
-__all__ = ["Changes", "diagram", "history", "multipliers", "packed", "point", "zones"]
+__all__ = ["Changes", "diagram", "fit", "packed", "point", "zones"]
 
-#: New values of attributes of models, by the models' names in `figures`.
+#: New values of attributes of models, by the models' names in `figures`; of `sketches`, the whole of them.
 Changes = dict[str, dict[str, Any]]
 
 
@@ -62,54 +60,6 @@ def decades(low: float, high: float) -> list[float]:
     return inside if len(inside) > 2 else np.linspace(low, high, 5).tolist()
 
 
-def history(thing: Motion | Trajectory | None, cycles: float) -> Changes:
-    """Time history with the walls, the events, and the portrait of the relative motion; None clears."""
-    if thing is None:
-        curves = dict.fromkeys(("t", "x", "z", "right", "left", "y", "y_dot"), ())
-        events = dict.fromkeys(("t", "x", "y", "y_dot", "marker"), ())
-        return {"history.curves": {"data": curves}, "history.events": {"data": events}}
-    h = history_of(thing, cycles)
-    half = h.half
-    side = np.where(h.events["side"] == "R", 1.0, -1.0)
-    kind = h.events["kind"]
-    right, left, y_dot = h.sample.X + half, h.sample.X - half, h.sample.Z_dot - h.sample.X_dot
-    marker = np.select(
-        [kind == "stick", kind == "release"], ["inverted_triangle", "triangle"], "circle"
-    )
-    return {
-        "history.curves": {"data": {
-            "t": h.cycles, "x": h.sample.X, "z": h.sample.Z, "right": right, "left": left,
-            "y": h.sample.Y, "y_dot": y_dot,
-        }},
-        "history.events": {"data": {
-            "t": h.event_cycles, "x": h.events["x"] + side * half, "y": side * half,
-            "y_dot": h.events["z_dot_after"] - h.events["x_dot_after"], "marker": marker.tolist(),
-        }},
-        "history.x": fit(h.cycles, 0),
-        "history.y": fit(np.r_[left.min(), right.max()]),
-        "portrait.x": fit((-half, half)),
-        "portrait.y": fit(y_dot),
-        "portrait.right": {"location": half},
-        "portrait.left": {"location": -half},
-    }  # fmt: skip
-
-
-def multipliers(motion: Motion | None) -> Changes:
-    """The multipliers, those far outside at the edge with their modulus beside them."""
-    table: dict[str, list[Any]] = {"x": [], "y": [], "marker": [], "text": [], "align": []}
-    for value in [] if motion is None else motion.multipliers.tolist():
-        if value != value:
-            continue
-        outside, far = abs(value) >= 1, abs(value) > 1.9
-        place = value / abs(value) * 1.75 if far else value
-        table["x"].append(place.real)
-        table["y"].append(place.imag)
-        table["marker"].append("triangle" if far else "x" if outside else "circle")
-        table["text"].append(f"{abs(value):.4g}" if far else "")
-        table["align"].append("right" if place.real > 0 else "left")
-    return {"circle.points": {"data": table}}
-
-
 def diagram(found: BifurcationDiagram) -> Changes:
     """Positions at the impacts along the line, wall by wall."""
     named = {"r": "frequency ratio  r = Ω/ω", "clearance": "clearance  dK/F₀"}
@@ -117,8 +67,8 @@ def diagram(found: BifurcationDiagram) -> Changes:
     along = found.values[points["index"]]
     changes: Changes = {
         "diagram.along": {"axis_label": named[found.parameter]},
-        "diagram.x": fit(found.values, 0),
-        "diagram.y": fit(points["x"]),
+        "diagram.x": ends(found.values, 0),
+        "diagram.y": ends(points["x"]),
     }
     for side in "RL":
         mask = points["side"] == side
@@ -126,38 +76,36 @@ def diagram(found: BifurcationDiagram) -> Changes:
     return changes
 
 
-def fit(values: ArrayLike, room: float = 0.06) -> dict[str, float]:
+def ends(values: ArrayLike, room: float = 0.06) -> dict[str, float]:
+    """Of an axis that shows some values."""
+    return dict(zip(("start", "end"), fit(values, room), strict=True))
+
+
+def fit(values: ArrayLike, room: float = 0.06) -> tuple[float, float]:
     """The ends of an axis that shows some values, with some room beside them."""
     low, high = (float(np.min(values)), float(np.max(values))) if np.size(values) else (0.0, 1.0)
     size = (high - low) or max(abs(high), 1.0)
-    return {"start": low - room * size, "end": high + room * size}
+    return low - room * size, high + room * size
 
 
-def packed(changes: Changes) -> dict[str, Any]:
-    """As a message: all arrays in one, and in the place of each `{"from": i, "to": j}`.
+def packed(message: dict[str, Any]) -> tuple[str, NDArray[np.float64]]:
+    """A message as JSON, and all its arrays in one; in the place of each stands `{"from": i, "to": j}`.
 
     Examples
     --------
     >>> import numpy as np
     >>> from vibroimpact.explorer.pictures import packed
-    >>> packed({"curve": {"data": {"x": np.array([1.0, 2.0]), "y": np.array([3.0, 4.0])}}})
-    {'pictures': {'curve': {'data': {'x': {'from': 0, 'to': 2}, 'y': {'from': 2, 'to': 4}}}}, \
-'numbers': array([1., 2., 3., 4.])}
+    >>> packed({"fault": "", "x": np.array([1.0, 2.0]), "y": np.array([3.0, 4.0])})
+    ('{"fault": "", "x": {"from": 0, "to": 2}, "y": {"from": 2, "to": 4}}', array([1., 2., 3., 4.]))
     """
-    arrays: list[NDArray[np.float64]] = []
+    arrays: list[NDArray[np.float64]] = [np.empty(0)]
     end = 0
 
-    def pack(value: Any) -> Any:
+    def part(array: NDArray[np.float64]) -> dict[str, int]:
         nonlocal end
-        if isinstance(value, dict):
-            return {name: pack(item) for name, item in value.items()}
-        if isinstance(value, list | tuple):
-            return [pack(item) for item in value]
-        if not isinstance(value, np.ndarray):
-            return value
-        arrays.append(value)
-        begin, end = end, end + len(value)
+        arrays.append(array)
+        begin, end = end, end + len(array)
         return {"from": begin, "to": end}
 
-    tree = pack(changes)
-    return {"pictures": tree, "numbers": np.concatenate([np.empty(0), *arrays])}
+    text = json.dumps(message, default=part, allow_nan=False)
+    return text, np.concatenate(arrays)

@@ -10,7 +10,7 @@ from typing import Any
 from ..errors import VibroimpactError
 from ..motion import Motion
 from ..trajectory import Trajectory
-from . import pictures, words
+from . import pictures, sketches, words
 from .background import Background
 from .explorer import Explorer, simulate_run
 from .export import as_namelist, as_python
@@ -37,7 +37,7 @@ class Session:
     query : str
         Of the link.
     tell : callable
-        Sends a message to the page's script.
+        Sends a message, as `packed` makes it, to the page's script.
     at_its_turn : callable
         Does some work on the page when it is the page's turn: how a thread comes back.
     """
@@ -73,18 +73,20 @@ class Session:
         self.peeking = kind == "peek"
         if not self.peeking:
             self.background.rest.drop()
+        number = {"number": message["number"]}
         try:
-            answer = {"fault": "", **getattr(self, f"on_{kind}")(message)}
-        except VibroimpactError as error:
-            answer = {"fault": str(error), **self.summary()}
+            try:
+                answer = {"fault": "", **getattr(self, f"on_{kind}")(message)}
+            except VibroimpactError as error:
+                answer = {"fault": str(error), **self.summary()}
+            self.send(answer | number)
         except Exception as error:
-            answer = {"fault": own_fault(error)}
-        self.send(answer | {"number": message["number"]})
+            self.send({"fault": own_fault(error)} | number)
 
     def send(self, answer: dict[str, Any]) -> None:
         """One message with all that is told and drawn."""
         changes, self.changes = self.changes, {}
-        self.tell(**answer, **(pictures.packed(changes) if changes else {}))
+        self.tell(*pictures.packed(answer | {"pictures": changes}))
 
     def failed(self, kind: str, error: Exception) -> None:
         """A thread has raised something: it is told, and tried again with the next change."""
@@ -273,10 +275,10 @@ class Session:
     def draw_motion(self, motion: Motion | None, run: Trajectory | None = None) -> None:
         """History, portrait and multipliers."""
         if run is not None:
-            self.changes |= pictures.history(run, (self.explorer.state.run or Run()).cycles)
+            self.changes |= sketches.history(run, (self.explorer.state.run or Run()).cycles)
         else:
-            self.changes |= pictures.history(motion, max(2, motion.pattern.cycles) if motion else 2)
-        self.changes |= pictures.multipliers(motion)
+            self.changes |= sketches.history(motion, max(2, motion.pattern.cycles) if motion else 2)
+        self.changes |= sketches.circle(motion)
 
 
 def own_fault(error: Exception) -> str:

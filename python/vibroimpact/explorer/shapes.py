@@ -106,7 +106,7 @@ def labels(
             beside = np.abs(r - x) > part * LABEL[0] * size[0]
             free *= beside | (np.abs(np.log(clearance / y)) > (part + 0.3) * LABEL[1] * size[1])
         i, j = np.unravel_index(np.argmax(free), free.shape)
-        if free[i, j] < 0.5:
+        if free[i, j] < 0.4:
             continue
         place = float(r[i, 0]), float(clearance[0, j])
         taken.append((*place, 1.0))
