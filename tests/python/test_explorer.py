@@ -20,6 +20,7 @@ from vibroimpact.errors import MissingExtraError, ParameterError
 from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
 from vibroimpact.explorer.export import as_namelist, as_python
 from vibroimpact.explorer.motions import fuller, quick
+from vibroimpact.explorer.process import SETTLED, start
 from vibroimpact.explorer.recipe import Recipe, recipe_of
 from vibroimpact.explorer.server import loopback, panel
 from vibroimpact.explorer.shapes import thinned, zone_shapes
@@ -30,7 +31,6 @@ from vibroimpact.plot.zone import LINES
 from vibroimpact.run import read_namelist
 from vibroimpact.studies.geometry import signed_area
 
-COMMAND = Path(sys.executable).parent / "vibroimpact"
 RUN = Run(0.1, 2.0, -3.0, 4.0, 5.5, 6.0, 2.0)
 #: One state with everything in it, at a point where there is rest, and one where there are many motions.
 STATES = {
@@ -285,7 +285,7 @@ def test_the_batch_program_gives_the_diagram(line, tmp_path):
     """A line along an axis is in the namelist; every impact is the one shown, also at another r."""
     explorer = Explorer(State(line=line))
     (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
-    program = [COMMAND.with_name("vibroimpact-batch"), "explorer.nml", "-o", "out"]
+    program = [Path(sys.executable).with_name("vibroimpact-batch"), "explorer.nml", "-o", "out"]
     subprocess.run(program, cwd=tmp_path, check=True, capture_output=True)
     lines = (tmp_path / "out" / "explorer_diagram.csv").read_text().splitlines()
     head, *rows = [row.split(",") for row in lines if not row.startswith("#")]
@@ -345,25 +345,13 @@ def test_missing_extra(monkeypatch):
         panel()
 
 
-def started(*words):
-    """A server, and its address."""
-    process = subprocess.Popen(
-        [COMMAND, "explore", "--no-browser", "--port", "0", *words], stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    line = process.stdout.readline()
-    found = re.search(r"http://\S+/", line)
-    assert found, process.communicate(timeout=20)
-    return process, found.group()
-
-
 def test_interrupt_ends_it():
     """Ctrl-C is how it ends: status 0 and nothing on stderr; it listens on loopback alone.
 
     It is started as the example of the help says, but for the port.
     """
     assert EXAMPLE.split()[:4] == ["vibroimpact", "explore", "--port", "5006"]
-    process, url = started(*EXAMPLE.split()[4:])
+    process, url = start(*EXAMPLE.split()[4:])
     assert url.startswith("http://127.0.0.1:")
     port = int(url.rstrip("/").rsplit(":", 1)[1])
     if Path("/proc/net/tcp").exists():
@@ -386,7 +374,7 @@ def lacking(what):
 @pytest.fixture(scope="module")
 def server():
     """The explorer's address."""
-    process, url = started()
+    process, url = start()
     yield url
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=20)
@@ -437,11 +425,7 @@ class Page:
 
     def settle(self):
         """Wait until every question is answered and every thread is done."""
-        self.page.wait_for_function(
-            """() => window.vibroimpact.idle() && document.getElementById('families').children.length
-            && document.getElementById('status').textContent === ''
-            && document.getElementById('searched').textContent.endsWith('were searched.')"""
-        )
+        self.page.wait_for_function(SETTLED)
         return self
 
     def text(self, name):
@@ -463,21 +447,21 @@ class Page:
         box = self.page.locator(f"#{figure}").bounding_box()
         return box["x"] + right * box["width"], box["y"] + down * box["height"]
 
-    def data(self, figure, key):
-        """A column of a figure's tables, as the browser has it."""
+    def data(self, model, key):
+        """A column of a table of the chart or the diagram, as the browser has it."""
         return self.page.evaluate(
-            """([figure, key]) => {
-              for (const root of Bokeh.documents[0].roots()) {
-                const plot = root.select_one ? [...root.references()].find(
-                  m => m.name === figure && Array.isArray(m.renderers)) : null
-                if (!plot) continue
-                for (const renderer of plot.renderers)
-                  if (renderer.data_source && key in renderer.data_source.data)
-                    return Array.from(renderer.data_source.data[key])
-              }
-              return null
+            "([model, key]) => Array.from(Bokeh.documents[0].get_model_by_name(model).data[key])",
+            [model, key],
+        )
+
+    def curve(self, figure, name):
+        """The coordinates along a named part of a small figure, as the browser has them."""
+        return self.page.evaluate(
+            """([figure, name]) => {
+              const part = vibroimpact.sketches[figure].shown().parts.find((one) => one.name === name)
+              return (part.line ?? part.marks).slice(0, 2).map((numbers) => Array.from(numbers))
             }""",
-            [figure, key],
+            [figure, name],
         )
 
 
@@ -521,7 +505,7 @@ def test_page_shows_what_the_library_computes(page):
     styles = [(line.get_attribute("stroke-dasharray")) for line in boundaries.all()]
     assert len(set(styles)) == len(styles) == len(LINES) - 1  # told apart without colour
     motion = next(m for m in vi.find(osc, 1.04, 20.0) if m.stable)
-    x = page.data("history", "x")
+    x = page.curve("history", "x")[1]
     assert max(x) == pytest.approx(max(motion.x_max, -motion.x_min), rel=0.2)
 
 
@@ -555,7 +539,7 @@ def test_pointer_tap_and_drag(page):
     mouse.up()
     page.page.wait_for_selector("#along:not([hidden])")
     page.page.wait_for_function("document.getElementById('windows').textContent.includes('2/1')")
-    along = page.data("diagram", "along")
+    along = page.data("diagram.R", "along")
     line = re.search("line=([^&]+)", page.page.url).group(1)
     ends = [float(word) for word in line.split(",")]
     assert [min(along), max(along)] == [ends[0], ends[2]]
@@ -566,7 +550,7 @@ def test_pointer_tap_and_drag(page):
 def test_sliders_redraw(page):
     """A slider changes the zones, the motions and its field; what cannot be says so and is not taken."""
     page.open("patterns=RL,RLL")
-    fills = page.data("zones", "xs")
+    fills = page.data("zones.fills", "xs")
     slider = page.page.get_by_role("slider", name="restitution, left wall R₂")
     slider.focus()
     for _ in range(4):
@@ -575,7 +559,7 @@ def test_sliders_redraw(page):
     page.settle()
     assert page.field("R2") == "0.73"
     assert "symmetric" not in page.text("families")
-    assert page.data("zones", "xs") != fills
+    assert page.data("zones.fills", "xs") != fills
     page.page.fill("#xi", "1.5")
     page.page.keyboard.press("Enter")
     page.page.wait_for_selector("#fault:not([hidden])")
@@ -655,8 +639,8 @@ def test_share_link_restores_everything(page):
             fields=[page.field(name) for name in names], rows=page.rows(), ran=page.text("ran"),
             runs=[page.field(name, "run") for name in ("x", "z", "t", "cycles", "discard")],
             place=page.text("place"), windows=page.text("windows"), zones=page.text("families"),
-            curves=[page.data("history", key) for key in ("t", "x", "z")],
-            impacts=page.data("diagram", "x"),
+            curves=[page.curve("history", key) for key in ("x", "z")],
+            impacts=page.data("diagram.R", "x"),
             chosen=page.page.locator("#table tr.chosen td").first.inner_text(),
         )  # fmt: skip
 
@@ -707,7 +691,7 @@ def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
     page.page.click("#close")
     exec(copied, names)
     assert sorted(shown_numbers(names["motions"])) == table
-    x = page.data("history", "x")
+    x = page.curve("history", "x")[1]
     assert (min(x), max(x)) == (
         names["run"].sample(names["run"].events["time"]).X.min(),
         max(x),
@@ -731,7 +715,7 @@ def test_a_run_from_the_portrait(page):
 
 def test_the_page_tells_that_the_server_has_ended(browser):
     """It says how to go on; the address still holds what is shown."""
-    process, url = started()
+    process, url = start()
     tab = browser.new_page()
     page = Page(tab, url)
     page.open("patterns=RL")

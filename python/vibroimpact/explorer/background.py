@@ -19,6 +19,8 @@ __all__ = ["Background"]
 
 #: Seconds that the pointer has to rest before there is a fuller search where it is.
 REST = 0.3
+#: Seconds that the browser has for drawing the coarse zones before finer work takes the processors.
+PAUSE = 0.1
 #: Seconds after which the search begins even if the zones are not there.
 PATIENCE = 10
 
@@ -44,10 +46,10 @@ class Background:
     ) -> None:
         self.at_its_turn = at_its_turn
 
-        def worker(kind: str) -> Latest:
-            return Latest(lambda error: at_its_turn(lambda: failed(kind, error)))
+        def worker(kind: str, niceness: int = 5) -> Latest:
+            return Latest(lambda error: at_its_turn(lambda: failed(kind, error)), niceness)
 
-        self.coarse_zones, self.fine_zones = worker("zones"), worker("zones")
+        self.coarse_zones, self.fine_zones = worker("zones", 0), worker("zones")
         self.search, self.rest, self.sweep = worker("motions"), worker("rest"), worker("diagram")
         self.coarse_done = threading.Event()
 
@@ -63,6 +65,7 @@ class Background:
                 shapes = zone_shapes(zones)
                 # those of a slider on its way are shown too
                 self.at_its_turn(lambda: show(zones, shapes, False))
+                threading.Event().wait(PAUSE)
             finally:
                 self.coarse_done.set()
             if current():

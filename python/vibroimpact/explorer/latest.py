@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import threading
 from collections.abc import Callable
 
@@ -18,7 +20,12 @@ class Stale(Exception):  # noqa: N818 (no error)
 class Latest:
     """Runs the newest job; one that is handed in while another runs takes the place of any that waits.
 
-    `failed` is told what a job raises, as long as it is the newest.
+    Parameters
+    ----------
+    failed : callable
+        Told what a job raises, as long as it is the newest.
+    niceness : int
+        How much the jobs give way to others, where a thread can have a priority of its own (Linux).
 
     Examples
     --------
@@ -36,8 +43,8 @@ class Latest:
     [('first', False), ('last', True), "ZeroDivisionError('division by zero')"]
     """
 
-    def __init__(self, failed: Callable[[Exception], object]) -> None:
-        self.failed = failed
+    def __init__(self, failed: Callable[[Exception], object], niceness: int = 0) -> None:
+        self.failed, self.niceness = failed, niceness
         self.lock = threading.Lock()
         self.number = 0
         self.waiting: Callable[[Current], object] | None = None
@@ -61,6 +68,8 @@ class Latest:
             self.waiting = None
 
     def _run(self) -> None:
+        if sys.platform == "linux":  # elsewhere it would be the whole process
+            os.nice(self.niceness)
         while True:
             with self.lock:
                 job, mine, self.waiting = self.waiting, self.number, None
