@@ -1,5 +1,6 @@
 """The explorer: its state and exports without a page, then the page itself in a real browser."""
 
+import itertools
 import os
 import re
 import shutil
@@ -714,17 +715,194 @@ def test_a_run_from_the_portrait(page):
 
 
 def test_the_page_tells_that_the_server_has_ended(browser):
-    """It says how to go on; the address still holds what is shown."""
+    """In the middle of computing: it says how to go on, and its address still holds what is shown."""
     process, url = start()
     tab = browser.new_page()
     page = Page(tab, url)
     page.open("patterns=RL")
+    tab.locator("[data-slider=xi]").focus()
+    tab.keyboard.press("ArrowRight")
+    tab.wait_for_function("location.search.includes('xi=')")
     process.send_signal(signal.SIGINT)
     assert process.wait(20) == 0
     tab.wait_for_selector("#fault:not([hidden])")
     assert "vibroimpact explore" in page.text("fault")
-    assert tab.url.endswith("patterns=RL")
+    assert "computing" not in page.text("status")
+    assert tab.url.endswith("xi=0.0115&patterns=RL")
     tab.close()
+
+
+#: Nothing that takes longer than a frame comes to its end.
+BROKEN = """
+from vibroimpact.explorer import background
+def broken(*_):
+    raise RuntimeError("broken on purpose")
+background.compute = background.fuller = background.diagram_of = broken
+"""
+
+
+def test_a_fault_in_a_thread_is_told(browser):
+    """Zones, search and diagram that fail are said to, nothing goes on "computing", and the page still answers."""
+    process, url = start(prelude=BROKEN)
+    tab = browser.new_page()
+    page = Page(tab, url)
+    tab.goto(url)
+    tab.wait_for_function("document.getElementById('searched').textContent.startsWith('Not all')")
+    assert page.text("status") == "not computed"
+    assert "broken on purpose" in page.text("fault")
+    assert "\n" not in page.text("fault")
+    before = page.rows()
+    tab.mouse.move(*page.place(0.45, 0.3))
+    tab.wait_for_function(
+        "document.querySelector('.peeking') && document.getElementById('searched').textContent.startsWith('Not')"
+    )
+    assert page.rows() != before
+    assert page.page.is_visible("#fault")
+    tab.locator("#chart").focus()
+    tab.keyboard.press("l")
+    tab.wait_for_function("document.getElementById('windows').textContent === 'not computed'")
+    assert "the diagram could not be computed" in page.text("fault")
+    tab.close()
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == 0
+    assert "RuntimeError: broken on purpose" in err  # with its place in the program
+
+
+def test_two_tabs_do_not_know_of_each_other(page, browser, server):
+    """Both compute at once; what is changed in one changes nothing in the other, and both are right."""
+    other = Page(browser.new_page(), server)
+    queries = ("R2=0.61&r=0.9&clearance=6&patterns=RL,RLL", "xi=0.02&r=1.04&clearance=20&patterns=RL")
+    for one, query in zip((page, other), queries, strict=True):
+        one.page.goto(f"{server}?{query}")
+    for one in (page, other):
+        one.settle()
+    before = other.rows(), other.text("families"), other.page.url
+    page.page.locator("[data-slider=R1]").focus()
+    page.page.keyboard.press("ArrowLeft")
+    page.page.wait_for_function("location.search.includes('R1=')")
+    page.settle()
+    assert (other.rows(), other.text("families"), other.page.url) == before
+    for one, osc, r, clearance in (
+        (page, vi.Oscillator(0.0114, 0.028, (0.745, 0.61)), 0.9, 6.0),
+        (other, vi.Oscillator(0.02, 0.028, 0.75), 1.04, 20.0),
+    ):
+        found = set(shown_numbers(vi.find(osc, r, clearance)))
+        assert found
+        assert found <= {row[1:] for row in numbers(one.rows())}
+    other.page.close()
+
+
+def test_reload_in_the_middle_of_computing(page):
+    """The page comes back with what its address holds, however often."""
+    page.page.goto(f"{page.url}?r=1.04&clearance=20&patterns=RL,RRL")
+    for value in ("0.012", "0.013", "0.014"):
+        page.page.wait_for_function("window.vibroimpact && document.getElementById('table').children.length")
+        page.page.fill("#xi", value)
+        page.page.keyboard.press("Enter")
+        page.page.wait_for_function(f"location.search.includes('xi={value}')")
+        page.page.reload()
+    page.settle()
+    found = set(shown_numbers(vi.find(vi.Oscillator(0.014, 0.028, 0.75), 1.04, 20.0)))
+    assert found <= {row[1:] for row in numbers(page.rows())}
+    assert page.text("fault") == ""
+
+
+def test_tab_reaches_everything_in_order(page):
+    """Tab goes through all that can be used, from top to bottom of each part, and its place is seen."""
+    page.open("patterns=RL&line=0.9,10,1.1,10")
+    page.page.evaluate("document.querySelector('details').open = true")
+    wanted = page.page.evaluate(
+        """() => {
+          const every = [...document.querySelectorAll("a, button, input, summary, [tabindex='0']")]
+            .filter((one) => one.checkVisibility() && (one.type !== "radio" || one.checked))
+          every.forEach((one, i) => { one.dataset.order = i })
+          return every.length
+        }"""
+    )
+    page.page.keyboard.press("Tab")
+    assert page.page.evaluate("document.activeElement.className") == "skip"
+    reached = []
+    while len(reached) < wanted:
+        reached.append(page.page.evaluate(
+            """() => {
+              const { left, top } = document.activeElement.getBoundingClientRect()
+              const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement)
+              const part = document.activeElement.closest("header, #system, #zones, #motions")
+              return { order: Number(document.activeElement.dataset.order), part: part?.id || part?.tagName,
+                       top: top + scrollY, left, outline: outlineStyle + parseFloat(outlineWidth) }
+            }"""
+        ))  # fmt: skip
+        page.page.keyboard.press("Tab")
+    assert [one["order"] for one in reached] == list(range(wanted))
+    assert {one["outline"] for one in reached} == {"solid3"}
+    parts = [one["part"] for one in reached]
+    assert list(dict.fromkeys(parts)) == [None, "HEADER", "system", "zones", "motions"]
+    for part in ("zones", "motions"):
+        tops = [one["top"] for one in reached if one["part"] == part]
+        assert all(later > before - 10 for before, later in itertools.pairwise(tops)), (part, tops)
+
+
+def test_nothing_is_told_by_colour_alone(page, tmp_path):
+    """In shades of grey the legends' patterns and lines differ, and the figures have the same patterns and marks."""
+    page.open("r=1.04&clearance=20&patterns=RL,RRL,RRLL,RRRL")
+    hatches = page.page.locator("#families .swatch").evaluate_all("all => all.map(one => one.dataset.hatch)")
+    assert len(hatches) == len(set(hatches)) == 6
+    assert set(page.data("zones.fills", "hatch")) == set(hatches)
+    assert page.page.evaluate("Bokeh.documents[0].get_model_by_name('zones.fills').data.hatch.length") >= 6
+    page.page.context.new_cdp_session(page.page).send(
+        "Emulation.setEmulatedVisionDeficiency", {"type": "achromatopsia"}
+    )
+    from matplotlib.image import imread
+
+    def pictures(selector):
+        found = []
+        for i, one in enumerate(page.page.locator(selector).all()):
+            one.screenshot(path=tmp_path / f"{i}.png")
+            found.append(imread(tmp_path / f"{i}.png")[..., :3])
+        shape = np.min([picture.shape for picture in found], axis=0)
+        return [picture[: shape[0], : shape[1]] for picture in found]
+
+    for selector in ("#families .swatch", ".legend[aria-label=Boundaries] svg"):
+        seen = pictures(selector)
+        assert len(seen) >= 6
+        assert all(np.ptp(picture, axis=-1).max() < 0.02 for picture in seen)  # it is grey
+        for one, other in itertools.combinations(seen, 2):
+            assert (np.abs(one - other).max(axis=-1) > 0.2).mean() > 0.04
+    widths = page.page.evaluate(
+        "vibroimpact.sketches.history.shown().parts.filter(one => one.name).map(one => one.width)"
+    )
+    assert len(set(widths)) == 2
+    stable = {row[1].split()[0] for row in page.rows() if row[1].endswith(" stable")}
+    assert stable.isdisjoint(row[1].split()[0] for row in page.rows() if row[1].endswith("unstable"))
+
+
+def test_names_keep_off_the_point_and_each_other(page):
+    """On a phone too: no zone's name lies on the chosen point, on another name, or across the frame."""
+    page.page.set_viewport_size({"width": 390, "height": 844})
+    page.open()
+    for right, down in ((0.55, 0.4), (0.7, 0.35), (0.3, 0.4)):
+        page.page.touchscreen.tap(*page.place(right, down))
+        page.page.wait_for_function("location.search.includes('clearance=')")
+        page.settle()
+        boxes = page.page.evaluate(
+            """() => {
+              const model = (name) => Bokeh.documents[0].get_model_by_name(name)
+              const plot = model("zones.plot"), { inner_width, inner_height, x_range, y_range } = plot
+              const place = (x, y) => [(x - x_range.start) / (x_range.end - x_range.start) * inner_width,
+                Math.log(y / y_range.start) / Math.log(y_range.end / y_range.start) * inner_height]
+              const pen = document.createElement("canvas").getContext("2d")
+              pen.font = "12px sans-serif"
+              const { x, y, text } = model("zones.labels").data, point = model("zones.point").data
+              const boxes = text.map((word, i) => [...place(x[i], y[i]), pen.measureText(word).width + 4, 16])
+              return { size: [inner_width, inner_height], boxes: [[...place(point.x[0], point.y[0]), 15, 15], ...boxes] }
+            }"""
+        )
+        assert len(boxes["boxes"]) > 2
+        for (x, y, wide, high), (x2, y2, wide2, high2) in itertools.combinations(boxes["boxes"], 2):
+            assert abs(x - x2) > 0.5 * (wide + wide2) or abs(y - y2) > 0.5 * (high + high2)
+        for x, _, wide, _ in boxes["boxes"][1:]:
+            assert 0.5 * wide <= x <= boxes["size"][0] - 0.5 * wide
 
 
 def test_a_slider_goes_back_to_its_range(page):

@@ -44,7 +44,7 @@ class Background:
         at_its_turn: Callable[[Callable[[], None]], None],
         failed: Callable[[str, Exception], None],
     ) -> None:
-        self.at_its_turn = at_its_turn
+        self.at_its_turn, self.failed = at_its_turn, failed
 
         def worker(kind: str, niceness: int = 5) -> Latest:
             return Latest(lambda error: at_its_turn(lambda: failed(kind, error)), niceness)
@@ -64,7 +64,7 @@ class Background:
                     zones = dict(zip(named, found, strict=True))
                 shapes = zone_shapes(zones)
                 # those of a slider on its way are shown too
-                self.at_its_turn(lambda: show(zones, shapes, False))
+                self._later("zones", lambda: True, lambda: show(zones, shapes, False))
                 threading.Event().wait(PAUSE)
             finally:
                 self.coarse_done.set()
@@ -77,7 +77,7 @@ class Background:
                 zones[family] = compute(state.osc, family, state.window, FINE)
                 stop(current)
             shapes = zone_shapes(zones)
-            self._later(current, lambda: show(zones, shapes, True))
+            self._later("zones", current, lambda: show(zones, shapes, True))
 
         self.fine_zones.drop()
         self.coarse_done.clear()
@@ -90,7 +90,7 @@ class Background:
 
         def search(current: Current) -> None:
             self.coarse_done.wait(PATIENCE)  # zones first: they are what a slider is watched for
-            self._search(current, state, kept, show)
+            self._search("motions", current, state, kept, show)
 
         self.search.submit(search)
 
@@ -99,7 +99,7 @@ class Background:
 
         def search(current: Current) -> None:
             threading.Event().wait(REST)
-            self._search(current, state, kept, show)
+            self._search("rest", current, state, kept, show)
 
         self.rest.submit(search)
 
@@ -108,20 +108,29 @@ class Background:
 
         def sweep(current: Current) -> None:
             diagram = diagram_of(state)
-            self._later(current, lambda: show(diagram))
+            self._later("diagram", current, lambda: show(diagram))
 
         self.sweep.submit(sweep)
 
     def _search(
-        self, current: Current, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]
-    ) -> None:
+        self, kind: str, current: Current, state: State, kept: list[Shown],
+        show: Callable[[list[Shown]], None],
+    ) -> None:  # fmt: skip
         stop(current)
         found = fuller(state.osc, state.r, state.clearance, kept, lambda *_: stop(current))
-        self._later(current, lambda: show(found))
+        self._later(kind, current, lambda: show(found))
 
-    def _later(self, current: Current, work: Callable[[], None]) -> None:
+    def _later(self, kind: str, current: Current, work: Callable[[], None]) -> None:
         """Come back when it is the page's turn, unless something newer is wanted by then."""
-        self.at_its_turn(lambda: work() if current() else None)
+
+        def turn() -> None:
+            try:
+                if current():
+                    work()
+            except Exception as error:
+                self.failed(kind, error)
+
+        self.at_its_turn(turn)
 
 
 def stop(current: Current) -> None:

@@ -42,7 +42,7 @@ def dashes(kind: str) -> tuple[list[int], str]:
 def blank(name: str, events: tuple[str, ...] = (), **options: Any) -> Any:
     """A figure without tools that fills its place on the page, and tells of the pointer."""
     plot = figure(
-        name=name, tools="", toolbar_location=None, sizing_mode="stretch_both", min_border=4,
+        name=f"{name}.plot", tools="", toolbar_location=None, sizing_mode="stretch_both", min_border=4,
         min_border_right=16, outline_line_color=None, background_fill_color="#FFFFFF", **options,
     )  # fmt: skip
     plot.grid.grid_line_color = "#EBEBEB"
@@ -71,9 +71,9 @@ def ranges(name: str, high: float = 1, low: float = 0) -> dict[str, Any]:
     }
 
 
-def figures() -> list[Any]:
-    """All of them, each by its name."""
-    return [zone_chart(), diagram()]
+def figures() -> dict[str, Any]:
+    """Both by their names."""
+    return {"zones": zone_chart(), "diagram": diagram()}
 
 
 def zone_chart() -> Any:

@@ -37,7 +37,10 @@ export function render({ model }) {
       at("where").textContent = told.peek ? "under the pointer" : ""
       at("motions").classList.toggle("peeking", told.peek)
     }
-    if (told.zones) families(told.zones)
+    if (told.zones) {
+      families(told.zones)
+      untab(document)
+    }
     if (told.status !== undefined) at("status").textContent = told.status
     if (told.fields) fields(told.fields)
     if (told.number && told.query !== undefined) {
@@ -58,6 +61,13 @@ export function render({ model }) {
         models[name] ??= Bokeh.documents[0].get_model_by_name(name)
         models[name].setv(picture, { sync: false }) // not sent back to Python, which knows
       }
+    }
+  }
+  // Bokeh's figures take Tab, without a name or a sign that they have it; the chart around them does it better
+  function untab(root) {
+    for (const one of root.querySelectorAll("*")) {
+      if (one.classList.contains("bk-events")) one.tabIndex = -1
+      if (one.shadowRoot) untab(one.shadowRoot)
     }
   }
   function fault(text) {
@@ -169,8 +179,11 @@ export function render({ model }) {
       }
     },
     sketches,
-    lost: () => fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
-      + "its address holds what is shown."),
+    lost: () => {
+      at("status").textContent = ""
+      fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
+        + "its address holds what is shown.")
+    },
     settled: () => !busy && waiting.size === 0 && at("families").children.length > 0
       && !at("status").textContent && /were searched.$/.test(at("searched").textContent),
   }

@@ -91,7 +91,7 @@ def page() -> Any:
         ("boundaries", boundary_legend()),
     ):  # fmt: skip
         template.add_variable(name, text)
-    for plot in figures():
-        template.add_panel(plot.name, pn.pane.Bokeh(plot, sizing_mode="stretch_both", margin=0))
+    for name, plot in figures().items():
+        template.add_panel(name, pn.pane.Bokeh(plot, sizing_mode="stretch_both", margin=0))
     template.add_panel("bridge", bridge)
     return template

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import re
+import shutil
+import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
 
-__all__ = ["SETTLED", "start"]
+__all__ = ["SETTLED", "start", "visited"]
 
 #: Of the page's script: whether every question is answered and every thread is done.
 SETTLED = "window.vibroimpact?.settled()"
@@ -49,3 +54,23 @@ def start(*words: str, prelude: str = "") -> tuple[subprocess.Popen[str], str]:
     if found is None:
         raise RuntimeError("".join(process.communicate(timeout=20)))
     return process, found.group()
+
+
+@contextmanager
+def visited(width: int, height: int) -> Iterator[tuple[int, Any]]:
+    """A server's process id, and its page in a headless Chromium (playwright), with everything computed."""
+    from playwright.sync_api import sync_playwright
+
+    process, url = start()
+    try:
+        with sync_playwright() as driver:
+            flags = ["--no-sandbox", "--disable-gpu"]
+            browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=flags)
+            tab = browser.new_page(viewport={"width": width, "height": height})
+            tab.goto(url)
+            tab.wait_for_function(SETTLED)
+            yield process.pid, tab
+            browser.close()
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)

@@ -55,6 +55,8 @@ class Session:
         self.background = Background(at_its_turn, self.failed)
         self.trajectory: Trajectory | None = None
         self.peeking, self.searched, self.ran = False, "", ""
+        #: Of threads that have failed since the last change.
+        self.broken: dict[str, str] = {}
         #: What changes in the figures with the next message.
         self.changes: pictures.Changes = {}
         self.rooms: dict[str, Any] = {}
@@ -73,10 +75,13 @@ class Session:
         self.peeking = kind == "peek"
         if not self.peeking:
             self.background.rest.drop()
+        steady = kind in ("peek", "unpeek")  # what is wrong stays until something changes
+        if not steady:
+            self.broken.clear()
         number = {"number": message["number"]}
         try:
             try:
-                answer = {"fault": "", **getattr(self, f"on_{kind}")(message)}
+                answer = ({} if steady else {"fault": ""}) | getattr(self, f"on_{kind}")(message)
             except VibroimpactError as error:
                 answer = {"fault": str(error), **self.summary()}
             self.send(answer | number)
@@ -91,13 +96,13 @@ class Session:
     def failed(self, kind: str, error: Exception) -> None:
         """A thread has raised something: it is told, and tried again with the next change."""
         fault, answer = TASKS[kind]
-        self.zones_of = None if kind == "zones" else self.zones_of
-        self.motions_of = None if kind == "motions" else self.motions_of
-        self.diagram_of = None if kind == "diagram" else self.diagram_of
+        if kind != "rest":
+            setattr(self, f"{kind}_of", None)
         if kind == "motions":
             self.searched = answer["searched"]
         reason = str(error) if isinstance(error, VibroimpactError) else own_fault(error)
-        self.send({"fault": f"{fault}: {reason}", **answer})
+        self.broken[kind] = f"{fault}: {reason}"
+        self.send({"fault": joined(self.broken.values()), **answer})
 
     def on_ready(self, _: dict[str, Any]) -> dict[str, Any]:
         """The page is there."""

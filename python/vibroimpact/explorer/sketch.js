@@ -37,7 +37,7 @@ function sketch(box) {
   }
   function axes() {
     const { x0, x1, y0, y1, across, up } = scale, bottom = EDGE.top + up
-    const beside = ticks(x0, x1, across / 60), upward = ticks(y0, y1, up / 40)
+    const beside = ticks(x0, x1, across / 45), upward = ticks(y0, y1, up / 40)
     pen.lineWidth = 1
     for (const [shade, begin, end] of [["#EBEBEB", 0, 1], ["#444444", -6, 0]]) {
       pen.strokeStyle = shade
