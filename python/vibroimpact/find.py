@@ -26,6 +26,8 @@ ROOM = 128
 SAME = 1e-7
 #: Events that a period of a motion with rest may have while it is searched for.
 FEW_EVENTS = 200
+#: Less work than this (impacts squared times guesses, load cycles simulated) takes less time than starting threads.
+LITTLE = 10_000
 #: A release from rest: load cycles of the motion, side, and (phase, v).
 Release = tuple[int, int, NDArray[np.float64]]
 
@@ -92,20 +94,18 @@ def find(
 ) -> FoundMotions:
     """Periodic motions at a point: from all side patterns, from releases, and from simulated attractors.
 
-    For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's
-    method starts from guesses whose phases fill the period evenly and whose positions solve the
-    linear equations of 1983; motions found repel the later iterations, so none is found twice.
-    Newton's method on the return map of releases adds motions with rest, stable or not. Simulations
-    from a spread of initial states add the attractors.
+    For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's method
+    starts from guesses whose phases fill the period evenly and whose positions solve the linear equations of
+    1983; motions found repel the later iterations, so none is found twice. Newton's method on the return map of
+    releases adds motions with rest, stable or not. Simulations from a spread of initial states add the attractors.
 
     Parameters
     ----------
     osc, r, clearance, load
         As in `simulate`.
     max_impacts, max_cycles : int
-        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. A motion with
-        accumulation
-        that simulation finds has no limit on its number of impacts.
+        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. A motion with accumulation that
+        simulation finds has no limit on its number of impacts.
     guesses : int
         Guesses for each pattern.
     states : int
@@ -113,22 +113,20 @@ def find(
     settling : int
         Load cycles simulated before an attractor is looked for.
     releases : int
-        Releases from rest, for each wall and number of cycles, from which Newton's method is started
-        on the return map: it finds motions with rest that are unstable too.
+        Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
+        return map: it finds motions with rest that are unstable too.
     progress : callable, optional
         Called with the share done and what is being done.
 
     Returns
     -------
     FoundMotions
-        A list of admissible motions, stable ones first; its attribute `search` says how it was
-        found.
+        A list of admissible motions, stable ones first; its attribute `search` says how it was found.
 
     Examples
     --------
-    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror
-    image
-    among others.
+    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image among
+    others.
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
@@ -154,7 +152,10 @@ def find(
     tell = progress or (lambda share, what: None)
     # a pattern takes about as long as the square of its impacts
     work, done = sum(len(pattern) ** 2 for pattern in patterns), 0
+    starts = list(_spread_releases(osc, r, clearance, load, max_cycles, releases))
+    effort = guesses * work + 10 * len(starts) + states * settling
     with ThreadPoolExecutor() as pool:
+        each: Any = map if effort < LITTLE else pool.map
 
         def search(pattern: Pattern) -> tuple[Pattern, NDArray[np.float64], int, int]:
             return pattern, *_core.search_pattern(
@@ -163,7 +164,7 @@ def find(
                 ROOM,
             )  # fmt: skip
 
-        for pattern, columns, n, started in pool.map(search, patterns):
+        for pattern, columns, n, started in each(search, patterns):
             tried += started
             done += len(pattern) ** 2
             tell(0.9 * (done / work), f"{pattern.sides}/{pattern.cycles}")
@@ -181,13 +182,12 @@ def find(
         def run(state: dict[str, float]) -> Any:
             return settle(osc, r, clearance, load, state, settling, max_cycles)
 
-        starts = list(_spread_releases(osc, r, clearance, load, max_cycles, releases))
         tell(0.9, "motions with rest")
-        for motion in _rest_motions(osc, r, clearance, load, starts, pool):
+        for motion in _rest_motions(osc, r, clearance, load, starts, each):
             if len(motion.pattern) <= max_impacts:
                 _add(found, motion)
         tell(0.95, "simulations")
-        periods = list(pool.map(run, _spread_states(osc, r, clearance, load, states)))
+        periods = list(each(run, _spread_states(osc, r, clearance, load, states)))
     settled = 0
     for period in periods:
         if period is None or len(period.pattern) > max_impacts:
@@ -213,13 +213,12 @@ def find(
 
 def _add(found: list[Motion], motion: Motion) -> None:
     """Add a motion, and its mirror image where the walls are alike, unless they are there."""
-    motion = turned(reduced(motion))
-    images = [motion]
+    images = [reduced(motion)]
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
-        images.append(turned(mirror(motion)))
+        images.append(mirror(turned(images[0])))
     for image in images:
         if not any(same(image, other) for other in found):
-            found.append(image)
+            found.append(turned(image))
 
 
 def reduced(motion: Motion) -> Motion:
@@ -312,9 +311,8 @@ def _order(motion: Motion) -> tuple[Any, ...]:
 def side_patterns(max_impacts: int, max_cycles: int, *, mirrored: bool) -> Iterator[Pattern]:
     """All side patterns up to rotation (and up to mirror image), with each number of cycles.
 
-    A pattern that repeats a shorter one is searched too where its cycles do: motions of twice the
-    period
-    look like that.
+    A pattern that repeats a shorter one is searched too where its cycles do: motions of twice the period look
+    like that.
     """
     for n in range(2, max_impacts + 1):
         seen: set[str] = set()
@@ -332,7 +330,7 @@ def side_patterns(max_impacts: int, max_cycles: int, *, mirrored: bool) -> Itera
 
 def _rest_motions(
     osc: Oscillator, r: float, clearance: float, load: float, starts: list[Release],
-    pool: ThreadPoolExecutor,
+    each: Any,
 ) -> Iterator[Motion]:  # fmt: skip
     """The distinct motions with rest to which Newton's method on the return map leads."""
 
@@ -344,7 +342,7 @@ def _rest_motions(
         return (cycles, side, point) if status == 0 else None
 
     seen: list[Release] = []
-    for cycles, side, point in filter(None, pool.map(solve, starts)):
+    for cycles, side, point in filter(None, each(solve, starts)):
         if any(
             (cycles, side) == (k, s)
             and abs(math.remainder(point[0] - at[0], TWO_PI)) < SAME

@@ -1,5 +1,6 @@
 """The explorer: its state and exports without a page, then the page itself in a real browser."""
 
+import itertools
 import os
 import re
 import shutil
@@ -20,6 +21,7 @@ from vibroimpact.errors import MissingExtraError, ParameterError
 from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
 from vibroimpact.explorer.export import as_namelist, as_python
 from vibroimpact.explorer.motions import fuller, quick
+from vibroimpact.explorer.process import SETTLED, start
 from vibroimpact.explorer.recipe import Recipe, recipe_of
 from vibroimpact.explorer.server import loopback, panel
 from vibroimpact.explorer.shapes import thinned, zone_shapes
@@ -30,7 +32,6 @@ from vibroimpact.plot.zone import LINES
 from vibroimpact.run import read_namelist
 from vibroimpact.studies.geometry import signed_area
 
-COMMAND = Path(sys.executable).parent / "vibroimpact"
 RUN = Run(0.1, 2.0, -3.0, 4.0, 5.5, 6.0, 2.0)
 #: One state with everything in it, at a point where there is rest, and one where there are many motions.
 STATES = {
@@ -285,7 +286,7 @@ def test_the_batch_program_gives_the_diagram(line, tmp_path):
     """A line along an axis is in the namelist; every impact is the one shown, also at another r."""
     explorer = Explorer(State(line=line))
     (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
-    program = [COMMAND.with_name("vibroimpact-batch"), "explorer.nml", "-o", "out"]
+    program = [Path(sys.executable).with_name("vibroimpact-batch"), "explorer.nml", "-o", "out"]
     subprocess.run(program, cwd=tmp_path, check=True, capture_output=True)
     lines = (tmp_path / "out" / "explorer_diagram.csv").read_text().splitlines()
     head, *rows = [row.split(",") for row in lines if not row.startswith("#")]
@@ -345,25 +346,13 @@ def test_missing_extra(monkeypatch):
         panel()
 
 
-def started(*words):
-    """A server, and its address."""
-    process = subprocess.Popen(
-        [COMMAND, "explore", "--no-browser", "--port", "0", *words], stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    line = process.stdout.readline()
-    found = re.search(r"http://\S+/", line)
-    assert found, process.communicate(timeout=20)
-    return process, found.group()
-
-
 def test_interrupt_ends_it():
     """Ctrl-C is how it ends: status 0 and nothing on stderr; it listens on loopback alone.
 
     It is started as the example of the help says, but for the port.
     """
     assert EXAMPLE.split()[:4] == ["vibroimpact", "explore", "--port", "5006"]
-    process, url = started(*EXAMPLE.split()[4:])
+    process, url = start(*EXAMPLE.split()[4:])
     assert url.startswith("http://127.0.0.1:")
     port = int(url.rstrip("/").rsplit(":", 1)[1])
     if Path("/proc/net/tcp").exists():
@@ -386,7 +375,7 @@ def lacking(what):
 @pytest.fixture(scope="module")
 def server():
     """The explorer's address."""
-    process, url = started()
+    process, url = start()
     yield url
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=20)
@@ -437,11 +426,7 @@ class Page:
 
     def settle(self):
         """Wait until every question is answered and every thread is done."""
-        self.page.wait_for_function(
-            """() => window.vibroimpact.idle() && document.getElementById('families').children.length
-            && document.getElementById('status').textContent === ''
-            && document.getElementById('searched').textContent.endsWith('were searched.')"""
-        )
+        self.page.wait_for_function(SETTLED)
         return self
 
     def text(self, name):
@@ -463,21 +448,21 @@ class Page:
         box = self.page.locator(f"#{figure}").bounding_box()
         return box["x"] + right * box["width"], box["y"] + down * box["height"]
 
-    def data(self, figure, key):
-        """A column of a figure's tables, as the browser has it."""
+    def data(self, model, key):
+        """A column of a table of the chart or the diagram, as the browser has it."""
         return self.page.evaluate(
-            """([figure, key]) => {
-              for (const root of Bokeh.documents[0].roots()) {
-                const plot = root.select_one ? [...root.references()].find(
-                  m => m.name === figure && Array.isArray(m.renderers)) : null
-                if (!plot) continue
-                for (const renderer of plot.renderers)
-                  if (renderer.data_source && key in renderer.data_source.data)
-                    return Array.from(renderer.data_source.data[key])
-              }
-              return null
+            "([model, key]) => Array.from(Bokeh.documents[0].get_model_by_name(model).data[key])",
+            [model, key],
+        )
+
+    def curve(self, figure, name):
+        """The coordinates along a named part of a small figure, as the browser has them."""
+        return self.page.evaluate(
+            """([figure, name]) => {
+              const part = vibroimpact.sketches[figure].shown().parts.find((one) => one.name === name)
+              return (part.line ?? part.marks).slice(0, 2).map((numbers) => Array.from(numbers))
             }""",
-            [figure, key],
+            [figure, name],
         )
 
 
@@ -521,7 +506,7 @@ def test_page_shows_what_the_library_computes(page):
     styles = [(line.get_attribute("stroke-dasharray")) for line in boundaries.all()]
     assert len(set(styles)) == len(styles) == len(LINES) - 1  # told apart without colour
     motion = next(m for m in vi.find(osc, 1.04, 20.0) if m.stable)
-    x = page.data("history", "x")
+    x = page.curve("history", "x")[1]
     assert max(x) == pytest.approx(max(motion.x_max, -motion.x_min), rel=0.2)
 
 
@@ -555,7 +540,7 @@ def test_pointer_tap_and_drag(page):
     mouse.up()
     page.page.wait_for_selector("#along:not([hidden])")
     page.page.wait_for_function("document.getElementById('windows').textContent.includes('2/1')")
-    along = page.data("diagram", "along")
+    along = page.data("diagram.R", "along")
     line = re.search("line=([^&]+)", page.page.url).group(1)
     ends = [float(word) for word in line.split(",")]
     assert [min(along), max(along)] == [ends[0], ends[2]]
@@ -566,7 +551,7 @@ def test_pointer_tap_and_drag(page):
 def test_sliders_redraw(page):
     """A slider changes the zones, the motions and its field; what cannot be says so and is not taken."""
     page.open("patterns=RL,RLL")
-    fills = page.data("zones", "xs")
+    fills = page.data("zones.fills", "xs")
     slider = page.page.get_by_role("slider", name="restitution, left wall R₂")
     slider.focus()
     for _ in range(4):
@@ -575,7 +560,7 @@ def test_sliders_redraw(page):
     page.settle()
     assert page.field("R2") == "0.73"
     assert "symmetric" not in page.text("families")
-    assert page.data("zones", "xs") != fills
+    assert page.data("zones.fills", "xs") != fills
     page.page.fill("#xi", "1.5")
     page.page.keyboard.press("Enter")
     page.page.wait_for_selector("#fault:not([hidden])")
@@ -655,8 +640,8 @@ def test_share_link_restores_everything(page):
             fields=[page.field(name) for name in names], rows=page.rows(), ran=page.text("ran"),
             runs=[page.field(name, "run") for name in ("x", "z", "t", "cycles", "discard")],
             place=page.text("place"), windows=page.text("windows"), zones=page.text("families"),
-            curves=[page.data("history", key) for key in ("t", "x", "z")],
-            impacts=page.data("diagram", "x"),
+            curves=[page.curve("history", key) for key in ("x", "z")],
+            impacts=page.data("diagram.R", "x"),
             chosen=page.page.locator("#table tr.chosen td").first.inner_text(),
         )  # fmt: skip
 
@@ -707,7 +692,7 @@ def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
     page.page.click("#close")
     exec(copied, names)
     assert sorted(shown_numbers(names["motions"])) == table
-    x = page.data("history", "x")
+    x = page.curve("history", "x")[1]
     assert (min(x), max(x)) == (
         names["run"].sample(names["run"].events["time"]).X.min(),
         max(x),
@@ -730,17 +715,194 @@ def test_a_run_from_the_portrait(page):
 
 
 def test_the_page_tells_that_the_server_has_ended(browser):
-    """It says how to go on; the address still holds what is shown."""
-    process, url = started()
+    """In the middle of computing: it says how to go on, and its address still holds what is shown."""
+    process, url = start()
     tab = browser.new_page()
     page = Page(tab, url)
     page.open("patterns=RL")
+    tab.locator("[data-slider=xi]").focus()
+    tab.keyboard.press("ArrowRight")
+    tab.wait_for_function("location.search.includes('xi=')")
     process.send_signal(signal.SIGINT)
     assert process.wait(20) == 0
     tab.wait_for_selector("#fault:not([hidden])")
     assert "vibroimpact explore" in page.text("fault")
-    assert tab.url.endswith("patterns=RL")
+    assert "computing" not in page.text("status")
+    assert tab.url.endswith("xi=0.0115&patterns=RL")
     tab.close()
+
+
+#: Nothing that takes longer than a frame comes to its end.
+BROKEN = """
+from vibroimpact.explorer import background
+def broken(*_):
+    raise RuntimeError("broken on purpose")
+background.compute = background.fuller = background.diagram_of = broken
+"""
+
+
+def test_a_fault_in_a_thread_is_told(browser):
+    """Zones, search and diagram that fail are said to, nothing goes on "computing", and the page still answers."""
+    process, url = start(prelude=BROKEN)
+    tab = browser.new_page()
+    page = Page(tab, url)
+    tab.goto(url)
+    tab.wait_for_function("document.getElementById('searched').textContent.startsWith('Not all')")
+    assert page.text("status") == "not computed"
+    assert "broken on purpose" in page.text("fault")
+    assert "\n" not in page.text("fault")
+    before = page.rows()
+    tab.mouse.move(*page.place(0.45, 0.3))
+    tab.wait_for_function(
+        "document.querySelector('.peeking') && document.getElementById('searched').textContent.startsWith('Not')"
+    )
+    assert page.rows() != before
+    assert page.page.is_visible("#fault")
+    tab.locator("#chart").focus()
+    tab.keyboard.press("l")
+    tab.wait_for_function("document.getElementById('windows').textContent === 'not computed'")
+    assert "the diagram could not be computed" in page.text("fault")
+    tab.close()
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == 0
+    assert "RuntimeError: broken on purpose" in err  # with its place in the program
+
+
+def test_two_tabs_do_not_know_of_each_other(page, browser, server):
+    """Both compute at once; what is changed in one changes nothing in the other, and both are right."""
+    other = Page(browser.new_page(), server)
+    queries = ("R2=0.61&r=0.9&clearance=6&patterns=RL,RLL", "xi=0.02&r=1.04&clearance=20&patterns=RL")
+    for one, query in zip((page, other), queries, strict=True):
+        one.page.goto(f"{server}?{query}")
+    for one in (page, other):
+        one.settle()
+    before = other.rows(), other.text("families"), other.page.url
+    page.page.locator("[data-slider=R1]").focus()
+    page.page.keyboard.press("ArrowLeft")
+    page.page.wait_for_function("location.search.includes('R1=')")
+    page.settle()
+    assert (other.rows(), other.text("families"), other.page.url) == before
+    for one, osc, r, clearance in (
+        (page, vi.Oscillator(0.0114, 0.028, (0.745, 0.61)), 0.9, 6.0),
+        (other, vi.Oscillator(0.02, 0.028, 0.75), 1.04, 20.0),
+    ):
+        found = set(shown_numbers(vi.find(osc, r, clearance)))
+        assert found
+        assert found <= {row[1:] for row in numbers(one.rows())}
+    other.page.close()
+
+
+def test_reload_in_the_middle_of_computing(page):
+    """The page comes back with what its address holds, however often."""
+    page.page.goto(f"{page.url}?r=1.04&clearance=20&patterns=RL,RRL")
+    for value in ("0.012", "0.013", "0.014"):
+        page.page.wait_for_function("window.vibroimpact && document.getElementById('table').children.length")
+        page.page.fill("#xi", value)
+        page.page.keyboard.press("Enter")
+        page.page.wait_for_function(f"location.search.includes('xi={value}')")
+        page.page.reload()
+    page.settle()
+    found = set(shown_numbers(vi.find(vi.Oscillator(0.014, 0.028, 0.75), 1.04, 20.0)))
+    assert found <= {row[1:] for row in numbers(page.rows())}
+    assert page.text("fault") == ""
+
+
+def test_tab_reaches_everything_in_order(page):
+    """Tab goes through all that can be used, from top to bottom of each part, and its place is seen."""
+    page.open("patterns=RL&line=0.9,10,1.1,10")
+    page.page.evaluate("document.querySelector('details').open = true")
+    wanted = page.page.evaluate(
+        """() => {
+          const every = [...document.querySelectorAll("a, button, input, summary, [tabindex='0']")]
+            .filter((one) => one.checkVisibility() && (one.type !== "radio" || one.checked))
+          every.forEach((one, i) => { one.dataset.order = i })
+          return every.length
+        }"""
+    )
+    page.page.keyboard.press("Tab")
+    assert page.page.evaluate("document.activeElement.className") == "skip"
+    reached = []
+    while len(reached) < wanted:
+        reached.append(page.page.evaluate(
+            """() => {
+              const { left, top } = document.activeElement.getBoundingClientRect()
+              const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement)
+              const part = document.activeElement.closest("header, #system, #zones, #motions")
+              return { order: Number(document.activeElement.dataset.order), part: part?.id || part?.tagName,
+                       top: top + scrollY, left, outline: outlineStyle + parseFloat(outlineWidth) }
+            }"""
+        ))  # fmt: skip
+        page.page.keyboard.press("Tab")
+    assert [one["order"] for one in reached] == list(range(wanted))
+    assert {one["outline"] for one in reached} == {"solid3"}
+    parts = [one["part"] for one in reached]
+    assert list(dict.fromkeys(parts)) == [None, "HEADER", "system", "zones", "motions"]
+    for part in ("zones", "motions"):
+        tops = [one["top"] for one in reached if one["part"] == part]
+        assert all(later > before - 10 for before, later in itertools.pairwise(tops)), (part, tops)
+
+
+def test_nothing_is_told_by_colour_alone(page, tmp_path):
+    """In shades of grey the legends' patterns and lines differ, and the figures have the same patterns and marks."""
+    page.open("r=1.04&clearance=20&patterns=RL,RRL,RRLL,RRRL")
+    hatches = page.page.locator("#families .swatch").evaluate_all("all => all.map(one => one.dataset.hatch)")
+    assert len(hatches) == len(set(hatches)) == 6
+    assert set(page.data("zones.fills", "hatch")) == set(hatches)
+    assert page.page.evaluate("Bokeh.documents[0].get_model_by_name('zones.fills').data.hatch.length") >= 6
+    page.page.context.new_cdp_session(page.page).send(
+        "Emulation.setEmulatedVisionDeficiency", {"type": "achromatopsia"}
+    )
+    from matplotlib.image import imread
+
+    def pictures(selector):
+        found = []
+        for i, one in enumerate(page.page.locator(selector).all()):
+            one.screenshot(path=tmp_path / f"{i}.png")
+            found.append(imread(tmp_path / f"{i}.png")[..., :3])
+        shape = np.min([picture.shape for picture in found], axis=0)
+        return [picture[: shape[0], : shape[1]] for picture in found]
+
+    for selector in ("#families .swatch", ".legend[aria-label=Boundaries] svg"):
+        seen = pictures(selector)
+        assert len(seen) >= 6
+        assert all(np.ptp(picture, axis=-1).max() < 0.02 for picture in seen)  # it is grey
+        for one, other in itertools.combinations(seen, 2):
+            assert (np.abs(one - other).max(axis=-1) > 0.2).mean() > 0.04
+    widths = page.page.evaluate(
+        "vibroimpact.sketches.history.shown().parts.filter(one => one.name).map(one => one.width)"
+    )
+    assert len(set(widths)) == 2
+    stable = {row[1].split()[0] for row in page.rows() if row[1].endswith(" stable")}
+    assert stable.isdisjoint(row[1].split()[0] for row in page.rows() if row[1].endswith("unstable"))
+
+
+def test_names_keep_off_the_point_and_each_other(page):
+    """On a phone too: no zone's name lies on the chosen point, on another name, or across the frame."""
+    page.page.set_viewport_size({"width": 390, "height": 844})
+    page.open()
+    for right, down in ((0.55, 0.4), (0.7, 0.35), (0.3, 0.4)):
+        page.page.touchscreen.tap(*page.place(right, down))
+        page.page.wait_for_function("location.search.includes('clearance=')")
+        page.settle()
+        boxes = page.page.evaluate(
+            """() => {
+              const model = (name) => Bokeh.documents[0].get_model_by_name(name)
+              const plot = model("zones.plot"), { inner_width, inner_height, x_range, y_range } = plot
+              const place = (x, y) => [(x - x_range.start) / (x_range.end - x_range.start) * inner_width,
+                Math.log(y / y_range.start) / Math.log(y_range.end / y_range.start) * inner_height]
+              const pen = document.createElement("canvas").getContext("2d")
+              pen.font = "12px sans-serif"
+              const { x, y, text } = model("zones.labels").data, point = model("zones.point").data
+              const boxes = text.map((word, i) => [...place(x[i], y[i]), pen.measureText(word).width + 4, 16])
+              return { size: [inner_width, inner_height], boxes: [[...place(point.x[0], point.y[0]), 15, 15], ...boxes] }
+            }"""
+        )
+        assert len(boxes["boxes"]) > 2
+        for (x, y, wide, high), (x2, y2, wide2, high2) in itertools.combinations(boxes["boxes"], 2):
+            assert abs(x - x2) > 0.5 * (wide + wide2) or abs(y - y2) > 0.5 * (high + high2)
+        for x, _, wide, _ in boxes["boxes"][1:]:
+            assert 0.5 * wide <= x <= boxes["size"][0] - 0.5 * wide
 
 
 def test_a_slider_goes_back_to_its_range(page):

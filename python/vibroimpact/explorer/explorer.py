@@ -41,6 +41,8 @@ class Explorer:
         The motions at the point, as far as they are known.
     zones : dict
         Of each family, as they were last computed.
+    inside : dict
+        Those that the point lies in.
 
     Examples
     --------
@@ -60,6 +62,7 @@ class Explorer:
         #: The oscillator, r and clearance that they were found at.
         self.shown_at: Any = None
         self.zones: dict[Family, Zone] = {}
+        self.inside: dict[Family, Zone] = {}
         self.look()
 
     def look(self) -> None:
@@ -69,19 +72,28 @@ class Explorer:
         place = (state.osc, state.r, state.clearance)
         here, self.shown_at = place == self.shown_at, place
         kept = self.shown if here else []
+        self.inside = self.zones_at(state)
         self.shown = quick(
-            state.osc, state.r, state.clearance, self.zones.values(), [] if here else known, kept
+            state.osc, state.r, state.clearance, self.inside.values(), [] if here else known, kept
         )
 
     def learn(self, found: list[Shown]) -> None:
         """Take what a fuller search at the point has found, beside what has been added meanwhile."""
         self.shown = ordered((item.motion for item in self.shown), found)
 
-    def peek(self, r: float, clearance: float) -> list[Shown]:
-        """The motions at another point, quickly."""
-        there = replace(self.state, r=r, clearance=clearance, motion=None)
+    def zones_at(self, state: State) -> dict[Family, Zone]:
+        """The zones that contain the point of a state."""
+        return {
+            family: zone
+            for family, zone in self.zones.items()
+            if zone.contains(state.r, state.clearance)
+        }
+
+    def peek(self, there: State) -> tuple[list[Shown], dict[Family, Zone]]:
+        """The motions at the point of another state, quickly, and the zones that contain it."""
         known = [item.motion for item in self.shown]
-        return quick(there.osc, r, clearance, self.zones.values(), known)
+        inside = self.zones_at(there)
+        return quick(there.osc, there.r, there.clearance, inside.values(), known), inside
 
     @property
     def index(self) -> int:

@@ -2,35 +2,49 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import threading
 from collections.abc import Callable
 
-__all__ = ["Latest"]
+__all__ = ["Current", "Latest", "Stale"]
 
 #: Told to a job, so that it can end early: whether it still is the newest.
 Current = Callable[[], bool]
 
 
+class Stale(Exception):  # noqa: N818 (no error)
+    """Raised by a job that ends early since a newer one waits."""
+
+
 class Latest:
     """Runs the newest job; one that is handed in while another runs takes the place of any that waits.
+
+    Parameters
+    ----------
+    failed : callable
+        Told what a job raises, as long as it is the newest.
+    niceness : int
+        How much the jobs give way to others, where a thread can have a priority of its own (Linux).
 
     Examples
     --------
     >>> import threading
     >>> from vibroimpact.explorer.latest import Latest
-    >>> worker, begun, go, done = Latest(), threading.Event(), threading.Event(), threading.Event()
-    >>> ran = []
+    >>> begun, go, done, ran = threading.Event(), threading.Event(), threading.Event(), []
+    >>> worker = Latest(lambda error: (ran.append(repr(error)), done.set()))
     >>> worker.submit(lambda current: (begun.set(), go.wait(), ran.append(("first", current()))))
     >>> _ = begun.wait()
     >>> worker.submit(lambda current: ran.append("never"))
-    >>> worker.submit(lambda current: (ran.append(("last", current())), done.set()))
+    >>> worker.submit(lambda current: (ran.append(("last", current())), 1 / 0))
     >>> go.set()
     >>> _ = done.wait()
     >>> ran
-    [('first', False), ('last', True)]
+    [('first', False), ('last', True), "ZeroDivisionError('division by zero')"]
     """
 
-    def __init__(self) -> None:
+    def __init__(self, failed: Callable[[Exception], object], niceness: int = 0) -> None:
+        self.failed, self.niceness = failed, niceness
         self.lock = threading.Lock()
         self.number = 0
         self.waiting: Callable[[Current], object] | None = None
@@ -47,7 +61,15 @@ class Latest:
         # a daemon: Ctrl-C does not wait for it
         threading.Thread(target=self._run, daemon=True).start()
 
+    def drop(self) -> None:
+        """The job that waits, if any, is not wanted any more, and the one that runs is told so."""
+        with self.lock:
+            self.number += 1
+            self.waiting = None
+
     def _run(self) -> None:
+        if sys.platform == "linux":  # elsewhere it would be the whole process
+            os.nice(self.niceness)
         while True:
             with self.lock:
                 job, mine, self.waiting = self.waiting, self.number, None
@@ -56,7 +78,8 @@ class Latest:
                     return
             try:
                 job(lambda number=mine: self.number == number)  # type: ignore[misc]
-            except BaseException:
-                with self.lock:
-                    self.running = False
-                raise
+            except Stale:
+                pass
+            except Exception as error:
+                if self.number == mine:
+                    self.failed(error)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +42,7 @@ def quick(
 ) -> list[Shown]:  # fmt: skip
     """Motions of up to five impacts a cycle from few guesses, from the zones here and from those known nearby.
 
-    `kept` are those known here.
+    `zones` contain the point; `kept` are those known here.
 
     Examples
     --------
@@ -57,22 +57,25 @@ def quick(
     return ordered([*found, *more], kept)
 
 
-def fuller(osc: Oscillator, r: float, clearance: float, kept: Iterable[Shown] = ()) -> list[Shown]:
-    """All that `find` finds with its usual limits, beside those known here."""
-    return ordered(find(osc, r, clearance), kept)
+def fuller(
+    osc: Oscillator, r: float, clearance: float, kept: Iterable[Shown] = (),
+    progress: Callable[[float, str], None] | None = None,
+) -> list[Shown]:  # fmt: skip
+    """All that `find` finds with its usual limits, beside those known here; `progress` as there."""
+    return ordered(find(osc, r, clearance, progress=progress), kept)
 
 
 def ordered(motions: Iterable[Motion], kept: Iterable[Shown] = ()) -> list[Shown]:
     """Each once, with its mirror image where the walls are alike; the stable ones first."""
     shown = list(kept)
     for motion in motions:
-        images = [turned(reduced(motion))]
+        images = [reduced(motion)]
         if motion.osc.restitution[0] == motion.osc.restitution[1]:
-            images.append(turned(mirror(images[0])))
+            images.append(mirror(turned(images[0])))
         for image in images:
             if any(same(image, other.motion) for other in shown):
                 continue
-            made = recipe_of(image)
+            made = recipe_of(turned(image))
             if made is not None:
                 shown.append(Shown(made[1], made[0]))
     return sorted(shown, key=_order)
@@ -100,9 +103,9 @@ def _followed(
 def _from_zones(
     osc: Oscillator, r: float, clearance: float, zones: Iterable[Zone]
 ) -> Iterator[Motion]:
-    """The motions of the zones that contain a point, followed from the nearest vertex of the boundary."""
+    """The motions of zones that contain a point, followed from the nearest vertex of the boundary."""
     for zone in zones:
-        if zone.pattern.has_rest or zone.osc != osc or not zone.contains(r, clearance):
+        if zone.pattern.has_rest or zone.osc != osc:
             continue
         r_size, d_size = np.ptp(zone.r), np.ptp(np.log(zone.clearance))
         distances = [

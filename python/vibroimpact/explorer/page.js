@@ -3,6 +3,8 @@ export function render({ model }) {
   const at = (id) => document.getElementById(id)
   const all = (selector) => [...document.querySelectorAll(selector)]
   const waiting = new Map()
+  const models = {}
+  const sketches = Object.fromEntries(["history", "portrait", "circle"].map((name) => [name, sketch(at(name))]))
   let busy = 0, sent = 0, peeking = false, dragged = null, touched = false
 
   function ask(kind, message = {}) {
@@ -22,10 +24,10 @@ export function render({ model }) {
   }
 
   // -- what Python tells
-  model.on("msg:custom", (told) => {
-    if (told.number) {
-      busy = 0
-    }
+  model.on("msg:custom", ({ text, numbers }) => {
+    const told = JSON.parse(text, (_, part) => part?.to === undefined ? part : numbers.slice(part.from, part.to))
+    if (told.number) busy = 0
+    draw(told.pictures)
     if (told.fault !== undefined) fault(told.fault)
     // while the pointer is over the chart, what is found for the chosen point waits until it has left
     if (told.table && (told.peek || told.number || !peeking)) {
@@ -35,7 +37,10 @@ export function render({ model }) {
       at("where").textContent = told.peek ? "under the pointer" : ""
       at("motions").classList.toggle("peeking", told.peek)
     }
-    if (told.zones) families(told.zones)
+    if (told.zones) {
+      families(told.zones)
+      untab(document)
+    }
     if (told.status !== undefined) at("status").textContent = told.status
     if (told.fields) fields(told.fields)
     if (told.number && told.query !== undefined) {
@@ -49,6 +54,22 @@ export function render({ model }) {
     next()
   })
 
+  function draw(pictures) {
+    for (const [name, picture] of Object.entries(pictures)) {
+      if (name in sketches) sketches[name].draw(picture)
+      else {
+        models[name] ??= Bokeh.documents[0].get_model_by_name(name)
+        models[name].setv(picture, { sync: false }) // not sent back to Python, which knows
+      }
+    }
+  }
+  // Bokeh's figures take Tab, without a name or a sign that they have it; the chart around them does it better
+  function untab(root) {
+    for (const one of root.querySelectorAll("*")) {
+      if (one.classList.contains("bk-events")) one.tabIndex = -1
+      if (one.shadowRoot) untab(one.shadowRoot)
+    }
+  }
   function fault(text) {
     at("fault").textContent = text
     at("fault").hidden = !text
@@ -84,11 +105,11 @@ export function render({ model }) {
     return row
   }
   function families(zones) {
-    at("families").replaceChildren(...zones.map(({ name, color }) => {
+    at("families").replaceChildren(...zones.map(({ name, color, hatch }) => {
       const item = document.createElement("li"), swatch = document.createElement("b")
       swatch.className = "swatch"
-      swatch.style.background = color + "33"
-      swatch.style.borderColor = color
+      swatch.dataset.hatch = hatch
+      Object.assign(swatch.style, { color, backgroundColor: color + "22" })
       item.append(swatch, " ", name)
       return item
     }))
@@ -142,7 +163,6 @@ export function render({ model }) {
   // -- what the reader does
   window.vibroimpact = {
     pointer(figure, event, x, y) {
-      if (figure === "portrait") return ask("launch", { y: x, y_dot: y })
       if (event === "mousemove" && !dragged && !touched) ask("peek", { r: x, clearance: y })
       if (event === "mouseleave") {
         waiting.delete("peek")
@@ -158,14 +178,23 @@ export function render({ model }) {
         dragged = null
       }
     },
-    lost: () => fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
-      + "its address holds what is shown."),
-    idle: () => !busy && waiting.size === 0,
+    sketches,
+    lost: () => {
+      at("status").textContent = ""
+      fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
+        + "its address holds what is shown.")
+    },
+    settled: () => !busy && waiting.size === 0 && at("families").children.length > 0
+      && !at("status").textContent && /were searched.$/.test(at("searched").textContent),
   }
   // a finger has no place until it taps
   for (const event of ["pointerdown", "pointermove"]) {
     document.addEventListener(event, (e) => { touched = e.pointerType === "touch" }, true)
   }
+  at("portrait").addEventListener("click", (event) => {
+    const [y, y_dot] = sketches.portrait.place(event)
+    ask("launch", { y, y_dot })
+  })
   all("[data-slider]").forEach((slider) => slider.addEventListener("input", () => {
     ask("set", { words: { [slider.dataset.slider]: slider.value } })
   }))

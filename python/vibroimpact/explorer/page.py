@@ -15,7 +15,7 @@ from panel.custom import JSComponent
 
 from ..plot.style import condition_name
 from ..plot.zone import LINES
-from .figures import dashes
+from .figures import dashes, figures
 from .session import Session
 
 __all__ = ["page"]
@@ -41,15 +41,15 @@ def _text(name: str) -> str:
 class Bridge(JSComponent):  # type: ignore[misc]
     """Messages to and from the page's script."""
 
-    _esm = _text("page.js")
+    _esm = _text("sketch.js") + _text("page.js")
     heard: Callable[[dict[str, Any]], None]
 
     def _handle_msg(self, message: dict[str, Any]) -> None:
         self.heard(message)
 
-    def tell(self, **message: Any) -> None:
-        """Send a message."""
-        self._send_msg(message)
+    def tell(self, text: str, numbers: Any) -> None:
+        """Send a message: JSON, which Bokeh leaves as it is, and an array."""
+        self._send_msg({"text": text, "numbers": numbers})
 
 
 def boundary_legend() -> str:
@@ -79,32 +79,19 @@ def page() -> Any:
         ConnectionLost, CustomJS(code="window.vibroimpact && window.vibroimpact.lost()")
     )
 
-    def at_once(work: Callable[[], None]) -> None:
-        """Do some work as one patch of the page: what is told comes behind what is drawn."""
-        # Bokeh's own hold keeps patches in order; panel's can send a later one first
-        document.hold("combine")
-        try:
-            work()
-        finally:
-            document.unhold()
-
     def at_its_turn(work: Callable[[], None]) -> None:
         if document.session_context is not None:  # else the page has been closed
-            document.add_next_tick_callback(lambda: at_once(work))
+            document.add_next_tick_callback(work)
 
     session = Session(urlencode(words), bridge.tell, at_its_turn)
-
-    def heard(message: dict[str, Any]) -> None:
-        at_once(lambda: session.heard(message))
-
-    bridge.heard = heard
+    bridge.heard = session.heard
     template = pn.Template(_text("page.html"))
     for name, text in (
         ("style", _text("page.css")), ("sliders", SLIDERS), ("run_fields", RUN_FIELDS),
         ("boundaries", boundary_legend()),
     ):  # fmt: skip
         template.add_variable(name, text)
-    for plot in session.plots:
-        template.add_panel(plot.name, pn.pane.Bokeh(plot, sizing_mode="stretch_both", margin=0))
+    for name, plot in figures().items():
+        template.add_panel(name, pn.pane.Bokeh(plot, sizing_mode="stretch_both", margin=0))
     template.add_panel("bridge", bridge)
     return template

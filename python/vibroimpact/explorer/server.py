@@ -6,6 +6,7 @@ import ipaddress
 import logging
 import signal
 import socket
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -80,6 +81,8 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
         signal.signal(number_of, lambda *_: loop.add_callback_from_signal(loop.stop))
     # a page that is closed while it is being told something is no fault
     logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
+    # threads that compute give the interpreter back to the page after a millisecond
+    sys.setswitchinterval(1e-3)
     server.start()
     ready(url)
     if show:

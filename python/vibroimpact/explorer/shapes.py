@@ -1,33 +1,30 @@
-"""What the figures show, as plain lists and arrays."""
+"""The zones as a chart shows them: thinned polygons, boundary lines by type, and where their names go."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..motion import Motion
-from ..plot.history import history as history_of
 from ..plot.zone import LINES
-from ..studies.bifurcation import BifurcationDiagram
 from ..studies.geometry import signed_area, winding
 from ..studies.zone import Window, Zone
-from ..trajectory import Trajectory
 from .zones import Family
 
-__all__ = ["circle", "history", "impacts", "thinned", "zone_shapes"]
+__all__ = ["labels", "thinned", "zone_shapes"]
 
 _Array = NDArray[np.float64]
 #: Colours of the zones, those of an atlas.
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
+#: Patterns over the colours, which tell zones apart without them.
+HATCHES = ("/", "\\", "-", "|", ".", "x", "+", "o")
 #: A vertex is kept after so much of the window or of a turn (radians).
 STRIDE, TURN = 0.01, 0.05
 #: Width and height of a zone's name, in parts of the window.
-LABEL = (0.15, 0.06)
+LABEL = (0.2, 0.06)
 
 
 def thinned(points: _Array, window: Window) -> _Array:
@@ -56,12 +53,12 @@ def thinned(points: _Array, window: Window) -> _Array:
 
 
 def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
-    """Polygons with holes, boundary lines by type, and labels, of some zones."""
-    fills: dict[str, list[Any]] = {"xs": [], "ys": [], "color": []}
+    """Polygons with holes, boundary lines by type, and the room for its name, of some zones."""
+    fills: dict[str, list[Any]] = {"xs": [], "ys": [], "color": [], "hatch": []}
     lines: dict[str, dict[str, list[_Array]]] = {
         name: {"xs": [], "ys": []} for name in LINES if name != "window"
     }
-    labels: dict[str, list[Any]] = {"x": [], "y": [], "text": []}
+    rooms = {}
     for i, (family, zone) in enumerate(zones.items()):
         window = (zone.r, zone.clearance)
         light = replace(zone, loops=[thinned(ring, window) for ring in zone.loops])
@@ -69,44 +66,75 @@ def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
             fills["xs"].append([[ring[:, 0] for ring in polygon]])
             fills["ys"].append([[ring[:, 1] for ring in polygon]])
             fills["color"].append(color(i))
+            fills["hatch"].append(hatch(i))
         for piece in zone.boundary:
             if piece.type != "window":
                 points = thinned(np.c_[piece.r, piece.clearance], window)
                 lines[piece.type]["xs"].append(points[:, 0])
                 lines[piece.type]["ys"].append(points[:, 1])
-        place = label_place(light)
-        if place is not None:
-            for name, value in zip(("x", "y", "text"), (*place, family.short), strict=True):
-                labels[name].append(value)
-    return {"fills": fills, "lines": lines, "labels": labels}
+        rooms[family.short] = label_room(light)
+    return {"fills": fills, "lines": lines, "rooms": rooms}
 
 
-def label_place(zone: Zone) -> tuple[float, float] | None:
-    """Where a name fits into a zone: where it is thick and wide, as parts of the window; None if it is thin."""
-    r = np.linspace(*zone.r, 61)
-    clearance = np.geomspace(*zone.clearance, 101)
-    inside = zone.contains(r[:, None], clearance[None, :])
-    best, most = None, 0.5
-    for i in range(8, 53):
-        for low, high in _runs(inside[i]):
-            j = (low + high - 1) // 2
-            wide = next(b - a for a, b in _runs(inside[:, j]) if a <= i < b)
-            room = min((high - low) / (100 * LABEL[1]), wide / (60 * LABEL[0]))
-            if room > most:
-                best, most = (float(r[i]), float(clearance[j])), room
-    return best
+def label_room(zone: Zone) -> _Array:
+    """Room for a name around points of a zone, in names: 0 on its edge."""
+    r, clearance = lattice((zone.r, zone.clearance))
+    inside = zone.contains(r, clearance)
+    across, up = (_reach(inside, axis) / (inside.shape[axis] * LABEL[axis]) for axis in (0, 1))
+    return np.minimum(across, up)
 
 
-def _runs(row: NDArray[np.bool_]) -> list[list[int]]:
-    """First and past the last of each run of True."""
-    edges = np.flatnonzero(np.diff(np.r_[False, row, False].astype(int))).reshape(-1, 2)
-    runs: list[list[int]] = edges.tolist()
-    return runs
+def lattice(window: Window) -> tuple[_Array, _Array]:
+    """Where names can stand: r down, clearance along."""
+    return np.linspace(*window[0], 61)[:, None], np.geomspace(*window[1], 101)[None, :]
+
+
+def labels(
+    rooms: dict[str, _Array], window: Window, point: tuple[float, float]
+) -> dict[str, list[Any]]:
+    """Each zone's name where it has the most room: within the window, off the chosen point and other names."""
+    r, clearance = lattice(window)
+    edge = [round(0.65 * part * len(ends)) for part, ends in zip(LABEL, (r, clearance.T), strict=True)]
+    size = [ends[-1] - ends[0] for ends in (r[:, 0], np.log(clearance[0]))]
+    table: dict[str, list[Any]] = {"x": [], "y": [], "text": []}
+    taken = [(*point, 0.7)]
+    for text, room in rooms.items():
+        free = np.zeros_like(room)
+        middle = tuple(slice(end, -end) for end in edge)
+        free[middle] = room[middle]
+        for x, y, part in taken:
+            beside = np.abs(r - x) > part * LABEL[0] * size[0]
+            free *= beside | (np.abs(np.log(clearance / y)) > (part + 0.3) * LABEL[1] * size[1])
+        i, j = np.unravel_index(np.argmax(free), free.shape)
+        if free[i, j] < 0.4:
+            continue
+        place = float(r[i, 0]), float(clearance[0, j])
+        taken.append((*place, 1.0))
+        for column, value in zip(table.values(), (*place, text), strict=True):
+            column.append(value)
+    return table
+
+
+def _reach(inside: NDArray[np.bool_], axis: int) -> NDArray[np.int64]:
+    """How far a zone goes on both ways along an axis, in steps of the lattice."""
+
+    def behind(cells: NDArray[np.bool_]) -> NDArray[np.int64]:
+        steps = np.arange(1, len(cells) + 1)[:, None]
+        return steps - np.maximum.accumulate(np.where(cells, 0, steps), axis=0)
+
+    cells = np.moveaxis(inside, axis, 0)
+    both = np.minimum(behind(cells), behind(cells[::-1])[::-1])
+    return np.moveaxis(2 * both, 0, axis)
 
 
 def color(i: int) -> str:
     """Of the zone of that number."""
     return COLORS[i % len(COLORS)]
+
+
+def hatch(i: int) -> str:
+    """Pattern over the zone of that number (Bokeh's letter for it)."""
+    return HATCHES[i % len(HATCHES)]
 
 
 def _polygons(rings: list[_Array]) -> list[list[_Array]]:
@@ -119,47 +147,3 @@ def _polygons(rings: list[_Array]) -> list[list[_Array]]:
         if around:
             polygons[min(around, key=lambda i: sizes[i])].append(hole)
     return list(polygons.values())
-
-
-def history(thing: Motion | Trajectory, cycles: float) -> dict[str, dict[str, Any]]:
-    """Time history with the walls, the events, and the portrait of the relative motion."""
-    h = history_of(thing, cycles)
-    half = h.half
-    side = np.where(h.events["side"] == "R", 1.0, -1.0)
-    kind = h.events["kind"]
-    return {
-        "curves": {
-            "t": h.cycles, "x": h.sample.X, "z": h.sample.Z,
-            "right": h.sample.X + half, "left": h.sample.X - half,
-            "y": h.sample.Y, "y_dot": h.sample.Z_dot - h.sample.X_dot,
-        },
-        "events": {
-            "t": h.event_cycles, "x": h.events["x"] + side * half, "y": side * half,
-            "y_dot": h.events["z_dot_after"] - h.events["x_dot_after"],
-            "marker": np.select([kind == "stick", kind == "release"], ["inverted_triangle", "triangle"], "circle"),
-        },
-    }  # fmt: skip
-
-
-def circle(motion: Motion | None) -> dict[str, list[Any]]:
-    """The multipliers, those far outside at the edge with their modulus beside them."""
-    table: dict[str, list[Any]] = {"x": [], "y": [], "marker": [], "text": [], "align": []}
-    for value in [] if motion is None else motion.multipliers.tolist():
-        if value != value:
-            continue
-        outside, far = abs(value) >= 1, abs(value) > 1.9
-        place = value / abs(value) * 1.75 if far else value
-        table["x"].append(place.real)
-        table["y"].append(place.imag)
-        table["marker"].append("triangle" if far else "x" if outside else "circle")
-        table["text"].append(f"{abs(value):.4g}" if far else "")
-        table["align"].append("right" if place.real > 0 else "left")
-    return table
-
-
-def impacts(diagram: BifurcationDiagram) -> dict[str, dict[str, Any]]:
-    """Positions at the impacts along the line, wall by wall."""
-    points = diagram.points
-    along = diagram.values[points["index"]]
-    chosen: Iterable[tuple[str, Any]] = ((side, points["side"] == side) for side in "RL")
-    return {side: {"along": along[mask], "x": points["x"][mask]} for side, mask in chosen}

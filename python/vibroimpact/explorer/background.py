@@ -1,0 +1,139 @@
+"""What takes longer than a frame: computed in threads, of which only the newest piece of each kind counts."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from .explorer import diagram_of
+from .latest import Current, Latest, Stale
+from .motions import Shown, fuller
+from .shapes import zone_shapes
+from .state import State
+from .zones import COARSE, FINE, compute, families
+
+__all__ = ["Background"]
+
+#: Seconds that the pointer has to rest before there is a fuller search where it is.
+REST = 0.3
+#: Seconds that the browser has for drawing the coarse zones before finer work takes the processors.
+PAUSE = 0.1
+#: Seconds after which the search begins even if the zones are not there.
+PATIENCE = 10
+
+
+class Background:
+    """Zones, the fuller search at the point, the same where the pointer rests, and the diagram.
+
+    Each is asked for with a callable `show`, which is called with what is found when it is the page's turn,
+    if nothing newer has been asked for by then.
+
+    Parameters
+    ----------
+    at_its_turn : callable
+        Does some work on the page when it is the page's turn: how a thread comes back.
+    failed : callable
+        Called, at the page's turn, with the kind (as the methods are called) and what was raised.
+    """
+
+    def __init__(
+        self,
+        at_its_turn: Callable[[Callable[[], None]], None],
+        failed: Callable[[str, Exception], None],
+    ) -> None:
+        self.at_its_turn, self.failed = at_its_turn, failed
+
+        def worker(kind: str, niceness: int = 5) -> Latest:
+            return Latest(lambda error: at_its_turn(lambda: failed(kind, error)), niceness)
+
+        self.coarse_zones, self.fine_zones = worker("zones", 0), worker("zones")
+        self.search, self.rest, self.sweep = worker("motions"), worker("rest"), worker("diagram")
+        self.coarse_done = threading.Event()
+
+    def zones(self, state: State, show: Callable[[Any, Any, bool], None]) -> None:
+        """All zones coarsely, which is shown at once; finely afterwards. Shown: zones, shapes, whether fine."""
+        named = list(families(state.osc, state.patterns))
+
+        def coarsely(current: Current) -> None:
+            try:
+                with ThreadPoolExecutor(os.cpu_count()) as pool:
+                    found = pool.map(lambda item: compute(state.osc, item, state.window, COARSE), named)
+                    zones = dict(zip(named, found, strict=True))
+                shapes = zone_shapes(zones)
+                # those of a slider on its way are shown too
+                self._later("zones", lambda: True, lambda: show(zones, shapes, False))
+                threading.Event().wait(PAUSE)
+            finally:
+                self.coarse_done.set()
+            if current():
+                self.fine_zones.submit(finely)
+
+        def finely(current: Current) -> None:
+            zones = {}
+            for family in named:  # a call of the core cannot be stopped
+                zones[family] = compute(state.osc, family, state.window, FINE)
+                stop(current)
+            shapes = zone_shapes(zones)
+            self._later("zones", current, lambda: show(zones, shapes, True))
+
+        self.fine_zones.drop()
+        self.coarse_done.clear()
+        self.coarse_zones.submit(coarsely)
+
+    def motions(
+        self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]
+    ) -> None:
+        """The fuller search at the point, beside what is known there."""
+
+        def search(current: Current) -> None:
+            self.coarse_done.wait(PATIENCE)  # zones first: they are what a slider is watched for
+            self._search("motions", current, state, kept, show)
+
+        self.search.submit(search)
+
+    def pointer(self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]) -> None:
+        """The fuller search where the pointer is, if it rests there."""
+
+        def search(current: Current) -> None:
+            threading.Event().wait(REST)
+            self._search("rest", current, state, kept, show)
+
+        self.rest.submit(search)
+
+    def diagram(self, state: State, show: Callable[[Any], None]) -> None:
+        """The diagram along the line."""
+
+        def sweep(current: Current) -> None:
+            diagram = diagram_of(state)
+            self._later("diagram", current, lambda: show(diagram))
+
+        self.sweep.submit(sweep)
+
+    def _search(
+        self, kind: str, current: Current, state: State, kept: list[Shown],
+        show: Callable[[list[Shown]], None],
+    ) -> None:  # fmt: skip
+        stop(current)
+        found = fuller(state.osc, state.r, state.clearance, kept, lambda *_: stop(current))
+        self._later(kind, current, lambda: show(found))
+
+    def _later(self, kind: str, current: Current, work: Callable[[], None]) -> None:
+        """Come back when it is the page's turn, unless something newer is wanted by then."""
+
+        def turn() -> None:
+            try:
+                if current():
+                    work()
+            except Exception as error:
+                self.failed(kind, error)
+
+        self.at_its_turn(turn)
+
+
+def stop(current: Current) -> None:
+    """End a job that is not wanted any more."""
+    if not current():
+        raise Stale

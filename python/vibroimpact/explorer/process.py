@@ -1,0 +1,76 @@
+"""The explorer in a process of its own, for tests, benchmarks and pictures of it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+__all__ = ["SETTLED", "start", "visited"]
+
+#: Of the page's script: whether every question is answered and every thread is done.
+SETTLED = "window.vibroimpact?.settled()"
+COMMAND = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
+
+
+def start(*words: str, prelude: str = "") -> tuple[subprocess.Popen[str], str]:
+    """A server at a free port, and its address; SIGINT ends it.
+
+    Parameters
+    ----------
+    words : str
+        Further options of `vibroimpact explore`.
+    prelude : str
+        Python that runs first.
+
+    Raises
+    ------
+    RuntimeError
+        If it ends at once.
+
+    Examples
+    --------
+    >>> import signal
+    >>> from vibroimpact.explorer.process import start
+    >>> process, url = start()
+    >>> url.startswith("http://127.0.0.1:")
+    True
+    >>> process.send_signal(signal.SIGINT)
+    >>> process.communicate(timeout=20)
+    ('ended\\n', '')
+    """
+    options = ["explore", "--no-browser", "--port", "0", *words]
+    process = subprocess.Popen(
+        [sys.executable, "-c", f"{prelude}\n{COMMAND}", *options], stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert process.stdout is not None
+    found = re.search(r"http://\S+/", process.stdout.readline())
+    if found is None:
+        raise RuntimeError("".join(process.communicate(timeout=20)))
+    return process, found.group()
+
+
+@contextmanager
+def visited(width: int, height: int) -> Iterator[tuple[int, Any]]:
+    """A server's process id, and its page in a headless Chromium (playwright), with everything computed."""
+    from playwright.sync_api import sync_playwright
+
+    process, url = start()
+    try:
+        with sync_playwright() as driver:
+            flags = ["--no-sandbox", "--disable-gpu"]
+            browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=flags)
+            tab = browser.new_page(viewport={"width": width, "height": height})
+            tab.goto(url)
+            tab.wait_for_function(SETTLED)
+            yield process.pid, tab
+            browser.close()
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
