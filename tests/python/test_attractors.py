@@ -233,7 +233,7 @@ def test_spaced_values():
     """Both ends exactly, equal differences or ratios, and numpy's to rounding."""
     for low, high, n in [(5.0, 60.0, 12), (1e-6, 1e6, 100), (37.0, 37.0001, 7)]:
         even, ratios = (vi.spaced(low, high, n, name) for name in ("linear", "geometric"))
-        np.testing.assert_array_equal(even, np.linspace(low, high, n))
+        np.testing.assert_allclose(even, np.linspace(low, high, n), rtol=1e-15)
         np.testing.assert_allclose(ratios, np.geomspace(low, high, n), rtol=1e-14)
         np.testing.assert_allclose(
             ratios[1:] / ratios[:-1], (high / low) ** (1 / (n - 1)), rtol=1e-14
