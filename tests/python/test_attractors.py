@@ -501,6 +501,30 @@ def test_uncertainty_exponent_of_known_boundaries():
     assert math.isnan(drawn(np.zeros((50, 50))).uncertainty_exponent)
 
 
+def test_a_smooth_boundary():
+    """The free mass at rest is never hit from where the closed form says; the edge of that is a smooth curve."""
+    xi, r, clearance = 0.1, 1.0, 11.0
+    osc = vi.Oscillator(xi=xi, mu=0.1, restitution=0.6)
+    result = vi.basins(osc, r, clearance, (("x", -3, 3, 64), ("x_dot", 2, 8, 64)))
+    quiet = [item.kind for item in result.attractors].index("no impacts")
+    x, x_dot = result.states[1:3]
+    gain, w, t = 1 / complex(1 - r**2, 2 * xi * r), math.sqrt(1 - xi**2), 0.0
+    a, b = x - gain.imag, x_dot - (1j * r * gain).imag
+    farthest = np.zeros_like(x)
+    while t < 80:
+        forced = (gain * np.exp(1j * r * t)).imag
+        free = a * math.cos(w * t) + (b + xi * a) / w * math.sin(w * t)
+        farthest = np.maximum(farthest, np.abs(forced + math.exp(-xi * t) * free - x))
+        t += 0.01
+    clear = np.abs(farthest - clearance / 2) > 1e-3
+    assert clear.mean() > 0.99
+    np.testing.assert_array_equal(
+        (farthest < clearance / 2)[clear], (result.labels == quiet)[clear]
+    )
+    # not quite 1: of pairs far apart there are fewer, as s/(64 - s)
+    assert abs(result.uncertainty_exponent - 1) < 0.03
+
+
 def test_integrity_is_the_largest_disc():
     x = np.linspace(-1, 1, 201)
     distance = np.hypot(*np.meshgrid(x - 0.2, x + 0.1, indexing="ij"))
