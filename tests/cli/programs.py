@@ -61,7 +61,8 @@ class Runner:
     def __call__(self, *arguments, **options):
         """Run with arguments; a breakdown (crash, backtrace, hang) fails the test."""
         call = [*self.start, *arguments]
-        options = {"cwd": self.cwd, "timeout": 60, "stdin": subprocess.DEVNULL, **options}
+        # what hangs is stopped, what a busy machine slows down is not
+        options = {"cwd": self.cwd, "timeout": 600, "stdin": subprocess.DEVNULL, **options}
         if "input" in options:
             del options["stdin"]
         done = subprocess.run(call, capture_output=True, **options)

@@ -150,6 +150,7 @@ def counsel(facts: dict[str, Any]) -> list[str]:
         )
     if facts["program"] == MISSING or facts["computes"] != "yes":
         lines.append(
-            f"install the package anew: {sys.executable} -m pip install --force-reinstall vibroimpact"
+            "install the package anew, in a copy of the project: "
+            f"{sys.executable} -m pip install --force-reinstall ."
         )
     return lines
