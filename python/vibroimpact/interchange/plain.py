@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ParameterError, VibroimpactError
+from ..events import EVENT_TYPE, KINDS
 from ..model import Oscillator, Pattern
 
 #: Dimensions of the arrays of each class; an array of another class may have any.
@@ -220,7 +221,6 @@ def decode_array(
 
 def decode_events(value: Mapping[str, Any], label: str, dimensions: Dimensions) -> NDArray[Any]:
     """The events of a trajectory or of a motion with rest, or the impacts of a bifurcation diagram."""
-    from ..events import EVENT_TYPE, KINDS
     from ..studies.bifurcation import COLUMNS
 
     record_type = EVENT_TYPE

@@ -81,7 +81,8 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
             shown = np.where(kind == 3, _best(data, COLORS[color][0]), np.nan)
             if np.isnan(shown[kind == 3]).any():
                 raise ParameterError(
-                    f"color = {color!r}: the chart was made without the numbers for it"
+                    f"color = {color!r}: must be one for which the chart holds numbers; it was made without "
+                    "them (multipliers=False)"
                 )
             image = ax.pcolormesh(*mesh, shown, cmap="cividis", rasterized=True)
             ax.figure.colorbar(image, ax=ax, label=COLORS[color][1])

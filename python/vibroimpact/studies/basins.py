@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core, checks
 from ..errors import ParameterError, StudyInterrupted
 from ..interchange import namelist
+from ..interchange.dataset import xarray
 from ..interchange.result import Result
 from ..model import Oscillator
 from .catalogue import BasinAttractor, find_attractors
@@ -128,8 +129,6 @@ class Basins(Result):
 
     def to_xarray(self) -> Any:
         """Labels over the plane or the list, fractions over the attractors (extra `data`)."""
-        from .tables import xarray
-
         names = [item.name for item in self.attractors]
         data: dict[str, Any] = {
             "fraction": ("attractor", self.fractions),

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core, checks
 from ..errors import ParameterError, StudyInterrupted
 from ..interchange import namelist
+from ..interchange.dataset import xarray
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
@@ -130,8 +131,6 @@ class BifurcationDiagram(Result):
 
     def to_xarray(self) -> Any:
         """Columns over run and value, and the impacts as a list (extra `data`)."""
-        from .tables import xarray
-
         over = ("run", self.parameter)
         data: dict[str, Any] = {
             name: (over, getattr(self, name))

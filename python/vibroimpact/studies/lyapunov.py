@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, SingularError, StudyInterrupted
+from ..interchange.dataset import xarray
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
@@ -80,8 +81,6 @@ class Lyapunov(Result):
 
     def to_xarray(self) -> Any:
         """The numbers as an xarray.Dataset over the points (extra `data`)."""
-        from .tables import xarray
-
         points = [f"point_{i}" for i in range(self.r.ndim)] if self.r.ndim > 1 else ["point"]
         points = points[: self.r.ndim]
         data: dict[str, Any] = {

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, StudyInterrupted
+from ..interchange.dataset import xarray
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
@@ -50,8 +51,6 @@ class Response(Result):
 
     def to_xarray(self) -> Any:
         """Columns over r and state, and the envelopes over r (extra `data`)."""
-        from .tables import xarray
-
         data: dict[str, Any] = {
             name: (("r", "state"), getattr(self, name))
             for name in ("attenuation", "cycles", "letters")

@@ -1,5 +1,0 @@
-"""Labelled tables: xarray, imported when it is needed (extra `data`)."""
-
-from ..interchange.dataset import xarray
-
-__all__ = ["xarray"]
