@@ -10,6 +10,7 @@ module vi_case_type
    implicit none (type, external)
    private
 
+   !> A case with all that its groups told, and what was missing filled in.
    type, public :: case_type
       character(:), allocatable :: name
       type(oscillator_type) :: osc

@@ -175,6 +175,7 @@ contains
       end associate
    end subroutine echo_zone_window
 
+   !> Numbers with all their digits, as a list.
    pure function list(values) result(text)
       real(wp), intent(in) :: values(:)
       character(:), allocatable :: text

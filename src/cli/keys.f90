@@ -282,6 +282,7 @@ contains
       end do
    end subroutine forbid
 
+   !> Whether a key stands in a group.
    pure logical function given(group, key)
       type(group_type), intent(in) :: group
       character(*), intent(in) :: key

@@ -7,18 +7,21 @@ module vi_raw_studies
 
    public :: blank_studies, read_atlas, read_branch, read_zone
 
+   !> The keys of &branch.
    type, public :: raw_branch_type
       character(most_letters) :: parameter
       real(wp) :: low, high, longest_step
       integer :: max_points
    end type raw_branch_type
 
+   !> The keys of &zone.
    type, public :: raw_zone_type
       character(most_letters) :: sides, symmetric
       real(wp) :: r_min, r_max, clearance_min, clearance_max
       integer :: cycles, lines, guesses, max_points
    end type raw_zone_type
 
+   !> The keys of &atlas.
    type, public :: raw_atlas_type
       real(wp) :: r_min, r_max, clearance_min, clearance_max
       integer :: max_impacts, max_cycles, survey, settling, lines, guesses, max_points
@@ -40,6 +43,7 @@ contains
          20000)
    end subroutine blank_studies
 
+   !> One assignment of &branch.
    subroutine read_branch(text, raw, status)
       character(*), intent(in) :: text
       type(raw_branch_type), intent(inout) :: raw
@@ -58,6 +62,7 @@ contains
       raw = raw_branch_type(parameter, low, high, longest_step, max_points)
    end subroutine read_branch
 
+   !> One assignment of &zone.
    subroutine read_zone(text, raw, status)
       character(*), intent(in) :: text
       type(raw_zone_type), intent(inout) :: raw
@@ -83,6 +88,7 @@ contains
          lines, guesses, max_points)
    end subroutine read_zone
 
+   !> One assignment of &atlas.
    subroutine read_atlas(text, raw, status)
       character(*), intent(in) :: text
       type(raw_atlas_type), intent(inout) :: raw

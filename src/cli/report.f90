@@ -117,6 +117,7 @@ contains
       end do
    end function motion_columns
 
+   !> A verdict as true, false or unknown.
    pure function verdict_word(verdict) result(word)
       integer, intent(in) :: verdict
       character(:), allocatable :: word

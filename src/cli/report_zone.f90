@@ -44,6 +44,7 @@ contains
       end do
    end subroutine zone_lines
 
+   !> A logical value as true or false.
    pure function truth(value) result(word)
       logical, intent(in) :: value
       character(:), allocatable :: word

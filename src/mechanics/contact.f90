@@ -28,6 +28,7 @@ module vi_contact
       logical :: released = .false.
    end type departure_type
 
+   !> A contact of a flight with a wall.
    type, public :: contact_type
       !> +1 or -1; 0 if there is no contact within the limit.
       integer :: side = 0

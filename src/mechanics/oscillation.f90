@@ -9,6 +9,7 @@ module vi_oscillation
 
    public :: new_oscillation, derivatives, derivative_bound, derivative_bounds
 
+   !> The constants of one oscillation.
    type, public :: oscillation_type
       !> Decay rate and frequency of the free part, both over omega.
       real(wp) :: decay, frequency

@@ -11,9 +11,10 @@ module vi_oscillator
 
    public :: eta, gain, lag
 
-   !> Index of each wall in `restitution`, and its side s in y = z - x = s d/2.
+   !> Index of each wall in `restitution`.
    integer, parameter, public :: right = 1, left = 2
 
+   !> The system without its load.
    type, public :: oscillator_type
       !> Damping ratio C/(2 sqrt(K M)), 0 <= xi < 1.
       real(wp) :: xi = 0

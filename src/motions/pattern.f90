@@ -6,6 +6,7 @@ module vi_pattern
 
    public :: new_pattern, side_letters, default_restitution, starred_letters, starred_pattern
 
+   !> The impacts of a period, in order.
    type, public :: pattern_type
       !> Side s of each impact (n): +1 for the right wall, -1 for the left; y = s d/2 there.
       integer, allocatable :: sides(:)

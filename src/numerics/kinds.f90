@@ -4,5 +4,6 @@ module vi_kinds
    implicit none (type, external)
    private
 
+   !> Double precision; the second build of the core has real32.
    integer, parameter, public :: wp = real64
 end module vi_kinds

@@ -36,6 +36,7 @@ module vi_status
       integer :: not_computed = 12
    end type status_codes
 
+   !> The codes by name, as stat%no_motion.
    type(status_codes), parameter, public :: stat = status_codes()
 
 contains

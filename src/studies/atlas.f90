@@ -34,6 +34,7 @@ module vi_atlas
       type(zone_type) :: zone
    end type sheet_type
 
+   !> The zones of all patterns in a window, and what the survey settled on.
    type, public :: atlas_type
       type(sheet_type), allocatable :: sheets(:)
       type(attractor_type), allocatable :: attractors(:)

@@ -18,6 +18,7 @@ module vi_branch
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
       end_full = 5
 
+   !> One way along a family, from its start.
    type, public :: branch_type
       !> Points (2n + 1, m) in order along the branch; the start is number `start`.
       real(wp), allocatable :: points(:, :)

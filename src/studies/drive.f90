@@ -42,6 +42,7 @@ module vi_drive
       logical :: resting = .false., released = .false.
    end type state_type
 
+   !> An impact, or the beginning or the end of a rest.
    type, public :: event_type
       integer :: kind, side
       integer(int64) :: cycle
@@ -50,6 +51,7 @@ module vi_drive
 
 contains
 
+   !> A system under a load, with its walls.
    pure function new_drive(osc, r, load, clearance) result(drive)
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r, load, clearance

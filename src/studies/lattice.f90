@@ -15,6 +15,7 @@ module vi_lattice
       real(wp), allocatable :: at(:)
    end type axis_type
 
+   !> The lines of both directions.
    type :: lattice_type
       !> The lines of constant r, and of constant D.
       type(axis_type) :: axes(2)

@@ -18,6 +18,7 @@ module vi_loop
    !> A corner as the end of a piece and as the beginning of the next.
    integer, parameter, public :: ends = 1, begins = 2
 
+   !> A boundary as far as it could be followed.
    type, public :: loop_type
       real(wp), allocatable :: points(:, :), tangents(:, :)
       type(condition_type), allocatable :: conditions(:)

@@ -15,6 +15,7 @@ module vi_window
    !> Limits of a chart: points, and points x room x impacts.
    integer, parameter, public :: most_points = 1000000, most_numbers = 12500000
 
+   !> A grid over the plane (r, D), and how it is searched.
    type, public :: window_type
       real(wp) :: r_min = 0, r_max = 0, clearance_min = 0, clearance_max = 0
       integer :: r_points = 0, clearance_points = 0
@@ -36,6 +37,7 @@ module vi_window
 
 contains
 
+   !> The frequency ratios of the grid.
    pure function r_axis(window) result(axis)
       type(window_type), intent(in) :: window
       real(wp) :: axis(window%r_points)
@@ -43,6 +45,7 @@ contains
       axis = even(window%r_min, window%r_max, window%r_points)
    end function r_axis
 
+   !> The clearances of the grid.
    pure function clearance_axis(window) result(axis)
       type(window_type), intent(in) :: window
       real(wp) :: axis(window%clearance_points)

@@ -23,6 +23,7 @@ module vi_zone
    !> What one zone counts in a tally of work.
    integer, parameter, public :: zone_work = 1000
 
+   !> The zones of a family in a window.
    type, public :: zone_type
       type(loop_type), allocatable :: loops(:)
       integer :: n = 0
