@@ -1,16 +1,11 @@
 """The explorer without a page: its state, motions, zones and exports, and its command."""
 
-import itertools
-import os
-import re
-import shutil
 import signal
 import socket
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,14 +16,13 @@ from vibroimpact.errors import MissingExtraError, ParameterError
 from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
 from vibroimpact.explorer.export import as_namelist, as_python
 from vibroimpact.explorer.motions import fuller, quick
-from vibroimpact.explorer.process import SETTLED, start
+from vibroimpact.explorer.process import start
 from vibroimpact.explorer.recipe import Recipe, recipe_of
 from vibroimpact.explorer.server import loopback, panel
 from vibroimpact.explorer.shapes import thinned, zone_shapes
 from vibroimpact.explorer.state import Run, State
 from vibroimpact.explorer.zones import COARSE, FINE, compute, families
 from vibroimpact.find import same
-from vibroimpact.plot.zone import LINES
 from vibroimpact.run import read_namelist
 from vibroimpact.studies.geometry import signed_area
 
