@@ -4,6 +4,7 @@
 The page is the explorer's own: the time runs from the event in the browser to the frame that shows the answer.
 """
 
+import math
 import os
 import random
 import statistics
@@ -58,30 +59,29 @@ def slid(tab, name, value):
 
 
 def cpu(process):
-    """Milliseconds of CPU that a process has taken; None where the system does not tell."""
+    """Milliseconds of CPU that a process has taken; NaN where the system does not tell."""
     try:
         words = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     except OSError:
-        return None
+        return math.nan
     return 1e3 * (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def measured(process, tab):
-    """Of pointer and slider: milliseconds of each, and of the server's CPU together."""
+    """Of pointer and slider: milliseconds of each, and the server's mean of CPU."""
     draw = random.Random(1)
     begin = cpu(process)
     moves = [moved(tab, draw.uniform(0.15, 0.95), draw.uniform(0.1, 0.8)) for _ in range(MOVES)]
-    spent = [None if begin is None else cpu(process) - begin, begin and 0.0]
+    yield "pointer", moves, (cpu(process) - begin) / MOVES, 100
     tab.mouse.move(2, 2)
-    slides = []
+    slides, spent = [], 0.0
     for i in range(SLIDES):
         tab.wait_for_function(SETTLED)
         name, low, high = SLIDERS[i % 4]
         begin = cpu(process)
         slides.append(slid(tab, name, round(draw.uniform(low, high), 4)))
-        if begin is not None:
-            spent[1] += cpu(process) - begin
-    return zip(("pointer", "slider"), (moves, slides), spent, (100, 1000), strict=True)
+        spent += cpu(process) - begin
+    yield "slider", slides, spent / SLIDES, 1000
 
 
 def rows():
@@ -95,8 +95,8 @@ def rows():
             row(f"explorer: {name} to picture, median", "ms", statistics.median(times), target),
             row(f"explorer: {name} to picture, 95 %", "ms", ends[-1], target),
         ]
-        if spent is not None:
-            table.append(row(f"explorer: {name}, CPU of the server", "ms", spent / len(times)))
+        if spent == spent:
+            table.append(row(f"explorer: {name}, CPU of the server", "ms", spent))
     return table
 
 

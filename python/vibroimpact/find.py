@@ -26,7 +26,7 @@ ROOM = 128
 SAME = 1e-7
 #: Events that a period of a motion with rest may have while it is searched for.
 FEW_EVENTS = 200
-#: Less work than this (impacts squared times guesses, load cycles simulated) takes less time than starting threads.
+#: Work (impacts squared times guesses, load cycles simulated) that takes less time than starting threads.
 LITTLE = 10_000
 #: A release from rest: load cycles of the motion, side, and (phase, v).
 Release = tuple[int, int, NDArray[np.float64]]
@@ -285,6 +285,9 @@ def same(one: Motion, other: Motion) -> bool:
     """Whether two motions are one, whichever impact comes first."""
     if len(one.pattern) != len(other.pattern) or one.pattern.cycles != other.pattern.cycles:
         return False
+    near = 1e3 * SAME * one.clearance
+    if abs(one.X.sum() - other.X.sum()) > len(one.pattern) * near:
+        return False
     letters, others = one.pattern.letters, other.pattern.letters
     start = one.phases + one.load_phase
     for j in range(len(others)):
@@ -293,9 +296,7 @@ def same(one: Motion, other: Motion) -> bool:
         later = np.append(other.phases[j:], other.phases[:j] + TWO_PI * other.pattern.cycles)
         gap = later + other.load_phase - start
         gap -= TWO_PI * round(gap[0] / TWO_PI)
-        if np.abs(gap).max() < 1e3 * SAME and (
-            np.abs(np.roll(other.X, -j) - one.X).max() < 1e3 * SAME * one.clearance
-        ):
+        if np.abs(gap).max() < 1e3 * SAME and np.abs(np.roll(other.X, -j) - one.X).max() < near:
             return True
     return False
 

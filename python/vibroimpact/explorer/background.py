@@ -60,7 +60,9 @@ class Background:
         def coarsely(current: Current) -> None:
             try:
                 with ThreadPoolExecutor(os.cpu_count()) as pool:
-                    found = pool.map(lambda item: compute(state.osc, item, state.window, COARSE), named)
+                    found = pool.map(
+                        lambda item: compute(state.osc, item, state.window, COARSE), named
+                    )
                     zones = dict(zip(named, found, strict=True))
                 shapes = zone_shapes(zones)
                 # those of a slider on its way are shown too
@@ -83,9 +85,7 @@ class Background:
         self.coarse_done.clear()
         self.coarse_zones.submit(coarsely)
 
-    def motions(
-        self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]
-    ) -> None:
+    def motions(self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]) -> None:
         """The fuller search at the point, beside what is known there."""
 
         def search(current: Current) -> None:

@@ -115,7 +115,10 @@ def zone_chart() -> Any:
 def diagram() -> Any:
     """Positions at the impacts along a line."""
     plot = blank(
-        "diagram", y_axis_label="X at the impacts  (F₀/K)", x_axis_label="r = Ω/ω", **ranges("diagram")
+        "diagram",
+        y_axis_label="X at the impacts  (F₀/K)",
+        x_axis_label="r = Ω/ω",
+        **ranges("diagram"),
     )
     plot.xaxis.name = "diagram.along"
     marks = {"R": ("circle", 2.5, style.PRIMARY), "L": ("x", 4, style.FREE)}

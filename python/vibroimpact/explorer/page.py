@@ -12,6 +12,7 @@ import panel as pn
 from bokeh.events import ConnectionLost
 from bokeh.models import CustomJS
 from panel.custom import JSComponent
+from panel.io.state import set_curdoc
 
 from ..plot.style import condition_name
 from ..plot.zone import LINES
@@ -43,6 +44,11 @@ class Bridge(JSComponent):  # type: ignore[misc]
 
     _esm = _text("sketch.js") + _text("page.js")
     heard: Callable[[dict[str, Any]], None]
+
+    def _process_bokeh_event(self, document: Any, event: Any) -> None:
+        # as panel does, but without its sign of being busy, which takes a quarter of a pointer's move
+        with set_curdoc(document):
+            self._process_event(event)
 
     def _handle_msg(self, message: dict[str, Any]) -> None:
         self.heard(message)

@@ -23,7 +23,11 @@ Changes = dict[str, dict[str, Any]]
 
 
 def point(
-    r: float, clearance: float, line: tuple[float, ...] | None, rooms: dict[str, Any], window: Window
+    r: float,
+    clearance: float,
+    line: tuple[float, ...] | None,
+    rooms: dict[str, Any],
+    window: Window,
 ) -> Changes:
     """The chosen point, the line of the diagram or None, and the zones' names, which keep away from the point."""
     ends = ([], []) if line is None else (line[::2], line[1::2])

@@ -1,4 +1,4 @@
-"""One open page: what the browser asks goes to the explorer; what follows is told, with what changes in the figures."""
+"""One open page: what the browser asks goes to the explorer; what follows is told, with all that is drawn."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["Session"]
 
 SEARCHED = "All patterns of up to 6 impacts and 2 cycles were searched."
 #: What a thread was to do, and the text that then does not go on telling that it is at it.
-TASKS = {
+TASKS: dict[str, tuple[str, dict[str, Any]]] = {
     "zones": ("the zones could not be computed", {"status": "not computed"}),
     "motions": ("the fuller search failed", {"searched": "Not all patterns were searched."}),
     "rest": ("the fuller search failed", {"searched": "Not all patterns were searched.", "peek": True}),
@@ -140,7 +140,12 @@ class Session:
             self.drawn = None
             self.draw_motion(shown[0].motion if shown else None)
             place = words.place(there.r, there.clearance, shown, inside)
-            return {"table": words.rows(shown, 0), "place": place, "searched": searched, "peek": True}
+            return {
+                "table": words.rows(shown, 0),
+                "place": place,
+                "searched": searched,
+                "peek": True,
+            }
 
         self.background.pointer(there, shown, lambda found: self.send(peeked(found, SEARCHED)))
         return peeked(shown, "Searching further where the pointer rests …")

@@ -81,7 +81,7 @@ def label_room(zone: Zone) -> _Array:
     r, clearance = lattice((zone.r, zone.clearance))
     inside = zone.contains(r, clearance)
     across, up = (_reach(inside, axis) / (inside.shape[axis] * LABEL[axis]) for axis in (0, 1))
-    return np.minimum(across, up)
+    return np.asarray(np.minimum(across, up))
 
 
 def lattice(window: Window) -> tuple[_Array, _Array]:
@@ -94,7 +94,9 @@ def labels(
 ) -> dict[str, list[Any]]:
     """Each zone's name where it has the most room: within the window, off the chosen point and other names."""
     r, clearance = lattice(window)
-    edge = [round(0.65 * part * len(ends)) for part, ends in zip(LABEL, (r, clearance.T), strict=True)]
+    edge = [
+        round(0.65 * part * len(ends)) for part, ends in zip(LABEL, (r, clearance.T), strict=True)
+    ]
     size = [ends[-1] - ends[0] for ends in (r[:, 0], np.log(clearance[0]))]
     table: dict[str, list[Any]] = {"x": [], "y": [], "text": []}
     taken = [(*point, 0.7)]

@@ -33,7 +33,9 @@ def history(thing: Motion | Trajectory | None, cycles: float) -> Changes:
     y_dot = h.sample.Z_dot - h.sample.X_dot
     side = np.where(h.events["side"] == "R", 1.0, -1.0)
     kind = h.events["kind"]
-    marker = np.select([kind == "stick", kind == "release"], ["inverted_triangle", "triangle"], "circle")
+    marker = np.select(
+        [kind == "stick", kind == "release"], ["inverted_triangle", "triangle"], "circle"
+    )
     marks = {"color": style.IMPACT, "border": "#FFFFFF", "size": SIZE}
     wall = {"color": style.PRIMARY, "dash": [5, 3]}
     free = {"color": style.FREE, "width": 1.25}
