@@ -1,6 +1,7 @@
 """Every periodic motion at a point: what has to be among them, none twice, and an honest account."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -254,3 +255,16 @@ def test_progress_is_told():
     assert 0 < shares[0] <= shares[-1] <= 1
     assert {"RL/1", "RRL/1"} <= {what for _, what in told}
     assert list(map(repr, motions)) == list(map(repr, vi.find(osc, 0.94, 37.0, **limits)))
+
+
+def test_little_work_is_done_without_threads(monkeypatch):
+    """It gives the same motions, bit for bit, and starts no thread."""
+    wanted = vi.find(RIG, 0.95, 9.0, 4, 1, guesses=12, states=4, settling=100, releases=8)
+    monkeypatch.setattr(sys.modules["vibroimpact.find"], "LITTLE", 0)  # vibroimpact.find is the function
+    found = vi.find(RIG, 0.95, 9.0, 4, 1, guesses=12, states=4, settling=100, releases=8)
+    assert [motion.X.tolist() for motion in found] == [motion.X.tolist() for motion in wanted]
+    assert str(found.search) == str(wanted.search)
+    assert len(found) > 1
+    monkeypatch.undo()
+    monkeypatch.setattr("threading.Thread.start", lambda _: pytest.fail("a thread was started"))
+    vi.find(RIG, 0.95, 9.0, 4, 1, guesses=12, states=4, settling=100, releases=8)

@@ -81,6 +81,7 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
         signal.signal(number_of, lambda *_: loop.add_callback_from_signal(loop.stop))
     # a page that is closed while it is being told something is no fault
     logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
+    loop.asyncio_loop.set_exception_handler(_unless_closed)
     # threads that compute give the interpreter back to the page after a millisecond
     sys.setswitchinterval(1e-3)
     server.start()
@@ -93,6 +94,14 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
         loop.start()
     finally:
         server.stop()
+
+
+def _unless_closed(loop: Any, context: dict[str, Any]) -> None:
+    """Report an error that nobody took, unless it is that a page has been closed."""
+    from tornado.websocket import WebSocketClosedError
+
+    if not isinstance(context.get("exception"), WebSocketClosedError):
+        loop.default_exception_handler(context)
 
 
 def _free(address: str, port: int) -> int:
