@@ -73,7 +73,8 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
     server = pn.serve(
         {"/": page}, port=port, address=number, show=False, start=False, verbose=False, loop=loop,
         title="vibroimpact explorer", websocket_origin=origins,
-        keep_alive_milliseconds=5000,
+        # pings find a page that is closing before its messages are read, which Bokeh takes for a fault
+        keep_alive_milliseconds=0,
     )  # fmt: skip
     url = f"http://{host}:{port}/"
     # handled by the loop, so that an interrupt never falls into the middle of a message
