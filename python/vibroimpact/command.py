@@ -107,7 +107,7 @@ def outcome(name: str, options: argparse.Namespace) -> int:
         )
     except KeyboardInterrupt:
         status = 1
-        options.record.fault(f"vibroimpact {name}: interrupted; what was finished is kept")
+        options.record.interrupted()
     return status
 
 

@@ -17,8 +17,8 @@ from . import PICTURES, add_files, add_folder, picture_writer
 
 HELP = "draw the cases of namelist files"
 DESCRIPTION = """Draw each motion and each simulation that namelist files ask for: time history, load,
-acceleration and phase portrait; each branch along its parameter; each chart, zone and atlas in its window; in
-DIR/NAME.png (NAME_1, NAME_2 if a case has two motions or branches)."""
+acceleration and phase portrait; each branch along its parameter; each chart, zone and atlas
+in its window; in DIR/NAME.png (NAME_1, NAME_2 if a case has two motions or branches)."""
 EXAMPLE = "vibroimpact plot inputs/table1.nml -o results"
 
 

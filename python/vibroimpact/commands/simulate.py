@@ -6,11 +6,12 @@ import argparse
 
 from . import ANIMATIONS, add_files, add_forms
 from .cases import run_kind
+from .options import Request
 
 HELP = "run the simulations of namelist files"
-DESCRIPTION = """Run the &simulate cases of namelist files: the events of each are written to
-DIR/NAME.csv, with the same digits as `vibroimpact run` gives, and with --plot a picture of its last
-load cycles beside it, with --animate the masses in motion."""
+DESCRIPTION = """Run the &simulate cases of namelist files: the events of each are written to DIR/NAME.csv,
+with the same digits as `vibroimpact run` gives, and with --plot a picture of its last load
+cycles beside it, with --animate the masses in motion."""
 EXAMPLE = "vibroimpact simulate inputs/figure9.nml --plot -o results"
 
 
@@ -27,4 +28,4 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the simulations, write and draw them."""
-    return run_kind(options, "simulate", {}, ())
+    return run_kind(options, Request("simulate"))

@@ -19,7 +19,11 @@ from ..status import NO_MOTION, VERDICT
 if TYPE_CHECKING:
     from ..motion import Motion
     from ..studies.atlas import Atlas
+    from ..studies.basins import BasinAttractor, Basins
+    from ..studies.bifurcation import BifurcationDiagram
     from ..studies.branch import Branch
+    from ..studies.lyapunov import Lyapunov
+    from ..studies.response import Response
     from ..studies.zone import Piece, Zone
     from ..trajectory import Trajectory
 
@@ -176,9 +180,50 @@ def chart_columns(data: Any) -> Columns:
     return table | {"status": status[i, j, k].tolist()}
 
 
+def lyapunov_columns(found: Lyapunov) -> Columns:
+    """One row a point; exponents and their standard errors per load cycle."""
+    exponents, errors = (
+        item.reshape(4, -1).tolist()
+        for item in (found.per_cycle, found.standard_error * (2 * np.pi / found.r))
+    )
+    table: Columns = {name: getattr(found, name).ravel().tolist() for name in ("r", "clearance")}
+    table |= {f"exponent_{i}": row for i, row in enumerate(exponents, start=1)}
+    table |= {f"error_{i}": row for i, row in enumerate(errors, start=1)}
+    names = ("dimension", "identity_error", "impacts", "rests")
+    return table | {name: getattr(found, name).ravel().tolist() for name in names}
+
+
+def bifurcation_columns(diagram: BifurcationDiagram) -> Columns:
+    """One row an impact."""
+    points = diagram.points
+    run, index = points["run"], points["index"]
+    table: Columns = {
+        "run": np.array(diagram.runs)[run].tolist(), diagram.parameter: diagram.values[index].tolist(),
+        "label": diagram.labels[run, index].tolist(),
+    }  # fmt: skip
+    names = (points.dtype.names or ())[2:]
+    return table | {name: points[name].tolist() for name in names}
+
+
+def basin_columns(basins: Basins) -> Columns:
+    """One row a state."""
+    labels = basins.labels.ravel().tolist()
+    names = [*(item.name for item in basins.attractors), ""]
+    states = zip(("t", "x", "x_dot", "z", "z_dot"), basins.states, strict=True)
+    table: Columns = {name: values.ravel().tolist() for name, values in states}
+    return table | {"label": labels, "attractor": [names[label] for label in labels]}
+
+
+def response_columns(response: Response) -> Columns:
+    """One row a frequency ratio."""
+    names = ("r", "clearance", "lowest", "highest")
+    return {name: getattr(response, name).tolist() for name in names}
+
+
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
-    "Zone": zone_columns, "Atlas": atlas_columns,
+    "Zone": zone_columns, "Atlas": atlas_columns, "Lyapunov": lyapunov_columns,
+    "BifurcationDiagram": bifurcation_columns, "Basins": basin_columns, "Response": response_columns,
 }  # fmt: skip
 
 
@@ -203,7 +248,26 @@ def notes(result: Any) -> list[str]:
             f"in no zone of its pattern: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"
             for item in result.unexplained
         ]
+    if name == "BifurcationDiagram":
+        return [
+            f"{run}: {label} from {exact(low)} to {exact(high)}"
+            for run, low, high, label in result.windows
+        ]
+    if name == "Basins":
+        shares = zip(result.attractors, result.fractions.tolist(), strict=True)
+        return [f"{i}: {told(item, share)}" for i, (item, share) in enumerate(shares)]
     return []
+
+
+def told(attractor: BasinAttractor, share: float) -> str:
+    """What is known of an attractor."""
+    text = f"{attractor.name} ({attractor.kind}), share {exact(share)}"
+    if attractor.kind in ("periodic", "rest"):
+        text += f", greatest multiplier {exact(attractor.growth)}, radius {exact(attractor.radius)}"
+    elif attractor.kind in ("quasi-periodic", "chaotic"):
+        text += f", largest exponent per load cycle {exact(attractor.growth)}"
+    state = ", ".join(map(exact, attractor.state.values()))
+    return f"{text}; t, x, x_dot, z, z_dot = {state}"
 
 
 def counted(number: int, noun: str) -> str:
