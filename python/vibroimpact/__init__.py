@@ -7,6 +7,7 @@ from .bundle import Bundle, simulate_bundle
 from .chart import chart
 from .events import Sample
 from .find import FoundMotions, Search, find
+from .found import Findings
 from .flags import StabilityFlags, stability_flags
 from .interchange.result import load
 from .model import Oscillator, Pattern, Units
@@ -37,6 +38,7 @@ __all__ = [
     "Branch",
     "Bundle",
     "Case",
+    "Findings",
     "FoundMotions",
     "Lyapunov",
     "Motion",

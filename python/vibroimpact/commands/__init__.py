@@ -86,11 +86,12 @@ def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:
     )
 
 
-def add_folder(parser: argparse.ArgumentParser, file: str = "") -> None:
-    """The folder that a command writes to."""
+def add_folder(parser: argparse.ArgumentParser, file: str = "", on_request: bool = False) -> None:
+    """The folder that a command writes to, if it is asked to or in any case."""
+    without = "without -o, --format and --plot nothing is written" if on_request else "default: results"
     parser.add_argument(
-        "-o", dest="folder", default="results", metavar="DIR",
-        help=f"folder for the results{file} (default: results)",
+        "-o", dest="folder", default=None if on_request else "results", metavar="DIR",
+        help=f"folder for the results{file} ({without})",
     )  # fmt: skip
 
 
@@ -147,9 +148,9 @@ def name_file(options: argparse.Namespace) -> None:
         )
 
 
-def add_forms(parser: argparse.ArgumentParser) -> None:
+def add_forms(parser: argparse.ArgumentParser, on_request: bool = False) -> None:
     """The folder and the form of the results, and of pictures beside them."""
-    add_folder(parser, ", or DIR/NAME.csv, .json, .nc or .mat for a single one")
+    add_folder(parser, ", or DIR/NAME.csv, .json, .nc or .mat for a single one", on_request)
     parser.add_argument(
         "--format",
         choices=FORMATS,

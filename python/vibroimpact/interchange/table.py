@@ -17,6 +17,7 @@ from ..files import write_text
 from ..status import NO_MOTION, VERDICT
 
 if TYPE_CHECKING:
+    from ..found import Findings
     from ..motion import Motion
     from ..studies.atlas import Atlas
     from ..studies.basins import BasinAttractor, Basins
@@ -80,6 +81,15 @@ def motion_columns(motion: Motion, number: int = 1) -> Columns:
     table["attenuation"] = [motion.attenuation if motion.A > 0 else np.nan] * n
     for i, value in enumerate(motion.multipliers.tolist(), start=1):
         table |= {f"multiplier_{i}_re": [value.real] * n, f"multiplier_{i}_im": [value.imag] * n}
+    return table
+
+
+def found_columns(found: Findings) -> Columns:
+    """The rows of all motions, numbered."""
+    table: Columns = {}
+    for number, motion in enumerate(found.motions, start=1):
+        for name, values in motion_columns(motion, number).items():
+            table.setdefault(name, []).extend(values)
     return table
 
 
@@ -224,6 +234,7 @@ TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
     "Zone": zone_columns, "Atlas": atlas_columns, "Lyapunov": lyapunov_columns,
     "BifurcationDiagram": bifurcation_columns, "Basins": basin_columns, "Response": response_columns,
+    "Findings": found_columns,
 }  # fmt: skip
 
 
@@ -253,6 +264,11 @@ def notes(result: Any) -> list[str]:
             f"{run}: {label} from {exact(low)} to {exact(high)}"
             for run, low, high, label in result.windows
         ]
+    if name == "Findings":
+        osc = result.osc
+        values = (osc.xi, osc.mu, *osc.restitution, result.r, result.clearance, result.load)
+        names = "xi, mu, restitution (right, left), r, clearance, load"
+        return [f"at {names} = {', '.join(map(exact, values))}", f"searched: {result.search}"]
     if name == "Basins":
         shares = zip(result.attractors, result.fractions.tolist(), strict=True)
         return [f"{i}: {told(item, share)}" for i, (item, share) in enumerate(shares)]
