@@ -10,6 +10,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 BIN = Path(sys.executable).parent
 ROOT = Path(__file__).resolve().parents[2]
 OTHER_BUILD = bool(os.environ.get("VIBROIMPACT_BATCH"))
@@ -33,6 +35,10 @@ COMPLETE = """&system
   format = 'csv'
 /
 """
+#: Columns of each impact, those that all impacts share, and the words of verdicts.
+IMPACT = ["X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"]
+SHARED = ["clearance", "A", "tau", "residual", "x_min", "x_max", "attenuation"]
+WORDS = {True: "true", False: "false", None: "unknown"}
 #: What a sanitizer or the compiler's runtime library says when a program breaks.
 BREAKDOWN = ("Fortran runtime", "Backtrace", "Sanitizer", "runtime error", "SIG", "Traceback")
 
@@ -156,6 +162,11 @@ def floats(motion, key):
     return [float(item) for item in motion[key]]
 
 
+def column(table, name):
+    """A column of rows as numbers."""
+    return np.array([float(row[name]) for row in table])
+
+
 def multipliers(motion):
     """The four multipliers of a motion."""
     first = {key: value[0] for key, value in motion.items()}
@@ -163,6 +174,17 @@ def multipliers(motion):
         complex(float(first[f"multiplier_{i}_re"]), float(first[f"multiplier_{i}_im"]))
         for i in range(1, 5)
     ]
+
+
+def assert_same(motion, expected):
+    """A motion of a result equals one of the Python API, bit for bit."""
+    for key in IMPACT:
+        assert floats(motion, key) == getattr(expected, key).tolist(), key
+    for key in SHARED:
+        assert floats(motion, key) == [getattr(expected, key)] * len(motion["r"]), key
+    assert multipliers(motion) == expected.multipliers.tolist()
+    for key in ("consistent", "admissible", "stable"):
+        assert motion[key][0] == WORDS[getattr(expected, key)], key
 
 
 def many_cases(count):

@@ -54,7 +54,8 @@ def test_plane_outside_of_the_walls(tool):
     plane = ["--plane", "x", "-9", "9", "5", "y", "-9", "8", "5"]
     done = tool("basins", *EQUAL, "--r", "1", "--clearance", "9", *plane)
     assert (done.status, len(done.faults)) == (2, 1)
-    assert "plane: y from -9 to 8: must be within half the clearance, -4.5 to 4.5" in done.faults[0]
+    assert done.faults[0].startswith("vibroimpact basins: --plane x -9 9 5 y -9 8 5: must be ")
+    assert "y must be within half the clearance" in done.faults[0]
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1025, 1.5, True])
@@ -71,11 +72,13 @@ def test_threads_of_an_atlas(threads):
     ("basins --r 1.04 --clearance 9", "--plane, --states: exactly one of them must be given"),
     ("basins --r 1.04 --clearance 9 --states 9 --plane x 0 1 2 y 0 1 2", "--plane, --states: exactly one"),
     ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: needs --plane"),
-    ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: 3 and 5 values; must be as many"),
-    ("response --r 1.05 1 3 --clearance 9", "--r 1.05 1 3: must be a number, or LOW HIGH N with LOW below"),
-    ("response --r 1 nan 3 --clearance 9", "--r 1 nan 3: must be a number, or LOW HIGH N with LOW below"),
-    ("response --r 1 1.05 inf --clearance 9", "--r 1 1.05 inf: must be a number, or LOW HIGH N with LOW"),
-    ("bifurcation --r 1 --parameter clearance --values 9 9 3", "--values 9 9 3: must be a number, or LOW"),
+    ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: one of them must be a number"),
+    ("response --r 1.05 1 3 --clearance 9", "--r 1.05 1 3: must be LOW HIGH N with LOW below"),
+    ("response --r 1 nan 3 --clearance 9", "--r 1 nan 3: must be LOW HIGH N with LOW below"),
+    ("response --r 1 1.05 inf --clearance 9", "--r 1 1.05 inf: must be LOW HIGH N with LOW"),
+    ("lyapunov --r 1 2 --clearance 9", "--r 1 2: must be a number, or LOW HIGH N with LOW below HIGH"),
+    ("basins --r 1.04 --clearance 9 --plane x 0 1 2 y 1 0 2", "--plane x 0 1 2 y 1 0 2: must be NAME LOW HIGH N"),
+    ("bifurcation --r 1 --parameter clearance --values 9 9 3", "--values 9 9 3: must be LOW HIGH N with LOW"),
     ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1", "--sides RRL: needs --phases-over-pi"),
 ])  # fmt: skip
 def test_options_that_do_not_go_together(words, said, tmp_path, monkeypatch, capsys):
@@ -130,7 +133,7 @@ def test_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
     """Path, reason, and what is allowed."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
-    point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 40 --discard 0"
+    point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 80"
     assert main(["lyapunov", *point.split(), "-o", "file/x"]) == 2
     said = capsys.readouterr().err
     assert said.startswith(

@@ -152,10 +152,8 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
     def option(match: re.Match[str]) -> str:
         """The option as it was typed, for the key of a namelist."""
         name = request.spans.get(match[1], match[1])
-        typed = getattr(options, name, None) if name != match[1] else match[3]
-        if isinstance(typed, list):
-            typed = " ".join(f"{v:g}" if isinstance(v, float) else v for v in typed)
-        return f"--{_word(name)}" + ("" if typed is None else f" {typed}")
+        typed = shown(getattr(options, name, None) or []) if name != match[1] else match[3]
+        return f"--{_word(name)}" + (f" {typed}" if typed else "")
 
     line = re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)
     return re.sub(r"^&\w+ (\w+)\S*( = (.*?))?(?=: )", option, line)
@@ -216,9 +214,14 @@ def span(words: Sequence[Any], name: str, wanted: str = "LOW HIGH N") -> tuple[f
             raise ValueError
     except (ValueError, IndexError):
         raise ParameterError(
-            f"--{name} {' '.join(map(str, words))}: must be {wanted} with LOW below HIGH, N from 2 to {MOST}"
+            f"--{name} {shown(words)}: must be {wanted} with LOW below HIGH, N from 2 to {MOST}"
         ) from None
     return low, high, int(n)
+
+
+def shown(words: Sequence[Any]) -> str:
+    """The words of an option as they may have been typed."""
+    return " ".join(f"{word:g}" if isinstance(word, float) else str(word) for word in words)
 
 
 def _word(name: str) -> str:
