@@ -7,8 +7,8 @@ from .bundle import Bundle, simulate_bundle
 from .chart import chart
 from .events import Sample
 from .find import FoundMotions, Search, find
-from .found import Findings
 from .flags import StabilityFlags, stability_flags
+from .found import Findings
 from .interchange.result import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions

@@ -68,6 +68,4 @@ class Findings(Result):
     def __repr__(self) -> str:
         stable = sum(motion.stable is True for motion in self.motions)
         there = f"{len(self.motions)} motion{'' if len(self.motions) == 1 else 's'}"
-        return (
-            f"<Findings at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}: {there}, {stable} of them stable>"
-        )
+        return f"<Findings at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}: {there}, {stable} of them stable>"

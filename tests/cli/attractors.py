@@ -1,5 +1,7 @@
 """Cases of studies of attractors, and what is asserted of each of their results."""
 
+import re
+
 from programs import contents, rows
 from vibroimpact.run import read_namelist
 
@@ -57,3 +59,12 @@ def assert_refused(text, group, wanted, line, batch):
     assert done.faults[0].startswith(f"case.nml:{line}: &{group} ")
     assert wanted in done.faults[0]
     assert list(contents(batch.cwd)) == ["case.nml"]
+
+
+def told(path):
+    """What the header says of each attractor: name, kind, share, greatest multiplier or exponent."""
+    pattern = (
+        r"# ! (\d+): (.+) \((.+)\), share (\S+?)(?:, (?:greatest|largest)[^,;]* (\S+?))?[,;].*"
+    )
+    found = [re.fullmatch(pattern, line) for line in path.read_text().split("\n")]
+    return [item.groups() for item in found if item]

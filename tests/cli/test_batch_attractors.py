@@ -21,6 +21,7 @@ from attractors import (
     assert_both,
     assert_refused,
     case_of,
+    told,
 )
 from programs import ROOT, column, contents, rows, write
 from vibroimpact.run import read_namelist
@@ -158,15 +159,6 @@ BAD_RESPONSE = [
 def test_bad_response(old, new, wanted, line, batch):
     assert old in RESPONSE
     assert_refused(RESPONSE.replace(old, new, 1), "response", wanted, line, batch)
-
-
-def told(path):
-    """What the header says of each attractor: name, kind, share, greatest multiplier or exponent."""
-    pattern = (
-        r"# ! (\d+): (.+) \((.+)\), share (\S+?)(?:, (?:greatest|largest)[^,;]* (\S+?))?[,;].*"
-    )
-    found = [re.fullmatch(pattern, line) for line in path.read_text().split("\n")]
-    return [item.groups() for item in found if item]
 
 
 @pytest.mark.parametrize("text", [

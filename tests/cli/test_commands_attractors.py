@@ -24,18 +24,23 @@ CASES = {
          "parameter = 'r', low = 1, high = 1.05, values = 3, clearance = 20, cycles = 400, x = 1, x_dot = 6,"
          " z = -2, z_dot = 9"),
         ("--r 1.04 --clearance 20 --cycles 400", "clearance = 20, cycles = 400"),
+        ("--r 1.04 --clearance 14 40 3 --spacing geometric --cycles 40",
+         "parameter = 'clearance', low = 14, high = 40, values = 3, spacing = 'geometric', cycles = 40"),
     ],
     "bifurcation": [
         ("--r 1.04 --parameter clearance --values 20 40 3",
          "parameter = 'clearance', low = 20, high = 40, values = 3"),
         ("--clearance 20 --parameter r --values .9 1.1 3 --sweep states --states 2",
          "parameter = 'r', low = .9, high = 1.1, values = 3, clearance = 20, sweep = 'states', states = 2"),
+        ("--r 1.04 --parameter clearance --values 20 40 3 --spacing geometric --sweep down",
+         "parameter = 'clearance', low = 20, high = 40, values = 3, spacing = 'geometric', sweep = 'down'"),
         ("--r 1.04 --clearance 20 --parameter mu --values 0 .1 2 --sweep up",
          "parameter = 'mu', low = 0, high = .1, values = 2, clearance = 20, sweep = 'up'"),
     ],
     "basins": [
         ("--r 1.04 --clearance 14 --plane x -9 9 6 x_dot -9 9 5",
          "clearance = 14, axes = 'x', 'x_dot', low = -9, -9, high = 9, 9, values = 6, 5"),
+        ("--r 1.04 --clearance 14 --states 30 --seed 5", "clearance = 14, states = 30, seed = 5"),
     ],
     "response": [
         ("--r 1 1.04 3 --clearance 25 --states 4",
@@ -93,16 +98,14 @@ def test_windows_are_printed_and_a_quantity_is_drawn(tool):
 
 
 def test_shares_are_printed(tool):
-    """With standard errors, one line an attractor, and the uncertainty exponent of the plane."""
+    """With standard errors, and the uncertainty exponent of the plane."""
     point = "--r 1.04 --clearance 14 --plane x -9 9 18 x_dot -9 9 17"
     done = tool("basins", *SYSTEM, *point.split(), "--plot")
     assert sorted(contents(tool.cwd / "results")) == ["basins.csv", "basins.png"]
     result = vi.basins(EQUAL, 1.04, 14.0, (("x", -9, 9, 18), ("x_dot", -9, 9, 17)))
-    said = re.findall(r"([\d.]+)% \+- ([\d.]+)%  (\S+(?: \(\d\))?) \((.*)\)", done.out.decode())
-    assert [(name, kind) for *_, name, kind in said] == [
-        (item.name, item.kind) for item in result.attractors
-    ]
-    shares = np.array([[float(item) / 100 for item in line[:2]] for line in said]).T
+    said = re.findall(r"(\S+(?: \(\d\))?) ([\d.]+)% \+- ([\d.]+)%", done.out.decode())
+    assert [name for name, *_ in said] == [item.name for item in result.attractors]
+    shares = np.array([[float(item) / 100 for item in line[1:]] for line in said]).T
     assert shares[0] == pytest.approx(result.fractions, abs=1e-4)
     assert shares[1] == pytest.approx(result.standard_error, abs=1e-4)
     assert f"uncertainty exponent {result.uncertainty_exponent:.3f}" in done.out.decode()

@@ -88,7 +88,9 @@ def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:
 
 def add_folder(parser: argparse.ArgumentParser, file: str = "", on_request: bool = False) -> None:
     """The folder that a command writes to, if it is asked to or in any case."""
-    without = "without -o, --format and --plot nothing is written" if on_request else "default: results"
+    without = (
+        "without -o, --format and --plot nothing is written" if on_request else "default: results"
+    )
     parser.add_argument(
         "-o", dest="folder", default=None if on_request else "results", metavar="DIR",
         help=f"folder for the results{file} ({without})",

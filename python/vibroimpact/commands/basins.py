@@ -68,11 +68,7 @@ def plane(words: list[str] | None) -> dict[str, list[Any]]:
 
 
 def details(result: Any) -> list[str]:
-    """The share of each attractor with its standard error, and how fractal the boundaries are."""
-    shares = zip(result.attractors, result.fractions, result.standard_error, strict=True)
-    lines = [
-        f"{share:8.2%} +- {error:.2%}  {item.name} ({item.kind})" for item, share, error in shares
-    ]
-    if result.axes is not None:
-        lines.append(f"uncertainty exponent {result.uncertainty_exponent:.3f}")
-    return lines
+    """How fractal the boundaries are."""
+    if result.axes is None:
+        return []
+    return [f"uncertainty exponent {result.uncertainty_exponent:.3f}"]

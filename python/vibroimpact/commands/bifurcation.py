@@ -8,7 +8,7 @@ from typing import Any
 from ..errors import ParameterError
 from ..studies.bifurcation import COLUMNS, NAMES, SWEEPS
 from .cases import run_kind
-from .options import Request, add_case, add_numbers, grid, values
+from .options import Request, add_case, add_numbers, add_spacing, grid, values
 
 HELP = "sweep a parameter up and down, or from many states"
 DESCRIPTION = """Simulate along a parameter, with the state carried on up and down or from many initial
@@ -33,6 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--values", nargs=3, metavar=("LOW", "HIGH", "N"), help="N values of it from LOW to HIGH"
     )
+    add_spacing(parser, "values")
     parser.add_argument(
         "--sweep", choices=SWEEPS,
         help="the state carried up, down or both (default), or many states at each value",
@@ -55,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         "system": values(options, "xi", "mu", "restitution", "r"),
         "bifurcation": {
             **grid(options, "values", *keys),
-            **values(options, "parameter", "clearance", "sweep", "states"),
+            **values(options, "parameter", "clearance", "spacing", "sweep", "states"),
         },
     }  # fmt: skip
     needed = ("xi", "mu", "restitution", "parameter", "values")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from .cases import run_kind
-from .options import Request, add_case, add_numbers, grid, values
+from .options import Request, add_case, add_numbers, add_spacing, grid, values
 
 HELP = "compute all motions of a pattern on a grid of r and d K/F0"
 DESCRIPTION = """Compute all motions of a pattern on a grid of the plane (r, d K/F0), with their stability,
@@ -32,9 +32,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{name}", nargs=3, metavar=("LOW", "HIGH", "N"), help=f"the grid: N {wanted}"
         )
-    parser.add_argument(
-        "--spacing", choices=("linear", "geometric"), help="of the clearances (default: linear)"
-    )
+    add_spacing(parser, "clearances")
     parser.add_argument(
         "--symmetric", choices=("yes", "no", "both"),
         help="only motions that are their own mirror image, only others, or both (default)",

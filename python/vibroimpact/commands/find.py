@@ -86,7 +86,9 @@ def run(options: argparse.Namespace) -> int:
             result.save(path)
             tell(options.record, name, path)
             if save is not None:
-                tell(options.record, name, save(result.plot(), path.with_suffix(f".{options.plot}")))
+                tell(
+                    options.record, name, save(result.plot(), path.with_suffix(f".{options.plot}"))
+                )
     return status
 
 
@@ -149,7 +151,10 @@ def _add_points(file: str, points: dict[Point, str], record: Record) -> int:
                 record.fault(f"{case.name}: {error}")
                 status = 1
                 continue
-        if points.setdefault(point, case.name) != case.name or [*points.values()].count(case.name) < 2:
+        if (
+            points.setdefault(point, case.name) != case.name
+            or [*points.values()].count(case.name) < 2
+        ):
             continue
         raise ParameterError(
             f"{file}: &output name = {case.name!r}: is already the name of another point; must be another"

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..errors import ParameterError
 from .cases import run_kind
-from .options import Request, add_case, add_numbers, span, values
+from .options import Request, add_case, add_numbers, add_spacing, span, values
 
 HELP = "compute all Lyapunov exponents at a point or along a line"
 DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a
@@ -29,6 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             f"--{name}", type=float, nargs="+", metavar="V",
             help=f"{wanted}: a number, or LOW HIGH N for N of them",
         )  # fmt: skip
+    add_spacing(parser, "N values")
     add_numbers(
         parser,
         cycles="load cycles averaged over (default: 10000)",
@@ -46,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     groups = {
         "system": {**values(options, "xi", "mu", "restitution"), "r": point["r"]},
         "lyapunov": {
-            "clearance": point["clearance"], **line, **values(options, "cycles", "discard"),
+            "clearance": point["clearance"], **line, **values(options, "spacing", "cycles", "discard"),
             **dict(zip(STATE, options.state or (), strict=False)),
         },
     }  # fmt: skip

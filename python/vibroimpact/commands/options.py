@@ -80,6 +80,13 @@ def add_numbers(parser: argparse.ArgumentParser, **wanted: str) -> None:
         parser.add_argument(f"--{_word(name)}", type=int, metavar="N", help=meaning)
 
 
+def add_spacing(parser: argparse.ArgumentParser, of: str) -> None:
+    """How the values of a line are spaced."""
+    parser.add_argument(
+        "--spacing", choices=("linear", "geometric"), help=f"of the {of} (default: linear)"
+    )
+
+
 def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
     """The window of a zone or an atlas, and how it is searched."""
     for name, wanted in (("r", "frequency ratios"), ("clearance", "clearances d K/F0")):

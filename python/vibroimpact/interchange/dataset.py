@@ -179,7 +179,10 @@ def of_found(found: Findings) -> tuple[dict[str, Any], dict[str, Any]]:
                 row[: len(one[name][1])] = one[name][1]
             data[name] = (("motion", "impact"), table)
         elif dims in ("multiplier", ()):
-            data[name] = (("motion", dims) if dims else "motion", np.array([one[name][1] for one in each]))
+            data[name] = (
+                ("motion", dims) if dims else "motion",
+                np.array([one[name][1] for one in each]),
+            )
     data |= {name: ((), getattr(found, name)) for name in ("r", "clearance", "load")}
     return data, {**system(found.osc), "searched": str(found.search)}
 

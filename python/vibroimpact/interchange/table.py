@@ -271,7 +271,8 @@ def notes(result: Any) -> list[str]:
         return [f"at {names} = {', '.join(map(exact, values))}", f"searched: {result.search}"]
     if name == "Basins":
         shares = zip(result.attractors, result.fractions.tolist(), strict=True)
-        return [f"{i}: {told(item, share)}" for i, (item, share) in enumerate(shares)]
+        each = [f"{i}: {told(item, share)}" for i, (item, share) in enumerate(shares)]
+        return each + safety(result)
     return []
 
 
@@ -284,6 +285,23 @@ def told(attractor: BasinAttractor, share: float) -> str:
         text += f", largest exponent per load cycle {exact(attractor.growth)}"
     state = ", ".join(map(exact, attractor.state.values()))
     return f"{text}; t, x, x_dot, z, z_dot = {state}"
+
+
+def safety(basins: Basins) -> list[str]:
+    """How sure the shares are, and of a plane how safe its states."""
+    lines = []
+    for i, error in enumerate(basins.standard_error.tolist()):
+        lines.append(f"{i}: standard error of the share {exact(error)}")
+        if basins.axes is not None:
+            radius, centre = basins.integrity(i)
+            names, place = (
+                ", ".join(axis.name for axis in basins.axes),
+                ", ".join(map(exact, centre)),
+            )
+            lines[-1] += f", radius of the largest disc {exact(radius)} about {names} = {place}"
+    if basins.axes is not None and not np.isnan(basins.uncertainty_exponent):
+        lines.append(f"uncertainty exponent {exact(basins.uncertainty_exponent)}")
+    return lines
 
 
 def counted(number: int, noun: str) -> str:
