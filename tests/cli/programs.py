@@ -1,10 +1,13 @@
 """How the tests find and run the program `vibroimpact-batch` and the command `vibroimpact run`."""
 
+import contextlib
 import csv
 import ctypes
 import io
 import os
+import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -101,6 +104,45 @@ def write(path, text):
     """Write text or bytes exactly as they are."""
     path.write_bytes(text.encode() if isinstance(text, str) else text)
     return path
+
+
+#: Makes a bar appear at once, and be drawn at every look.
+EAGER = (
+    "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
+    "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n"
+)
+
+
+def on_terminal(cwd, *words, stop=None):
+    """Exit status of `vibroimpact`, and what it says on a terminal, with a bar from the start.
+
+    It is interrupted when it has said what the pattern `stop` finds.
+    """
+    (cwd / "eager").mkdir(exist_ok=True)
+    write(cwd / "eager/sitecustomize.py", EAGER)
+    ours, theirs = os.openpty()
+    with subprocess.Popen(
+        [find_command(), *words],
+        cwd=cwd, stderr=theirs, stdout=subprocess.DEVNULL,
+        env={**os.environ, "PYTHONPATH": str(cwd / "eager")},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:  # fmt: skip
+        os.close(theirs)
+        said, stopped = "", False
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while part := os.read(ours, 4096):
+                said += part.decode()
+                if stop and not stopped and re.search(stop, said):
+                    stopped = True
+                    process.send_signal(signal.SIGINT)
+    os.close(ours)
+    assert stopped == bool(stop), said[-500:]
+    return process.returncode, said
+
+
+def bars(said):
+    """How long the bar was, each time it was drawn."""
+    return [len(item) for item in re.findall(r"\[(#*) *\]", said)]
 
 
 def find_batch():

@@ -1,7 +1,4 @@
-"""The commands simulate, find and plot: the real program, against the API and against `run`."""
-
-import math
-import re
+"""The commands simulate and plot: the real program, against the API and against `run`."""
 
 import pytest
 import vibroimpact as vi
@@ -145,59 +142,6 @@ def test_pipe(tool):
     done = tool("simulate", "/dev/stdin", "--plot", input=SIMULATION.encode())
     assert (done.status, done.err) == (0, b"")
     assert sorted(contents(tool.cwd / "results")) == ["stdin.csv", "stdin.png"]
-
-
-def test_find_prints_what_find_finds(tool):
-    """One line a motion; the point of a file and the point of the options are the same."""
-    write(tool.cwd / "pair.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 37 /\n")
-    limits = ["--max-impacts", "2", "--max-cycles", "1"]
-    done = tool("find", "pair.nml", *limits)
-    point = {"xi": "0.005", "mu": "0.042", "r": "0.94", "clearance": "37"}
-    options = [word for name, value in point.items() for word in (f"--{name}", value)]
-    options += ["--restitution", "0.75", "0.75"]
-    assert tool("find", *options, *limits) == done
-    assert (done.status, done.err) == (0, b"")
-    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-    found = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
-    text = done.out.decode()
-    moduli = [float(item) for item in re.findall(r"max\|lambda\| = ([\d.]+),", text)]
-    assert len(found) == 4
-    assert moduli == pytest.approx([abs(motion.multipliers[0]) for motion in found], rel=1e-3)
-    assert "".join(text.split()).endswith("".join(str(found.search).split()))
-
-
-def test_find_at_the_clearance_of_given_phases(tool):
-    """A case with phases is searched at the clearance that its motion has, and finds that motion."""
-    write(tool.cwd / "pair.nml", PAIR)
-    text = tool("find", "pair.nml", "--max-impacts", "2", "--max-cycles", "1").out.decode()
-    motion = vi.periodic(
-        vi.Oscillator(0.005, 0.042, 0.75), 0.94, [0, 1.37 * math.pi], vi.Pattern("RL")
-    )
-    assert f"clearance = {motion.clearance:.10g}\n" in text
-    assert f"{motion.x_max:.6g}" in text
-
-
-def test_find_where_there_is_nothing(tool):
-    """No motion: status 1; a case that has no clearance: its reason, and status 1."""
-    wide = [
-        "--xi",
-        "0.3",
-        "--mu",
-        "0.04",
-        "--restitution",
-        "0.5",
-        "--r",
-        "0.9",
-        "--clearance",
-        "1e6",
-    ]
-    done = tool("find", *wide, "--max-impacts", "2", "--max-cycles", "1")
-    assert (done.status, done.err) == (1, b"")
-    assert "no periodic motion was found" in done.out.decode()
-    write(tool.cwd / "free.nml", PAIR.replace("1.37", "1"))
-    done = tool("find", "free.nml")
-    assert (done.status, done.out) == (1, b"")
-    assert "leave the load amplitude free" in done.faults[0]
 
 
 def test_plot_draws_every_case(tool):

@@ -1,16 +1,12 @@
 """The commands lyapunov, bifurcation, basins and response: files or options, and the bytes of the program."""
 
-import contextlib
-import os
 import re
-import signal
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 import vibroimpact as vi
-from programs import Runner, column, contents, find_command, rows, write
+from programs import Runner, bars, column, contents, find_command, on_terminal, rows, write
 from vibroimpact.commands.init import kinds
 
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
@@ -197,37 +193,15 @@ LONG = {
 @pytest.mark.parametrize("name", LONG)
 def test_bar_and_interrupt_on_a_terminal(name, tool):
     """A bar that never falls back; Ctrl-C leaves a table of what is finished, an input, and says so; status 1."""
-    (tool.cwd / "sitecustomize.py").write_text(
-        "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
-        "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n"
-    )
-    ours, theirs = os.openpty()
-    with subprocess.Popen(
-        [find_command(), name, *SYSTEM, *LONG[name]],
-        cwd=tool.cwd, stderr=theirs, stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": str(tool.cwd)},
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    ) as process:  # fmt: skip
-        os.close(theirs)
-        said, stopped = b"", False
-        with contextlib.suppress(OSError):  # the end of a terminal
-            while part := os.read(ours, 4096):
-                said += part
-                # half way: something is finished then, whatever the order of the work
-                if not stopped and b"[" + b"#" * 15 in said:
-                    stopped = True
-                    process.send_signal(signal.SIGINT)
-    os.close(ours)
-    bars = [len(item) for item in re.findall(rb"\[(#*) *\]", said)]
-    assert len(bars) > 5
-    assert bars == sorted(bars)
-    assert f"\r{name} [".encode() in said
-    assert b" s left " in said
-    assert stopped
-    assert process.returncode == 1
-    last = said.splitlines()[-1].decode()
+    # half way: something is finished then, whatever the order of the work
+    status, said = on_terminal(tool.cwd, name, *SYSTEM, *LONG[name], stop=r"\[#{15}")
+    assert status == 1
+    assert len(bars(said)) > 5
+    assert bars(said) == sorted(bars(said))
+    assert f"\r{name} [" in said
+    assert " s left " in said
     kept = f"interrupted; what was finished is kept: results/{name}.csv"
-    assert last.endswith(f"vibroimpact {name}: {kept}")
+    assert said.splitlines()[-1].endswith(f"vibroimpact {name}: {kept}")
     assert list(contents(tool.cwd / "results")) == [f"{name}.csv"]
     assert len(rows(tool.cwd / "results" / f"{name}.csv")) > 1
     assert [case.kind for case in vi.read_namelist(tool.cwd / "results" / f"{name}.csv")] == [name]

@@ -1,17 +1,14 @@
 """The commands branch, zone and atlas: options for a namelist, forms of results, the bar."""
 
-import contextlib
 import importlib
 import json
-import os
-import subprocess
 import sys
 
 import pytest
 import vibroimpact as vi
-from programs import PAIR, Runner, contents, find_command, rows, write
+from programs import PAIR, Runner, bars, contents, find_command, on_terminal, rows, write
 
-from studies import ATLAS, BRANCH, ZONE, assert_atlas
+from studies import ATLAS, BRANCH, WALLS, ZONE, assert_atlas
 
 POINT = [
     "--xi",
@@ -114,28 +111,49 @@ def test_progress_of_cases(case, tmp_path, monkeypatch):
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_bar_on_a_terminal(form, tool):
     """There the command shows how far it is and how much time is left, and wipes it off at the end."""
-    write(
-        tool.cwd / "sitecustomize.py",
-        "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
-        "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n",
+    status, said = on_terminal(
+        tool.cwd, "atlas", *ATLAS_OPTIONS, "--max-impacts", "3", "--format", form
     )
-    ours, theirs = os.openpty()
-    words = [find_command(), "atlas", *ATLAS_OPTIONS, "--max-impacts", "3", "--format", form]
-    environment = {**os.environ, "PYTHONPATH": str(tool.cwd)}
-    with subprocess.Popen(
-        words, cwd=tool.cwd, stderr=theirs, stdout=subprocess.PIPE, env=environment
-    ) as run:
-        os.close(theirs)
-        said = b""
-        with contextlib.suppress(OSError):  # the end of a terminal
-            while part := os.read(ours, 4096):
-                said += part
-    os.close(ours)
-    assert run.returncode == 0
-    assert b"\ratlas [" in said
-    assert b" s left " in said
-    assert b"\n" not in said
-    assert said.endswith(b" \r")
+    assert status == 0
+    assert "\ratlas [" in said
+    assert " s left " in said
+    assert "\n" not in said
+    assert said.endswith(" \r")
+    assert bars(said) == sorted(bars(said))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+@pytest.mark.parametrize("form", ["csv", "json"])
+def test_bar_of_a_branch(form, tool):
+    """How much there is to do is not known before: it tells the time that has passed."""
+    options = [
+        *ALONG_OPTIONS,
+        "--longest-step",
+        "0.0005",
+        "--max-points",
+        "20000",
+        "--format",
+        form,
+    ]
+    status, said = on_terminal(tool.cwd, "branch", *options)
+    assert status == 0
+    assert "\rbranch [" in said
+    assert "left" not in said
+    assert said.endswith(" \r")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+def test_bar_of_several_cases(tool):
+    """It goes once from one end to the other, with the results that there are."""
+    case = ZONE.removeprefix(WALLS)
+    write(tool.cwd / "case.nml", WALLS + 4 * case)
+    status, said = on_terminal(tool.cwd, "run", "case.nml")
+    assert (status, len(contents(tool.cwd / "results"))) == (0, 4)
+    lengths = bars(said)
+    assert lengths == sorted(lengths)
+    # one case of four is not the whole: without the count of results the bar would be at its end
+    assert 0 < sum(length < 24 for length in lengths) < len(lengths)
+    assert lengths[-1] > 20
 
 
 def test_equispaced_pair_by_options(tool):

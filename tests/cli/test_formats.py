@@ -163,17 +163,6 @@ def test_the_document_holds_the_results(tool):
     assert again.X.tolist() == case.run()[1].X.tolist()
 
 
-def test_the_document_of_a_search(tool):
-    """All motions that were found."""
-    done = tool("find", "--xi", "0.005", "--mu", "0.042", "--restitution", "0.75", "--r", "0.94", "--clearance",
-                "37", "--max-impacts", "2", "--max-cycles", "1", "--json")  # fmt: skip
-    (point,) = json.loads(done.out)["results"].values()
-    found = vi.find(vi.Oscillator(0.005, 0.042, 0.75), 0.94, 37.0, 2, 1)
-    assert [vi.Motion.from_dict(item).to_json() for item in point["motions"]] == [
-        m.to_json() for m in found
-    ]
-
-
 def test_attractors_in_other_forms(tool):
     """What is written is what the function gives."""
     line = ["--r", "1", "1.04", "3", "--clearance", "25", "--states", "3", "--format", "json"]

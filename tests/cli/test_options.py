@@ -7,7 +7,7 @@ import sys
 
 import pytest
 import vibroimpact as vi
-from programs import SYSTEM, Runner, find_command
+from programs import PAIR, SYSTEM, Runner, contents, find_command, write
 from vibroimpact.command import main
 
 EQUAL = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75"]
@@ -203,3 +203,31 @@ def test_no_command(tool):
 def test_help_names_units(name, tool):
     """Of what is typed and of what is written."""
     assert "time in 1/omega, angles in radians" in tool(name, "--help").out.decode()
+
+
+@pytest.mark.parametrize("words", [
+    ["run", "case.nml"], ["simulate", "case.nml"], ["plot", "case.nml"], ["reproduce", "table1"],
+    ["find", "case.nml"],
+])  # fmt: skip
+@pytest.mark.parametrize("name", ["q.txt", "new/pic.png", "a.h5", "b.JSONL"])
+def test_a_name_of_no_form_is_refused(words, name, tool):
+    """It is not made a folder in silence; what is allowed is said."""
+    write(tool.cwd / "case.nml", PAIR)
+    done = tool(*words, "-o", name)
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    forms = ", or a file whose name ends with one of .csv, .nc, .json, .mat"
+    allowed = "must be a folder" + (forms if words[0] not in ("plot", "reproduce") else "")
+    said = f"vibroimpact {words[0]}: -o {name}: {allowed}; if it is a folder: -o {name}/"
+    assert done.faults == [said]
+    assert list(contents(tool.cwd)) == ["case.nml"]
+
+
+@pytest.mark.parametrize(
+    "name", ["q.txt/", "a.json/", "there.txt", "r0.94", "run.2026-11-21", ".hidden"]
+)
+def test_folders_with_a_dot(name, tool):
+    """A slash at the end, a folder that is there, and what no file is called, are folders."""
+    (tool.cwd / "there.txt").mkdir()
+    write(tool.cwd / "case.nml", PAIR)
+    assert tool("run", "case.nml", "-o", name).status == 0
+    assert list(contents(tool.cwd / name)) == ["case.csv"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import textwrap
 from pathlib import Path
 from typing import NamedTuple
@@ -52,7 +53,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Search at each point once."""
+    """Search at each point; what is wrong with an option is said in its words."""
+    try:
+        return search(options)
+    except ParameterError as error:
+        words = re.sub(r"^(\w+) = ", lambda match: f"--{match[1].replace('_', '-')} ", str(error))
+        raise ParameterError(words) from None
+
+
+def search(options: argparse.Namespace) -> int:
+    """Search at each point once, print, write and draw the motions."""
     save = picture_writer() if options.plot else None
     points, status = _points(options)
     if options.stem and len(points) != 1:
