@@ -20,8 +20,8 @@ CASES = {
          "parameter = 'r', low = 1, high = 1.05, values = 3, clearance = 20, cycles = 400, x = 1, x_dot = 6,"
          " z = -2, z_dot = 9"),
         ("--r 1.04 --clearance 20 --cycles 400", "clearance = 20, cycles = 400"),
-        ("--r 1.04 --clearance 14 40 3 --spacing geometric --cycles 40",
-         "parameter = 'clearance', low = 14, high = 40, values = 3, spacing = 'geometric', cycles = 40"),
+        ("--r 1.04 --clearance 14 30 3 --spacing geometric --cycles 400",
+         "parameter = 'clearance', low = 14, high = 30, values = 3, spacing = 'geometric', cycles = 400"),
     ],
     "bifurcation": [
         ("--r 1.04 --parameter clearance --values 20 40 3",

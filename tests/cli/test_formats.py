@@ -4,7 +4,6 @@ import importlib
 import json
 import math
 import os
-import re
 import subprocess
 import sys
 
@@ -12,8 +11,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from programs import Runner, contents, find_command, write
-from vibroimpact.command import main, parsers
-from vibroimpact.commands import NAMES
+from vibroimpact.command import main
 from vibroimpact.commands.init import kinds
 
 SUFFIX = {"json": "json", "netcdf": "nc", "matlab": "mat"}
@@ -172,25 +170,6 @@ def test_attractors_in_other_forms(tool):
         vi.Oscillator(0.0114, 0.028, 0.75), [1, 1.02, 1.04], clearance=25.0, states=3
     )
     assert vi.load(tool.cwd / "results/response.json").to_json() == wanted.to_json()
-
-
-EXAMPLES = {name: importlib.import_module(f"vibroimpact.commands.{name}").EXAMPLE for name in NAMES}
-
-
-def test_help_has_the_example_and_the_exit_status():
-    """Of each command, and of the whole."""
-    whole, each = parsers()
-    assert list(each) == list(NAMES)
-    for name, parser in each.items():
-        text = re.sub(r"\s+", " ", parser.format_help())
-        assert re.sub(r"\s+", " ", f"example: {EXAMPLES[name]}") in text
-        assert (
-            "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
-            in text
-        )
-        assert "--quiet" in text
-        assert "--json" in text
-    assert "exit status: 0" in whole.format_help()
 
 
 def test_interrupted_cases_keep_what_is_finished(tmp_path, monkeypatch, capsys):

@@ -81,9 +81,11 @@ def add_common(parser: argparse.ArgumentParser) -> None:
 
 def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:
     """The namelist files that a command reads."""
+    instead = "" if count == "+" else "; instead of the options that name a case"
     parser.add_argument(
-        "files", nargs=count, metavar="FILE.nml", help="namelist files, or earlier results"
-    )
+        "files", nargs=count, metavar="FILE.nml",
+        help=f"namelist files, or earlier results as CSV{instead}",
+    )  # fmt: skip
 
 
 def add_folder(parser: argparse.ArgumentParser, file: str = "", on_request: bool = False) -> None:
@@ -160,7 +162,7 @@ def add_forms(parser: argparse.ArgumentParser, on_request: bool = False) -> None
     )
     parser.add_argument(
         "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
-        help=f"draw it, as {', '.join(PICTURES)} (default: {PICTURES[0]})",
+        help=f"draw the results too, as png, svg or pdf (default: {PICTURES[0]})",
     )  # fmt: skip
 
 

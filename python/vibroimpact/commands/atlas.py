@@ -22,7 +22,7 @@ EXAMPLE = (
 OWN = {
     "max_impacts": "most impacts a period, 2 to 8; an accumulation counts as one (default: 5)",
     "max_cycles": "most load cycles a period, 1 to 4 (default: 1)",
-    "survey": "points at which simulations are let settle (default: 400)",
+    "survey": "points from which simulations are left to settle (default: 400)",
     "settling": "load cycles simulated at each before its motion is looked at (default: 400)",
 }
 

@@ -33,7 +33,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--states", type=int, metavar="N", help="N random states instead of a plane"
     )
-    parser.add_argument("--seed", type=int, metavar="S", help="of the random states (default: 0)")
+    parser.add_argument(
+        "--seed", type=int, metavar="S", help="seed of the random states (default: 0)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

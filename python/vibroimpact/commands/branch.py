@@ -25,7 +25,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, or a motion, a parameter and its bounds."""
     add_case(parser, with_pattern=True)
     parser.add_argument("--r", type=float, metavar="R", help="frequency ratio")
-    parser.add_argument("--clearance", type=float, metavar="D", help="d K/F0")
+    parser.add_argument("--clearance", type=float, metavar="D", help="clearance d K/F0")
     parser.add_argument(
         "--phases-over-pi", type=float, nargs="+", metavar="PHASE",
         help="load phases of the impacts over pi, the first 0; near the motion's own is enough",
@@ -39,7 +39,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="its lowest and highest value",
     )
     parser.add_argument(
-        "--longest-step", type=float, metavar="S", help="in shares of the bounds (default: 0.05)"
+        "--longest-step",
+        type=float,
+        metavar="S",
+        help="longest step along the branch, in shares of the bounds (default: 0.05)",
     )
     add_numbers(parser, max_points="most points each way (default: 4000)")
 

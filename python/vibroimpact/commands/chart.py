@@ -28,7 +28,7 @@ OWN = {
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, or a system, a pattern and a grid."""
     add_case(parser, with_pattern=True)
-    for name, wanted in (("r", "frequency ratios"), ("clearance", "d K/F0")):
+    for name, wanted in (("r", "frequency ratios"), ("clearance", "clearances d K/F0")):
         parser.add_argument(
             f"--{name}", nargs=3, metavar=("LOW", "HIGH", "N"), help=f"the grid: N {wanted}"
         )

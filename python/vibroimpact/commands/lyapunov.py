@@ -7,7 +7,16 @@ from typing import Any
 
 from ..errors import ParameterError
 from .cases import run_kind
-from .options import Request, add_case, add_numbers, add_spacing, span, values
+from .options import (
+    STATE,
+    Request,
+    add_case,
+    add_numbers,
+    add_spacing,
+    add_state,
+    span,
+    values,
+)
 
 HELP = "compute all Lyapunov exponents at a point or along a line"
 DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a
@@ -17,8 +26,6 @@ DIR/NAME.csv, one row a point with their standard errors and the check by volume
 another form; with --plot a picture stands beside them. NAME is "lyapunov" for the case of
 the options."""
 EXAMPLE = "vibroimpact lyapunov --xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 10 30 5 -o results"
-
-STATE = ("x", "x_dot", "z", "z_dot")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,10 +42,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         cycles="load cycles averaged over (default: 10000)",
         discard="load cycles before them (default: 1000)",
     )
-    parser.add_argument(
-        "--state", type=float, nargs=4, metavar=("X", "X_DOT", "Z", "Z_DOT"),
-        help="where each point starts, at t = 0 (default: rest in the middle)",
-    )  # fmt: skip
+    add_state(parser, "where each point starts")
 
 
 def run(options: argparse.Namespace) -> int:

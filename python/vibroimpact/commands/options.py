@@ -23,6 +23,8 @@ APART = (
 )  # fmt: skip
 #: Values of a line at most.
 MOST = 1_000_000
+#: What --state gives.
+STATE = ("x", "x_dot", "z", "z_dot")
 #: Options that give several keys each.
 SPANS = {
     f"{name}_{end}": name for name in ("r", "clearance") for end in ("min", "max", "points")
@@ -80,10 +82,18 @@ def add_numbers(parser: argparse.ArgumentParser, **wanted: str) -> None:
         parser.add_argument(f"--{_word(name)}", type=int, metavar="N", help=meaning)
 
 
+def add_state(parser: argparse.ArgumentParser, what: str) -> None:
+    """The initial state."""
+    parser.add_argument(
+        "--state", type=float, nargs=4, metavar=("X", "X_DOT", "Z", "Z_DOT"),
+        help=f"{what}, at t = 0 (default: rest in the middle)",
+    )  # fmt: skip
+
+
 def add_spacing(parser: argparse.ArgumentParser, of: str) -> None:
     """How the values of a line are spaced."""
     parser.add_argument(
-        "--spacing", choices=("linear", "geometric"), help=f"of the {of} (default: linear)"
+        "--spacing", choices=("linear", "geometric"), help=f"spacing of the {of} (default: linear)"
     )
 
 
@@ -95,8 +105,8 @@ def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
         )
     add_numbers(
         parser,
-        lines="lattice lines each way (default: 17)",
-        guesses=f"guesses for motions at a node, a quarter at every other one (default: {guesses})",
+        lines="lines of the lattice of the search, each way (default: 17)",
+        guesses=f"guesses for motions at every second node, a quarter of it at the others (default: {guesses})",
         max_points="most vertices of a loop (default: 20000)",
     )
 

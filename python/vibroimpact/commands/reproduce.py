@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import textwrap
 from pathlib import Path
 
 from ..reproduce import NAMES, reproduce
@@ -10,8 +11,10 @@ from ..reproduce.tasks import TASKS
 from . import Fresh, add_folder
 
 HELP = "recompute the tables and figures of the 1983 paper"
-DESCRIPTION = f"""Recompute the tables and figures of Popplewell, Bapat and McLachlan (1983) and
-compare them with the printed values. Available: {", ".join(NAMES)}."""
+DESCRIPTION = textwrap.fill(
+    "Recompute the tables and figures of Popplewell, Bapat and McLachlan (1983) and compare them with the printed "
+    f"values. Available: {', '.join(NAMES)}.", 92,
+)  # fmt: skip
 EXAMPLE = "vibroimpact reproduce table1 -o results"
 
 
