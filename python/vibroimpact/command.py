@@ -112,7 +112,7 @@ def outcome(name: str, options: argparse.Namespace) -> int:
         )
     except KeyboardInterrupt:
         status = 1
-        options.record.interrupted()
+        options.record.interrupted(name not in WITHOUT_FILES)
     return status
 
 

@@ -1,5 +1,7 @@
 """The commands simulate and plot: the real program, against the API and against `run`."""
 
+import sys
+
 import pytest
 import vibroimpact as vi
 from programs import (
@@ -7,10 +9,12 @@ from programs import (
     ROOT,
     SYSTEM,
     Runner,
+    bars,
     contents,
     find_command,
     floats,
     motions,
+    on_terminal,
     rows,
     write,
 )
@@ -130,6 +134,19 @@ def test_simulate_draws(words, kind, tool):
     found = contents(tool.cwd / "results")
     assert sorted(found) == ["case.csv", f"case.{kind}"]
     assert found[f"case.{kind}"].startswith(MAGIC[kind])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+def test_bar_of_a_simulation(tool):
+    """With the time left, also where it is drawn, of the cycles that are discarded too."""
+    write(
+        tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 9000, discard = 90000")
+    )
+    status, said = on_terminal(tool.cwd, "simulate", "case.nml", "--plot")
+    assert status == 0
+    assert " s left " in said
+    assert len(set(bars(said))) > 2
+    assert bars(said) == sorted(bars(said))
 
 
 def test_simulation_of_no_time_is_drawn(tool):

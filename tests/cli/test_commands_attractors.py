@@ -159,6 +159,19 @@ def test_a_wrong_file_does_not_stop_the_others(name, tool):
     assert list(contents(tool.cwd / "results")) == ["case.csv"]
 
 
+@pytest.mark.parametrize("name", CASES)
+def test_an_input_is_not_overwritten(name, tool):
+    """A namelist whose name is that of its table stays as it is; a table may be run into its own place."""
+    text = kinds()[name]
+    write(tool.cwd / "case.csv", text)
+    done = tool(name, "case.csv", "-o", ".")
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    assert (
+        "case.csv: &output name = 'case': its result would overwrite this input" in done.faults[0]
+    )
+    assert contents(tool.cwd) == {"case.csv": text.encode()}
+
+
 @pytest.mark.parametrize("line", ["--clearance 72", "--clearance 72 80 2"])
 def test_lyapunov_without_impacts_says_so(line, tool):
     """Rest in a wide slot has none; a second line names the option that helps, and it does."""

@@ -6,6 +6,7 @@ import subprocess
 import time
 
 import pytest
+import vibroimpact as vi
 from programs import find_command, write
 from vibroimpact.command import main
 from vibroimpact.progress import Progress
@@ -59,6 +60,34 @@ def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
     assert main([name, "case.nml", "--format", form]) == 1
     assert capsys.readouterr().err == f"vibroimpact {name}: interrupted; nothing was finished\n"
     assert (tmp_path / "results/case.csv").read_text() == "old"
+
+
+@pytest.mark.parametrize(("words", "left"), [
+    (["bench"], ""),
+    (["find", "--xi", ".1", "--mu", ".1", "--restitution", ".5", "--r", ".9", "--clearance", "9"],
+     "; nothing was finished"),
+    (["find", "case.nml", "--max-impacts", "2"], "; what was finished is told"),
+])  # fmt: skip
+def test_what_is_told_is_not_lost(words, left, tmp_path, monkeypatch, capsys):
+    """Of commands that only print, and of a search that came to its second point."""
+    monkeypatch.chdir(tmp_path)
+    pair = "&motion kind = 'equispaced', clearance = {} /\n"
+    write(tmp_path / "case.nml", EQUAL + pair.format(20) + pair.format(21))
+    ours, calls = vi.find, []
+
+    def find(*arguments, **options):
+        if calls or words[1] != "case.nml":
+            raise KeyboardInterrupt
+        calls.append(1)
+        return ours(*arguments, **options)
+
+    def best(work):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vibroimpact.commands.find.find", find)
+    monkeypatch.setattr("vibroimpact.commands.bench.best", best)
+    assert main(words) == 1
+    assert capsys.readouterr().err == f"vibroimpact {words[0]}: interrupted{left}\n"
 
 
 def test_reproduction_names_what_it_has_written(tmp_path, monkeypatch, capsys):

@@ -52,11 +52,17 @@ class Record:
         """A result, as plain values or as one of the package's own objects; of one name, the latest."""
         self.results[name] = result
 
-    def interrupted(self) -> None:
-        """Say what Ctrl-C left."""
-        kept = ", ".join(self.files[:3]) + ", ..." * (len(self.files) > 3)
-        left = f"what was finished is kept: {kept}" if kept else "nothing was finished"
-        self.fault(f"vibroimpact {self.command}: interrupted; {left}")
+    def interrupted(self, writes: bool) -> None:
+        """Say what Ctrl-C left, of a command that writes files or does not."""
+        left = ""
+        if self.files:
+            some = ", ".join(self.files[:3]) + ", ..." * (len(self.files) > 3)
+            left = f"; what was finished is kept: {some}"
+        elif self.results:
+            left = "; what was finished is told"
+        elif writes:
+            left = "; nothing was finished"
+        self.fault(f"vibroimpact {self.command}: interrupted{left}")
 
     def text(self, status: int, said: str) -> str:
         """One JSON document."""

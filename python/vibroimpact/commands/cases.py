@@ -51,7 +51,10 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
     for line in faults:
         options.record.fault(line)
     status = 2 if faults else 0
-    for case in renamed(options, cases):
+    cases = renamed(options, cases)
+    for case in cases:
+        spare_inputs(options, case, folder)
+    for case in cases:
         if case.kind in WORDS:
             status = max(status, finish(options, case, folder, save, details))
         else:
@@ -104,6 +107,19 @@ def renamed(options: argparse.Namespace, cases: list[Case]) -> list[Case]:
         )
     text = re.sub(r"(?m)^(  name = ).*$", rf"\g<1>'{options.stem}'", cases[0].text)
     return [cases[0]._replace(name=options.stem, text=text)]
+
+
+def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
+    """An error if a table would take the place of an input that is none."""
+    path = folder / f"{case.name}.csv"
+    for file in options.files if path.is_file() and options.format == "csv" else ():
+        if os.path.isfile(file) and path.samefile(file):
+            with path.open(encoding="utf-8", errors="replace") as lines:
+                if not lines.readline().startswith("# ! vibroimpact"):
+                    raise ParameterError(
+                        f"{file}: &output name = {case.name!r}: its result would overwrite this input; must be "
+                        "another name or folder"
+                    )
 
 
 def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -> int:
