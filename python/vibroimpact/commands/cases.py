@@ -9,6 +9,7 @@ import os
 import re
 import tempfile
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -98,7 +99,7 @@ def results_of(files: Sequence[str], kind: str | None, folder: Path) -> list[Pat
 
 def renamed(options: argparse.Namespace, cases: list[Case]) -> list[Case]:
     """The cases; the only one with the name of the file that -o names."""
-    if not options.stem:
+    if not options.stem or not cases:  # of files with faults alone nothing more is said
         return cases
     if len(cases) != 1:
         raise ParameterError(
@@ -125,21 +126,22 @@ def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
 def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -> int:
     """Leave the table and the words of a case to the compiled program, and make the rest of it anew.
 
-    For motions and branches, which take no time, and several of which share a table.
+    For motions and branches, which take no time, and several of which share a table. How much there is to do for a
+    branch is not known before: its bar tells the time that has passed.
     """
-    with tempfile.TemporaryDirectory() as place, Progress(case.name) as bar:
-
-        def show(share: float = 0.0) -> None:
-            """How much there is to do is not known before."""
-            bar.show(share)
-
+    with tempfile.TemporaryDirectory() as place:
         source = Path(place) / "case.nml"
         source.write_text(case.text, encoding="utf-8")
-        log = run_namelists([source], folder if options.format == "csv" else place, progress=show)
-        results = interruptible(case.run, watch=show) if log.results else []
+        with Progress(case.name) as bar:
+            target = folder if options.format == "csv" else place
+            log = run_namelists([source], target, progress=bar.show)
     tell(log, options.record)
     if options.format == "csv":
         options.record.files += map(str, log.results)
+    results = []
+    if log.results:
+        with Progress(case.name) as bar:
+            results = interruptible(case.run, watch=partial(bar.show, 0.0))
     put(options, case, results, folder, save)
     return log.status
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 import tempfile
 from collections.abc import Iterable, Sequence
@@ -369,10 +370,10 @@ def shown(row: Sequence[Any]) -> list[str]:
 
 def exact(value: float) -> str:
     """A number as the compiled program writes it."""
-    if not np.isfinite(value):
+    if not math.isfinite(value):
         return "nan" if value != value else ("inf" if value > 0 else "-inf")
-    digits, _, exponent = f"{value:.16E}".partition("E")
-    return f"{digits}E{int(exponent):+04d}"
+    text = f"{value:.16E}"
+    return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"  # three digits of the exponent
 
 
 def write_csv(result: Any, path: Path) -> None:
