@@ -115,6 +115,9 @@ def test_random_states(tool):
     table = rows(tool.cwd / "results/basins.csv")
     assert column(table, "x").tolist() == result.states[1].tolist()
     assert column(table, "label").tolist() == result.labels.tolist()
+    done = tool("basins", "results/basins.csv", "--plot", "-o", "again")
+    assert b"basins: random states have no picture\n" in done.out
+    assert list(contents(tool.cwd / "again")) == ["basins.csv"]
     assert tool("basins", *SYSTEM, *options.split()[:-1], "6", "-o", "six").status == 0
     assert column(rows(tool.cwd / "six/basins.csv"), "x").tolist() != result.states[1].tolist()
 
@@ -185,6 +188,10 @@ def test_lyapunov_without_impacts_says_so(line, tool):
         "vibroimpact lyapunov: another start may lead to impacts: --state X X_DOT Z Z_DOT",
     ]
     assert list(contents(tool.cwd)) == []
+    head = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
+    write(tool.cwd / "far.nml", head + "&lyapunov clearance = 72, cycles = 400, discard = 50 /\n")
+    from_file = tool("lyapunov", "far.nml")
+    assert from_file.faults == ["far: no exponents at 1 of 1 point: no impacts in a batch"]
     done = tool("lyapunov", *SYSTEM, *point, "--state", "0", "6", "0", "9")
     assert (done.status, done.err) == (0, b"")
     start = {"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9}

@@ -191,15 +191,13 @@ def put(
             film = result.animate(folder / f"{name}.{options.animate}")
             options.record.files.append(str(film))
             print(f"{case.name}: {film}")
-        if save is not None and options.plot and drawable(result):
-            path = save(picture(result, options), folder / f"{name}.{options.plot}")
-            options.record.files.append(str(path))
-            print(f"{case.name}: {path}")
-
-
-def drawable(result: Any) -> bool:
-    """Whether there is anything to see."""
-    return bool(getattr(result, "zones", True)) and getattr(result, "axes", ()) is not None
+        if save is not None and options.plot:
+            if getattr(result, "axes", ()) is None:
+                print(f"{case.name}: random states have no picture")
+            elif getattr(result, "zones", True):  # an atlas may have none
+                path = save(picture(result, options), folder / f"{name}.{options.plot}")
+                options.record.files.append(str(path))
+                print(f"{case.name}: {path}")
 
 
 def picture(result: Any, options: argparse.Namespace) -> Any:

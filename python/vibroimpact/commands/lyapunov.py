@@ -59,7 +59,8 @@ def run(options: argparse.Namespace) -> int:
     spans |= dict.fromkeys(("low", "high", "values"), str(line.get("parameter")))
     needed = ("xi", "mu", "restitution", "r", "clearance")
     status = run_kind(options, Request("lyapunov", groups, needed, spans), details)
-    if not options.state and any(": no exponents" in line for line in options.record.faults):
+    named = options.files or options.state
+    if not named and any(": no exponents" in line for line in options.record.faults):
         options.record.fault(
             "vibroimpact lyapunov: another start may lead to impacts: --state X X_DOT Z Z_DOT"
         )
