@@ -8,6 +8,7 @@ from .chart import chart
 from .events import Sample
 from .find import FoundMotions, Search, find
 from .flags import StabilityFlags, stability_flags
+from .found import Findings
 from .interchange.result import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
@@ -37,6 +38,7 @@ __all__ = [
     "Branch",
     "Bundle",
     "Case",
+    "Findings",
     "FoundMotions",
     "Lyapunov",
     "Motion",

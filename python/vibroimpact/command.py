@@ -16,13 +16,17 @@ from io import StringIO
 from .commands import NAMES, PICTURES, Record, add_common, name_file, need_extras
 from .errors import VibroimpactError
 
-EXIT_STATUS = """exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong
-Ctrl-C leaves what is finished, status 1"""
+EXIT_STATUS = (
+    "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
+)
+INTERRUPT = "Ctrl-C: what is finished is kept, status 1"
 #: For the commands that read or write numbers.
 UNITS = (
     "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega"
 )
 WITHOUT_UNITS = ("explore", "reproduce", "init", "doctor", "bench", "completion")
+#: Those that compute nothing that is kept.
+WITHOUT_FILES = ("explore", "init", "doctor", "bench", "completion")
 
 
 def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
@@ -31,7 +35,7 @@ def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParse
     main_parser = argparse.ArgumentParser(
         prog="vibroimpact",
         description="Stable periodic motions of a vibrating system in which a free mass hits its walls.",
-        epilog=f"example: vibroimpact reproduce table1\n\n{EXIT_STATUS}",
+        epilog=f"example: vibroimpact reproduce table1\n\n{EXIT_STATUS}\n{INTERRUPT}",
         formatter_class=style,
     )
     main_parser.add_argument(
@@ -44,7 +48,8 @@ def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParse
         each[name] = commands.add_parser(
             name, help=module.HELP, description=module.DESCRIPTION, formatter_class=style,
             epilog="\n\n".join([
-                f"example: {module.EXAMPLE}", *[UNITS] * (name not in WITHOUT_UNITS), EXIT_STATUS,
+                f"example: {module.EXAMPLE}", *[UNITS] * (name not in WITHOUT_UNITS),
+                "\n".join([EXIT_STATUS, *[INTERRUPT] * (name not in WITHOUT_FILES)]),
             ]),
         )  # fmt: skip
         module.arguments(each[name])
@@ -107,7 +112,7 @@ def outcome(name: str, options: argparse.Namespace) -> int:
         )
     except KeyboardInterrupt:
         status = 1
-        options.record.fault(f"vibroimpact {name}: interrupted; what was finished is kept")
+        options.record.interrupted(name not in WITHOUT_FILES)
     return status
 
 

@@ -17,6 +17,7 @@ class Progress:
         self.label = label
         self.wanted = sys.stderr.isatty() if wanted is None else wanted
         self.begin = self.last = time.monotonic()
+        self.reached = 0.0
         self.shown = False
 
     def __enter__(self) -> Progress:
@@ -27,13 +28,17 @@ class Progress:
             print("\r" + " " * (len(self.label) + WIDTH + 70) + "\r", end="", file=sys.stderr)
 
     def show(self, share: float, note: str = "") -> None:
-        """Draw the bar for a share of the work between 0 and 1, with the time that is left at this pace."""
+        """Draw the bar for a share of the work between 0 and 1, with the time that is left at this pace.
+
+        The share falls where more work comes in sight: the time left is told anew then, the bar stays.
+        """
         now = time.monotonic()
+        self.reached = max(self.reached, min(1.0, share))
         if not self.wanted or now - self.begin < PATIENCE or now - self.last < INTERVAL:
             return
         self.last = now
         self.shown = True
-        bar = "#" * int(WIDTH * min(1.0, share))
+        bar = "#" * int(WIDTH * self.reached)
         spent = now - self.begin
         left = f", about {spent * (1 / share - 1):.0f} s left" if 0 < share < 1 else ""
         print(

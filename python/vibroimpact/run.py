@@ -75,15 +75,17 @@ class Case(NamedTuple):
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """What the case asks for: its motions, branches, or one trajectory, zone, atlas or chart.
 
-        `progress` is as of `atlas`, and for zones, atlases and studies of attractors.
+        `progress` is as of `atlas`, and for simulations, zones, atlases and studies of attractors.
         """
         if self.kind in ("atlas", "zone", "lyapunov", "bifurcation", "response", "basins"):
             return [getattr(self, self.kind)(progress)]
+        if self.kind == "simulate":
+            return [self.trajectory(progress)]
         if self.kind in ("periodic", "equispaced", "exact"):
             return list(self.motions())
         if self.kind == "branch":
             return list(self.branches())
-        return [getattr(self, {"simulate": "trajectory"}.get(self.kind, self.kind))()]
+        return [self.chart()]
 
     def to_namelist(self) -> str:
         """The case as a namelist, with what was missing filled in."""
@@ -218,12 +220,12 @@ class Case(NamedTuple):
         """The initial state."""
         return {name: self.keys[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
 
-    def trajectory(self) -> Trajectory:
+    def trajectory(self, progress: Callable[[float, str], None] | None = None) -> Trajectory:
         """The simulation that a &simulate case asks for."""
         keys = self.keys
         return simulate(
             self.osc, self.r, keys["clearance"], keys["cycles"], self._state(), keys["load"],
-            keys["discard"], keys["max_events"],
+            keys["discard"], keys["max_events"], progress,
         )  # fmt: skip
 
 

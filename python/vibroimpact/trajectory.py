@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -160,6 +160,7 @@ def simulate(
     load: float = 1.0,
     discard: float = 0,
     max_events: int = 10_000_000,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Trajectory:
     """Simulate from an initial state; no impact is missed, and accumulating impacts are completed.
 
@@ -187,6 +188,8 @@ def simulate(
         Load cycles simulated before those that are kept.
     max_events : int
         Events after which the trajectory ends, if there are more (`complete` is then False).
+    progress : callable, optional
+        Called now and then with the share done and what is being done.
 
     Returns
     -------
@@ -220,14 +223,23 @@ def simulate(
     max_events = checks.integer(max_events, "max_events", 1, 10**9)
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
     now, begun = start_of(system, state)
+    whole = discard + cycles or 1.0
+
+    def tell(done: float) -> None:
+        """Load cycles that are done."""
+        if progress is not None:
+            progress(done / whole, "simulation")
+
     if discard:
-        _, now, begun, complete = _run(system, now, begun, discard, max_events, keep=False)
+        _, now, begun, complete = _run(system, now, begun, discard, max_events, tell, keep=False)
         if not complete:
             raise ParameterError(
                 f"max_events = {max_events}: must be more; it was reached within the discarded cycles"
             )
     first = state_of(system, now, begun)
-    events, now, begun, complete = _run(system, now, begun, cycles, max_events, keep=True)
+    events, now, begun, complete = _run(
+        system, now, begun, cycles, max_events, lambda done: tell(discard + done), keep=True
+    )
     events.flags.writeable = False
     request = None
     if state is None or not any(name in state for name in (*EXTRA, "since")):
@@ -241,11 +253,13 @@ def simulate(
 
 
 def _run(
-    system: System, now: Moment, begun: Moment, cycles: float, max_events: int, *, keep: bool
-) -> tuple[NDArray[Any], Moment, Moment, bool]:
+    system: System, now: Moment, begun: Moment, cycles: float, max_events: int,
+    tell: Callable[[float], None], *, keep: bool,
+) -> tuple[NDArray[Any], Moment, Moment, bool]:  # fmt: skip
     """Simulate some cycles in chunks.
 
-    `now` is the moment from which the cycles count, and `begun` where its flight or rest began.
+    `now` is the moment from which the cycles count, and `begun` where its flight or rest began; `tell` is told
+    how many are done.
 
     Returns
     -------
@@ -256,7 +270,7 @@ def _run(
     complete : bool
         Whether the end was reached.
     """
-    end = later(now[0], cycles)
+    first, end = float(now[0][0]), later(now[0], cycles)
     span = max(1.0, SPAN * min(1.0, system[3]))
     tables, total = [], 0
     chunk = int(min(CHUNK, 64 + 4 * (cycles + 1)))
@@ -274,6 +288,7 @@ def _run(
             tables.append(table[:n] if 4 * n > len(table) else table[:n].copy())
         if status not in (0, MORE_EVENTS):
             raise_status(status)
+        tell(min(cycles, float(now[0][0]) - first))
         if last_part if status == 0 else total == max_events:
             break
         chunk = CHUNK if status else chunk

@@ -83,7 +83,7 @@ contains
             else if (a%values(i) < 2 .or. a%values(i) > 100000) then
                call complain(group, 'values', line, message)
             else if (a%axes(i) == 'y' .and. max(-a%low(i), a%high(i)) > half_gap(case)) then
-               call complain(group, merge('low ', 'high', -a%low(i) > half_gap(case)), line, &
+               call complain(group, trim(merge('low ', 'high', -a%low(i) > half_gap(case))), line, &
                   message, 'y must be within half the clearance')
             end if
             if (len(message) > 0) return

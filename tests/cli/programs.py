@@ -1,14 +1,19 @@
 """How the tests find and run the program `vibroimpact-batch` and the command `vibroimpact run`."""
 
+import contextlib
 import csv
 import ctypes
 import io
 import os
+import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
 
 BIN = Path(sys.executable).parent
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,6 +38,10 @@ COMPLETE = """&system
   format = 'csv'
 /
 """
+#: Columns of each impact, those that all impacts share, and the words of verdicts.
+IMPACT = ["X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"]
+SHARED = ["clearance", "A", "tau", "residual", "x_min", "x_max", "attenuation"]
+WORDS = {True: "true", False: "false", None: "unknown"}
 #: What a sanitizer or the compiler's runtime library says when a program breaks.
 BREAKDOWN = ("Fortran runtime", "Backtrace", "Sanitizer", "runtime error", "SIG", "Traceback")
 
@@ -97,6 +106,45 @@ def write(path, text):
     return path
 
 
+#: Makes a bar appear at once, and be drawn at every look.
+EAGER = (
+    "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
+    "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n"
+)
+
+
+def on_terminal(cwd, *words, stop=None):
+    """Exit status of `vibroimpact`, and what it says on a terminal, with a bar from the start.
+
+    It is interrupted when it has said what the pattern `stop` finds.
+    """
+    (cwd / "eager").mkdir(exist_ok=True)
+    write(cwd / "eager/sitecustomize.py", EAGER)
+    ours, theirs = os.openpty()
+    with subprocess.Popen(
+        [find_command(), *words],
+        cwd=cwd, stderr=theirs, stdout=subprocess.DEVNULL,
+        env={**os.environ, "PYTHONPATH": str(cwd / "eager")},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:  # fmt: skip
+        os.close(theirs)
+        said, stopped = "", False
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while part := os.read(ours, 4096):
+                said += part.decode()
+                if stop and not stopped and re.search(stop, said):
+                    stopped = True
+                    process.send_signal(signal.SIGINT)
+    os.close(ours)
+    assert stopped == bool(stop), said[-500:]
+    return process.returncode, said
+
+
+def bars(said):
+    """How long the bar was, each time it was drawn."""
+    return [len(item) for item in re.findall(r"\[(#*) *\]", said)]
+
+
 def find_batch():
     """The compiled program: $VIBROIMPACT_BATCH, else the installed one without its launcher."""
     chosen = os.environ.get("VIBROIMPACT_BATCH")
@@ -156,6 +204,11 @@ def floats(motion, key):
     return [float(item) for item in motion[key]]
 
 
+def column(table, name):
+    """A column of rows as numbers."""
+    return np.array([float(row[name]) for row in table])
+
+
 def multipliers(motion):
     """The four multipliers of a motion."""
     first = {key: value[0] for key, value in motion.items()}
@@ -163,6 +216,17 @@ def multipliers(motion):
         complex(float(first[f"multiplier_{i}_re"]), float(first[f"multiplier_{i}_im"]))
         for i in range(1, 5)
     ]
+
+
+def assert_same(motion, expected):
+    """A motion of a result equals one of the Python API, bit for bit."""
+    for key in IMPACT:
+        assert floats(motion, key) == getattr(expected, key).tolist(), key
+    for key in SHARED:
+        assert floats(motion, key) == [getattr(expected, key)] * len(motion["r"]), key
+    assert multipliers(motion) == expected.multipliers.tolist()
+    for key in ("consistent", "admissible", "stable"):
+        assert motion[key][0] == WORDS[getattr(expected, key)], key
 
 
 def many_cases(count):

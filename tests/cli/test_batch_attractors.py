@@ -1,4 +1,4 @@
-"""Studies of attractors in namelists: laws, and the digits of the API from both programs."""
+"""Bifurcation diagrams, responses and basins in namelists: laws, and the digits of the API from both programs."""
 
 import inspect
 import math
@@ -7,189 +7,27 @@ import signal
 import subprocess
 import time
 
-import numpy as np
 import pytest
 import vibroimpact as vi
-from programs import ROOT, contents, rows, write
+from attractors import (
+    DIAGRAM,
+    EQUAL,
+    FREE,
+    MOVING,
+    PLANE,
+    RESPONSE,
+    TABLE,
+    WALLS,
+    assert_both,
+    assert_refused,
+    case_of,
+    told,
+)
+from programs import ROOT, column, contents, rows, write
 from vibroimpact.run import read_namelist
 
-TABLE = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
-EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
-WALLS = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"
-FREE = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
-MOVING = "x_dot = 6, z_dot = 9"
-LYAPUNOV = f"""{EQUAL}&lyapunov parameter = 'clearance'
-  low = 5, high = 40, values = 6
-  cycles = 400, discard = 300, {MOVING}
-/
-"""
 
-DIAGRAM = f"""{EQUAL}&bifurcation parameter = 'clearance'
-  low = 20, high = 26, values = 4
-  sweep = 'both', settling = 60
-/
-"""
-RESPONSE = f"""{FREE}&response inverse_clearance = 0.03, states = 3
-  r_min = 1.0, r_max = 1.04, r_points = 5
-/
-"""
-PLANE = f"""{TABLE}&basins clearance = 37
-  axes = 'x', 'x_dot'
-  low = -30, -30, high = 30, 30, values = 8, 9
-  probes = 50
-/
-"""
-
-
-def column(table, name):
-    """A column of rows as numbers."""
-    return np.array([float(row[name]) for row in table])
-
-
-def both(text, batch, command, status=0):
-    """The rows of a case, which both programs give alike, and which give themselves again."""
-    done = batch.case(text)
-    assert done.status == status, done
-    assert command("case.nml", "-o", "command") == done
-    found = contents(batch.cwd / "results")
-    assert contents(batch.cwd / "command") == found
-    again = batch("results/case.csv", "-o", "again")
-    assert (again.status, contents(batch.cwd / "again")) == (status, found)
-    assert read_namelist(batch.cwd / "case.nml") == read_namelist(batch.cwd / "results/case.csv")
-    return rows(batch.cwd / "results/case.csv")
-
-
-def case_of(batch):
-    """The case of the file that was run."""
-    (case,) = read_namelist(batch.cwd / "case.nml")
-    return case
-
-
-def compare_lyapunov(table, result):
-    """Digit by digit."""
-    assert column(table, "r").tolist() == np.broadcast_to(result.r, len(table)).tolist()
-    assert column(table, "clearance").tolist() == result.clearance.ravel().tolist()
-    exponents = result.per_cycle.reshape(4, -1)
-    errors = (result.standard_error * (2 * np.pi / result.r)).reshape(4, -1)
-    for i in range(4):
-        np.testing.assert_array_equal(column(table, f"exponent_{i + 1}"), exponents[i])
-        np.testing.assert_array_equal(column(table, f"error_{i + 1}"), errors[i])
-    for name in ("dimension", "identity_error", "impacts", "rests"):
-        np.testing.assert_array_equal(column(table, name), getattr(result, name).ravel())
-
-
-@pytest.mark.parametrize("text", [
-    LYAPUNOV,
-    LYAPUNOV.replace("EQUAL", "").replace(", r = 1.04", "")
-    .replace("'clearance'", "'R', clearance = 20").replace("low = 5, high = 40", "low = 0.98, high = 1.06"),
-    f"{WALLS}&lyapunov clearance = 6, cycles = 200, batches = 7, discard = 100, load = 1.1, {MOVING} /\n",
-    f"{EQUAL}&lyapunov clearance = 20, cycles = 100, t = 1.5, x = -3, x_dot = 5, z = 2, z_dot = -4 /\n",
-])  # fmt: skip
-def test_exponents_of_the_api(text, batch, command, same_build):
-    table = both(text, batch, command)
-    compare_lyapunov(table, case_of(batch).lyapunov())
-
-
-def test_sum_of_exponents_is_that_of_volume(batch):
-    """Per load cycle -4 pi xi/r + (impacts a cycle) 2 log R, where the motion is periodic."""
-    assert batch.case(LYAPUNOV.replace("discard = 300", "discard = 1500")).status == 0
-    table = rows(batch.cwd / "results/case.csv")
-    sums = sum(column(table, f"exponent_{i}") for i in range(1, 5))
-    volume = -4 * math.pi * 0.0114 / 1.04 + 2 * math.log(0.75) * column(table, "impacts") / 400
-    periodic = column(table, "exponent_1") < -1e-2
-    assert periodic.sum() > 3
-    assert not periodic.all()
-    np.testing.assert_allclose(sums[periodic], volume[periodic], rtol=1e-9)
-    assert column(table, "identity_error").max() < 1e-12
-
-
-def test_exponents_are_those_of_the_multipliers(batch):
-    """Of the stable motion that a &motion of the same file gives."""
-    motion = "&motion kind = 'equispaced', clearance = 30 /\n"
-    study = f"&lyapunov clearance = 30, cycles = 400, discard = 2000, {MOVING} /\n"
-    assert batch.case(EQUAL + motion + study).status == 0
-    stable = [row for row in rows(batch.cwd / "results/case_1.csv") if row["stable"] == "true"]
-    (row,) = rows(batch.cwd / "results/case_2.csv")
-    moduli = [
-        math.hypot(float(stable[0][f"multiplier_{i}_re"]), float(stable[0][f"multiplier_{i}_im"]))
-        for i in range(1, 5)
-    ]
-    exponents = [float(row[f"exponent_{i}"]) for i in range(1, 5)]
-    np.testing.assert_allclose(exponents, np.log(sorted(moduli, reverse=True)), atol=1e-6)
-
-
-def test_rest_extinguishes_two_directions(batch):
-    """They are written as Python reads them."""
-    assert batch.case(f"{WALLS}&lyapunov clearance = 6, cycles = 100, {MOVING} /\n").status == 0
-    (row,) = rows(batch.cwd / "results/case.csv")
-    assert (row["exponent_3"], row["exponent_4"], row["error_4"]) == (
-        "-inf", "-inf", "0.0000000000000000E+000",
-    )  # fmt: skip
-    assert int(row["rests"]) >= 100
-
-
-def test_points_without_impacts(batch, command):
-    """Some: their rows are nan, status 1. All: said, nothing written."""
-    far = LYAPUNOV.replace("high = 40", "high = 4000")
-    table = both(far, batch, command, status=1)
-    assert table[-1]["exponent_1"] == "nan"
-    assert table[0]["exponent_1"] != "nan"
-    done = batch.case(far.replace("low = 5", "low = 3900"), "-o", "none")
-    assert (done.status, done.out) == (1, b"")
-    assert done.faults == ["case: no exponents at 6 of 6 points: no impacts in a batch"]
-    assert not (batch.cwd / "none").exists() or not contents(batch.cwd / "none")
-
-
-BAD_LYAPUNOV = [
-    *[("parameter = 'clearance'", f"parameter = {v}", "'r' or 'clearance'", 2)
-      for v in ("'xi'", "'q'", "''", "r", "1")],
-    *[("low = 5", f"low = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("nan", "0", "-1", "5, 6")],
-    *[("high = 40", f"high = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("5", "1", "nan", "1e13")],
-    *[("values = 6", f"values = {v}", "2 <= values", 3) for v in ("1", "0", "6, 7", "2000000")],
-    ("low = 5, high", "high", "&lyapunov low: is missing", 2),
-    *[("cycles = 400", f"cycles = {v}", "2 batches <= cycles", 4) for v in ("39", "0", "-1", "2000000000")],
-    ("cycles = 400", "cycles = 1e3", "2 batches <= cycles", 4),
-    *[("cycles = 400", f"batches = {v}", "2 <= batches <= 1000", 4) for v in ("1", "1001")],
-    ("discard = 300", "discard = -1", "0 <= discard", 4),
-    ("discard = 300", "load = -1", "0 <= load", 4),
-    ("discard = 300", "load = nan", "0 <= load", 4),
-    *[("discard = 300", f"{v} = inf", "a finite number", 4) for v in ("t", "x", "z")],
-    ("discard = 300", "z = 2.6", "z - x must be within half the clearance", 4),
-    ("discard = 300", "clearance = 3", "must be left out: it is the parameter", 4),
-    ("discard = 300", "states = 3", "is not a key of &lyapunov; must be one of clearance", 4),
-    ("parameter = 'clearance'\n", "clearance = 9\n", "low = 5: must be left out: it goes with parameter", 3),
-]  # fmt: skip
-
-
-def refused(text, group, wanted, line, batch):
-    """One line with file, line, group, key, value and what is allowed; status 2; no result."""
-    done = batch.case(text)
-    assert (done.status, done.out, len(done.faults)) == (2, b"", 1), done
-    assert done.faults[0].startswith(f"case.nml:{line}: &{group} ")
-    assert wanted in done.faults[0]
-    assert list(contents(batch.cwd)) == ["case.nml"]
-
-
-@pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_LYAPUNOV)
-def test_bad_lyapunov(old, new, wanted, line, batch):
-    assert old in LYAPUNOV
-    refused(LYAPUNOV.replace(old, new, 1), "lyapunov", wanted, line, batch)
-
-
-def test_clearance_is_missing(batch):
-    refused(f"{EQUAL}&lyapunov {MOVING} /\n", "lyapunov", "clearance: is missing", 2, batch)
-
-
-def test_r_is_where_it_belongs(batch):
-    """Of the &system, unless r is the parameter."""
-    along_r = "&lyapunov parameter = 'r', low = .9, high = 1, values = 3, clearance = 9 /\n"
-    refused(EQUAL + along_r, "system", "r = 1.04: must be left out", 1, batch)
-    refused(FREE + f"&lyapunov clearance = 9, {MOVING} /\n", "system", "r: is missing", 1, batch)
-    undamped = FREE.replace("0.0114", "0")
-    refused(undamped + along_r, "lyapunov", "r = 1 with xi = 0", 2, batch)
-
-
-def compare_diagram(table, result):
+def assert_diagram(table, result):
     """Digit by digit."""
     points = result.points
     assert [row["run"] for row in table] == [result.runs[i] for i in points["run"]]
@@ -215,9 +53,9 @@ def compare_diagram(table, result):
     " /\n",
 ])  # fmt: skip
 def test_diagrams_of_the_api(text, batch, command, same_build):
-    table = both(text, batch, command)
+    table = assert_both(text, batch, command)
     result = case_of(batch).bifurcation()
-    compare_diagram(table, result)
+    assert_diagram(table, result)
     header = (batch.cwd / "results/case.csv").read_text().split("\n")
     said = [re.fullmatch(r"# ! (.+): (.+) from (.+) to (.+)", line) for line in header]
     assert [(line[1], float(line[3]), float(line[4]), line[2]) for line in said if line] == [
@@ -274,7 +112,7 @@ BAD_DIAGRAM = [
 @pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_DIAGRAM)
 def test_bad_diagram(old, new, wanted, line, batch):
     assert old in DIAGRAM
-    refused(DIAGRAM.replace(old, new, 1), "bifurcation", wanted, line, batch)
+    assert_refused(DIAGRAM.replace(old, new, 1), "bifurcation", wanted, line, batch)
 
 
 @pytest.mark.parametrize("text", [
@@ -283,7 +121,7 @@ def test_bad_diagram(old, new, wanted, line, batch):
     RESPONSE.replace("0.75", "0.75, 0.61"),
 ])  # fmt: skip
 def test_response_of_the_api(text, batch, command, same_build):
-    table = both(text, batch, command)
+    table = assert_both(text, batch, command)
     result = case_of(batch).response()
     for name in ("r", "clearance", "lowest", "highest"):
         assert column(table, name).tolist() == getattr(result, name).tolist()
@@ -320,16 +158,7 @@ BAD_RESPONSE = [
 @pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_RESPONSE)
 def test_bad_response(old, new, wanted, line, batch):
     assert old in RESPONSE
-    refused(RESPONSE.replace(old, new, 1), "response", wanted, line, batch)
-
-
-def told(path):
-    """What the header says of each attractor: name, kind, share, greatest multiplier or exponent."""
-    pattern = (
-        r"# ! (\d+): (.+) \((.+)\), share (\S+?)(?:, (?:greatest|largest)[^,;]* (\S+?))?[,;].*"
-    )
-    found = [re.fullmatch(pattern, line) for line in path.read_text().split("\n")]
-    return [item.groups() for item in found if item]
+    assert_refused(RESPONSE.replace(old, new, 1), "response", wanted, line, batch)
 
 
 @pytest.mark.parametrize("text", [
@@ -341,7 +170,7 @@ def told(path):
     PLANE.replace(TABLE, EQUAL).replace("= 37", "= 72, cycles = 300").replace("8, 9", "4, 3"),
 ])  # fmt: skip
 def test_basins_of_the_api(text, batch, command, same_build):
-    table = both(text, batch, command)
+    table = assert_both(text, batch, command)
     result = case_of(batch).basins()
     for name, values in zip(("t", "x", "x_dot", "z", "z_dot"), result.states, strict=True):
         assert column(table, name).tolist() == values.ravel().tolist()
@@ -444,18 +273,18 @@ BAD_PLANE = [
 @pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_PLANE)
 def test_bad_plane(old, new, wanted, line, batch):
     assert old in PLANE
-    refused(PLANE.replace(old, new, 1), "basins", wanted, line, batch)
+    assert_refused(PLANE.replace(old, new, 1), "basins", wanted, line, batch)
 
 
 def test_resonance_without_damping(batch):
     undamped = FREE.replace("0.0114", "0")
-    refused(undamped + RESPONSE.replace(FREE, ""), "response", "r = 1 with xi = 0", 3, batch)
+    assert_refused(undamped + RESPONSE.replace(FREE, ""), "response", "r = 1 with xi = 0", 3, batch)
     text = DIAGRAM.replace("1.04", "1").replace("'clearance'", "'xi', clearance = 9")
     text = text.replace("low = 20, high = 26", "low = 0, high = 0.1")
-    refused(text, "bifurcation", "r = 1 with xi = 0", 3, batch)
+    assert_refused(text, "bifurcation", "r = 1 with xi = 0", 3, batch)
     text = DIAGRAM.replace(EQUAL, undamped).replace("'clearance'", "'r', clearance = 9")
     text = text.replace("low = 20, high = 26, values = 4", "low = 0.9, high = 1.1, values = 3")
-    refused(text, "bifurcation", "r = 1 with xi = 0", 3, batch)
+    assert_refused(text, "bifurcation", "r = 1 with xi = 0", 3, batch)
 
 
 def test_defaults_are_those_of_the_api(tmp_path):

@@ -5,20 +5,19 @@ import re
 
 import numpy as np
 import pytest
-from programs import contents, rows
-from test_batch_attractors import (
+from attractors import (
     DIAGRAM,
     EQUAL,
     MOVING,
     PLANE,
     TABLE,
     WALLS,
-    both,
+    assert_both,
+    assert_refused,
     case_of,
-    column,
-    refused,
     told,
-)  # fmt: skip
+)
+from programs import column, contents, rows
 
 RATIOS = DIAGRAM.replace("values = 4", "values = 4, spacing = 'geometric'")
 EXPONENTS = f"""{EQUAL}&lyapunov parameter = 'clearance'
@@ -39,7 +38,7 @@ RANDOM = f"""{TABLE}&basins clearance = 37
     RATIOS.replace("'clearance'", "'xi', clearance = 20").replace("low = 20, high = 26", "low = 1e-4, high = 0.1"),
 ])  # fmt: skip
 def test_diagram_in_ratios_of_the_api(text, batch, command, same_build):
-    table = both(text, batch, command)
+    table = assert_both(text, batch, command)
     result = case_of(batch).bifurcation()
     np.testing.assert_allclose(
         result.values[1:] / result.values[:-1], result.values[1] / result.values[0]
@@ -52,7 +51,7 @@ def test_diagram_in_ratios_of_the_api(text, batch, command, same_build):
 
 
 def test_exponents_in_ratios_of_the_api(batch, command, same_build):
-    table = both(EXPONENTS, batch, command)
+    table = assert_both(EXPONENTS, batch, command)
     result = case_of(batch).lyapunov()
     assert column(table, "clearance").tolist() == result.clearance.tolist()
     assert column(table, "exponent_1").tolist() == result.per_cycle[0].tolist()
@@ -79,13 +78,13 @@ def test_two_values_have_any_spacing(batch):
 ])  # fmt: skip
 def test_bad_spacing(old, new, wanted, line, batch):
     assert old in RATIOS
-    refused(RATIOS.replace(old, new, 1), "bifurcation", wanted, line, batch)
+    assert_refused(RATIOS.replace(old, new, 1), "bifurcation", wanted, line, batch)
 
 
 def test_spacing_without_a_parameter(batch):
     text = EXPONENTS.replace("parameter = 'clearance'", "clearance = 9")
     text = text.replace("low = 9, high = 40, values = 3, ", "")
-    refused(text, "lyapunov", "must be left out: it goes with parameter", 3, batch)
+    assert_refused(text, "lyapunov", "must be left out: it goes with parameter", 3, batch)
     assert list(contents(batch.cwd)) == ["case.nml"]
 
 
@@ -110,7 +109,7 @@ def sure(path):
     RANDOM.replace(TABLE, WALLS).replace("= 4", "= 04").replace("= 37", "= 6, cycles = 300"),
 ])  # fmt: skip
 def test_random_states_of_the_api(text, batch, command, same_build):
-    table = both(text, batch, command)
+    table = assert_both(text, batch, command)
     result = case_of(batch).basins()
     assert result.axes is None
     for name, values in zip(("t", "x", "x_dot", "z", "z_dot"), result.states, strict=True):
@@ -126,7 +125,7 @@ def test_random_states_of_the_api(text, batch, command, same_build):
 def test_safety_of_the_api(batch, command, same_build):
     """A plane's discs and exponent; and the standard errors on standard output."""
     text = PLANE.replace("8, 9", "40, 33")
-    both(text, batch, command)
+    assert_both(text, batch, command)
     result = case_of(batch).basins()
     shares, exponents = sure(batch.cwd / "results/case.csv")
     wanted = []
@@ -180,16 +179,18 @@ BESIDE = "must be left out beside states"
 ])  # fmt: skip
 def test_bad_random_states(old, new, wanted, line, batch):
     assert old in RANDOM
-    refused(RANDOM.replace(old, new, 1), "basins", wanted, line, batch)
+    assert_refused(RANDOM.replace(old, new, 1), "basins", wanted, line, batch)
 
 
 @pytest.mark.parametrize("name", ["x", "low", "inverse_clearance", "probes", "2*x"])
 def test_a_name_is_no_number(name, batch):
     """The compiler's reader takes the name of a variable for a number that is left out."""
-    refused(RANDOM.replace("= 50", f"= {name}"), "basins", "1 <= probes", 4, batch)
+    assert_refused(RANDOM.replace("= 50", f"= {name}"), "basins", "1 <= probes", 4, batch)
     text = DIAGRAM.replace("low = 20", f"low = 20, {name}")
-    refused(text, "bifurcation", "a number in the range of the parameter", 3, batch)
+    assert_refused(text, "bifurcation", "a number in the range of the parameter", 3, batch)
 
 
 def test_a_plane_has_no_seed(batch):
-    refused(PLANE.replace("probes", "seed = 1, probes"), "basins", "it goes with states", 5, batch)
+    assert_refused(
+        PLANE.replace("probes", "seed = 1, probes"), "basins", "it goes with states", 5, batch
+    )

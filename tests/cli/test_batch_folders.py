@@ -179,16 +179,18 @@ def test_concurrent_runs_into_one_folder(complete_run, binary, tmp_path):
 
 
 @pytest.mark.parametrize("folder", [
-    "case.nml", "case.nml/below", pytest.param("/proc/nowhere", marks=pytest.mark.skipif(
+    "file", "file/below", pytest.param("/proc/nowhere", marks=pytest.mark.skipif(
         not LINUX, reason="no /proc"))])  # fmt: skip
 def test_folder_that_cannot_be_made(folder, batch, command):
     """A folder below a file or where none can be made: one line, status 2, both programs alike."""
+    write(batch.cwd / "file", "mine")
     done = batch.case(PAIR, "-o", folder)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     assert done.faults[0].startswith(f"{folder}/case.csv: ")
     assert "must be a folder" in done.faults[0]
     assert command("case.nml", "-o", folder) == done
-    assert list(contents(batch.cwd)) == ["case.nml"]
+    assert sorted(contents(batch.cwd)) == ["case.nml", "file"]
+    assert (batch.cwd / "file").read_bytes() == b"mine"
 
 
 def test_reason_of_a_long_folder(batch):

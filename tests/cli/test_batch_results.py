@@ -7,24 +7,15 @@ import random
 import pytest
 import vibroimpact as vi
 from programs import (
-    COMPLETE,
-    PAIR,
-    ROOT,
+    IMPACT,
     SYSTEM,
     Runner,
-    chain,
+    assert_same,
     contents,
     floats,
     motions,
     multipliers,
-    rows,
-    write,
 )
-
-OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-IMPACT = ["X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"]
-SHARED = ["clearance", "A", "tau", "residual", "x_min", "x_max", "attenuation"]
-WORDS = {True: "true", False: "false", None: "unknown"}
 
 
 def random_case(rng, n):
@@ -217,17 +208,6 @@ def test_given_numbers_stand_in_the_rows(word, cases, results):
         assert floats(motion, "restitution") == expected.restitution.tolist()
 
 
-def assert_same(motion, expected):
-    """A motion of a result equals one of the Python API, bit for bit."""
-    for key in IMPACT:
-        assert floats(motion, key) == getattr(expected, key).tolist(), key
-    for key in SHARED:
-        assert floats(motion, key) == [getattr(expected, key)] * len(motion["r"]), key
-    assert multipliers(motion) == expected.multipliers.tolist()
-    for key in ("consistent", "admissible", "stable"):
-        assert motion[key][0] == WORDS[getattr(expected, key)], key
-
-
 def test_single_precision_differs(cases, results):
     """Single precision is other arithmetic: for N = 2 the same to 1e-2, but never the same bits."""
     for i in range(15):
@@ -252,125 +232,6 @@ def test_command_gives_the_same_bytes(cases, results, command, tmp_path):
     assert contents(tmp_path / "out") == contents(results)
 
 
-def test_header_echoes_the_complete_case(batch):
-    """The header holds every key, the defaults too, as a namelist behind #."""
-    batch.case(COMPLETE)
-    text = (batch.cwd / "results/case.csv").read_text()
-    header = [line for line in text.splitlines() if line.startswith("#")]
-    for key in ("xi", "mu", "restitution", "r", "kind", "cycles", "sides", "phases", "precision",
-                "acceptance", "name", "format"):  # fmt: skip
-        assert sum(line.startswith(f"#   {key} = ") for line in header) == 1, key
-    assert vi.__version__ in header[0]
-    assert header == text.splitlines()[: len(header)]
-
-
-def test_numbers_are_es24_16(batch):
-    """Every number of the table has 17 digits, one before the point, and an exponent."""
-    import re
-
-    batch.case(PAIR)
-    words = {"motion", "impact", "side", "consistent", "admissible", "stable"}
-    for row in rows(batch.cwd / "results/case.csv"):
-        for key in row.keys() - words:
-            assert re.fullmatch(r"-?\d\.\d{16}E[+-]\d{2,3}", row[key]), (key, row[key])
-
-
-@pytest.mark.parametrize("precision", ["double", "single"])
-@pytest.mark.parametrize("cycles", [1, 3])
-def test_equispaced_pair(precision, cycles, batch, same_build):
-    """Two motions at half-period spacing, mirror images in themselves, equal to the API's."""
-    done = batch.case(
-        f"{SYSTEM}&motion kind = 'equispaced', clearance = 37, cycles = {cycles}\n"
-        f"precision = '{precision}' /"
-    )
-    assert (done.status, len(done.out.splitlines())) == (0, 2)
-    found = motions(batch.cwd / "results/case.csv")
-    expected = vi.equispaced(OSC, 0.94, 37.0, cycles, precision)
-    assert len(found) == len(expected) == 2
-    for motion, other in zip(found, expected, strict=True):
-        assert_same(motion, other)
-        assert floats(motion, "X")[0] == -floats(motion, "X")[1]
-        assert floats(motion, "Z_dot_after")[0] == -floats(motion, "Z_dot_after")[1]
-
-
-def test_no_equispaced_motion(batch, command):
-    """Where there is none the status is 1, one line says so, and the result has no rows."""
-    done = batch.case(SYSTEM + "&motion kind = 'equispaced', clearance = 200 /")
-    assert (done.status, done.out, done.faults) == (
-        1, b"", ["case: there is no such motion for these parameters"])  # fmt: skip
-    assert rows(batch.cwd / "results/case.csv") == []
-    text = (batch.cwd / "results/case.csv").read_text()
-    assert text.count("there is no such motion") == 1
-    assert command("case.nml", "-o", "again") == done
-    assert contents(batch.cwd / "again") == contents(batch.cwd / "results")
-    assert batch("results/case.csv", "-o", "third").status == 1
-    assert contents(batch.cwd / "third") == contents(batch.cwd / "results")
-
-
-def largest_clearance(r):
-    """The largest clearance with an equispaced motion, by bisection down to adjacent numbers."""
-    low, high = 1.0, 1e4
-    while low < (middle := 0.5 * (low + high)) < high:
-        if vi.equispaced(OSC, r, middle):
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-def test_one_equispaced_motion(batch, same_build):
-    """Where line and circle touch there is one motion, and that is a success."""
-    touching = ((r, largest_clearance(r)) for r in (0.9, 0.91, 0.93, 0.94, 0.95, 0.97, 0.98))
-    r, clearance = next(
-        pair for pair in touching if len(vi.equispaced(OSC, *pair)) == 1
-    )  # fmt: skip
-    done = batch.case(
-        SYSTEM.replace("r = 0.94", f"r = {r!r}")
-        + f"&motion kind = 'equispaced', clearance = {clearance!r} /"
-    )
-    assert (done.status, done.err) == (0, b"")
-    (motion,) = motions(batch.cwd / "results/case.csv")
-    assert_same(motion, vi.equispaced(OSC, r, clearance)[0])
-
-
-def test_free_amplitude_is_status_1(batch):
-    """Equal durations with equal R leave A free: ran, but there is no single motion."""
-    done = batch.case(PAIR.replace("1.37", "1"))
-    assert done.status == 1
-    assert "equispaced" in done.faults[0]
-
-
-def test_worst_status_wins(batch):
-    """0, 1 and 2 in one call give 2; 0 and 1 give 1; all that can run does."""
-    write(batch.cwd / "none.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 200 /")
-    write(batch.cwd / "good.nml", PAIR)
-    assert batch("none.nml", "good.nml").status == 1
-    assert batch("none.nml", "good.nml", "nope.nml").status == 2
-    assert sorted(contents(batch.cwd / "results")) == ["good.csv", "none.csv"]
-
-
-def test_legacy_printout(batch):
-    """The printout of Table 1 has the printed numbers of its third column, in units of F0/K."""
-    write(batch.cwd / "table1.nml", (ROOT / "inputs/table1.nml").read_bytes())
-    assert batch("table1.nml").status == 0
-    names = [f"table1_{kind}spaced.{end}" for kind in ("equi", "unequi") for end in ("csv", "txt")]
-    assert sorted(contents(batch.cwd / "results")) == names
-    text = (batch.cwd / "results/table1_unequispaced.txt").read_text()
-    table = {line[:16].strip(): line[16:].split() for line in text.splitlines()}
-    assert table["alpha_i/pi"] == ["0.0000", "1.3700"]
-    assert table["tau/pi"] == ["0.4999"]
-    assert table["|eigenvalues|"] == ["0.9347", "0.9347", "0.5820", "0.5820"]
-    assert "stable" in text.splitlines()[-1]
-
-
-@pytest.mark.parametrize(("word", "ends"), [("csv", {"csv"}), ("table", {"txt"}),
-                                            ("both", {"csv", "txt"})])  # fmt: skip
-def test_format_chooses_the_files(word, ends, batch):
-    """'csv', 'table' and 'both' write these files and no other."""
-    assert batch.case(COMPLETE.replace("'csv'", f"'{word}'")).status == 0
-    assert contents(batch.cwd / "results").keys() == {f"case.{end}" for end in ends}
-
-
 def test_printout_has_no_stars(cases, batch):
     """No number of the printout overflows its column, whatever the parameters."""
     texts = [namelist(case, name, word) for name, (case, word) in cases.items()]
@@ -380,22 +241,3 @@ def test_printout_has_no_stars(cases, batch):
     assert "wide.txt" in contents(batch.cwd / "results")
     for name, content in contents(batch.cwd / "results").items():
         assert b"*" not in content, name
-
-
-def test_a_thousand_impacts(batch, command):
-    """N = 1000 impacts, the most allowed, run, and give an input again."""
-    done = batch.case(chain(1000))
-    assert done.status == 0
-    (motion,) = motions(batch.cwd / "results/case.csv")
-    assert motion["impact"] == [str(i + 1) for i in range(1000)]
-    assert floats(motion, "phase") == [math.pi * (i + 0.001 * (i % 7)) for i in range(1000)]
-    assert command("results/case.csv", "-o", "again") == done
-    assert contents(batch.cwd / "again") == contents(batch.cwd / "results")
-
-
-def test_no_mass_no_force(batch):
-    """With mu = 0 the primary mass does not feel the impacts: its velocity does not jump."""
-    batch.case(PAIR.replace("mu = 0.042", "mu = 0"))
-    (motion,) = motions(batch.cwd / "results/case.csv")
-    assert floats(motion, "X_dot_before") == pytest.approx(floats(motion, "X_dot_after"), rel=1e-12)
-    assert floats(motion, "attenuation")[0] == pytest.approx(1, rel=1e-9)

@@ -1,7 +1,6 @@
-"""The commands simulate, find and plot: the real program, against the API and against `run`."""
+"""The commands simulate and plot: the real program, against the API and against `run`."""
 
-import math
-import re
+import sys
 
 import pytest
 import vibroimpact as vi
@@ -10,10 +9,12 @@ from programs import (
     ROOT,
     SYSTEM,
     Runner,
+    bars,
     contents,
     find_command,
     floats,
     motions,
+    on_terminal,
     rows,
     write,
 )
@@ -93,6 +94,35 @@ def test_simulate_writes_what_run_writes(tool):
     assert contents(tool.cwd / "simulate") == {"mixed_2.csv": every["mixed_2.csv"]}
 
 
+def test_options_of_a_simulation_are_a_namelist(tool):
+    """The bytes of the same case in a file; what is wrong is said in words of the options."""
+    point = [
+        "--xi",
+        "0.005",
+        "--mu",
+        "0.042",
+        "--restitution",
+        "0.75",
+        "--r",
+        "0.94",
+        "--clearance",
+        "37",
+    ]
+    options = [*point, "--cycles", "20", "--state", "3.5", "0", "0", "-2"]
+    assert tool("simulate", *options).status == 0
+    write(tool.cwd / "simulate.nml", SIMULATION)
+    assert tool("run", "simulate.nml", "-o", "run").status == 0
+    assert contents(tool.cwd / "results") == contents(tool.cwd / "run")
+    for form in ("csv", "json"):
+        done = tool("simulate", *options[:-2], "30", "-2", "--format", form)
+        assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+        assert done.faults[0].startswith("vibroimpact simulate: --state 3.5 0 30 -2: must be ")
+    done = tool("simulate", *point)
+    assert done.faults == [
+        "vibroimpact simulate: --cycles: must be given, or a namelist file instead of the options"
+    ]
+
+
 @pytest.mark.parametrize(("words", "kind"), [
     (["--plot", "case.nml"], "png"), (["case.nml", "--plot"], "png"), (["case.nml", "--plot", "pdf"], "pdf"),
     (["--plot", "svg", "case.nml"], "svg"), (["--plot=svg", "case.nml"], "svg")])  # fmt: skip
@@ -104,6 +134,19 @@ def test_simulate_draws(words, kind, tool):
     found = contents(tool.cwd / "results")
     assert sorted(found) == ["case.csv", f"case.{kind}"]
     assert found[f"case.{kind}"].startswith(MAGIC[kind])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+def test_bar_of_a_simulation(tool):
+    """With the time left, also where it is drawn, of the cycles that are discarded too."""
+    write(
+        tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 9000, discard = 90000")
+    )
+    status, said = on_terminal(tool.cwd, "simulate", "case.nml", "--plot")
+    assert status == 0
+    assert " s left " in said
+    assert len(set(bars(said))) > 2
+    assert bars(said) == sorted(bars(said))
 
 
 def test_simulation_of_no_time_is_drawn(tool):
@@ -145,59 +188,6 @@ def test_pipe(tool):
     done = tool("simulate", "/dev/stdin", "--plot", input=SIMULATION.encode())
     assert (done.status, done.err) == (0, b"")
     assert sorted(contents(tool.cwd / "results")) == ["stdin.csv", "stdin.png"]
-
-
-def test_find_prints_what_find_finds(tool):
-    """One line a motion; the point of a file and the point of the options are the same."""
-    write(tool.cwd / "pair.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 37 /\n")
-    limits = ["--max-impacts", "2", "--max-cycles", "1"]
-    done = tool("find", "pair.nml", *limits)
-    point = {"xi": "0.005", "mu": "0.042", "r": "0.94", "clearance": "37"}
-    options = [word for name, value in point.items() for word in (f"--{name}", value)]
-    options += ["--restitution", "0.75", "0.75"]
-    assert tool("find", *options, *limits) == done
-    assert (done.status, done.err) == (0, b"")
-    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-    found = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
-    text = done.out.decode()
-    moduli = [float(item) for item in re.findall(r"max\|lambda\| = ([\d.]+),", text)]
-    assert len(found) == 4
-    assert moduli == pytest.approx([abs(motion.multipliers[0]) for motion in found], rel=1e-3)
-    assert "".join(text.split()).endswith("".join(str(found.search).split()))
-
-
-def test_find_at_the_clearance_of_given_phases(tool):
-    """A case with phases is searched at the clearance that its motion has, and finds that motion."""
-    write(tool.cwd / "pair.nml", PAIR)
-    text = tool("find", "pair.nml", "--max-impacts", "2", "--max-cycles", "1").out.decode()
-    motion = vi.periodic(
-        vi.Oscillator(0.005, 0.042, 0.75), 0.94, [0, 1.37 * math.pi], vi.Pattern("RL")
-    )
-    assert f"clearance = {motion.clearance:.10g}\n" in text
-    assert f"{motion.x_max:.6g}" in text
-
-
-def test_find_where_there_is_nothing(tool):
-    """No motion: status 1; a case that has no clearance: its reason, and status 1."""
-    wide = [
-        "--xi",
-        "0.3",
-        "--mu",
-        "0.04",
-        "--restitution",
-        "0.5",
-        "--r",
-        "0.9",
-        "--clearance",
-        "1e6",
-    ]
-    done = tool("find", *wide, "--max-impacts", "2", "--max-cycles", "1")
-    assert (done.status, done.err) == (1, b"")
-    assert "no periodic motion was found" in done.out.decode()
-    write(tool.cwd / "free.nml", PAIR.replace("1.37", "1"))
-    done = tool("find", "free.nml")
-    assert (done.status, done.out) == (1, b"")
-    assert "leave the load amplitude free" in done.faults[0]
 
 
 def test_plot_draws_every_case(tool):

@@ -1,19 +1,51 @@
-"""The commands lyapunov, bifurcation, basins and response: the same digits as the functions give."""
+"""The commands lyapunov, bifurcation, basins and response: files or options, and the bytes of the program."""
 
-import contextlib
-import csv
-import os
-import signal
-import subprocess
+import re
 import sys
 
 import numpy as np
 import pytest
 import vibroimpact as vi
-from programs import Runner, find_command
+from programs import Runner, bars, column, contents, find_command, on_terminal, rows, write
+from vibroimpact.commands.init import kinds
 
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 SYSTEM = ["--xi", "0.0114", "--mu", "0.028", "--restitution", "0.75"]
+#: The options of some cases, and their groups.
+CASES = {
+    "lyapunov": [
+        ("--r 1.04 --clearance 14 30 2 --cycles 400 --discard 300",
+         "parameter = 'clearance', low = 14, high = 30, values = 2, cycles = 400, discard = 300"),
+        ("--r 1 1.05 3 --clearance 20 --cycles 400 --state 1 6 -2 9",
+         "parameter = 'r', low = 1, high = 1.05, values = 3, clearance = 20, cycles = 400, x = 1, x_dot = 6,"
+         " z = -2, z_dot = 9"),
+        ("--r 1.04 --clearance 20 --cycles 400", "clearance = 20, cycles = 400"),
+        ("--r 1.04 --clearance 14 30 3 --spacing geometric --cycles 400",
+         "parameter = 'clearance', low = 14, high = 30, values = 3, spacing = 'geometric', cycles = 400"),
+    ],
+    "bifurcation": [
+        ("--r 1.04 --parameter clearance --values 20 40 3",
+         "parameter = 'clearance', low = 20, high = 40, values = 3"),
+        ("--clearance 20 --parameter r --values .9 1.1 3 --sweep states --states 2",
+         "parameter = 'r', low = .9, high = 1.1, values = 3, clearance = 20, sweep = 'states', states = 2"),
+        ("--r 1.04 --parameter clearance --values 20 40 3 --spacing geometric --sweep down",
+         "parameter = 'clearance', low = 20, high = 40, values = 3, spacing = 'geometric', sweep = 'down'"),
+        ("--r 1.04 --clearance 20 --parameter mu --values 0 .1 2 --sweep up",
+         "parameter = 'mu', low = 0, high = .1, values = 2, clearance = 20, sweep = 'up'"),
+    ],
+    "basins": [
+        ("--r 1.04 --clearance 14 --plane x -9 9 6 x_dot -9 9 5",
+         "clearance = 14, axes = 'x', 'x_dot', low = -9, -9, high = 9, 9, values = 6, 5"),
+        ("--r 1.04 --clearance 14 --states 30 --seed 5", "clearance = 14, states = 30, seed = 5"),
+    ],
+    "response": [
+        ("--r 1 1.04 3 --clearance 25 --states 4",
+         "r_min = 1, r_max = 1.04, r_points = 3, clearance = 25, states = 4"),
+        ("--r 1 1.04 3 --inverse-clearance .03 --states 3",
+         "r_min = 1, r_max = 1.04, r_points = 3, inverse_clearance = .03, states = 3"),
+    ],
+}  # fmt: skip
+EACH = [(name, *case) for name, cases in CASES.items() for case in cases]
 
 
 @pytest.fixture
@@ -22,89 +54,150 @@ def tool(tmp_path):
     return Runner([find_command()], tmp_path)
 
 
-def table(tool, name):
-    """Columns of a result."""
-    with open(tool.cwd / "results" / f"{name}.csv", encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {key: [row[key] for row in rows] for key in rows[0]}
-
-
-def test_lyapunov(tool):
-    line = ["--r", "1.04", "--clearance", "14", "30", "2", "--cycles", "400", "--discard", "300"]
-    done = tool("lyapunov", *SYSTEM, *line)
-    # from rest in the middle nothing hits where A is less than half the clearance
-    result = vi.lyapunov(EQUAL, 1.04, [14.0, 30.0], cycles=400, discard=300)
-    assert done.status == int(np.isnan(result.exponents).any())
-    written = table(tool, "lyapunov")
-    for j in range(4):
-        column = np.array(written[f"exponent_{j + 1}"], dtype=float)
-        np.testing.assert_array_equal(column, result.per_cycle[j])
-
-
-def test_bifurcation(tool):
-    sweep = ["--r", "1.04", "--parameter", "clearance", "--values", "20", "40", "3"]
-    done = tool("bifurcation", *SYSTEM, *sweep, "--plot", "svg")
+@pytest.mark.parametrize(("name", "options", "keys"), EACH, ids=lambda word: word[:20])
+def test_options_are_a_namelist(name, options, keys, tool):
+    """The same bytes and first words by options, from a file, and by `run`, which is the compiled program."""
+    r = "" if name == "response" or "parameter = 'r'" in keys else ", r = 1.04"
+    write(
+        tool.cwd / f"{name}.nml",
+        f"&system xi = 0.0114, mu = 0.028, restitution = 0.75{r} /\n&{name} {keys} /\n",
+    )
+    done = tool(name, *SYSTEM, *options.split())
     assert (done.status, done.err) == (0, b"")
-    result = vi.bifurcation_diagram(EQUAL, "clearance", [20, 30, 40], r=1.04)
-    written = table(tool, "bifurcation")
-    assert [float(x) for x in written["x"]] == result.points["x"].tolist()
-    assert written["side"] == result.points["side"].tolist()
+    assert tool(name, f"{name}.nml", "-o", "file") == done
+    run = tool("run", f"{name}.nml", "-o", "run")
+    assert done.out.startswith(run.out)
+    found = contents(tool.cwd / "results")
+    assert list(found) == [f"{name}.csv"]
+    assert contents(tool.cwd / "file") == found == contents(tool.cwd / "run")
+    assert tool(name, f"results/{name}.csv", "-o", "again") == done
+    assert contents(tool.cwd / "again") == found
+
+
+def test_windows_are_printed_and_a_quantity_is_drawn(tool):
+    """Those of the function; --quantity draws another picture of the same table, beside files too."""
+    write(tool.cwd / "case.nml", kinds()["bifurcation"].replace("low = 60", "low = 50"))
+    done = tool("bifurcation", "case.nml", "--plot", "svg", "-o", "x")
+    assert (done.status, done.err) == (0, b"")
+    (result,) = vi.read_namelist(tool.cwd / "case.nml")[0].run()
+    assert result.windows
     for window in result.windows:
-        assert f"{window.run}: {window.label} from {window.low:g}" in done.out.decode()
-    assert (tool.cwd / "results" / "bifurcation.svg").exists()
+        line = f"{window.run}: {window.label} from {window.low:.6g} to {window.high:.6g}\n"
+        assert line in done.out.decode()
+    assert (
+        tool("bifurcation", "case.nml", "--plot", "svg", "--quantity", "phase", "-o", "p").status
+        == 0
+    )
+    one, other = contents(tool.cwd / "x"), contents(tool.cwd / "p")
+    assert one["case.csv"] == other["case.csv"]
+    assert one["case.svg"] != other["case.svg"]
 
 
-def test_basins(tool):
-    point = ["--r", "1.04", "--clearance", "14"]
-    plane = ["--plane", "x", "-9", "9", "6", "x_dot", "-9", "9", "5"]
-    done = tool("basins", *SYSTEM, *point, *plane)
-    assert (done.status, done.err) == (0, b"")
-    result = vi.basins(EQUAL, 1.04, 14.0, (("x", -9, 9, 6), ("x_dot", -9, 9, 5)))
-    written = table(tool, "basins")
-    assert [int(x) for x in written["label"]] == result.labels.ravel().tolist()
-    assert [float(x) for x in written["x"]] == result.states[1].ravel().tolist()
-    for item in result.attractors:
-        assert item.name in done.out.decode()
+def test_shares_are_printed(tool):
+    """With standard errors, and the uncertainty exponent of the plane."""
+    point = "--r 1.04 --clearance 14 --plane x -9 9 18 x_dot -9 9 17"
+    done = tool("basins", *SYSTEM, *point.split(), "--plot")
+    assert sorted(contents(tool.cwd / "results")) == ["basins.csv", "basins.png"]
+    result = vi.basins(EQUAL, 1.04, 14.0, (("x", -9, 9, 18), ("x_dot", -9, 9, 17)))
+    said = re.findall(r"(\S+(?: \(\d\))?) ([\d.]+)% \+- ([\d.]+)%", done.out.decode())
+    assert [name for name, *_ in said] == [item.name for item in result.attractors]
+    shares = np.array([[float(item) / 100 for item in line[1:]] for line in said]).T
+    assert shares[0] == pytest.approx(result.fractions, abs=1e-4)
+    assert shares[1] == pytest.approx(result.standard_error, abs=1e-4)
+    assert f"uncertainty exponent {result.uncertainty_exponent:.3f}" in done.out.decode()
 
 
-def test_response(tool):
-    done = tool("response", *SYSTEM, "--r", "1", "1.04", "3", "--clearance", "25", "--states", "4")
-    assert (done.status, done.err) == (0, b"")
-    result = vi.response(EQUAL, [1, 1.02, 1.04], clearance=25.0, states=4)
-    written = table(tool, "response")
-    assert [float(x) for x in written["highest"]] == result.highest.tolist()
-    assert [float(x) for x in written["lowest"]] == result.lowest.tolist()
+def test_random_states(tool):
+    """Those of the function with the same seed; another seed gives others."""
+    options = "--r 1.04 --clearance 14 --states 30 --seed 5"
+    assert tool("basins", *SYSTEM, *options.split()).status == 0
+    result = vi.basins(EQUAL, 1.04, 14.0, states=30, seed=5)
+    table = rows(tool.cwd / "results/basins.csv")
+    assert column(table, "x").tolist() == result.states[1].tolist()
+    assert column(table, "label").tolist() == result.labels.tolist()
+    done = tool("basins", "results/basins.csv", "--plot", "-o", "again")
+    assert b"basins: random states have no picture\n" in done.out
+    assert list(contents(tool.cwd / "again")) == ["basins.csv"]
+    assert tool("basins", *SYSTEM, *options.split()[:-1], "6", "-o", "six").status == 0
+    assert column(rows(tool.cwd / "six/basins.csv"), "x").tolist() != result.states[1].tolist()
 
 
-@pytest.mark.parametrize(
-    ("words", "fault"),
-    [
-        (["basins", *SYSTEM, "--r", "1", "--clearance", "9"], "exactly one of them must be given"),
-        (["basins", *SYSTEM, "--r", "1", "--clearance", "9", "--plane", *"abcdefgh"], "--plane"),
-        (["bifurcation", *SYSTEM, "--parameter", "r", "--values", "1", "2", "5"], "--clearance"),
-        (["lyapunov", *SYSTEM, "--r", "1", "2", "--clearance", "9"], "--r"),
-        (["response", *SYSTEM, "--r", "1", "--clearance", "-9"], "clearance"),
-    ],
-)
+@pytest.mark.parametrize(("words", "fault"), [
+    (["basins", *SYSTEM, "--r", "1", "--clearance", "9"], "exactly one of them must be given"),
+    (["basins", *SYSTEM, "--r", "1", "--clearance", "9", "--plane", *"abcdefgh"], "--plane"),
+    (["basins", *SYSTEM, "--r", "1", "--clearance", "-9", "--plane", *["x", "0", "1", "9", "y", "0", "1", "9"]],
+     "--clearance -9.0: must be a number with 1e-12 <="),
+    (["bifurcation", *SYSTEM, "--parameter", "r", "--values", "1", "2", "5"], "--clearance: must be given"),
+    (["bifurcation", *SYSTEM, "--r", "1", "--parameter", "clearance", "--values", "1", "2", "5", "--states", "3"],
+     "--states 3: must be left out: it is for sweep = 'states'"),
+    (["lyapunov", *SYSTEM, "--r", "1", "2", "--clearance", "9"], "--r 1 2: must be a number, or LOW HIGH N"),
+    (["lyapunov", *SYSTEM, "--r", "1", "--clearance", "9", "--state", "0", "1", "7", "0"],
+     "--state 0 1 7 0: must be a finite number; z - x must be within half the clearance"),
+    (["response", *SYSTEM, "--r", "1", "2", "3", "--clearance", "-9"], "--clearance -9.0: must be"),
+    (["response", *SYSTEM, "--r", "1", "2", "3"], "--clearance: is missing"),
+    (["response", "--r", "1", "2", "3"], "--xi: must be given, or a namelist file"),
+    (["response", "case.nml", "--states", "3"], "--states: must be left out beside a namelist file"),
+])  # fmt: skip
 def test_bad_input_is_named(tool, words, fault):
+    """In the words that were typed; nothing is written."""
     done = tool(*words)
-    assert (done.status, done.out) == (2, b"")
-    assert fault in done.err.decode()
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    assert f"vibroimpact {words[0]}: " in done.faults[0]
+    assert fault in done.faults[0]
+    assert list(contents(tool.cwd)) == []
 
 
-def test_lyapunov_without_impacts_says_so(tool):
-    """Rest in a wide slot has none; the message names the option that helps, and it does."""
-    point = ["--r", "1.04", "--clearance", "72", "--cycles", "400", "--discard", "50"]
+@pytest.mark.parametrize("name", CASES)
+def test_a_wrong_file_does_not_stop_the_others(name, tool):
+    """It is named, status 2, and the others run."""
+    write(tool.cwd / "case.nml", kinds()[name])
+    write(tool.cwd / "other.nml", kinds()["equispaced"])
+    write(tool.cwd / "bad.nml", kinds()[name].replace("xi = ", "xi = -"))
+    done = tool(name, "other.nml", "bad.nml", "nope.nml", "case.nml", "case.nml", "--quiet")
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 4)
+    starts = (f"other.nml: must hold a group &{name}", "bad.nml:", "nope.nml: cannot be read",
+              "case.nml: &output name = 'case': is already the name of another case")  # fmt: skip
+    for line, start in zip(done.faults, starts, strict=True):
+        assert line.startswith(start)
+    assert list(contents(tool.cwd / "results")) == ["case.csv"]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_an_input_is_not_overwritten(name, tool):
+    """A namelist whose name is that of its table stays as it is; a table may be run into its own place."""
+    text = kinds()[name]
+    write(tool.cwd / "case.csv", text)
+    done = tool(name, "case.csv", "-o", ".")
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    assert (
+        "case.csv: &output name = 'case': its result would overwrite this input" in done.faults[0]
+    )
+    assert contents(tool.cwd) == {"case.csv": text.encode()}
+
+
+@pytest.mark.parametrize("line", ["--clearance 72", "--clearance 72 80 2"])
+def test_lyapunov_without_impacts_says_so(line, tool):
+    """Rest in a wide slot has none; a second line names the option that helps, and it does."""
+    point = ["--r", "1.04", *line.split(), "--cycles", "400", "--discard", "50"]
     done = tool("lyapunov", *SYSTEM, *point)
-    assert done.status == 1
-    assert len(done.faults) == 1
-    assert done.faults[0].startswith("lyapunov: no exponents at 1 of 1 points: no impacts")
-    assert "--state X X_DOT Z Z_DOT" in done.faults[0]
+    n = 1 if line.endswith("72") else 2
+    points = "1 of 1 point" if n == 1 else "2 of 2 points"
+    assert (done.status, done.out) == (1, b"")
+    assert done.faults == [
+        f"lyapunov: no exponents at {points}: no impacts in a batch",
+        "vibroimpact lyapunov: another start may lead to impacts: --state X X_DOT Z Z_DOT",
+    ]
+    assert list(contents(tool.cwd)) == []
+    head = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
+    write(tool.cwd / "far.nml", head + "&lyapunov clearance = 72, cycles = 400, discard = 50 /\n")
+    from_file = tool("lyapunov", "far.nml")
+    assert from_file.faults == ["far: no exponents at 1 of 1 point: no impacts in a batch"]
     done = tool("lyapunov", *SYSTEM, *point, "--state", "0", "6", "0", "9")
     assert (done.status, done.err) == (0, b"")
     start = {"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9}
-    result = vi.lyapunov(EQUAL, 1.04, 72.0, 400, start, discard=50)
-    assert float(table(tool, "lyapunov")["exponent_1"][0]) == result.per_cycle[0]
+    result = vi.lyapunov(EQUAL, 1.04, np.linspace(72, 80, 2)[:n], 400, start, discard=50)
+    table = rows(tool.cwd / "results/lyapunov.csv")
+    assert column(table, "exponent_1").tolist() == result.per_cycle[0].tolist()
 
 
 #: Work for about a second each, on one line of the shell.
@@ -119,36 +212,16 @@ LONG = {
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 @pytest.mark.parametrize("name", LONG)
 def test_bar_and_interrupt_on_a_terminal(name, tool):
-    """A bar with the time left; Ctrl-C leaves a table of what is finished, and says so; status 1."""
-    (tool.cwd / "sitecustomize.py").write_text(
-        "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
-        "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n"
-    )
-    ours, theirs = os.openpty()
-    with subprocess.Popen(
-        [find_command(), name, *SYSTEM, *LONG[name]],
-        cwd=tool.cwd, stderr=theirs, stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": str(tool.cwd)},
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    ) as process:  # fmt: skip
-        os.close(theirs)
-        said, stopped = b"", False
-        with contextlib.suppress(OSError):  # the end of a terminal
-            while part := os.read(ours, 4096):
-                said += part
-                # half way: something is finished then, whatever the order of the work
-                if not stopped and b"[" + b"#" * 15 in said:
-                    stopped = True
-                    process.send_signal(signal.SIGINT)
-    os.close(ours)
-    assert f"\r{name} [".encode() in said
-    assert b" s left " in said
-    assert stopped
-    assert process.returncode == 1
-    assert (
-        said.splitlines()[-1]
-        .decode()
-        .endswith(f"vibroimpact {name}: interrupted; what was finished is kept")
-    )
-    assert list((tool.cwd / "results").iterdir()) == [tool.cwd / "results" / f"{name}.csv"]
-    assert len(table(tool, name)) > 1
+    """A bar that never falls back; Ctrl-C leaves a table of what is finished, an input, and says so; status 1."""
+    # half way: something is finished then, whatever the order of the work
+    status, said = on_terminal(tool.cwd, name, *SYSTEM, *LONG[name], stop=r"\[#{15}")
+    assert status == 1
+    assert len(bars(said)) > 5
+    assert bars(said) == sorted(bars(said))
+    assert f"\r{name} [" in said
+    assert " s left " in said
+    kept = f"interrupted; what was finished is kept: results/{name}.csv"
+    assert said.splitlines()[-1].endswith(f"vibroimpact {name}: {kept}")
+    assert list(contents(tool.cwd / "results")) == [f"{name}.csv"]
+    assert len(rows(tool.cwd / "results" / f"{name}.csv")) > 1
+    assert [case.kind for case in vi.read_namelist(tool.cwd / "results" / f"{name}.csv")] == [name]

@@ -38,6 +38,9 @@ TYPED = [
     ("vibroimpact zone --format ", {*FORMATS}),
     ("vibroimpact zone --format n", {"netcdf"}),
     ("vibroimpact zone --symm", {"--symmetric"}),
+    ("vibroimpact find --for", {"--format"}),
+    ("vibroimpact find --plot ", {"png", "svg", "pdf"}),
+    ("vibroimpact bifurcation --spacing ", {"linear", "geometric"}),
     ("vibroimpact plot --format ", {"png", "svg", "pdf"}),
     ("vibroimpact init ", {*kinds()}),
     ("vibroimpact reproduce tab", {"table1"}),
@@ -97,5 +100,12 @@ def test_every_command_and_option_is_there(script):
             text = script(shell).read_text()
             for name in NAMES:
                 assert name in text
-            for word in ("longest-step", "inverse-clearance", "quiet"):
+            for word in (
+                "longest-step",
+                "inverse-clearance",
+                "spacing",
+                "state",
+                "quantity",
+                "quiet",
+            ):
                 assert word in text

@@ -73,4 +73,4 @@ def test_json_of_a_wrong_input(tool):
     document = json.loads(done.out)
     assert (done.status, document["status"]) == (2, 2)
     assert done.faults == document["faults"]
-    assert document["faults"][0].startswith("vibroimpact find: xi = 2")
+    assert document["faults"][0].startswith("vibroimpact find: --xi 2.0: must be ")

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 import vibroimpact as vi
-from programs import SYSTEM, Runner, find_command
+from programs import PAIR, SYSTEM, Runner, contents, find_command, write
 from vibroimpact.command import main
 
 EQUAL = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75"]
@@ -54,7 +54,8 @@ def test_plane_outside_of_the_walls(tool):
     plane = ["--plane", "x", "-9", "9", "5", "y", "-9", "8", "5"]
     done = tool("basins", *EQUAL, "--r", "1", "--clearance", "9", *plane)
     assert (done.status, len(done.faults)) == (2, 1)
-    assert "plane: y from -9 to 8: must be within half the clearance, -4.5 to 4.5" in done.faults[0]
+    wanted = "two finite numbers, one an axis, low below high; y must be within half the clearance"
+    assert done.faults == [f"vibroimpact basins: --plane x -9 9 5 y -9 8 5: must be {wanted}"]
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1025, 1.5, True])
@@ -71,11 +72,13 @@ def test_threads_of_an_atlas(threads):
     ("basins --r 1.04 --clearance 9", "--plane, --states: exactly one of them must be given"),
     ("basins --r 1.04 --clearance 9 --states 9 --plane x 0 1 2 y 0 1 2", "--plane, --states: exactly one"),
     ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: needs --plane"),
-    ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: 3 and 5 values; must be as many"),
-    ("response --r 1.05 1 3 --clearance 9", "--r 1.05 1 3: must be a number, or LOW HIGH N with LOW below"),
-    ("response --r 1 nan 3 --clearance 9", "--r 1 nan 3: must be a number, or LOW HIGH N with LOW below"),
-    ("response --r 1 1.05 inf --clearance 9", "--r 1 1.05 inf: must be a number, or LOW HIGH N with LOW"),
-    ("bifurcation --r 1 --parameter clearance --values 9 9 3", "--values 9 9 3: must be a number, or LOW"),
+    ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: one of them must be a number"),
+    ("response --r 1.05 1 3 --clearance 9", "--r 1.05 1 3: must be LOW HIGH N with LOW below"),
+    ("response --r 1 nan 3 --clearance 9", "--r 1 nan 3: must be LOW HIGH N with LOW below"),
+    ("response --r 1 1.05 inf --clearance 9", "--r 1 1.05 inf: must be LOW HIGH N with LOW"),
+    ("lyapunov --r 1 2 --clearance 9", "--r 1 2: must be a number, or LOW HIGH N with LOW below HIGH"),
+    ("basins --r 1.04 --clearance 9 --plane x 0 1 2 y 1 0 2", "--plane x 0 1 2 y 1 0 2: must be NAME LOW HIGH N"),
+    ("bifurcation --r 1 --parameter clearance --values 9 9 3", "--values 9 9 3: must be LOW HIGH N with LOW"),
     ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1", "--sides RRL: needs --phases-over-pi"),
 ])  # fmt: skip
 def test_options_that_do_not_go_together(words, said, tmp_path, monkeypatch, capsys):
@@ -130,7 +133,7 @@ def test_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
     """Path, reason, and what is allowed."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
-    point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 40 --discard 0"
+    point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 80"
     assert main(["lyapunov", *point.split(), "-o", "file/x"]) == 2
     said = capsys.readouterr().err
     assert said.startswith(
@@ -200,3 +203,31 @@ def test_no_command(tool):
 def test_help_names_units(name, tool):
     """Of what is typed and of what is written."""
     assert "time in 1/omega, angles in radians" in tool(name, "--help").out.decode()
+
+
+@pytest.mark.parametrize("words", [
+    ["run", "case.nml"], ["simulate", "case.nml"], ["plot", "case.nml"], ["reproduce", "table1"],
+    ["find", "case.nml"],
+])  # fmt: skip
+@pytest.mark.parametrize("name", ["q.txt", "new/pic.png", "a.h5", "b.JSONL"])
+def test_a_name_of_no_form_is_refused(words, name, tool):
+    """It is not made a folder in silence; what is allowed is said."""
+    write(tool.cwd / "case.nml", PAIR)
+    done = tool(*words, "-o", name)
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    forms = ", or a file whose name ends with one of .csv, .nc, .json, .mat"
+    allowed = "must be a folder" + (forms if words[0] not in ("plot", "reproduce") else "")
+    said = f"vibroimpact {words[0]}: -o {name}: {allowed}; if it is a folder: -o {name}/"
+    assert done.faults == [said]
+    assert list(contents(tool.cwd)) == ["case.nml"]
+
+
+@pytest.mark.parametrize(
+    "name", ["q.txt/", "a.json/", "there.txt", "r0.94", "run.2026-11-21", ".hidden"]
+)
+def test_folders_with_a_dot(name, tool):
+    """A slash at the end, a folder that is there, and what no file is called, are folders."""
+    (tool.cwd / "there.txt").mkdir()
+    write(tool.cwd / "case.nml", PAIR)
+    assert tool("run", "case.nml", "-o", name).status == 0
+    assert list(contents(tool.cwd / name)) == ["case.csv"]

@@ -7,9 +7,12 @@ A module has HELP (one line), DESCRIPTION, EXAMPLE (works as pasted, in the fold
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
+import os
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +30,8 @@ FORMATS = {"csv": "csv", "netcdf": "nc", "json": "json", "matlab": "mat"}
 PICTURES = ("png", "svg", "pdf")
 #: Formats of animations.
 ANIMATIONS = ("gif", "mp4")
+#: What the name of a folder may end with.
+SEPARATORS = tuple(filter(None, (os.sep, os.altsep)))
 
 
 class Record:
@@ -46,6 +51,18 @@ class Record:
     def add(self, name: str, result: Any) -> None:
         """A result, as plain values or as one of the package's own objects; of one name, the latest."""
         self.results[name] = result
+
+    def interrupted(self, writes: bool) -> None:
+        """Say what Ctrl-C left, of a command that writes files or does not."""
+        left = ""
+        if self.files:
+            some = ", ".join(self.files[:3]) + ", ..." * (len(self.files) > 3)
+            left = f"; what was finished is kept: {some}"
+        elif self.results:
+            left = "; what was finished is told"
+        elif writes:
+            left = "; nothing was finished"
+        self.fault(f"vibroimpact {self.command}: interrupted{left}")
 
     def text(self, status: int, said: str) -> str:
         """One JSON document."""
@@ -70,41 +87,80 @@ def add_common(parser: argparse.ArgumentParser) -> None:
 
 def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:
     """The namelist files that a command reads."""
+    instead = "" if count == "+" else "; instead of the options that name a case"
     parser.add_argument(
-        "files", nargs=count, metavar="FILE.nml", help="namelist files, or earlier results"
-    )
+        "files", nargs=count, metavar="FILE.nml",
+        help=f"namelist files, or earlier results as CSV{instead}",
+    )  # fmt: skip
 
 
-def add_folder(parser: argparse.ArgumentParser, file: str = "") -> None:
-    """The folder that a command writes to."""
-    parser.add_argument(
-        "-o", dest="folder", default="results", metavar="DIR", help=f"folder for the results{file}"
+def add_folder(parser: argparse.ArgumentParser, file: str = "", on_request: bool = False) -> None:
+    """The folder that a command writes to, if it is asked to or in any case."""
+    without = (
+        "without -o, --format and --plot nothing is written" if on_request else "default: results"
     )
+    parser.add_argument(
+        "-o", dest="folder", default=None if on_request else "results", metavar="DIR",
+        help=f"folder for the results{file} ({without})",
+    )  # fmt: skip
+
+
+class Fresh:
+    """Which of some files have come to be, or been replaced, since it was made."""
+
+    def __init__(self, paths: Iterable[Path]) -> None:
+        self.before = {path: self.stamp(path) for path in paths}
+
+    @staticmethod
+    def stamp(path: Path) -> tuple[int, int] | None:
+        """What a new file of this name has otherwise; None if there is none."""
+        with contextlib.suppress(OSError):
+            state = path.stat()
+            return state.st_ino, state.st_mtime_ns
+        return None
+
+    def paths(self) -> list[Path]:
+        """Those that are there now."""
+        stamps = ((path, self.stamp(path)) for path in self.before)
+        return [path for path, now in stamps if now not in (None, self.before[path])]
 
 
 def name_file(options: argparse.Namespace) -> None:
-    """Take `-o DIR/NAME.json` as the folder, the form and the name of the one result."""
+    """Take `-o DIR/NAME.json` as the folder, the form and the name of the one result.
+
+    Any other name that ends like that of a file is refused, unless a folder of this name is there, or it ends
+    with a slash.
+    """
     options.stem = ""
-    if getattr(options, "folder", "results") == "":
+    folder = getattr(options, "folder", None)
+    if folder == "":
         raise ParameterError("-o '': must name a folder")
-    if not hasattr(options, "plot"):
+    takes_file = hasattr(options, "plot")
+    asked = options.format if takes_file else None
+    if takes_file and (folder or asked or options.plot):
+        options.folder, options.format = folder or "results", asked or "csv"
+    if folder is None or folder.endswith(SEPARATORS) or Path(folder).is_dir():
         return
-    options.format, asked = options.format or "csv", options.format
-    path = Path(options.folder)
+    path = Path(folder)
     forms = {suffix: form for form, suffix in FORMATS.items()}
-    form = forms.get(path.suffix[1:].lower())
-    if form is None:
-        return
-    if asked not in (None, form):
+    form = forms.get(path.suffix[1:].lower()) if takes_file else None
+    if form is not None:
+        if asked not in (None, form):
+            raise ParameterError(
+                f"-o {path}: is the name of a {form} file; must go with --format {form}, or without it"
+            )
+        options.folder, options.format, options.stem = str(path.parent), form, path.stem
+    elif re.fullmatch(r"\.[A-Za-z][A-Za-z0-9]{0,4}", path.suffix):
+        wanted = ", ".join(f".{suffix}" for suffix in forms) if takes_file else ""
         raise ParameterError(
-            f"-o {path}: is the name of a {form} file; must go with --format {asked}"
+            f"-o {folder}: must be a folder{wanted and ', or a file whose name ends with one of '}{wanted}; if it "
+            f"is a folder: -o {folder}/"
         )
-    options.folder, options.format, options.stem = str(path.parent), form, path.stem
 
 
-def add_forms(parser: argparse.ArgumentParser) -> None:
+def add_forms(parser: argparse.ArgumentParser, on_request: bool = False) -> None:
     """The folder and the form of the results, and of pictures beside them."""
-    add_folder(parser, ", or DIR/NAME.csv, .json, .nc or .mat for a single one")
+    add_folder(parser, ", or DIR/NAME.csv, .json, .nc or .mat for a single one", on_request)
     parser.add_argument(
         "--format",
         choices=FORMATS,
@@ -112,7 +168,7 @@ def add_forms(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
-        help=f"draw it, as {', '.join(PICTURES)} (default: {PICTURES[0]})",
+        help=f"draw the results too, as png, svg or pdf (default: {PICTURES[0]})",
     )  # fmt: skip
 
 

@@ -6,13 +6,15 @@ import argparse
 from typing import Any
 
 from ..errors import ParameterError
-from ..studies.basins import basins
-from .point import add_system, draw, oscillator, status, with_bar, write_table
+from .cases import run_kind
+from .options import Request, add_case, span, values
 
 HELP = "find the attractors at a point and the basin of each"
-DESCRIPTION = """Find to which attractor each initial state of a plane, or each of many random ones, goes.
-The states with their labels are written to DIR/basins.csv, the attractors with their shares are
-printed."""
+DESCRIPTION = """Find to which attractor each initial state of a plane, or each of many random ones, goes,
+for the &basins cases of namelist files or for the one that the options name. The states
+with their attractors are written to DIR/NAME.csv, one a row, or in another form, and the
+shares of the attractors are printed; with --plot a picture of the plane stands beside them.
+NAME is "basins" for the case of the options."""
 EXAMPLE = (
     "vibroimpact basins --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 "
     "--plane x -30 30 40 x_dot -30 30 40 -o results"
@@ -20,57 +22,55 @@ EXAMPLE = (
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """A system, a point, and the states."""
-    add_system(parser)
-    for name, wanted in (("r", "frequency ratio"), ("clearance", "d K/F0")):
-        parser.add_argument(
-            f"--{name}", type=float, required=True, metavar=name[0].upper(), help=wanted
-        )
+    """Files, or a system, a point, and the states."""
+    add_case(parser)
+    parser.add_argument("--r", type=float, metavar="R", help="frequency ratio")
+    parser.add_argument("--clearance", type=float, metavar="D", help="clearance d K/F0")
     parser.add_argument(
         "--plane", nargs=8, metavar=("NAME", "LOW", "HIGH", "N") * 2,
-        help="two of x, x_dot, y, z_dot, t with their values; the others are 0",
+        help="two of x, x_dot, y (that is z - x), z_dot, t with their values; the others are 0",
     )  # fmt: skip
-    parser.add_argument("--states", type=int, metavar="N", help="random states instead of a plane")
-    parser.add_argument("--seed", type=int, default=0, help="of the random states (default: 0)")
+    parser.add_argument(
+        "--states", type=int, metavar="N", help="N random states instead of a plane"
+    )
+    parser.add_argument(
+        "--seed", type=int, metavar="S", help="seed of the random states (default: 0)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Find, print and write them."""
-    if (options.plane is None) == (options.states is None):
+    """Find, print, write and draw them."""
+    if not options.files and (options.plane is None) == (options.states is None):
         raise ParameterError("--plane, --states: exactly one of them must be given")
-    if options.plot and options.plane is None:
+    if options.plot and options.states is not None:
         raise ParameterError(f"--plot {options.plot}: needs --plane; random states have no picture")
-    result = with_bar(
-        options, basins, oscillator(options), options.r, options.clearance, _plane(options.plane),
-        options.states, seed=options.seed,
-    )  # fmt: skip
-    labels = result.labels.ravel().tolist()
-    names = [*(item.name for item in result.attractors), ""]
-    states = result.states.reshape(5, -1).T.tolist()
-    rows = ([*state, label, names[label]] for state, label in zip(states, labels, strict=True))
-    write_table(
-        options, "basins", ["t", "x", "x_dot", "z", "z_dot", "label", "attractor"], rows, result
-    )
-    shares = zip(result.attractors, result.fractions, result.standard_error, strict=True)
-    for item, share, error in shares:
-        print(f"{share:8.2%} +- {error:.2%}  {item.name} ({item.kind})")
-    if result.axes is not None:
-        print(f"uncertainty exponent {result.uncertainty_exponent:.3f}")
-    left = labels.count(-1)
-    if left:
-        print(f"{left} of {len(labels)} states not decided")
-    draw(options, "basins", result)
-    return status(options, left > 0)
+    groups = {
+        "system": values(options, "xi", "mu", "restitution", "r"),
+        "basins": {**values(options, "clearance", "states", "seed"), **plane(options.plane)},
+    }
+    needed = ("xi", "mu", "restitution", "r", "clearance")
+    spans = dict.fromkeys(("axes", "low", "high", "values", "y"), "plane")
+    return run_kind(options, Request("basins", groups, needed, spans), details)
 
 
-def _plane(words: list[str] | None) -> tuple[Any, Any] | None:
-    """The two axes that eight words name."""
+def plane(words: list[str] | None) -> dict[str, list[Any]]:
+    """The keys of the two axes that eight words name."""
     if words is None:
-        return None
+        return {}
+    wanted = "NAME LOW HIGH N twice, as x -30 30 200 x_dot -30 30 200,"
     try:
-        axes = [(w[0], float(w[1]), float(w[2]), int(w[3])) for w in (words[:4], words[4:])]
-    except ValueError:
+        axes = [(w[0], *span(w[1:], "plane")) for w in (words[:4], words[4:])]
+    except ParameterError:
         raise ParameterError(
-            f"--plane {' '.join(words)}: must be NAME LOW HIGH N twice, as x -30 30 200 x_dot -30 30 200"
+            f"--plane {' '.join(words)}: must be {wanted} each LOW below HIGH"
         ) from None
-    return axes[0], axes[1]
+    return dict(
+        zip(("axes", "low", "high", "values"), map(list, zip(*axes, strict=True)), strict=True)
+    )
+
+
+def details(result: Any) -> list[str]:
+    """How fractal the boundaries are."""
+    if result.axes is None:
+        return []
+    return [f"uncertainty exponent {result.uncertainty_exponent:.3f}"]

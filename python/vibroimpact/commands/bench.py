@@ -21,9 +21,10 @@ from .doctor import built, threads
 
 HELP = "measure how fast the installed package is on this machine"
 DESCRIPTION = """Measure, within about five seconds, how fast the installed package is: simulated impacts,
-verdicts on motions with given phases, a chart and the boundary of a zone. Each number is time of the
-processor on one thread, the best of repeated runs; charts and verdicts divide their work among all threads.
-Nothing is measured beside it: that is what the project's benchmarks are for."""
+verdicts on motions with given phases, a chart and the boundary of a zone. Each number is
+time of the processor on one thread, the best of repeated runs; charts and verdicts divide
+their work among all threads. Other programs are not measured beside it: the project's
+benchmarks are for that."""
 EXAMPLE = "vibroimpact bench"
 
 #: Seconds of the processor spent on each line.

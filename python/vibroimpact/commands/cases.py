@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
+import os
 import re
 import tempfile
 from collections.abc import Callable, Sequence
@@ -11,59 +13,93 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..errors import ChartInterrupted, ParameterError
+from ..errors import ChartInterrupted, ParameterError, SingularError, StudyInterrupted
 from ..files import write_text
 from ..interchange.dataset import save_dataset
-from ..interchange.namelist import Groups
 from ..interchange.plain import encode
-from ..interchange.table import (
-    NOT_CLOSED,
-    chart_columns,
-    counted,
-    head_text,
-    rows_text,
-    tag,
-)
+from ..interchange.table import chart_columns, columns, head_text, notes, rows_text
+from ..interrupt import interruptible
 from ..plot.animation import check_format
 from ..progress import Progress
-from ..run import Case, run_namelists
-from . import FORMATS, picture_writer
-from .options import read_cases, run_cases
+from ..run import Case, read_namelist, run_namelists
+from . import FORMATS, Fresh, picture_writer
+from .options import Request, case_files, in_options, read_cases
 from .run import tell
+from .words import ATTRACTORS, WORDS, singular
 
-#: Kinds that Python computes itself wherever more than a table is wanted, since they take their time.
-LONG = ("zone", "atlas", "chart")
+#: What writes the figure of some axes to a file, if that is wanted.
+Save = Callable[[Any, Path], Path] | None
+#: What a command tells of a result beside what the compiled program says.
+Details = Callable[[Any], list[str]]
 
 
-def run_kind(
-    options: argparse.Namespace, kind: str | None, groups: Groups, needed: Sequence[str]
-) -> int:
+def run_kind(options: argparse.Namespace, request: Request, details: Details | None = None) -> int:
     """Run all cases of a kind (or of any), write and draw them; gives the exit status.
 
-    Tables alone are left to the compiled program. Its words are those that are said in any case, and its
-    tables have the bytes of those that are written here.
+    Tables alone are left to the compiled program. Its words are those that are said in any case, and its tables
+    have the bytes of those that are written here. Studies of attractors by commands of their own are always
+    computed here: Ctrl-C leaves the part of a case that is finished.
     """
     folder = Path(options.folder)
     animated = getattr(options, "animate", None)
     save = picture_writer() if options.plot or animated else None
     if animated:
         check_format(animated, f"--animate {animated}")
-    if save is None and options.format == "csv" and not (options.json or options.stem):
-        with Progress(kind or "run") as bar:
-            show = bar.show if bar.wanted else None
-            log = run_cases(options, kind, groups, needed, folder, show)
-        tell(log)
-        return log.status
-    status = 0
-    for case in renamed(options, read_cases(options, kind, groups, needed)):
-        one = finish if case.kind in LONG else shorter
-        status = max(status, one(options, case, folder, save))
+    more = save is not None or options.format != "csv" or options.json or options.stem
+    if not more and request.kind not in ATTRACTORS:
+        return tables(options, request, folder)
+    cases, faults = read_cases(options, request)
+    for line in faults:
+        options.record.fault(line)
+    status = 2 if faults else 0
+    cases = renamed(options, cases)
+    for case in cases:
+        spare_inputs(options, case, folder)
+    for case in cases:
+        if case.kind in WORDS:
+            status = max(status, finish(options, case, folder, save, details))
+        else:
+            status = max(status, shorter(options, case, folder, save))
     return status
+
+
+def tables(options: argparse.Namespace, request: Request, folder: Path) -> int:
+    """Leave all to the compiled program."""
+    with case_files(options, request) as (files, made), Progress(request.kind or "run") as bar:
+        written = Fresh(results_of(files, request.kind, folder))
+
+        def show(share: float) -> None:
+            """As many results as there are, and a share of the next one."""
+            done = len(written.paths())
+            bar.show(min(share * (done + 1), done + 1) / max(1, len(written.before)))
+
+        try:
+            log = run_namelists(files, folder, request.kind, show if bar.wanted else None)
+        except KeyboardInterrupt:
+            options.record.files += map(str, written.paths())
+            raise
+    if made and log.status == 2 and not log.results:
+        lines = [in_options(line, made, request, options) for _, line in log.lines]
+        raise ParameterError("\n".join(lines))
+    tell(log)
+    return log.status
+
+
+def results_of(files: Sequence[str], kind: str | None, folder: Path) -> list[Path]:
+    """Where the compiled program writes, as far as it can be told: a pipe is read only once."""
+    found = []
+    for file in filter(os.path.isfile, files):
+        with contextlib.suppress(ParameterError):
+            for case in read_namelist(file):
+                if kind in (None, case.kind):
+                    suffix = "txt" if case.keys.get("format") == "table" else "csv"
+                    found.append(folder / f"{case.name}.{suffix}")
+    return found
 
 
 def renamed(options: argparse.Namespace, cases: list[Case]) -> list[Case]:
     """The cases; the only one with the name of the file that -o names."""
-    if not options.stem:
+    if not options.stem or not cases:  # of files with faults alone nothing more is said
         return cases
     if len(cases) != 1:
         raise ParameterError(
@@ -74,29 +110,44 @@ def renamed(options: argparse.Namespace, cases: list[Case]) -> list[Case]:
     return [cases[0]._replace(name=options.stem, text=text)]
 
 
-def shorter(
-    options: argparse.Namespace, case: Case, folder: Path, save: Callable[[Any, Path], Path] | None
-) -> int:
-    """Leave the table and the words of a case to the compiled program, and make the rest of it anew."""
+def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
+    """An error if a table would take the place of an input that is none."""
+    path = folder / f"{case.name}.csv"
+    for file in options.files if path.is_file() and options.format == "csv" else ():
+        if os.path.isfile(file) and path.samefile(file):
+            with path.open(encoding="utf-8", errors="replace") as lines:
+                if not lines.readline().startswith("# ! vibroimpact"):
+                    raise ParameterError(
+                        f"{file}: &output name = {case.name!r}: its result would overwrite this input; must be "
+                        "another name or folder"
+                    )
+
+
+def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -> int:
+    """Leave the table and the words of a case to the compiled program, and make the rest of it anew.
+
+    For motions and branches, which take no time, and several of which share a table. How much there is to do for a
+    branch is not known before: its bar tells the time that has passed.
+    """
     with tempfile.TemporaryDirectory() as place:
         source = Path(place) / "case.nml"
         source.write_text(case.text, encoding="utf-8")
-        target = folder if options.format == "csv" else place
         with Progress(case.name) as bar:
-            log = run_namelists(
-                [source], target, progress=partial(bar.show, note="table") if bar.wanted else None
-            )
+            target = folder if options.format == "csv" else place
+            log = run_namelists([source], target, progress=bar.show)
     tell(log, options.record)
     if options.format == "csv":
         options.record.files += map(str, log.results)
-    with Progress(case.name) as bar:
-        results = case.run(bar.show if bar.wanted else None) if log.results else []
+    results = []
+    if log.results:
+        with Progress(case.name) as bar:
+            results = interruptible(case.run, watch=partial(bar.show, 0.0))
     put(options, case, results, folder, save)
     return log.status
 
 
 def finish(
-    options: argparse.Namespace, case: Case, folder: Path, save: Callable[[Any, Path], Path] | None
+    options: argparse.Namespace, case: Case, folder: Path, save: Save, details: Details | None
 ) -> int:
     """Compute a case that takes its time, say what came out, write and draw it."""
     stopped = False
@@ -105,53 +156,56 @@ def finish(
             (result,) = case.run(bar.show)
         except ChartInterrupted as stop:  # as far as it came
             result, stopped = stop.chart, True
+        except StudyInterrupted as stop:
+            result, stopped = stop.result, True
+        except SingularError as error:
+            options.record.fault(f"{case.name}: {singular(case, error)}")
+            return 1
     news, faults, there = WORDS[case.kind](result)
     for line in news:
         print(f"{case.name}: {line}")
-    for line in faults:
+    for line in [] if stopped else faults:
         options.record.fault(f"{case.name}: {line}")
     if there:
         put(options, case, [result], folder, save)
+        for line in details(result) if details else []:
+            print(line)
     if stopped:
         raise KeyboardInterrupt
     return 1 if faults else 0
 
 
 def put(
-    options: argparse.Namespace, case: Case, results: Sequence[Any], folder: Path,
-    save: Callable[[Any, Path], Path] | None,
-) -> None:  # fmt: skip
+    options: argparse.Namespace, case: Case, results: Sequence[Any], folder: Path, save: Save
+) -> None:
     """Write the results of a case in the form that is wanted, and draw them."""
     for i, result in enumerate(results, start=1):
         folder.mkdir(parents=True, exist_ok=True)
         name = case.name if len(results) == 1 else f"{case.name}_{i}"
         options.record.add(name, chart_dict(result) if case.kind == "chart" else result)
-        if options.format != "csv" or case.kind in LONG:
+        if options.format != "csv" or case.kind in WORDS:
             path = folder / f"{name}.{FORMATS[options.format]}"
-            if case.kind == "chart":
-                write_chart(result, case, path)
-            else:
-                result.save(path)
+            write(result, case, path)
             options.record.files.append(str(path))
         if save is not None and getattr(options, "animate", None):
             film = result.animate(folder / f"{name}.{options.animate}")
             options.record.files.append(str(film))
             print(f"{case.name}: {film}")
-        if save is not None and options.plot and (case.kind not in LONG or drawable(result)):
-            path = save(picture(result), folder / f"{name}.{options.plot}")
-            options.record.files.append(str(path))
-            print(f"{case.name}: {path}")
+        if save is not None and options.plot:
+            if getattr(result, "axes", ()) is None:
+                print(f"{case.name}: random states have no picture")
+            elif getattr(result, "zones", True):  # an atlas may have none
+                path = save(picture(result, options), folder / f"{name}.{options.plot}")
+                options.record.files.append(str(path))
+                print(f"{case.name}: {path}")
 
 
-def drawable(result: Any) -> bool:
-    """Whether there is anything to see."""
-    return bool(getattr(result, "zones", True))
-
-
-def picture(result: Any) -> Any:
+def picture(result: Any, options: argparse.Namespace) -> Any:
     """The axes of a picture."""
     from ..plot.chart import draw_chart
 
+    if hasattr(result, "windows"):
+        return result.plot(quantity=getattr(options, "quantity", "x"))
     return (
         result.plot() if hasattr(result, "osc") or hasattr(result, "ends") else draw_chart(result)
     )
@@ -165,67 +219,16 @@ def chart_dict(data: Any) -> dict[str, Any]:
     return {"type": "Chart", "attributes": attributes, "dimensions": dimensions, **values}
 
 
-def write_chart(data: Any, case: Case, path: Path) -> None:
-    """A chart in the form that its name ends with."""
-    if path.suffix == ".nc":
-        save_dataset(data.assign_attrs(case=case.text, Conventions="CF-1.11"), path)
-    elif path.suffix == ".json":
-        write_text(path, json.dumps(chart_dict(data), allow_nan=False))
+def write(result: Any, case: Case, path: Path) -> None:
+    """A result in the form that its name ends with; a table has the case in its header."""
+    charted = case.kind == "chart"
+    if path.suffix == ".csv":
+        table = chart_columns(result) if charted else columns(result)
+        head = head_text(case.text.splitlines(), () if charted else notes(result))
+        write_text(path, head + rows_text(table, zip(*table.values(), strict=True)))
+    elif not charted:
+        result.save(path)
+    elif path.suffix == ".nc":
+        save_dataset(result.assign_attrs(case=case.text, Conventions="CF-1.11"), path)
     else:
-        table = chart_columns(data)
-        rows = rows_text(table, zip(*table.values(), strict=True))
-        write_text(path, head_text(case.text.splitlines()) + rows)
-
-
-#: What was said, what is missing, and whether there is a result.
-Words = tuple[list[str], list[str], bool]
-
-
-def zone_words(zone: Any) -> Words:
-    """As the compiled program has them."""
-    if zone.search.motions == 0:
-        return [], [f"no motion {tag(zone)} was found anywhere in the window"], False
-    if not zone.boundary and zone.closed:
-        return [], [
-            f"no zone: motions {tag(zone)} were found in the window, but none that is both stable and admissible"
-        ], False  # fmt: skip
-    kinds = ", ".join(dict.fromkeys(piece.type for piece in zone.boundary))
-    said = (
-        f"{tag(zone)}, {counted(len(zone.loops), 'loop')} in {counted(len(zone.boundary), 'piece')}"
-    )
-    said += f": {kinds}" if kinds else ""
-    return [said], [] if zone.closed else [NOT_CLOSED], True
-
-
-def atlas_words(atlas: Any) -> Words:
-    """As the compiled program has them."""
-    faults = [f"{tag(zone)} {NOT_CLOSED}" for zone in atlas.zones if not zone.closed]
-    surveyed = counted(len(atlas.attractors), "attractor")
-    if atlas.unexplained:
-        lost = ", ".join(dict.fromkeys(map(tag, atlas.unexplained)))
-        faults.append(f"{len(atlas.unexplained)} of {surveyed} in no zone of the pattern: {lost}")
-    if not (atlas.zones or faults):
-        return [], [
-            "no zone: neither search nor survey found a stable, admissible motion within the limits in the window"
-        ], False  # fmt: skip
-    loops = [len(zone.loops) for zone in atlas.zones if zone]
-    said = f"{counted(len(loops), 'zone')}, {counted(sum(loops), 'loop')}, {surveyed} surveyed"
-    return [said], faults, True
-
-
-def chart_words(data: Any) -> Words:
-    """As the compiled program has them."""
-    what = f"{data.attrs['sides']}/{data.attrs['cycles']}"
-    there = data.status == 0
-    if not bool(there.any()):
-        return [], [f"no motion {what} was found anywhere in the window"], False
-    good = (data.consistent == 1) & (data.admissible == 1) & (data.stable == 1)
-    return [
-        f"{int(there.sum())} motions {what} at {int(there.any('motion').sum())} of "
-        f"{there.sizes['r'] * there.sizes['clearance']} points, {int(good.sum())} admissible and stable"
-    ], [], True  # fmt: skip
-
-
-WORDS: dict[str, Callable[[Any], Words]] = {
-    "zone": zone_words, "atlas": atlas_words, "chart": chart_words,
-}  # fmt: skip
+        write_text(path, json.dumps(chart_dict(result), allow_nan=False))

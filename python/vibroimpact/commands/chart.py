@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 
 from .cases import run_kind
-from .options import add_case, grid
+from .options import Request, add_case, add_numbers, add_spacing, grid, values
 
 HELP = "compute all motions of a pattern on a grid of r and d K/F0"
-DESCRIPTION = """Compute all motions of a pattern on a grid of the plane (r, d K/F0), with their stability, for the
-&chart cases of namelist files or for the one that the options name. They are written to
-DIR/NAME.csv, one row a motion, or in another form, of which netCDF and JSON also hold the phases and all
-multipliers; with --plot a picture stands beside them. NAME is "chart" for the case of the options."""
+DESCRIPTION = """Compute all motions of a pattern on a grid of the plane (r, d K/F0), with their stability,
+for the &chart cases of namelist files or for the one that the options name. They are
+written to DIR/NAME.csv, one row a motion, or in another form, of which netCDF and JSON also
+hold the phases and all multipliers; with --plot a picture stands beside them. NAME is
+"chart" for the case of the options."""
 EXAMPLE = (
     "vibroimpact chart --xi .0114 --mu .028 --restitution .75 --sides RL --r 0.9 1.1 21 "
     "--clearance 5 100 16 --spacing geometric --symmetric yes -o results"
@@ -26,31 +27,27 @@ OWN = {
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, or a system, a pattern and a grid."""
-    add_case(parser)
-    for name, wanted in (("r", "frequency ratios"), ("clearance", "d K/F0")):
+    add_case(parser, with_pattern=True)
+    for name, wanted in (("r", "frequency ratios"), ("clearance", "clearances d K/F0")):
         parser.add_argument(
             f"--{name}", nargs=3, metavar=("LOW", "HIGH", "N"), help=f"the grid: N {wanted}"
         )
-    parser.add_argument(
-        "--spacing", choices=("linear", "geometric"), help="of the clearances (default: linear)"
-    )
+    add_spacing(parser, "clearances")
     parser.add_argument(
         "--symmetric", choices=("yes", "no", "both"),
         help="only motions that are their own mirror image, only others, or both (default)",
     )  # fmt: skip
-    for name, wanted in OWN.items():
-        parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)
+    add_numbers(parser, **OWN)
 
 
 def run(options: argparse.Namespace) -> int:
     """Compute the charts, write and draw them."""
-    names = ("sides", "cycles", "spacing", "symmetric", *OWN)
     groups = {
-        "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution")},
+        "system": values(options, "xi", "mu", "restitution"),
         "chart": {
             **grid(options, "r"), **grid(options, "clearance"),
-            **{name: getattr(options, name) for name in names},
+            **values(options, "sides", "cycles", "spacing", "symmetric", *OWN),
         },
     }  # fmt: skip
     needed = ("xi", "mu", "restitution", "sides", "r", "clearance")
-    return run_kind(options, "chart", groups, needed)
+    return run_kind(options, Request("chart", groups, needed))

@@ -20,9 +20,10 @@ from ..model import Oscillator, Pattern
 from ..newton import exact
 
 HELP = "tell what is installed, whether it computes, and what is missing"
-DESCRIPTION = """Tell which compiler, LAPACK and OpenMP threads are in use, whether a motion of the 1983 paper
-comes out right, and which optional libraries are there; of each that is missing, what it is for and
-how to get it. What is optional and missing is no fault: the exit status is 0 if the package computes."""
+DESCRIPTION = """Tell which compiler, LAPACK and OpenMP threads are in use, whether a motion of the 1983
+paper comes out right, and which optional libraries are there; of each that is missing, what
+it is for and how to get it. What is optional and missing is no fault: the exit status is 0
+if the package computes."""
 EXAMPLE = "vibroimpact doctor"
 
 #: What each extra is for; those for developers are not looked at.

@@ -7,9 +7,10 @@ import argparse
 from ..errors import ParameterError
 
 HELP = "explore zones and motions live, in a browser"
-DESCRIPTION = """Serve a page on this machine, and open it: the zones of stable motions over frequency ratio and
-clearance follow the sliders, the motions follow the pointer; simulations, bifurcation diagrams, links, namelists.
-It ends with Ctrl-C. Needs the extra `explorer`: pip install 'vibroimpact[explorer]'."""
+DESCRIPTION = """Serve a page on this machine, and open it: the zones of stable motions over frequency ratio
+and clearance follow the sliders, the motions follow the pointer; simulations, bifurcation
+diagrams, links, namelists. It ends with Ctrl-C. Needs the extra `explorer`: pip install
+'vibroimpact[explorer]'."""
 EXAMPLE = "vibroimpact explore --port 5006 --no-browser"
 
 

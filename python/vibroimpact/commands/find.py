@@ -3,69 +3,109 @@
 from __future__ import annotations
 
 import argparse
-import sys
+import re
 import textwrap
+from pathlib import Path
+from typing import NamedTuple
 
 from ..errors import ParameterError, SingularError
 from ..find import FoundMotions, find
+from ..found import Findings
 from ..model import Oscillator
 from ..progress import Progress
 from ..run import read_namelist
-from . import add_files
+from . import FORMATS, Record, add_files, add_forms, picture_writer
+from .options import add_numbers, add_system
 
 HELP = "search for all periodic motions at a point"
 DESCRIPTION = """Search for all periodic motions, stable and unstable, at the points of the cases of namelist
-files, or at the one that the options name; print them and how they were searched for."""
-EXAMPLE = "vibroimpact find --xi 0.005 --mu 0.042 --restitution 0.75 --r 0.94 --clearance 37 --max-impacts 3"
+files, or at the one that the options name; print them and how they were searched for. With -o,
+--format or --plot they are written to DIR/NAME.csv, one row an impact, or in another form, and a
+picture of their histories and multipliers stands beside them. NAME is "find" for the point of
+the options."""
+EXAMPLE = (
+    "vibroimpact find --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --max-impacts 3 "
+    "--plot -o results"
+)
 
-#: A point: oscillator, r, clearance, load.
-Point = tuple[Oscillator, float, float, float]
+
+class Point(NamedTuple):
+    """Where to search."""
+
+    osc: Oscillator
+    r: float
+    clearance: float
+    load: float
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, or a point; and the limits of the search."""
     add_files(parser, "*")
-    for name, wanted in (
-        ("xi", "damping ratio"), ("mu", "mass ratio"), ("r", "frequency ratio"),
-        ("clearance", "d K/F0"),
-    ):  # fmt: skip
-        parser.add_argument(f"--{name}", type=float, metavar=name.upper(), help=wanted)
-    parser.add_argument(
-        "--restitution", type=float, nargs="+", metavar="R",
-        help="coefficient of restitution of both walls, or of the right one and the left one",
-    )  # fmt: skip
-    parser.add_argument(
-        "--max-impacts", type=int, default=6, metavar="N", help="impacts a period (default: 6)"
+    add_system(parser)
+    parser.add_argument("--r", type=float, metavar="R", help="frequency ratio")
+    parser.add_argument("--clearance", type=float, metavar="D", help="clearance d K/F0")
+    add_numbers(
+        parser,
+        max_impacts="most impacts a period, 2 to 12 (default: 6)",
+        max_cycles="most load cycles a period, 1 to 8 (default: 2)",
     )
-    parser.add_argument(
-        "--max-cycles", type=int, default=2, metavar="K", help="load cycles a period (default: 2)"
-    )
+    add_forms(parser, on_request=True)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Search at each point once."""
-    status = 0
-    for point in dict.fromkeys(_points(options)):
-        if point is None:
-            status = 1
-            continue
+    """Search at each point; what is wrong with an option is said in its words."""
+    try:
+        return search(options)
+    except ParameterError as error:
+        words = re.sub(r"^(\w+) = ", lambda match: f"--{match[1].replace('_', '-')} ", str(error))
+        raise ParameterError(words) from None
+
+
+def search(options: argparse.Namespace) -> int:
+    """Search at each point once, print, write and draw the motions."""
+    save = picture_writer() if options.plot else None
+    points, status = _points(options)
+    if options.stem and len(points) != 1:
+        raise ParameterError(
+            f"-o {options.stem}.{FORMATS[options.format]}: names a file, and there are {len(points)} points; must "
+            "be a folder"
+        )
+    limits = {
+        name: getattr(options, name)
+        for name in ("max_impacts", "max_cycles") if getattr(options, name) is not None
+    }  # fmt: skip
+    for point, name in points.items():
         osc, r, clearance, load = point
         with Progress("find") as bar:
-            found = find(
-                osc, r, clearance, options.max_impacts, options.max_cycles, load, progress=bar.show
-            )
+            found = find(osc, r, clearance, load=load, progress=bar.show, **limits)
         walls = ", ".join(f"{value:g}" for value in osc.restitution)
         print(
             f"xi = {osc.xi:g}, mu = {osc.mu:g}, restitution = {walls}, r = {r:g}, clearance = {clearance:.10g}"
             + (f", load = {load:g}" if load != 1 else "")
         )
         print(table(found))
-        options.record.add(f"r = {r!r}, clearance = {clearance!r}", {
-            "motions": [motion.to_dict() for motion in found], "searched": str(found.search),
-        })  # fmt: skip
         print(textwrap.fill(f"searched: {found.search}", 100))
-        status = status if found else 1
+        result = Findings.of(osc, r, clearance, found, load)
+        options.record.add(f"r = {r!r}, clearance = {clearance!r}", result)
+        if not found:
+            status = 1
+        elif options.folder is not None:
+            folder = Path(options.folder)
+            folder.mkdir(parents=True, exist_ok=True)
+            path = folder / f"{options.stem or name}.{FORMATS[options.format]}"
+            result.save(path)
+            tell(options.record, name, path)
+            if save is not None:
+                tell(
+                    options.record, name, save(result.plot(), path.with_suffix(f".{options.plot}"))
+                )
     return status
+
+
+def tell(record: Record, name: str, path: Path) -> None:
+    """Say what was written."""
+    record.files.append(str(path))
+    print(f"{name}: {path}")
 
 
 def table(found: FoundMotions) -> str:
@@ -85,39 +125,48 @@ def table(found: FoundMotions) -> str:
     return "\n".join(lines)
 
 
-def _points(options: argparse.Namespace) -> list[Point | None]:
-    """The points that are asked for; None where one cannot be told."""
+def _points(options: argparse.Namespace) -> tuple[dict[Point, str], int]:
+    """The points that are asked for, each with the name of its result; status 1 where one cannot be told."""
     names = ("xi", "mu", "restitution", "r", "clearance")
     given = [name for name in names if getattr(options, name) is not None]
+    points: dict[Point, str] = {}
     if options.files:
         if given:
             raise ParameterError(f"--{given[0]}: must be left out beside a namelist file")
-        return [point for file in options.files for point in _points_of(file)]
+        return points, max(_add_points(file, points, options.record) for file in options.files)
     for name in names:
         if name not in given:
             raise ParameterError(
                 f"--{name}: must be given, or a namelist file instead of the options"
             )
     walls = options.restitution[0] if len(options.restitution) == 1 else tuple(options.restitution)
-    return [(Oscillator(options.xi, options.mu, walls), options.r, options.clearance, 1.0)]
+    osc = Oscillator(options.xi, options.mu, walls)
+    return {Point(osc, options.r, options.clearance, 1.0): "find"}, 0
 
 
-def _points_of(file: str) -> list[Point | None]:
+def _add_points(file: str, points: dict[Point, str], record: Record) -> int:
     """The points of the cases of a file; phases that are given have a clearance of their own."""
-    points: list[Point | None] = []
+    status = 0
     for case in read_namelist(file):
         if case.r is None or (case.kind != "branch" and "parameter" in case.keys):
             raise ParameterError(
-                f"{file}: {case.name}: must be a &motion, &simulate or &branch; "
-                f"&{case.kind} has no point to search at"
+                f"{file}: {case.name}: must be at one point of r and clearance; this &{case.kind} is not"
             )
-        if case.motion_kind != "periodic":
-            keys = case.keys
-            points.append((case.osc, case.r, keys["clearance"], keys.get("load", 1.0)))
+        keys = case.keys
+        point = Point(case.osc, case.r, keys.get("clearance", 0.0), keys.get("load", 1.0))
+        if case.motion_kind == "periodic":
+            try:
+                point = point._replace(clearance=case.motions()[0].clearance)
+            except SingularError as error:
+                record.fault(f"{case.name}: {error}")
+                status = 1
+                continue
+        if (
+            points.setdefault(point, case.name) != case.name
+            or [*points.values()].count(case.name) < 2
+        ):
             continue
-        try:
-            points.append((case.osc, case.r, case.motions()[0].clearance, 1.0))
-        except SingularError as error:
-            print(f"{case.name}: {error}", file=sys.stderr)
-            points.append(None)
-    return points
+        raise ParameterError(
+            f"{file}: &output name = {case.name!r}: is already the name of another point; must be another"
+        )
+    return status

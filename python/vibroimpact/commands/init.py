@@ -10,8 +10,8 @@ from ..errors import ParameterError
 from ..files import write_text
 
 HELP = "write a commented namelist to start from"
-DESCRIPTION = """Write NAME.nml, a namelist of one kind of case with every key explained, which runs as it is. A
-file that is there is kept."""
+DESCRIPTION = """Write NAME.nml, a namelist of one kind of case with every key explained, which runs as it
+is. A file that is there is kept."""
 EXAMPLE = "vibroimpact init zone"
 
 TEMPLATES = files("vibroimpact") / "templates"

@@ -3,82 +3,91 @@
 from __future__ import annotations
 
 import argparse
-
-import numpy as np
+from typing import Any
 
 from ..errors import ParameterError
-from ..studies.lyapunov import lyapunov
-from .point import add_range, add_system, draw, numbers, oscillator, status, with_bar, write_table
+from .cases import run_kind
+from .options import (
+    STATE,
+    Request,
+    add_case,
+    add_numbers,
+    add_spacing,
+    add_state,
+    span,
+    values,
+)
 
 HELP = "compute all Lyapunov exponents at a point or along a line"
-DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a point or
-along a line of r or of d K/F0, through impacts, accumulations and rests. They are written to
-DIR/lyapunov.csv with their standard errors and the check by volume."""
+DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a
+point or along a line of r or of d K/F0, through impacts, accumulations and rests, for the
+&lyapunov cases of namelist files or for the one that the options name. They are written to
+DIR/NAME.csv, one row a point with their standard errors and the check by volume, or in
+another form; with --plot a picture stands beside them. NAME is "lyapunov" for the case of
+the options."""
 EXAMPLE = "vibroimpact lyapunov --xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 10 30 5 -o results"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """A system, points, and how long."""
-    add_system(parser)
-    add_range(parser, "r", "frequency ratio", required=True)
-    add_range(parser, "clearance", "d K/F0", required=True)
-    parser.add_argument(
-        "--cycles",
-        type=int,
-        default=10_000,
-        metavar="N",
-        help="load cycles averaged over (default: 10000)",
+    """Files, or a system, points, and how long."""
+    add_case(parser)
+    for name, wanted in (("r", "frequency ratio"), ("clearance", "clearance d K/F0")):
+        parser.add_argument(
+            f"--{name}", type=float, nargs="+", metavar="V",
+            help=f"{wanted}: a number, or LOW HIGH N for N of them",
+        )  # fmt: skip
+    add_spacing(parser, "N values")
+    add_numbers(
+        parser,
+        cycles="load cycles averaged over (default: 10000)",
+        discard="load cycles before them (default: 1000)",
     )
-    parser.add_argument(
-        "--discard",
-        type=int,
-        default=1000,
-        metavar="N",
-        help="load cycles before them (default: 1000)",
-    )
-    parser.add_argument(
-        "--state", type=float, nargs=4, metavar=("X", "X_DOT", "Z", "Z_DOT"),
-        help="where each point starts, at t = 0 (default: rest in the middle)",
-    )  # fmt: skip
+    add_state(parser, "where each point starts")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute, print and write them."""
-    r = np.atleast_1d(numbers(options.r, "r"))
-    clearance = np.atleast_1d(numbers(options.clearance, "clearance"))
-    if 1 < r.size != clearance.size > 1:
-        raise ParameterError(
-            f"--r, --clearance: {r.size} and {clearance.size} values; must be as many, or one of them a number"
-        )
-    state = None
-    if options.state is not None:
-        state = dict(zip(("t", "x", "x_dot", "z", "z_dot"), (0.0, *options.state), strict=True))
-    result = with_bar(
-        options, lyapunov, oscillator(options), r, clearance, options.cycles, state, discard=options.discard,
-    )  # fmt: skip
-    each = result.per_cycle
-    errors = result.standard_error * (2 * np.pi / result.r)
-    names = [
-        "r",
-        "clearance",
-        *(f"exponent_{j}" for j in range(1, 5)),
-        *(f"error_{j}" for j in range(1, 5)),
-    ]
-    names += ["dimension", "identity_error", "impacts", "rests"]
-    rows = zip(
-        result.r.tolist(), result.clearance.tolist(), *each.tolist(), *errors.tolist(),
-        result.dimension.tolist(), result.identity_error.tolist(), result.impacts.tolist(),
-        result.rests.tolist(), strict=True,
-    )  # fmt: skip
-    write_table(options, "lyapunov", names, rows, result)
-    for i in range(result.r.size):
-        shown = "  ".join(f"{value:10.6f}" for value in each[:, i])
-        print(f"r = {result.r[i]:.6g}  d K/F0 = {result.clearance[i]:.6g}:  {shown}")
-    draw(options, "lyapunov", result)
-    lost = int(np.isnan(each).any(axis=0).sum())
-    if lost:
+    """Compute, print, write and draw them."""
+    point, line = points(options)
+    groups = {
+        "system": {**values(options, "xi", "mu", "restitution"), "r": point["r"]},
+        "lyapunov": {
+            "clearance": point["clearance"], **line, **values(options, "spacing", "cycles", "discard"),
+            **dict(zip(STATE, options.state or (), strict=False)),
+        },
+    }  # fmt: skip
+    spans = dict.fromkeys(STATE, "state")
+    spans |= dict.fromkeys(("low", "high", "values"), str(line.get("parameter")))
+    needed = ("xi", "mu", "restitution", "r", "clearance")
+    status = run_kind(options, Request("lyapunov", groups, needed, spans), details)
+    named = options.files or options.state
+    if not named and any(": no exponents" in line for line in options.record.faults):
         options.record.fault(
-            f"lyapunov: no exponents at {lost} of {result.r.size} points: no impacts, or none that could be "
-            "found; another start may lead to some: --state X X_DOT Z Z_DOT"
+            "vibroimpact lyapunov: another start may lead to impacts: --state X X_DOT Z Z_DOT"
         )
-    return status(options, lost > 0)
+    return status
+
+
+def points(options: argparse.Namespace) -> tuple[dict[str, float | None], dict[str, Any]]:
+    """The two numbers, None for one that changes or is not given, and the keys of the one that changes."""
+    point: dict[str, float | None] = {}
+    line: dict[str, Any] = {}
+    for name in ("r", "clearance"):
+        given = getattr(options, name) or [None]
+        point[name] = given[0] if len(given) == 1 else None
+        if len(given) > 1:
+            low, high, n = span(given, name, "a number, or LOW HIGH N")
+            if line:
+                raise ParameterError("--r, --clearance: one of them must be a number")
+            line = {"parameter": name, "low": low, "high": high, "values": n}
+    return point, line
+
+
+def details(result: Any) -> list[str]:
+    """The exponents of each point."""
+    points = zip(
+        result.r.ravel(), result.clearance.ravel(), result.per_cycle.reshape(4, -1).T, strict=True
+    )
+    return [
+        f"r = {r:.6g}  d K/F0 = {clearance:.6g}:  {'  '.join(f'{value:10.6f}' for value in each)}"
+        for r, clearance, each in points
+    ]

@@ -5,34 +5,57 @@ from __future__ import annotations
 import argparse
 import re
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from ..errors import ParameterError
 from ..interchange import namelist
 from ..interchange.namelist import Groups
-from ..run import Case, RunLog, read_namelist, run_namelists
+from ..run import Case, read_namelist
 from . import add_files, add_forms
 
-#: Options that give two keys each.
+#: What every command has, or what is no part of a case.
+APART = (
+    "command", "files", "folder", "plot", "animate", "format", "quiet", "json", "record", "stem", "quantity",
+)  # fmt: skip
+#: Values of a line at most.
+MOST = 1_000_000
+#: What --state gives.
+STATE = ("x", "x_dot", "z", "z_dot")
+#: Options that give several keys each.
 SPANS = {
-    "r_min": "r", "r_max": "r", "clearance_min": "clearance", "clearance_max": "clearance",
-    "low": "bounds", "high": "bounds",
-    "r_points": "r", "clearance_points": "clearance",
+    f"{name}_{end}": name for name in ("r", "clearance") for end in ("min", "max", "points")
 }  # fmt: skip
 
 
-def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None:
+class Request(NamedTuple):
+    """What a command asks for if it is given options and no files.
+
+    Attributes
+    ----------
+    kind : str or None
+        The one kind of cases that the command runs, and the name of the result; None for all kinds.
+    groups
+        The namelist that the options make.
+    needed
+        Options without which they make none.
+    spans
+        The option that each key comes from, if it is not of the same name.
+    """
+
+    kind: str | None = None
+    groups: Groups = MappingProxyType({})
+    needed: Sequence[str] = ()
+    spans: Mapping[str, str] = SPANS
+
+
+def add_case(parser: argparse.ArgumentParser, with_pattern: bool = False) -> None:
     """Files, or the options that all cases have; the folder, and the forms of the results."""
     add_files(parser, "*")
-    parser.add_argument("--xi", type=float, metavar="XI", help="damping ratio")
-    parser.add_argument("--mu", type=float, metavar="MU", help="mass ratio")
-    parser.add_argument(
-        "--restitution", type=float, nargs="+", metavar="R",
-        help="coefficient of restitution of both walls, or of the right one and the left one",
-    )  # fmt: skip
+    add_system(parser)
     if with_pattern:
         parser.add_argument(
             "--sides", metavar="SIDES", help="walls of the impacts in order, as RRL"
@@ -43,131 +66,137 @@ def add_case(parser: argparse.ArgumentParser, with_pattern: bool = True) -> None
     add_forms(parser)
 
 
+def add_system(parser: argparse.ArgumentParser) -> None:
+    """The oscillator."""
+    parser.add_argument("--xi", type=float, metavar="XI", help="damping ratio")
+    parser.add_argument("--mu", type=float, metavar="MU", help="mass ratio m/M")
+    parser.add_argument(
+        "--restitution", type=float, nargs="+", metavar="R",
+        help="coefficient of restitution of both walls, or of the right one and the left one",
+    )  # fmt: skip
+
+
+def add_numbers(parser: argparse.ArgumentParser, **wanted: str) -> None:
+    """Options that are whole numbers, with their meaning."""
+    for name, meaning in wanted.items():
+        parser.add_argument(f"--{_word(name)}", type=int, metavar="N", help=meaning)
+
+
+def add_state(parser: argparse.ArgumentParser, what: str) -> None:
+    """The initial state."""
+    parser.add_argument(
+        "--state", type=float, nargs=4, metavar=("X", "X_DOT", "Z", "Z_DOT"),
+        help=f"{what}, at t = 0 (default: rest in the middle)",
+    )  # fmt: skip
+
+
+def add_spacing(parser: argparse.ArgumentParser, of: str) -> None:
+    """How the values of a line are spaced."""
+    parser.add_argument(
+        "--spacing", choices=("linear", "geometric"), help=f"spacing of the {of} (default: linear)"
+    )
+
+
 def add_window(parser: argparse.ArgumentParser, guesses: int) -> None:
     """The window of a zone or an atlas, and how it is searched."""
-    for name, wanted in (("r", "frequency ratios"), ("clearance", "d K/F0")):
+    for name, wanted in (("r", "frequency ratios"), ("clearance", "clearances d K/F0")):
         parser.add_argument(
             f"--{name}", type=float, nargs=2, metavar=("LOW", "HIGH"), help=f"the window: {wanted}"
         )
-    for name, wanted in (
-        ("lines", "lattice lines each way (default: 17)"),
-        (
-            "guesses",
-            f"guesses for motions at a node, a quarter at every other one (default: {guesses})",
-        ),
-        ("max-points", "most vertices of a loop (default: 20000)"),
-    ):
-        parser.add_argument(f"--{name}", type=int, metavar="N", help=wanted)
+    add_numbers(
+        parser,
+        lines="lines of the lattice of the search, each way (default: 17)",
+        guesses=f"guesses for motions at every second node, a quarter of it at the others (default: {guesses})",
+        max_points="most vertices of a loop (default: 20000)",
+    )
 
 
 def window_groups(options: argparse.Namespace, group: str, own: Sequence[str]) -> Groups:
     """The namelist of a zone or an atlas with some keys of its own."""
     r, clearance = pair(options, "r"), pair(options, "clearance")
     return {
-        "system": {name: getattr(options, name) for name in ("xi", "mu", "restitution")},
+        "system": values(options, "xi", "mu", "restitution"),
         group: {
             "r_min": r[0], "r_max": r[1], "clearance_min": clearance[0], "clearance_max": clearance[1],
-            **{name: getattr(options, name) for name in (*own, "lines", "guesses", "max_points")},
+            **values(options, *own, "lines", "guesses", "max_points"),
         },
     }  # fmt: skip
 
 
-def run_cases(
-    options: argparse.Namespace,
-    kind: str | None,
-    groups: Groups,
-    needed: Sequence[str],
-    folder: str | Path,
-    progress: Callable[[float], None] | None = None,
-) -> RunLog:
-    """Run the cases of one kind of the files (or of all), or the one that the options name.
+def values(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Some options by name; None where one was not given."""
+    return {name: getattr(options, name) for name in names}
 
-    Parameters
-    ----------
-    options
-        As `add_case` and the command have them.
-    kind : str
-        The kind of cases, and the name of the result where options name the case.
-    groups
-        The namelist that the options make.
-    needed
-        Options without which they make none.
-    folder
-        For the results.
-    progress
-        As of `run_namelists`.
 
-    Returns
-    -------
-    RunLog
+def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case], list[str]]:
+    """The cases that are asked for, without running them, and what is wrong with files.
+
+    A file with anything wrong is left out. Options with anything wrong are an error in their own words.
     """
-    with _files(options, kind, groups, needed) as (files, made):
-        log = run_namelists(files, folder, only=kind, progress=progress)
-    if made and log.status == 2 and not log.results:
-        raise ParameterError("\n".join(_anonymous(line, made) for _, line in log.lines))
-    return log
-
-
-def read_cases(
-    options: argparse.Namespace, kind: str | None, groups: Groups, needed: Sequence[str]
-) -> list[Case]:
-    """The cases of one kind of the files (or all), or the one that the options name, without running them."""
     cases: dict[str, Case] = {}
-    with _files(options, kind, groups, needed) as (files, made):
+    faults: list[str] = []
+    with case_files(options, request) as (files, made):
         for file in files:
             try:
-                found = [case for case in read_namelist(file) if kind in (None, case.kind)]
+                found = _cases_of(file, request.kind, cases)
             except ParameterError as error:
-                raise ParameterError(_anonymous(str(error), made)) from None
-            if not found:
-                raise ParameterError(f"{file}: must hold a group &{kind}; there is none")
-            for case in found:
-                if case.name.lower() in cases:
-                    raise ParameterError(
-                        f"{file}: &output name = {case.name!r}: is already the name of another case; must be "
-                        "another"
-                    )
-                cases[case.name.lower()] = case
-    return list(cases.values())
+                if made:
+                    raise ParameterError(in_options(str(error), made, request, options)) from None
+                faults.append(str(error))
+                continue
+            cases |= {case.name.lower(): case for case in found}
+    return list(cases.values()), faults
 
 
-def _anonymous(line: str, made: str) -> str:
+def _cases_of(file: str, kind: str | None, others: Mapping[str, Case]) -> list[Case]:
+    """The cases of one kind of a file (or all), whose names are those of no others."""
+    found = [case for case in read_namelist(file) if kind in (None, case.kind)]
+    if not found:
+        raise ParameterError(f"{file}: must hold a group &{kind}; there is none")
+    taken = set(others)
+    for case in found:
+        if case.name.lower() in taken:
+            raise ParameterError(
+                f"{file}: &output name = {case.name!r}: is already the name of another case; must be another"
+            )
+        taken.add(case.name.lower())
+    return found
+
+
+def in_options(line: str, made: str, request: Request, options: argparse.Namespace) -> str:
     """A message in terms of options, without the namelist that they were written to, which nobody knows."""
-    if not made:
-        return line
+
+    def option(match: re.Match[str]) -> str:
+        """The option as it was typed, for the key of a namelist."""
+        name = request.spans.get(match[1], match[1])
+        typed = shown(getattr(options, name, None) or []) if name != match[1] else match[3]
+        return f"--{_word(name)}" + (f" {typed}" if typed else "")
+
     line = re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)
-    return re.sub(r"^&\w+ (\w+)\S*( = (.*?))?(?=: )", lambda m: _option(m[1], m[3]), line)
-
-
-def _option(key: str, value: str | None) -> str:
-    """An option as it may have been typed, for the key of a namelist."""
-    return f"--{_word(SPANS.get(key, key))}" + ("" if value is None else f" {value}")
+    return re.sub(r"^&\w+ (\w+)\S*( = (.*?))?(?=: )", option, line)
 
 
 @contextmanager
-def _files(
-    options: argparse.Namespace, kind: str | None, groups: Groups, needed: Sequence[str]
-) -> Iterator[tuple[list[str], str]]:
-    """The files to run, and the one that is made of the options."""
-    apart = (
-        "command", "files", "folder", "plot", "animate", "format", "quiet", "json", "record", "stem",
-    )  # fmt: skip
+def case_files(
+    options: argparse.Namespace, request: Request
+) -> Iterator[tuple[Sequence[str], str]]:
+    """The files to run, and the one that is made of the options ("" if there are files)."""
     given = [
-        name for name, value in vars(options).items() if value is not None and name not in apart
+        name for name, value in vars(options).items() if value is not None and name not in APART
     ]
     if options.files:
         if given:
             raise ParameterError(f"--{_word(given[0])}: must be left out beside a namelist file")
         yield options.files, ""
         return
-    for name in needed:
+    for name in request.needed:
         if name not in given:
             raise ParameterError(
                 f"--{_word(name)}: must be given, or a namelist file instead of the options"
             )
     with tempfile.TemporaryDirectory() as place:
-        made = Path(place) / f"{kind}.nml"
-        made.write_text(namelist.text(groups), encoding="utf-8")
+        made = Path(place) / f"{request.kind}.nml"
+        made.write_text(namelist.text(request.groups), encoding="utf-8")
         yield [str(made)], str(made)
 
 
@@ -182,20 +211,34 @@ def pair(options: argparse.Namespace, name: str) -> tuple[float | None, float | 
     return low, high
 
 
-def grid(options: argparse.Namespace, name: str) -> dict[str, Any]:
-    """The keys of one axis of a grid, from LOW HIGH N."""
+def grid(options: argparse.Namespace, name: str, *keys: str) -> dict[str, Any]:
+    """The keys of one axis of a grid, from LOW HIGH N; the option must be given if keys are named."""
     words = getattr(options, name)
     if words is None:
         return {}
+    return dict(
+        zip(
+            keys or (f"{name}_min", f"{name}_max", f"{name}_points"), span(words, name), strict=True
+        )
+    )
+
+
+def span(words: Sequence[Any], name: str, wanted: str = "LOW HIGH N") -> tuple[float, float, int]:
+    """LOW, HIGH and N."""
     try:
-        low, high, n = float(words[0]), float(words[1]), int(words[2])
-        if low >= high or n < 2:
+        low, high, n = float(words[0]), float(words[1]), float(words[2])
+        if len(words) != 3 or not low < high or n % 1 or not 2 <= n <= MOST:
             raise ValueError
-    except ValueError:
+    except (ValueError, IndexError):
         raise ParameterError(
-            f"--{name} {' '.join(words)}: must be LOW HIGH N with LOW below HIGH, N at least 2"
+            f"--{name} {shown(words)}: must be {wanted} with LOW below HIGH, N from 2 to {MOST}"
         ) from None
-    return {f"{name}_min": low, f"{name}_max": high, f"{name}_points": n}
+    return low, high, int(n)
+
+
+def shown(words: Sequence[Any]) -> str:
+    """The words of an option as they may have been typed."""
+    return " ".join(f"{word:g}" if isinstance(word, float) else str(word) for word in words)
 
 
 def _word(name: str) -> str:

@@ -16,10 +16,11 @@ from ..run import Case, read_namelist
 from . import PICTURES, add_files, add_folder, picture_writer
 
 HELP = "draw the cases of namelist files"
-DESCRIPTION = """Draw each motion and each simulation that namelist files ask for: time history, load,
-acceleration and phase portrait; each branch along its parameter; each chart, zone and atlas in its window; in
-DIR/NAME.png (NAME_1, NAME_2 if a case has two motions or branches)."""
-EXAMPLE = "vibroimpact plot inputs/table1.nml -o results"
+DESCRIPTION = """Draw the cases of namelist files, in DIR/NAME.png or another format (NAME_1, NAME_2 if a
+case has two motions or branches): of each motion and each simulation the time history,
+load, acceleration and phase portrait; each branch along its parameter; each chart, zone and
+atlas in its window; what each study of attractors finds."""
+EXAMPLE = "vibroimpact init zone && vibroimpact plot zone.nml -o results"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_folder(parser)
     parser.add_argument(
         "--format", default=PICTURES[0], choices=PICTURES, metavar="FORMAT",
-        help=f"{', '.join(PICTURES)} (default: {PICTURES[0]})",
+        help=f"format of the pictures: png, svg or pdf (default: {PICTURES[0]})",
     )  # fmt: skip
 
 

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import textwrap
+from pathlib import Path
 
 from ..reproduce import NAMES, reproduce
-from . import add_folder
+from ..reproduce.tasks import TASKS
+from . import Fresh, add_folder
 
 HELP = "recompute the tables and figures of the 1983 paper"
-DESCRIPTION = f"""Recompute the tables and figures of Popplewell, Bapat and McLachlan (1983) and
-compare them with the printed values. Available: {", ".join(NAMES)}."""
+DESCRIPTION = textwrap.fill(
+    "Recompute the tables and figures of Popplewell, Bapat and McLachlan (1983) and compare them with the printed "
+    f"values. Available: {', '.join(NAMES)}.", 92,
+)  # fmt: skip
 EXAMPLE = "vibroimpact reproduce table1 -o results"
 
 
@@ -21,4 +26,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Recompute what is named."""
-    return reproduce(options.names, options.folder)
+    folder = Path(options.folder)
+    written = Fresh(folder / output for task in TASKS.values() for output in task.outputs)
+    try:
+        return reproduce(options.names, folder)
+    finally:
+        options.record.files += map(str, written.paths())

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-import numpy as np
-
-from ..studies.response import response
-from .point import add_range, add_system, draw, numbers, oscillator, status, with_bar, write_table
+from .cases import run_kind
+from .options import Request, add_case, add_numbers, grid, values
 
 HELP = "follow max|X|/A along r over all attractors"
-DESCRIPTION = """Find max|X|/A along r for a clearance or a load, from many initial states, and write its least and
-greatest value over the attractors that coexist to DIR/response.csv."""
+DESCRIPTION = """Find max|X|/A along r for a clearance or a load, from many initial states, for the &response
+cases of namelist files or for the one that the options name. Its least and greatest value
+over the attractors that coexist are written to DIR/NAME.csv, one row a frequency ratio, or
+in another form, of which netCDF and JSON also hold what each state came to; with --plot a
+picture stands beside them. NAME is "response" for the case of the options."""
 EXAMPLE = (
     "vibroimpact response --xi .0114 --mu .028 --restitution .75 --r .95 1.05 21 "
     "--inverse-clearance .03 --states 6 -o results"
@@ -19,33 +20,23 @@ EXAMPLE = (
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """A system, the line, and the number of states."""
-    add_system(parser)
-    add_range(parser, "r", "frequency ratio", required=True)
-    one = parser.add_mutually_exclusive_group(required=True)
-    one.add_argument("--clearance", type=float, metavar="D", help="d K/F0")
-    one.add_argument("--inverse-clearance", type=float, metavar="V", help="F0/(d K)")
+    """Files, or a system, the line, and the number of states."""
+    add_case(parser)
     parser.add_argument(
-        "--states", type=int, default=24, metavar="N", help="initial states at each r (default: 24)"
+        "--r", nargs=3, metavar=("LOW", "HIGH", "N"), help="the line: N frequency ratios"
     )
+    one = parser.add_mutually_exclusive_group()
+    one.add_argument("--clearance", type=float, metavar="D", help="clearance d K/F0")
+    one.add_argument("--inverse-clearance", type=float, metavar="V", help="or the load F0/(d K)")
+    add_numbers(parser, states="initial states at each r (default: 24)")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Find, print and write it."""
-    result = with_bar(
-        options, response, oscillator(options), np.atleast_1d(numbers(options.r, "r")), options.clearance,
-        options.inverse_clearance, options.states,
-    )  # fmt: skip
-    columns = [
-        item.tolist() for item in (result.r, result.clearance, result.lowest, result.highest)
-    ]
-    write_table(
-        options,
-        "response",
-        ["r", "clearance", "lowest", "highest"],
-        zip(*columns, strict=True),
-        result,
-    )
-    print(result)
-    draw(options, "response", result)
-    return status(options, bool(np.isnan(result.attenuation).any()))
+    """Find, print, write and draw it."""
+    groups = {
+        "system": values(options, "xi", "mu", "restitution"),
+        "response": {
+            **grid(options, "r"), **values(options, "clearance", "inverse_clearance", "states"),
+        },
+    }  # fmt: skip
+    return run_kind(options, Request("response", groups, ("xi", "mu", "restitution", "r")))

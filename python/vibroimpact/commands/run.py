@@ -10,11 +10,11 @@ from ..run import RunLog
 from . import Record, add_files, add_forms
 
 HELP = "run namelist files"
-DESCRIPTION = """Run namelist files: each case is written to DIR/NAME.csv, with the same digits as
-the stand-alone program vibroimpact-batch gives; or to another form (NAME_1, NAME_2 if a case has several
-motions or branches), which holds every bit and is read by vibroimpact.load. With --plot a picture stands
-beside each."""
-EXAMPLE = "vibroimpact run inputs/table1.nml -o results"
+DESCRIPTION = """Run the cases of namelist files, of any kind. Each is written to DIR/NAME.csv, with the same
+digits as the stand-alone program vibroimpact-batch gives, or in another form, which holds
+every bit and is read by vibroimpact.load (NAME_1, NAME_2 if a case has several motions or
+branches); with --plot a picture stands beside it."""
+EXAMPLE = "vibroimpact init exact && vibroimpact run exact.nml -o results"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,8 +26,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run all cases of all files."""
     from .cases import run_kind
+    from .options import Request
 
-    return run_kind(options, None, {}, ())
+    return run_kind(options, Request())
 
 
 def tell(log: RunLog, record: Record | None = None) -> None:

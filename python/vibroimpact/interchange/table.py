@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 import tempfile
 from collections.abc import Iterable, Sequence
@@ -17,9 +18,14 @@ from ..files import write_text
 from ..status import NO_MOTION, VERDICT
 
 if TYPE_CHECKING:
+    from ..found import Findings
     from ..motion import Motion
     from ..studies.atlas import Atlas
+    from ..studies.basins import BasinAttractor, Basins
+    from ..studies.bifurcation import BifurcationDiagram
     from ..studies.branch import Branch
+    from ..studies.lyapunov import Lyapunov
+    from ..studies.response import Response
     from ..studies.zone import Piece, Zone
     from ..trajectory import Trajectory
 
@@ -76,6 +82,15 @@ def motion_columns(motion: Motion, number: int = 1) -> Columns:
     table["attenuation"] = [motion.attenuation if motion.A > 0 else np.nan] * n
     for i, value in enumerate(motion.multipliers.tolist(), start=1):
         table |= {f"multiplier_{i}_re": [value.real] * n, f"multiplier_{i}_im": [value.imag] * n}
+    return table
+
+
+def found_columns(found: Findings) -> Columns:
+    """The rows of all motions, numbered."""
+    table: Columns = {}
+    for number, motion in enumerate(found.motions, start=1):
+        for name, values in motion_columns(motion, number).items():
+            table.setdefault(name, []).extend(values)
     return table
 
 
@@ -176,9 +191,51 @@ def chart_columns(data: Any) -> Columns:
     return table | {"status": status[i, j, k].tolist()}
 
 
+def lyapunov_columns(found: Lyapunov) -> Columns:
+    """One row a point; exponents and their standard errors per load cycle."""
+    exponents, errors = (
+        item.reshape(4, -1).tolist()
+        for item in (found.per_cycle, found.standard_error * (2 * np.pi / found.r))
+    )
+    table: Columns = {name: getattr(found, name).ravel().tolist() for name in ("r", "clearance")}
+    table |= {f"exponent_{i}": row for i, row in enumerate(exponents, start=1)}
+    table |= {f"error_{i}": row for i, row in enumerate(errors, start=1)}
+    names = ("dimension", "identity_error", "impacts", "rests")
+    return table | {name: getattr(found, name).ravel().tolist() for name in names}
+
+
+def bifurcation_columns(diagram: BifurcationDiagram) -> Columns:
+    """One row an impact."""
+    points = diagram.points
+    run, index = points["run"], points["index"]
+    table: Columns = {
+        "run": np.array(diagram.runs)[run].tolist(), diagram.parameter: diagram.values[index].tolist(),
+        "label": diagram.labels[run, index].tolist(),
+    }  # fmt: skip
+    names = (points.dtype.names or ())[2:]
+    return table | {name: points[name].tolist() for name in names}
+
+
+def basin_columns(basins: Basins) -> Columns:
+    """One row a state."""
+    labels = basins.labels.ravel().tolist()
+    names = [*(item.name for item in basins.attractors), ""]
+    states = zip(("t", "x", "x_dot", "z", "z_dot"), basins.states, strict=True)
+    table: Columns = {name: values.ravel().tolist() for name, values in states}
+    return table | {"label": labels, "attractor": [names[label] for label in labels]}
+
+
+def response_columns(response: Response) -> Columns:
+    """One row a frequency ratio."""
+    names = ("r", "clearance", "lowest", "highest")
+    return {name: getattr(response, name).tolist() for name in names}
+
+
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
-    "Zone": zone_columns, "Atlas": atlas_columns,
+    "Zone": zone_columns, "Atlas": atlas_columns, "Lyapunov": lyapunov_columns,
+    "BifurcationDiagram": bifurcation_columns, "Basins": basin_columns, "Response": response_columns,
+    "Findings": found_columns,
 }  # fmt: skip
 
 
@@ -203,7 +260,49 @@ def notes(result: Any) -> list[str]:
             f"in no zone of its pattern: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"
             for item in result.unexplained
         ]
+    if name == "BifurcationDiagram":
+        return [
+            f"{run}: {label} from {exact(low)} to {exact(high)}"
+            for run, low, high, label in result.windows
+        ]
+    if name == "Findings":
+        osc = result.osc
+        values = (osc.xi, osc.mu, *osc.restitution, result.r, result.clearance, result.load)
+        names = "xi, mu, restitution (right, left), r, clearance, load"
+        return [f"at {names} = {', '.join(map(exact, values))}", f"searched: {result.search}"]
+    if name == "Basins":
+        shares = zip(result.attractors, result.fractions.tolist(), strict=True)
+        each = [f"{i}: {told(item, share)}" for i, (item, share) in enumerate(shares)]
+        return each + safety(result)
     return []
+
+
+def told(attractor: BasinAttractor, share: float) -> str:
+    """What is known of an attractor."""
+    text = f"{attractor.name} ({attractor.kind}), share {exact(share)}"
+    if attractor.kind in ("periodic", "rest"):
+        text += f", greatest multiplier {exact(attractor.growth)}, radius {exact(attractor.radius)}"
+    elif attractor.kind in ("quasi-periodic", "chaotic"):
+        text += f", largest exponent per load cycle {exact(attractor.growth)}"
+    state = ", ".join(map(exact, attractor.state.values()))
+    return f"{text}; t, x, x_dot, z, z_dot = {state}"
+
+
+def safety(basins: Basins) -> list[str]:
+    """How sure the shares are, and of a plane how safe its states."""
+    lines = []
+    for i, error in enumerate(basins.standard_error.tolist()):
+        lines.append(f"{i}: standard error of the share {exact(error)}")
+        if basins.axes is not None:
+            radius, centre = basins.integrity(i)
+            names, place = (
+                ", ".join(axis.name for axis in basins.axes),
+                ", ".join(map(exact, centre)),
+            )
+            lines[-1] += f", radius of the largest disc {exact(radius)} about {names} = {place}"
+    if basins.axes is not None and not np.isnan(basins.uncertainty_exponent):
+        lines.append(f"uncertainty exponent {exact(basins.uncertainty_exponent)}")
+    return lines
 
 
 def counted(number: int, noun: str) -> str:
@@ -271,10 +370,10 @@ def shown(row: Sequence[Any]) -> list[str]:
 
 def exact(value: float) -> str:
     """A number as the compiled program writes it."""
-    if not np.isfinite(value):
+    if not math.isfinite(value):
         return "nan" if value != value else ("inf" if value > 0 else "-inf")
-    digits, _, exponent = f"{value:.16E}".partition("E")
-    return f"{digits}E{int(exponent):+04d}"
+    text = f"{value:.16E}"
+    return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"  # three digits of the exponent
 
 
 def write_csv(result: Any, path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -45,6 +46,9 @@ class BasinAttractor:
     radius, contraction : float
         Of the largest neighbourhood that decides, in its own norm, and by what the derivative over a period
         contracts in that norm; 0 and 1 if there is none.
+    growth : float
+        Greatest modulus of a multiplier of what is periodic, as the simulation has it; largest exponent per load
+        cycle of what is not; NaN of what is neither.
     """
 
     kind: str
@@ -54,6 +58,7 @@ class BasinAttractor:
     lyapunov: Lyapunov | None = None
     radius: float = 0.0
     contraction: float = 1.0
+    growth: float = math.nan
 
     def __repr__(self) -> str:
         return f"<{self.kind} attractor {self.name}>"
@@ -85,8 +90,12 @@ def find_attractors(
             exponents = lyapunov(
                 osc, r, clearance, EXPONENT_CYCLES, state, load, EXPONENT_DISCARD, threads=threads
             )
-        radius, contraction = balls[:2, j].tolist()
-        found.append(BasinAttractor(kind, name, motion, state, exponents, radius, contraction))
+        radius, contraction, growth = balls[:, j].tolist()
+        if kind in ("no impacts", "periodic?"):
+            growth = math.nan
+        found.append(
+            BasinAttractor(kind, name, motion, state, exponents, radius, contraction, growth)
+        )
     names = [item.name for item in found]
     numbered = [
         replace(item, name=f"{item.name} ({names[: i + 1].count(item.name)})")

@@ -55,6 +55,8 @@ class Lyapunov(Result):
         Impacts and rests that were averaged over.
     cycles : int
         Load cycles that were averaged over.
+    status : ndarray (...) of int
+        0 done; see `status_text`.
     """
 
     osc: Oscillator
@@ -68,6 +70,7 @@ class Lyapunov(Result):
     impacts: NDArray[np.int32]
     rests: NDArray[np.int32]
     cycles: int
+    status: NDArray[np.int32]
 
     @property
     def per_cycle(self) -> _Array:
@@ -220,7 +223,7 @@ def lyapunov(
             raise KeyboardInterrupt
         rs, clearances = rs.ravel()[done], clearances.ravel()[done]
         found = [item[..., done] for item in found]
-    exponents, deviations, dimensions, counts, errors, _ = found
+    exponents, deviations, dimensions, counts, errors, status = found
     if rs.ndim == 0 and status[0] != 0:
         why = "no impacts in a batch" if status[0] == NO_MOTION else status_text(int(status[0]))
         raise SingularError(f"Lyapunov exponents: {why}")
@@ -228,7 +231,7 @@ def lyapunov(
     result = Lyapunov(
         osc, rs, clearances, load, exponents.reshape(4, *shape), deviations.reshape(4, *shape),
         dimensions.reshape(shape), errors.reshape(shape), counts[0].reshape(shape),
-        counts[1].reshape(shape), cycles // batches * batches,
+        counts[1].reshape(shape), cycles // batches * batches, status.reshape(shape),
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)

@@ -37,6 +37,8 @@ class Response(Result):
         The least and the greatest of these over the attractors at each r.
     cycles, letters : ndarray (n, states) of int
         Load cycles of the period (0: none was seen), and letters in it.
+    status : ndarray (n, states) of int
+        0 done; see `status_text`.
     """
 
     osc: Oscillator
@@ -48,6 +50,7 @@ class Response(Result):
     highest: _Array
     cycles: NDArray[np.int32]
     letters: NDArray[np.int32]
+    status: NDArray[np.int32]
 
     def to_xarray(self) -> Any:
         """Columns over r and state, and the envelopes over r (extra `data`)."""
@@ -161,7 +164,7 @@ def response(
         raise KeyboardInterrupt
     result = Response(
         osc, along[done], np.array(distance)[done], load, attenuation.T[done], envelope[0, done],
-        envelope[1, done], periods[0].T[done], periods[1].T[done],
+        envelope[1, done], periods[0].T[done], periods[1].T[done], status.T[done],
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)

@@ -36,10 +36,12 @@ def one_state(state: Mapping[str, float], clearance: float) -> _Array:
 
 
 def as_state(values: _Array, clearance: float) -> dict[str, float]:
-    """A state of the core as a mapping, within the walls."""
+    """A state of the core as a mapping, between the walls but for what rounding is allowed."""
     t, x, x_dot, z, z_dot = values.tolist()
     half = 0.5 * clearance
-    return {"t": t, "x": x, "x_dot": x_dot, "z": x + min(max(z - x, -half), half), "z_dot": z_dot}
+    if abs(z - x) > half * (1 + 1e-9):
+        z = x + math.copysign(half, z - x)
+    return {"t": t, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot}
 
 
 def motion_at(

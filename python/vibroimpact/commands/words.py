@@ -1,0 +1,139 @@
+"""What is said of the result of a case, as the compiled program says it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..errors import SingularError
+from ..interchange.table import NOT_CLOSED, counted, tag
+from ..run import Case
+from ..status import NO_MOTION, status_text
+
+#: What was said, what is missing, and whether there is a result.
+Words = tuple[list[str], list[str], bool]
+
+
+def singular(case: Case, error: SingularError) -> str:
+    """Why a case has no result."""
+    reason = str(error).removeprefix("Lyapunov exponents: ")
+    return f"no exponents at 1 of 1 point: {reason}" if case.kind == "lyapunov" else reason
+
+
+def simulate_words(run: Any) -> Words:
+    """Impacts and rests."""
+    impacts, rests = (int((run.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
+    cut = [] if run.complete else ["cut short, max_events was reached"]
+    return [f"{counted(impacts, 'impact')}, {counted(rests, 'rest')}"], cut, True
+
+
+def zone_words(zone: Any) -> Words:
+    """Loops and pieces."""
+    if zone.search.motions == 0:
+        return [], [f"no motion {tag(zone)} was found anywhere in the window"], False
+    if not zone.boundary and zone.closed:
+        return [], [
+            f"no zone: motions {tag(zone)} were found in the window, but none that is both stable and admissible"
+        ], False  # fmt: skip
+    kinds = ", ".join(dict.fromkeys(piece.type for piece in zone.boundary))
+    said = (
+        f"{tag(zone)}, {counted(len(zone.loops), 'loop')} in {counted(len(zone.boundary), 'piece')}"
+    )
+    said += f": {kinds}" if kinds else ""
+    return [said], [] if zone.closed else [NOT_CLOSED], True
+
+
+def atlas_words(atlas: Any) -> Words:
+    """Zones, and attractors in none."""
+    faults = [f"{tag(zone)} {NOT_CLOSED}" for zone in atlas.zones if not zone.closed]
+    surveyed = counted(len(atlas.attractors), "attractor")
+    if atlas.unexplained:
+        lost = ", ".join(dict.fromkeys(map(tag, atlas.unexplained)))
+        faults.append(f"{len(atlas.unexplained)} of {surveyed} in no zone of the pattern: {lost}")
+    if not (atlas.zones or faults):
+        return [], [
+            "no zone: neither search nor survey found a stable, admissible motion within the limits in the window"
+        ], False  # fmt: skip
+    loops = [len(zone.loops) for zone in atlas.zones if zone]
+    said = f"{counted(len(loops), 'zone')}, {counted(sum(loops), 'loop')}, {surveyed} surveyed"
+    return [said], faults, True
+
+
+def chart_words(data: Any) -> Words:
+    """Motions and points."""
+    what = f"{data.attrs['sides']}/{data.attrs['cycles']}"
+    there = data.status == 0
+    if not bool(there.any()):
+        return [], [f"no motion {what} was found anywhere in the window"], False
+    good = (data.consistent == 1) & (data.admissible == 1) & (data.stable == 1)
+    return [
+        f"{int(there.sum())} motions {what} at {int(there.any('motion').sum())} of "
+        f"{there.sizes['r'] * there.sizes['clearance']} points, {int(good.sum())} admissible and stable"
+    ], [], True  # fmt: skip
+
+
+def lyapunov_words(found: Any) -> Words:
+    """Points, and those in chaos."""
+    points = counted(found.r.size, "point")
+    positive = int((found.largest > 3 * found.standard_error[0]).sum())
+    lost = found.status[found.status != 0]
+    faults = []
+    if lost.size:
+        reason = "no impacts in a batch" if lost[0] == NO_MOTION else status_text(int(lost[0]))
+        faults = [f"no exponents at {lost.size} of {points}: {reason}"]
+    if lost.size == found.r.size:
+        return [], faults, False
+    return [f"{points}, {positive} with a positive exponent"], faults, True
+
+
+def bifurcation_words(diagram: Any) -> Words:
+    """Runs, impacts and windows."""
+    faults, there = failed(diagram.status)
+    said = (
+        f"{counted(len(diagram.runs), 'run')} of {diagram.values.size} values, "
+        f"{counted(len(diagram.points), 'impact')}, {counted(len(diagram.windows), 'periodic window')}"
+    )
+    return [said] if there else [], faults, there
+
+
+def basin_words(basins: Any) -> Words:
+    """The share of each attractor."""
+    states, lost = counted(basins.labels.size, "state"), int((basins.labels < 0).sum())
+    faults = [f"{lost} of {states} not decided"] if lost else []
+    shares = zip(
+        basins.attractors, 100 * basins.fractions, 100 * basins.standard_error, strict=True
+    )
+    each = (f"{item.name} {share:.2f}% +- {error:.2f}%" for item, share, error in shares)
+    said = ", ".join([states, *each])
+    there = lost < basins.labels.size
+    return [said] if there else [], faults, there
+
+
+def response_words(response: Any) -> Words:
+    """The range of max|X|/A."""
+    faults, there = failed(response.status)
+    said = (
+        f"max|X|/A from {response.lowest.min():.4f} to {response.highest.max():.4f} at "
+        f"{counted(response.r.size, 'point')}"
+    )
+    return [said] if there else [], faults, there
+
+
+def failed(status: Any) -> tuple[list[str], bool]:
+    """What is said of simulations that failed, and whether any did not."""
+    lost = int(np.count_nonzero(status))
+    of = counted(status.size, "simulation")
+    faults = [f"{lost} of {of} failed: {status_text(int(status.max()))}"] if lost else []
+    return faults, lost < status.size
+
+
+#: The kinds that are computed once, in Python, for table, picture and document.
+WORDS: dict[str, Callable[[Any], Words]] = {
+    "simulate": simulate_words, "zone": zone_words, "atlas": atlas_words, "chart": chart_words,
+    "lyapunov": lyapunov_words, "bifurcation": bifurcation_words, "basins": basin_words,
+    "response": response_words,
+}  # fmt: skip
+#: Those of which Ctrl-C leaves a part of a case.
+ATTRACTORS = ("lyapunov", "bifurcation", "basins", "response")

@@ -1,0 +1,94 @@
+"""Cases of branches, zones and atlases, and how their results are compared with those of the API."""
+
+import re
+
+import pytest
+from programs import SYSTEM, column, rows
+
+WALLS = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
+EXACT = "&motion kind = 'exact', sides = 'RL', clearance = 37, phases_over_pi = 0, 1.37 /\n"
+ALONG = "&branch parameter = 'clearance', low = 10, high = 60 /\n"
+BRANCH = SYSTEM + EXACT + ALONG
+ZONE = f"""{WALLS}&zone sides = 'RL', symmetric = 'no'
+  r_min = 0.8, r_max = 1.2
+  clearance_min = 2, clearance_max = 200
+/
+"""
+ATLAS = f"""{WALLS}&atlas max_impacts = 2, survey = 12
+  r_min = 1.0, r_max = 1.1
+  clearance_min = 20, clearance_max = 60
+/
+"""
+PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
+
+
+def assert_branch(table, branch):
+    """The rows of a branch have the digits of the API's."""
+    assert [int(row["point"]) for row in table] == list(range(1, len(branch) + 1))
+    for name in (*PARAMETERS, "A", "tau", "residual", "x_min", "x_max", "attenuation"):
+        assert column(table, name).tolist() == getattr(branch, name).tolist(), name
+    for i in range(len(branch.pattern)):
+        assert column(table, f"phase_{i + 1}").tolist() == branch.phases[i].tolist()
+        assert column(table, f"X_{i + 1}").tolist() == branch.X[i].tolist()
+    for i in range(4):
+        moduli = column(table, f"multiplier_{i + 1}_modulus")
+        assert moduli == pytest.approx(abs(branch.multipliers[i]), rel=1e-15)
+    for name in ("admissible", "stable"):
+        words = [{1: "true", 0: "false", -1: "unknown"}[int(x)] for x in getattr(branch, name)]
+        assert [row[name] for row in table] == words
+    special = {point.index: point.type for point in branch.special_points}
+    assert [row["special"] for row in table] == [special.get(i, "") for i in range(len(table))]
+    for point in branch.special_points:
+        if point.type == "grazing":
+            wanted = f"flight {point.impact + 1} touches {point.side}"
+            assert table[point.index]["detail"] == wanted
+
+
+def assert_zone(table, zone):
+    """The rows of a zone have the digits of the API's, piece by piece."""
+    assert {row["piece"] for row in table} == {str(i + 1) for i in range(len(zone.boundary))}
+    for i, piece in enumerate(zone.boundary, start=1):
+        part = [row for row in table if row["piece"] == str(i)]
+        assert {(row["type"], row["detail"], row["loop"]) for row in part} == {
+            (piece.type, piece.detail, str(piece.loop + 1))
+        }
+        assert column(part, "r").tolist() == piece.r.tolist()
+        assert column(part, "clearance").tolist() == piece.clearance.tolist()
+
+
+def assert_atlas(path, atlas):
+    """The zones of the table are those of the API's, in this order; lost attractors are in its header."""
+    table = rows(path)
+    words = {True: "true", False: "false"}
+    wanted = {
+        (zone.pattern.sides, str(zone.pattern.cycles), words[zone.symmetric]): zone
+        for zone in atlas.zones if zone.boundary
+    }  # fmt: skip
+    assert list(
+        dict.fromkeys((row["sides"], row["cycles"], row["symmetric"]) for row in table)
+    ) == [*wanted]
+    for name, zone in wanted.items():
+        assert_zone(
+            [row for row in table if (row["sides"], row["cycles"], row["symmetric"]) == name], zone
+        )
+    lost = [line for line in path.read_text().split("\n") if "in no zone" in line]
+    assert len(lost) == len(atlas.unexplained)
+    for line, item in zip(lost, atlas.unexplained, strict=True):
+        place = re.search(r": (\S+)/(\d+) at r = (\S+), clearance = (\S+)$", line).groups()
+        assert (place[0], int(place[1])) == (item.pattern.sides, item.pattern.cycles)
+        assert (float(place[2]), float(place[3])) == (item.r, item.clearance)
+
+
+def assert_result(path, case):
+    """The result of a case has the digits of the API."""
+    if case.kind == "atlas":
+        assert_atlas(path, case.atlas())
+        return
+    table = rows(path)
+    if case.kind == "zone":
+        assert_zone(table, case.zone())
+        return
+    branches = case.branches()
+    assert {row["branch"] for row in table} == {str(i + 1) for i in range(len(branches))}
+    for i, branch in enumerate(branches, start=1):
+        assert_branch([row for row in table if row["branch"] == str(i)], branch)

@@ -1,0 +1,215 @@
+"""The command find: what it prints, writes in each form, and draws, against the function."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from programs import (
+    PAIR,
+    SYSTEM,
+    Runner,
+    assert_same,
+    contents,
+    find_command,
+    floats,
+    motions,
+    write,
+)
+
+POINT = [
+    "--xi",
+    "0.005",
+    "--mu",
+    "0.042",
+    "--restitution",
+    "0.75",
+    "--r",
+    "0.94",
+    "--clearance",
+    "37",
+]
+LIMITS = ["--max-impacts", "2", "--max-cycles", "1"]
+OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+
+
+@pytest.fixture
+def tool(tmp_path):
+    """Runner of `vibroimpact` in a folder of its own."""
+    return Runner([find_command()], tmp_path)
+
+
+@pytest.fixture(scope="module")
+def found():
+    """What the function finds at that point."""
+    return vi.find(OSC, 0.94, 37.0, max_impacts=2, max_cycles=1)
+
+
+def test_find_prints_what_find_finds(tool, found):
+    """One line a motion; the point of a file and the point of the options are the same; nothing is written."""
+    write(tool.cwd / "pair.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 37 /\n")
+    done = tool("find", "pair.nml", *LIMITS)
+    assert tool("find", *POINT, *LIMITS) == done
+    assert (done.status, done.err) == (0, b"")
+    text = done.out.decode()
+    moduli = [float(item) for item in re.findall(r"max\|lambda\| = ([\d.]+),", text)]
+    assert len(found) == 4
+    assert moduli == pytest.approx([abs(motion.multipliers[0]) for motion in found], rel=1e-3)
+    assert "".join(text.split()).endswith("".join(str(found.search).split()))
+    assert list(contents(tool.cwd)) == ["pair.nml"]
+
+
+def test_find_at_the_clearance_of_given_phases(tool):
+    """A case with phases is searched at the clearance that its motion has, and finds that motion."""
+    write(tool.cwd / "pair.nml", PAIR)
+    text = tool("find", "pair.nml", *LIMITS).out.decode()
+    motion = vi.periodic(OSC, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
+    assert f"clearance = {motion.clearance:.10g}\n" in text
+    assert f"{motion.x_max:.6g}" in text
+
+
+def test_find_where_there_is_nothing(tool):
+    """No motion: status 1, no file; a case that has no clearance: its reason, and status 1."""
+    wide = [
+        "--xi",
+        "0.3",
+        "--mu",
+        "0.04",
+        "--restitution",
+        "0.5",
+        "--r",
+        "0.9",
+        "--clearance",
+        "1e6",
+    ]
+    done = tool("find", *wide, *LIMITS, "-o", "out", "--plot")
+    assert (done.status, done.err) == (1, b"")
+    assert "no periodic motion was found" in done.out.decode()
+    assert list(contents(tool.cwd)) == []
+    write(tool.cwd / "free.nml", PAIR.replace("1.37", "1"))
+    done = tool("find", "free.nml")
+    assert (done.status, done.out) == (1, b"")
+    assert "leave the load amplitude free" in done.faults[0]
+
+
+def test_table_of_motions(tool, found):
+    """One row an impact, as `run` writes motions; the header tells the point and the search."""
+    done = tool("find", *POINT, *LIMITS, "-o", "out")
+    assert (done.status, done.err) == (0, b"")
+    assert done.out.endswith(b"find: out/find.csv\n")
+    assert list(contents(tool.cwd)) == ["out/find.csv"]
+    table = motions(tool.cwd / "out/find.csv")
+    assert len(table) == len(found)
+    for motion, expected in zip(table, found, strict=True):
+        assert_same(motion, expected)
+        assert motion["side"] == expected.pattern.letters
+        assert floats(motion, "phase") == expected.phases.tolist()
+    head = [line for line in (tool.cwd / "out/find.csv").read_text().split("\n") if line[:1] == "#"]
+    numbers = [float(word) for word in head[1].partition(" = ")[2].split(", ")]
+    assert numbers == [0.005, 0.042, 0.75, 0.75, 0.94, 37.0, 1.0]
+    assert head[2] == f"# ! searched: {found.search}"
+
+
+@pytest.mark.parametrize(
+    ("form", "suffix"), [("json", "json"), ("netcdf", "nc"), ("matlab", "mat")]
+)
+def test_forms_of_motions(form, suffix, tool, found):
+    """Every bit, read back by `load`; --format writes to the usual folder."""
+    for library in ("h5netcdf", "scipy"):
+        pytest.importorskip(library)
+    assert tool("find", *POINT, *LIMITS, "--format", form).status == 0
+    assert list(contents(tool.cwd)) == [f"results/find.{suffix}"]
+    read = vi.load(tool.cwd / f"results/find.{suffix}")
+    assert read.to_json() == vi.Findings.of(OSC, 0.94, 37.0, found).to_json()
+    assert [motion.to_json() for motion in read.motions] == [motion.to_json() for motion in found]
+
+
+def test_labels_of_motions_with_rest(tool):
+    """Motions with different numbers of impacts share a netCDF file, and one with rest has its letters."""
+    xarray = pytest.importorskip("xarray")
+    system = [
+        "--xi",
+        ".0114",
+        "--mu",
+        ".028",
+        "--restitution",
+        ".75",
+        ".61",
+        "--r",
+        ".9",
+        "--clearance",
+        "6",
+    ]
+    done = tool("find", *system, "--max-impacts", "3", "--max-cycles", "1", "-o", "mine.nc")
+    assert (done.status, done.err) == (0, b"")
+    found = vi.load(tool.cwd / "mine.nc").motions
+    assert {len(motion.pattern) for motion in found} == {2, 3}
+    with xarray.open_dataset(tool.cwd / "mine.nc", engine="h5netcdf") as data:
+        assert data.sides.values.tolist() == [motion.pattern.sides for motion in found]
+        assert "RL*" in data.sides.values
+        for i, motion in enumerate(found):
+            n = len(motion.pattern)
+            np.testing.assert_array_equal(data.X[i, :n], motion.X)
+            assert np.isnan(data.X[i, n:]).all()
+            np.testing.assert_array_equal(data.multipliers_real[i], motion.multipliers.real)
+        assert data.x_max.values.tolist() == [motion.x_max for motion in found]
+        assert float(data.clearance) == 6.0
+
+
+@pytest.mark.parametrize("kind", ["png", "svg"])
+def test_picture_of_motions(kind, tool, found):
+    """Histories and multipliers: a panel for each motion and one more."""
+    done = tool("find", *POINT, *LIMITS, "--plot", kind)
+    assert (done.status, done.err) == (0, b"")
+    assert sorted(contents(tool.cwd)) == ["results/find.csv", f"results/find.{kind}"]
+    if kind == "svg":
+        picture = (tool.cwd / "results/find.svg").read_text()
+        assert len(re.findall(r'id="axes_\d+"', picture)) == len(found) + 1
+
+
+def test_the_document_of_a_search(tool, found):
+    """All motions that were found."""
+    done = tool("find", *POINT, *LIMITS, "--json")
+    (point,) = json.loads(done.out)["results"].values()
+    assert (
+        vi.Findings.from_dict(point).to_json() == vi.Findings.of(OSC, 0.94, 37.0, found).to_json()
+    )
+
+
+@pytest.mark.parametrize(("text", "words", "said"), [
+    (SYSTEM + "&motion kind = 'equispaced', clearance = 37 /\n&motion kind = 'equispaced', clearance = 36 /\n",
+     ["-o", "a.json"], "-o a.json: names a file, and there are 2 points; must be a folder"),
+    (PAIR, ["-o", "a.txt"], "-o a.txt: must be a folder, or a file whose name ends with one of .csv"),
+    (PAIR, ["--max-impacts", "99"], "--max-impacts 99: must be "),
+    (PAIR, ["--r", "1"], "--r: must be left out beside a namelist file"),
+    ("&system xi = .1, mu = .1, restitution = .5 /\n"
+     "&response r_min = 1, r_max = 2, r_points = 3, clearance = 1 /\n",
+     [], "case.nml: case: must be at one point of r and clearance; this &response is not"),
+])  # fmt: skip
+def test_bad_searches(text, words, said, tool):
+    """One line, status 2, nothing written."""
+    write(tool.cwd / "case.nml", text)
+    done = tool("find", "case.nml", *words)
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
+    assert done.faults[0].startswith(f"vibroimpact find: {said}")
+    assert list(contents(tool.cwd)) == ["case.nml"]
+
+
+def test_names_of_several_points(tool):
+    """Those of the cases; one name for two points is refused."""
+    pair = SYSTEM + "&motion kind = 'equispaced', clearance = {} /\n"
+    write(tool.cwd / "two.nml", pair.format(37) + pair.format(36))
+    done = tool("find", "two.nml", *LIMITS, "-o", "out")
+    assert (done.status, sorted(contents(tool.cwd / "out"))) == (0, ["two_1.csv", "two_2.csv"])
+    write(tool.cwd / "other.nml", pair.format(35) + "&output name = 'two_2' /\n")
+    done = tool("find", "two.nml", "other.nml", *LIMITS)
+    assert (done.status, done.out) == (2, b"")
+    assert (
+        "other.nml: &output name = 'two_2': is already the name of another point" in done.faults[0]
+    )
+    done = tool("find", *POINT[2:], "--xi", "5")
+    assert done.faults[0].startswith(
+        "vibroimpact find: --xi 5.0: must be a number with 0 <= xi < 1"
+    )

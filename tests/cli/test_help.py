@@ -1,0 +1,67 @@
+"""The help of each command: its example works as it is pasted, and it is all there."""
+
+import importlib
+import os
+import re
+import subprocess
+
+import pytest
+from programs import BIN, contents
+from vibroimpact.command import parsers
+from vibroimpact.commands import NAMES
+
+EXAMPLES = {name: importlib.import_module(f"vibroimpact.commands.{name}").EXAMPLE for name in NAMES}
+#: What each example writes; those that write nothing have tests of their own.
+WRITTEN = {
+    "run": ["exact.nml", "results/exact.csv"],
+    "simulate": ["results/simulate.csv", "results/simulate.png"],
+    "find": ["results/find.csv", "results/find.png"],
+    "plot": ["results/zone.png", "zone.nml"],
+    "init": ["zone.nml"],
+    "reproduce": ["results/data/.table1.done", "results/table1.csv", "results/table1.txt"],
+    **{
+        name: [f"results/{name}.csv"]
+        for name in ("branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response")
+    },
+}  # fmt: skip
+
+
+def test_help_has_the_example_and_the_exit_status():
+    """Of each command, and of the whole."""
+    whole, each = parsers()
+    assert list(each) == list(NAMES)
+    for name, parser in each.items():
+        text = re.sub(r"\s+", " ", parser.format_help())
+        assert re.sub(r"\s+", " ", f"example: {EXAMPLES[name]}") in text
+        assert (
+            "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
+            in text
+        )
+        assert ("Ctrl-C: what is finished is kept, status 1" in text) == (
+            name in WRITTEN and name != "init"
+        )
+        assert "--quiet" in text
+        assert "--json" in text
+    assert "exit status: 0" in whole.format_help()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_option_is_explained(name):
+    """With a text that ends without a full stop and names its default where it has one."""
+    _, each = parsers()
+    for action in each[name]._actions:
+        assert action.help, action.dest
+        assert not action.help.endswith("."), action.help
+        assert len(action.help) < 130, action.help
+    assert all(len(line) < 100 for line in each[name].description.splitlines())
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_example_as_pasted(name, tmp_path):
+    """In an empty folder, by a shell: status 0, nothing on standard error, and what it says is there."""
+    done = subprocess.run(
+        EXAMPLES[name], shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120,
+        env={**os.environ, "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert sorted(contents(tmp_path)) == WRITTEN[name]

@@ -1,0 +1,122 @@
+"""Ctrl-C: what is finished is kept, and the message tells the truth of it."""
+
+import importlib
+import signal
+import subprocess
+import time
+
+import pytest
+import vibroimpact as vi
+from programs import find_command, write
+from vibroimpact.command import main
+from vibroimpact.progress import Progress
+
+EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
+SHORT = "&lyapunov clearance = 9, cycles = 50, x_dot = 6, z_dot = 9 /\n"
+LONG = "&simulate clearance = 9, cycles = 100000000, x_dot = 6, z_dot = 9 /\n"
+
+
+def interrupted(cwd, words, until):
+    """Status and faults of the program, interrupted when a file is there (after a while, if none is named)."""
+    with subprocess.Popen(
+        [find_command(), *words],
+        cwd=cwd, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:  # fmt: skip
+        for _ in range(600):
+            if (cwd / until).exists() or process.poll() is not None:
+                break
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    return process.returncode, said.splitlines()
+
+
+@pytest.mark.parametrize("form", ["csv", "json"])
+def test_whole_cases_are_named(form, tmp_path):
+    """The first of two cases is there: its file is named, and no other."""
+    write(tmp_path / "case.nml", EQUAL + SHORT + LONG)
+    words = ["run", "case.nml", "-o", "out", "--format", form]
+    status, faults = interrupted(tmp_path, words, f"out/case_1.{form}")
+    kept = f"what was finished is kept: out/case_1.{form}"
+    assert (status, faults) == (1, [f"vibroimpact run: interrupted; {kept}"])
+    assert [path.name for path in (tmp_path / "out").iterdir()] == [f"case_1.{form}"]
+
+
+@pytest.mark.parametrize("form", ["csv", "json"])
+@pytest.mark.parametrize("name", ["run", "simulate"])
+def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
+    """Also where an earlier run has left a result of this name."""
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "case.nml", EQUAL + LONG)
+    (tmp_path / "results").mkdir()
+    write(tmp_path / "results/case.csv", "old")
+
+    def stop(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vibroimpact.commands.cases.run_namelists", stop)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.run"), "simulate", stop)
+    assert main([name, "case.nml", "--format", form]) == 1
+    assert capsys.readouterr().err == f"vibroimpact {name}: interrupted; nothing was finished\n"
+    assert (tmp_path / "results/case.csv").read_text() == "old"
+
+
+@pytest.mark.parametrize(("words", "left"), [
+    (["bench"], ""),
+    (["find", "--xi", ".1", "--mu", ".1", "--restitution", ".5", "--r", ".9", "--clearance", "9"],
+     "; nothing was finished"),
+    (["find", "case.nml", "--max-impacts", "2"], "; what was finished is told"),
+])  # fmt: skip
+def test_what_is_told_is_not_lost(words, left, tmp_path, monkeypatch, capsys):
+    """Of commands that only print, and of a search that came to its second point."""
+    monkeypatch.chdir(tmp_path)
+    pair = "&motion kind = 'equispaced', clearance = {} /\n"
+    write(tmp_path / "case.nml", EQUAL + pair.format(20) + pair.format(21))
+    ours, calls = vi.find, []
+
+    def find(*arguments, **options):
+        if calls or words[1] != "case.nml":
+            raise KeyboardInterrupt
+        calls.append(1)
+        return ours(*arguments, **options)
+
+    def best(work):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vibroimpact.commands.find.find", find)
+    monkeypatch.setattr("vibroimpact.commands.bench.best", best)
+    assert main(words) == 1
+    assert capsys.readouterr().err == f"vibroimpact {words[0]}: interrupted{left}\n"
+
+
+def test_reproduction_names_what_it_has_written(tmp_path, monkeypatch, capsys):
+    """And not what was there before."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results").mkdir()
+    write(tmp_path / "results/figure3.svg", "old")
+
+    def stop(names, folder):
+        write(folder / "figure4a.svg", "new")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vibroimpact.commands.reproduce.reproduce", stop)
+    assert main(["reproduce"]) == 1
+    kept = "what was finished is kept: results/figure4a.svg"
+    assert capsys.readouterr().err == f"vibroimpact reproduce: interrupted; {kept}\n"
+
+
+def test_bar_never_falls_back(monkeypatch, capsys):
+    """Where more work comes in sight the bar stays and the time left is told anew; at the end it is gone."""
+    monkeypatch.setattr("vibroimpact.progress.PATIENCE", 0.0)
+    monkeypatch.setattr("vibroimpact.progress.INTERVAL", 0.0)
+    clock = iter([100.0, 110.0, 120.0, 140.0, 160.0])
+    monkeypatch.setattr("vibroimpact.progress.time.monotonic", lambda: next(clock))
+    with Progress("work", wanted=True) as bar:
+        for share in (0.5, 0.2, 0.4, 0.75):
+            bar.show(share)
+    *drawn, wiped, end = capsys.readouterr().err.split("\r")[1:]
+    assert [line.count("#") for line in drawn] == [15, 15, 15, 22]
+    left = [line.partition("about ")[2].split()[0] for line in drawn]
+    assert left == ["10", "80", "60", "20"]
+    assert (wiped.strip(), end) == ("", "")
