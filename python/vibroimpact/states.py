@@ -73,6 +73,15 @@ def start_of(system: System, state: Mapping[str, Any] | None) -> tuple[Moment, M
     return moment, moment
 
 
+def told(state: Mapping[str, Any] | None) -> dict[str, float] | None:
+    """The keys by which a namelist tells where a simulation starts; None if it cannot, as after another one."""
+    if state is None:
+        return dict.fromkeys(NEEDED, 0.0)
+    if any(name in state for name in (*EXTRA, "since")):
+        return None
+    return {name: float(state[name]) for name in NEEDED}
+
+
 def checked_state(state: Any, clearance: float) -> dict[str, float]:
     """The numbers of a state given by the caller."""
     if not isinstance(state, Mapping):

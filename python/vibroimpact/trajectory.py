@@ -15,7 +15,7 @@ from .errors import ParameterError
 from .events import EVENT_TYPE, WORDS, Sample, sample, segments
 from .interchange.result import Result
 from .model import Oscillator
-from .states import EXTRA, NEEDED, Moment, State, System, later, start_of, state_of
+from .states import Moment, State, System, later, start_of, state_of, told
 from .status import MORE_EVENTS, raise_status
 
 __all__ = ["State", "Trajectory", "simulate"]
@@ -241,13 +241,11 @@ def simulate(
         system, now, begun, cycles, max_events, lambda done: tell(discard + done), keep=True
     )
     events.flags.writeable = False
-    request = None
-    if state is None or not any(name in state for name in (*EXTRA, "since")):
-        start = (
-            dict.fromkeys(NEEDED, 0.0) if state is None else {n: float(state[n]) for n in NEEDED}
-        )
-        request = {"clearance": clearance, "cycles": cycles, "discard": discard, "load": load, **start,
-                   "max_events": max_events}  # fmt: skip
+    start = told(state)
+    request = start and {
+        "clearance": clearance, "cycles": cycles, "discard": discard, "load": load, **start,
+        "max_events": max_events,
+    }  # fmt: skip
     last = state_of(system, now, begun)
     return Trajectory(osc, r, clearance, load, events, first, last, complete, request)
 

@@ -282,6 +282,55 @@ def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
     assert again.case == result.case
 
 
+STATE = {"t": 0.3, "x": 1.0, "x_dot": -2.0, "z": 2.5, "z_dot": 4.0}
+
+
+@pytest.mark.parametrize(
+    ("r", "clearance"),
+    [(1.04, 25.0), (vi.spaced(1.0, 1.05, 4), 25.0), (1.04, vi.spaced(20.0, 30.0, 3, "geometric"))],
+)
+@pytest.mark.parametrize("state", [None, STATE])
+def test_the_namelist_of_exponents(r, clearance, state, tmp_path):
+    """It gives them again, to the last bit."""
+    result = vi.lyapunov(EQUAL, r, clearance, 61, state, load=1.1, discard=20, batches=3)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    for name in ("r", "clearance", "exponents", "standard_error", "impacts"):
+        np.testing.assert_array_equal(
+            np.ravel(getattr(again, name)), np.ravel(getattr(result, name))
+        )
+    assert again.cycles == result.cycles == 60
+    assert again.case == result.case
+
+
+def test_exponents_without_a_namelist():
+    """A grid, a diagonal, points spaced otherwise, and a start that goes on from another trajectory."""
+    grid = np.meshgrid([1.0, 1.02], [20.0, 30.0])
+    final = vi.simulate(EQUAL, 1.04, 25.0, 3).final_state
+    calls = [(grid, None), (([1.0, 1.02], [20.0, 30.0]), None), (([1.0, 1.01, 1.04], 20.0), None)]
+    for (r, clearance), state in [*calls, ((1.04, 25.0), final)]:
+        result = vi.lyapunov(EQUAL, r, clearance, 40, state)
+        with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
+            result.to_namelist()
+
+
+@pytest.mark.parametrize("wall", [{"clearance": 25.0}, {"inverse_clearance": 0.03}])
+def test_the_namelist_of_a_response(wall, tmp_path):
+    """It gives the response again, to the last bit."""
+    line = vi.spaced(1.0, 1.02, 3)
+    result = vi.response(EQUAL, line, **wall, states=4, load=1.1, settling=30, keep=9)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    for name in ("r", "clearance", "attenuation", "lowest", "highest", "cycles"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(result, name))
+    assert again.case == result.case
+    given = {name: np.full(3, value) for name, value in wall.items()}
+    with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
+        vi.response(EQUAL, line, **given, states=4, settling=30).to_namelist()
+
+
 def test_a_diagram_without_a_namelist():
     """Values that are spaced otherwise, and a line across the plane."""
     odd = vi.bifurcation_diagram(EQUAL, "clearance", [20, 21, 23], r=1.04, settling=10)

@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, SingularError, StudyInterrupted
+from ..interchange import namelist
 from ..interchange.dataset import xarray
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
-from ..states import TWO_PI, start_of
+from ..states import TWO_PI, start_of, told
 from ..status import NO_MOTION, NOT_COMPUTED, status_text
+from .spacing import spacing_of
 
 __all__ = ["Lyapunov", "lyapunov"]
 
@@ -57,6 +59,8 @@ class Lyapunov(Result):
         Load cycles that were averaged over.
     status : ndarray (...) of int
         0 done; see `status_text`.
+    case : str
+        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
     """
 
     osc: Oscillator
@@ -71,6 +75,7 @@ class Lyapunov(Result):
     rests: NDArray[np.int32]
     cycles: int
     status: NDArray[np.int32]
+    case: str = ""
 
     @property
     def per_cycle(self) -> _Array:
@@ -202,6 +207,8 @@ def lyapunov(
         ) from None
     if not rs.size:
         raise ParameterError(f"r, clearance of shape {rs.shape}: must have at least one point")
+    keys = {"cycles": cycles, "discard": discard, "batches": batches, "load": load}
+    asked = _case(osc, rs, clearances, told(state), keys)
     states, contacts = (
         np.empty((7, rs.size), order="F"),
         np.empty((3, rs.size), np.int32, order="F"),
@@ -231,8 +238,36 @@ def lyapunov(
     result = Lyapunov(
         osc, rs, clearances, load, exponents.reshape(4, *shape), deviations.reshape(4, *shape),
         dimensions.reshape(shape), errors.reshape(shape), counts[0].reshape(shape),
-        counts[1].reshape(shape), cycles // batches * batches, status.reshape(shape),
+        counts[1].reshape(shape), cycles // batches * batches, status.reshape(shape), asked,
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)
     return result
+
+
+def _case(
+    osc: Oscillator, r: _Array, clearance: _Array, start: dict[str, float] | None, keys: dict[str, Any]
+) -> str:  # fmt: skip
+    """What was asked for as a namelist, empty if it cannot tell the start or the points."""
+    if start is None or r.ndim > 1:
+        return ""
+    if r.ndim == 0:
+        group = {"clearance": float(clearance), **keys, **start}
+        return namelist.case(osc, float(r), lyapunov=group)
+    name, along, other = (
+        ("r", r, clearance) if np.ptp(clearance) == 0 else ("clearance", clearance, r)
+    )
+    spacing = spacing_of(along)
+    if spacing is None or np.ptp(other):
+        return ""
+    line = {
+        "parameter": name,
+        "low": float(along[0]),
+        "high": float(along[-1]),
+        "values": along.size,
+    }
+    fixed = {"clearance": float(other[0])} if name == "r" else {}
+    return namelist.case(
+        osc, None if name == "r" else float(other[0]),
+        lyapunov={**fixed, **line, "spacing": spacing, **keys, **start},
+    )  # fmt: skip

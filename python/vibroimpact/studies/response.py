@@ -11,11 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError, StudyInterrupted
+from ..interchange import namelist
 from ..interchange.dataset import xarray
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
 from .settling import NOT_COMPUTED, thread_count
+from .spacing import spacing_of
 
 __all__ = ["Response", "response"]
 
@@ -39,6 +41,8 @@ class Response(Result):
         Load cycles of the period (0: none was seen), and letters in it.
     status : ndarray (n, states) of int
         0 done; see `status_text`.
+    case : str
+        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
     """
 
     osc: Oscillator
@@ -51,6 +55,7 @@ class Response(Result):
     cycles: NDArray[np.int32]
     letters: NDArray[np.int32]
     status: NDArray[np.int32]
+    case: str = ""
 
     def to_xarray(self) -> Any:
         """Columns over r and state, and the envelopes over r (extra `data`)."""
@@ -155,6 +160,11 @@ def response(
     settling = checks.integer(settling, "settling", 0, 10**7)
     keep = checks.integer(keep, "keep", 3, 10**4)
     workers = thread_count(threads)
+    asked = ""
+    if given.ndim == 0 and spacing_of(along) == "linear":
+        line = {"r_min": float(along[0]), "r_max": float(along[-1]), "r_points": along.size}
+        limits = {"states": states, "load": load, "settling": settling, "keep": keep}
+        asked = namelist.case(osc, response={**line, name: float(given), **limits})
     (attenuation, envelope, periods, status), complete = stoppable(
         _core.response, states, osc.xi, osc.mu, osc.restitution, along, distance, load, settling, keep,
         workers, tally=new_tally(), progress=progress, note="response",
@@ -164,7 +174,7 @@ def response(
         raise KeyboardInterrupt
     result = Response(
         osc, along[done], np.array(distance)[done], load, attenuation.T[done], envelope[0, done],
-        envelope[1, done], periods[0].T[done], periods[1].T[done], status.T[done],
+        envelope[1, done], periods[0].T[done], periods[1].T[done], status.T[done], asked,
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)

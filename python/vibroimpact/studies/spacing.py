@@ -56,7 +56,9 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
 
 
 def spacing_of(values: _Array) -> str | None:
-    """How rising values are spaced, to the last bit; None if no namelist can tell."""
+    """How values are spaced, to the last bit; None if no namelist can tell."""
+    if values.size < 2 or not values[0] < values[-1]:
+        return None
     for name in SPACINGS if values[0] > 0 else SPACINGS[:1]:
         if np.array_equal(values, spaced(values[0], values[-1], values.size, name)):
             return name
