@@ -56,3 +56,11 @@ def triple_motion():
     """Two impacts on the right wall and one on the left, in the zone of Figure 8."""
     found = vi.find(RIG, 0.8195, 6.2, max_impacts=3, max_cycles=1, states=0)
     return next(motion for motion in found if motion.pattern.sides == "RRL")
+
+
+def state_on(motion):
+    """Return the state just after the first impact of a motion."""
+    return {
+        "t": motion.load_phase / motion.r, "x": motion.X[0], "x_dot": motion.X_dot_after[0],
+        "z": motion.Z[0], "z_dot": motion.Z_dot_after[0],
+    }  # fmt: skip

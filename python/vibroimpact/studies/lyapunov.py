@@ -207,8 +207,6 @@ def lyapunov(
         ) from None
     if not rs.size:
         raise ParameterError(f"r, clearance of shape {rs.shape}: must have at least one point")
-    keys = {"cycles": cycles, "discard": discard, "batches": batches, "load": load}
-    asked = _case(osc, rs, clearances, told(state), keys)
     states, contacts = (
         np.empty((7, rs.size), order="F"),
         np.empty((3, rs.size), np.int32, order="F"),
@@ -218,6 +216,8 @@ def lyapunov(
         each_clearance = checks.number(float(one_clearance), "clearance")
         system = (osc.xi, osc.mu, osc.restitution, each_r, load, each_clearance)
         states[:, j], contacts[:, j] = start_of(system, state)[1]
+    keys = {"cycles": cycles, "discard": discard, "batches": batches, "load": load}
+    asked = _case(osc, rs, clearances, told(state), keys)
     found, complete = stoppable(
         _core.lyapunov, osc.xi, osc.mu, osc.restitution, rs.ravel(), np.full(rs.size, load),
         clearances.ravel(), states, contacts, discard, cycles // batches, batches, threads,

@@ -1,0 +1,269 @@
+"""Basins: against where the trajectories themselves end, closed forms, and every pair of states.
+
+Simulations go on bit for bit, so what a basin says about a state can be compared with where that
+very trajectory is later, even in transient chaos.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_systems import FIGURE6, RIG, TABLE
+from vibroimpact.studies.basins import Axis
+
+PLANE = (("x", -30, 30, 40), ("x_dot", -30, 30, 40))
+
+
+@pytest.fixture(scope="module")
+def plane():
+    return vi.basins(TABLE, 0.94, 37.0, PLANE)
+
+
+def test_states_go_where_their_basin_says(plane):
+    """Each trajectory, simulated far on, has the impacts of the motion that its label names."""
+    states = plane.states.reshape(5, -1)
+    labels = plane.labels.ravel()
+    assert (labels >= 0).all()
+    r, clearance, checked = plane.r, plane.clearance, 0
+    for j in range(0, labels.size, 7):
+        item = plane.attractors[labels[j]]
+        start = dict(zip(("t", "x", "x_dot", "z", "z_dot"), states[:, j], strict=True))
+        cycles = 5 if item.motion is None else item.motion.pattern.cycles
+        run = vi.simulate(TABLE, r, clearance, cycles, state=start, discard=1500)
+        if item.kind == "no impacts":
+            assert len(run.events) == 0
+            continue
+        x, own = np.sort(run.events["x"]), np.sort(item.motion.X)
+        assert x.size == own.size
+        np.testing.assert_allclose(x, own, atol=1e-5 * clearance)
+        checked += 1
+    assert checked > 150
+
+
+def mirrors(one, other):
+    """Return which attractor of one result is the mirror image of which of the other."""
+    return [
+        next(j for j, item in enumerate(other.attractors)
+             if np.abs(np.sort(item.motion.X) - np.sort(-mine.motion.X)).max() < 1e-7)
+        for mine in one.attractors
+    ]  # fmt: skip
+
+
+def test_mirror_images_have_equal_shares():
+    """Of random states, and of their mirror images half a period later: those go to the mirror images."""
+    result = vi.basins(FIGURE6, 1.04, 14.0, states=3000)
+    reflected = -result.states
+    reflected[0] = math.pi / 1.04
+    there = vi.basins(FIGURE6, 1.04, 14.0, states=reflected)
+    first, second = result.attractors
+    assert {first.kind, second.kind} == {"periodic"}
+    assert sorted(mirrors(result, result)) == [0, 1] != mirrors(result, result)
+    images = np.array(mirrors(result, there))
+    # transient chaos is decided by rounding: shares, not every state, are the same
+    assert np.mean(images[result.labels] == there.labels) > 0.95
+    error = 4 * math.hypot(result.standard_error[0], there.standard_error[0])
+    np.testing.assert_allclose(result.fractions, there.fractions[images], atol=error)
+    # a plane that is its own mirror image: a whole period of times
+    period = 2 * math.pi / 1.04
+    plane = (("t", 0, period * 39 / 40, 40), ("x", -20, 20, 41))
+    even = vi.basins(FIGURE6, 1.04, 14.0, plane)
+    assert abs(np.diff(even.fractions)[0]) < 4 * 2 * even.standard_error[0]
+    assert result.fractions.sum() == even.fractions.sum() == 1
+    for item in result.attractors:
+        assert np.abs(item.motion.multipliers).max() < item.contraction < 1
+        assert item.radius > 0
+
+
+def philox(counter, key):
+    """Return the words of Philox4x32-10 (Salmon et al., SC11) in whole numbers without end."""
+    c, (a, b), word = list(counter), key, 2**32
+    for _ in range(10):
+        p, q = 0xD2511F53 * c[0], 0xCD9E8D57 * c[2]
+        c = [q // word ^ c[1] ^ a, q % word, p // word ^ c[3] ^ b, p % word]
+        a, b = (a + 0x9E3779B9) % word, (b + 0xBB67AE85) % word
+    return c
+
+
+@pytest.mark.parametrize(("load", "seed"), [(1.0, 0), (0.0, 7), (50.0, 2**31 - 1)])
+def test_random_states(load, seed):
+    """Bit for bit a count through a published generator, in the box that is told."""
+    r, clearance, n = 1.04, 14.0, 30
+    states = vi.basins(
+        FIGURE6, r, clearance, states=n, load=load, seed=seed, cycles=1, probes=1
+    ).states
+    known = [0xD16CFE09, 0x94FDCCEB, 0x5001E420, 0x24126EA1]
+    pi = (0x243F6A88, 0x85A308D3, 0x13198A2E, 0x03707344), (0xA4093822, 0x299F31D0)
+    assert philox(*pi) == known
+    amplitude = load / math.hypot(1 - r**2, 2 * FIGURE6.xi * r)
+    s = min(max(amplitude, clearance / 2), 3 * clearance)
+    for i, (t, x, x_dot, z, z_dot) in enumerate(states.T.tolist()):
+        u = [(2 * word + 1) / 2**32 - 1 for word in philox((i, 0, 0, 0), (seed, 0))]
+        assert t == 0
+        np.testing.assert_allclose(
+            [x, x_dot, z - x, z_dot],
+            [s * u[0], s * u[1], clearance / 2 * u[2], s * u[3]],
+            rtol=1e-12,
+        )
+    fewer = vi.basins(FIGURE6, r, clearance, states=9, load=load, seed=seed, cycles=1, probes=1)
+    np.testing.assert_array_equal(fewer.states, states[:, :9])
+
+
+def test_random_shares_are_those_of_a_lattice():
+    """Of states in the middles of 4096 equal boxes that fill the same box."""
+    r, clearance = 0.94, 37.0
+    s = 1 / math.hypot(1 - r**2, 2 * TABLE.xi * r)
+    s = min(max(s, clearance / 2), 3 * clearance)
+    u = (np.arange(8) + 0.5) / 4 - 1
+    x, x_dot, y, z_dot = (item.ravel() for item in np.meshgrid(u, u, u, u))
+    states = [0 * x, s * x, s * x_dot, s * x + clearance / 2 * y, s * z_dot]
+    lattice = vi.basins(TABLE, r, clearance, states=np.array(states))
+    thrown = vi.basins(TABLE, r, clearance, states=3000, seed=1)
+    shares = [
+        dict(zip([np.round(np.sort(a.motion.X), 5).tobytes() if a.motion else a.kind
+                  for a in result.attractors], result.fractions.tolist(), strict=True))
+        for result in (lattice, thrown)
+    ]  # fmt: skip
+    assert max(shares[0].values()) < 0.9
+    for which, share in shares[0].items():
+        error = math.sqrt(share * (1 - share) * (1 / 4096 + 1 / 3000)) + 1e-3
+        assert abs(shares[1].get(which, 0.0) - share) < 4 * error
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        {"states": 60, "seed": 3},
+        {"plane": (("y", -3, 3, 5), ("t", 0, 6, 7)), "fixed": {"x": 1.5, "z_dot": -2}},
+    ],
+)
+def test_the_namelist_of_basins(start, tmp_path):
+    """It gives them again, to the last bit."""
+    result = vi.basins(FIGURE6, 1.04, 14.0, load=1.1, probes=20, max_cycles=4, **start)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    np.testing.assert_array_equal(again.states, result.states)
+    np.testing.assert_array_equal(again.labels, result.labels)
+    assert again.case == result.case
+    given = vi.basins(FIGURE6, 1.04, 14.0, states=result.states.reshape(5, -1), probes=20)
+    with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
+        given.to_namelist()
+
+
+def test_decision_does_not_depend_on_how_soon(plane):
+    """Fewer cycles a round decide the same: what is left goes on from where it is."""
+    hasty = vi.basins(TABLE, 0.94, 37.0, PLANE, cycles=60, probes=400)
+    ours = [item.motion and np.sort(item.motion.X) for item in plane.attractors]
+    share = 0
+    for item, fraction in zip(hasty.attractors, hasty.fractions, strict=True):
+        match = [
+            i for i, x in enumerate(ours)
+            if item.motion is not None and x is not None and len(x) == len(item.motion.X)
+            and np.abs(x - np.sort(item.motion.X)).max() < 1e-6
+        ]  # fmt: skip
+        if match:
+            # transient chaos is decided by rounding: shares, not states, are the same
+            error = math.hypot(plane.standard_error[match[0]], 1e-3)
+            assert abs(fraction - plane.fractions[match[0]]) < 4 * error
+            share += fraction
+    assert share > 0.85
+
+
+def test_motion_with_rest_and_chaos_are_told():
+    resting = vi.basins(RIG, 0.9, 6.0, states=100)
+    assert [item.kind for item in resting.attractors] == ["rest"]
+    assert resting.attractors[0].motion.pattern == vi.Pattern("RL*")
+    wild = vi.basins(FIGURE6, 1.04, 72.0, states=60)
+    assert [item.kind for item in wild.attractors] == ["chaotic"]
+    assert wild.attractors[0].lyapunov.per_cycle[0] > 0.1
+    assert wild.labels.max() == 0
+
+
+def test_what_never_settles_is_not_decided():
+    """Free vibration dies out for ever: no state is given an attractor."""
+    result = vi.basins(FIGURE6, 0.9, 5.0, states=20, load=0.0, cycles=100)
+    assert (result.labels == -1).all()
+    assert result.attractors == []
+    assert "20 not decided" in repr(result)
+
+
+def test_basins_do_not_depend_on_threads():
+    one, two = (vi.basins(TABLE, 0.94, 37.0, states=200, threads=n) for n in (1, 2))
+    np.testing.assert_array_equal(one.labels, two.labels)
+    np.testing.assert_array_equal(one.states, two.states)
+    assert one.impacts == two.impacts
+
+
+def drawn(labels, low=-1.0, high=1.0):
+    """Return basins with given labels on a square."""
+    n, m = labels.shape
+    axes = (Axis("x", low, high, n), Axis("x_dot", low, high, m))
+    made = vi.BasinAttractor("periodic", "made", None, {})
+    both = [made, replace(made, name="other")]
+    return vi.Basins(
+        FIGURE6, 1.0, 1.0, 1.0, both, labels.astype(np.int32), axes, np.zeros((5, n, m)), 0
+    )
+
+
+def test_uncertainty_exponent_of_known_boundaries():
+    """1 for a straight boundary, 0 where labels are thrown, 1 - log 2/log 3 for the set of Cantor."""
+    x = np.linspace(-1, 1, 243)
+    half = drawn(np.add.outer(x, 0.3 * x) > 0.1)
+    assert abs(half.uncertainty_exponent - 1) < 0.02
+    thrown = drawn(np.random.default_rng(3).random((300, 300)) > 0.5)
+    assert abs(thrown.uncertainty_exponent) < 0.02
+    assert math.isnan(drawn(np.zeros((50, 50))).uncertainty_exponent)
+
+
+def test_a_smooth_boundary():
+    """The free mass at rest is never hit from where the closed form says; the edge of that is a smooth curve."""
+    xi, r, clearance = 0.1, 1.0, 11.0
+    osc = vi.Oscillator(xi=xi, mu=0.1, restitution=0.6)
+    result = vi.basins(osc, r, clearance, (("x", -3, 3, 64), ("x_dot", 2, 8, 64)))
+    quiet = [item.kind for item in result.attractors].index("no impacts")
+    x, x_dot = result.states[1:3]
+    gain, w, t = 1 / complex(1 - r**2, 2 * xi * r), math.sqrt(1 - xi**2), 0.0
+    a, b = x - gain.imag, x_dot - (1j * r * gain).imag
+    farthest = np.zeros_like(x)
+    while t < 80:
+        forced = (gain * np.exp(1j * r * t)).imag
+        free = a * math.cos(w * t) + (b + xi * a) / w * math.sin(w * t)
+        farthest = np.maximum(farthest, np.abs(forced + math.exp(-xi * t) * free - x))
+        t += 0.01
+    clear = np.abs(farthest - clearance / 2) > 1e-3
+    assert clear.mean() > 0.99
+    np.testing.assert_array_equal(
+        (farthest < clearance / 2)[clear], (result.labels == quiet)[clear]
+    )
+    # not quite 1: of pairs far apart there are fewer, as s/(64 - s)
+    assert abs(result.uncertainty_exponent - 1) < 0.03
+
+
+def test_integrity_is_the_largest_disc():
+    x = np.linspace(-1, 1, 201)
+    distance = np.hypot(*np.meshgrid(x - 0.2, x + 0.1, indexing="ij"))
+    disc = drawn(np.where(distance < 0.5, 0, 1))
+    radius, centre = disc.integrity(0)
+    assert abs(radius - 0.5) < 0.011
+    assert np.hypot(centre[0] - 0.2, centre[1] + 0.1) < 0.011
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_integrity_is_that_of_every_pair(seed):
+    """Of all states and all that are elsewhere or a cell beyond the edge, by brute force."""
+    labels = (np.random.default_rng(seed).random((13, 17)) > 0.2).astype(int)
+    basins = drawn(labels, -1.0, 2.0)
+    first, second = basins.axes
+    cells = np.array([3 / 12, 3 / 16])
+    for label in (0, 1):
+        outside = np.argwhere(np.pad(labels != label, 1, constant_values=True)) - 1
+        apart = np.argwhere(np.ones_like(labels))[:, None] - outside
+        near = np.linalg.norm(apart * cells, axis=-1).min(axis=1).reshape(labels.shape)
+        radius, centre = basins.integrity(label)
+        assert radius == pytest.approx(near.max(), rel=1e-12)
+        i, j = (
+            int(np.searchsorted(a.values, x)) for a, x in zip((first, second), centre, strict=True)
+        )
+        assert near[i, j] == pytest.approx(radius, rel=1e-12)

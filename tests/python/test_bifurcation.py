@@ -1,0 +1,174 @@
+"""Bifurcation diagrams: against exact motions, zones and the namelist that gives them again."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_motions import state_on
+from shared_systems import FIGURE6, RIG
+
+MOVING = {"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9}
+
+
+@pytest.fixture(scope="module")
+def sweeps():
+    return vi.bifurcation_diagram(FIGURE6, "clearance", np.arange(10.0, 75.0, 0.5), r=1.04)
+
+
+def test_impacts_are_those_of_exact_motions(sweeps):
+    """Where the label is 2/1 the impacts are those of the motion that Newton's method finds from them."""
+    up = sweeps.runs.index("up")
+    checked = 0
+    for i in np.flatnonzero(sweeps.labels[up] == "2/1")[::12]:
+        clearance = float(sweeps.values[i])
+        mine = sweeps.points[(sweeps.points["run"] == up) & (sweeps.points["index"] == i)]
+        motions = [m for m in vi.equispaced(FIGURE6, 1.04, clearance) if m.stable]
+        motions += vi.find(FIGURE6, 1.04, clearance, max_impacts=2, max_cycles=1, releases=0)
+        near = [
+            max(abs(mine["x"][mine["side"] == s] - x).max() for s, x in zip("RL", m.X, strict=True))
+            for m in motions
+            if m.pattern.sides == "RL"
+        ]
+        assert min(near) < 1e-5 * clearance
+        checked += 1
+    assert checked > 4
+
+
+def test_a_sweep_leaves_a_motion_at_the_boundary_of_its_zone():
+    """The sweep up follows the two-impact motion to the last value that its zone contains.
+
+    It ends in a Neimark-Sacker bifurcation: it settles ever more slowly, and what goes to it shrinks.
+    """
+    zone = vi.zone(FIGURE6, vi.Pattern("RL"), (1.02, 1.06), (20, 90), lines=9)
+    values = np.arange(70.0, 72.0, 0.05)
+    motion = next(m for m in vi.equispaced(FIGURE6, 1.04, values[0]) if m.stable)
+    result = vi.bifurcation_diagram(
+        FIGURE6, "clearance", values, r=1.04, sweep="up", state=state_on(motion), settling=5000
+    )
+    followed = result.labels[0] == "2/1"
+    inside = np.array([bool(zone.contains(1.04, value)) for value in values])
+    assert inside[0]
+    assert not inside[-1]
+    assert not followed[~inside].any()
+    assert followed[inside][:-1].all()
+
+
+def test_hysteresis(sweeps):
+    """The sweep down finds the two-impact motion later than the sweep up has left it."""
+    ends = {w.run: w.high for w in sweeps.windows if w.label == "2/1"}
+    assert ends["down"] < ends["up"]
+    between = (sweeps.values > ends["down"]) & (sweeps.values <= ends["up"])
+    assert sweeps.coexisting[between].all()
+    assert not sweeps.coexisting[(sweeps.values > 20) & (sweeps.values <= ends["down"])].any()
+
+
+def test_many_states_see_both_sides_of_the_hysteresis(sweeps):
+    ends = {w.run: w.high for w in sweeps.windows if w.label == "2/1"}
+    middle = (ends["down"] + ends["up"]) / 2
+    values = [30.0, middle]
+    many = vi.bifurcation_diagram(FIGURE6, "clearance", values, r=1.04, sweep="states", states=40)
+    assert (many.labels[:, 0] == "2/1").all()
+    assert many.labels.shape == (40, 2)
+    up = vi.bifurcation_diagram(FIGURE6, "clearance", values, r=1.04, sweep="up")
+    assert (up.labels == "2/1").all()
+
+
+@pytest.mark.parametrize("parameter", ["r", "xi", "mu", "R1", "R2", "restitution"])
+def test_every_parameter_is_swept(parameter):
+    """At each value the stable two-impact motion of that very system is what is left."""
+    system = {"xi": 0.0114, "mu": 0.028, "R1": 0.75, "R2": 0.75, "r": 1.04}
+    low = 0.75 if parameter == "restitution" else system[parameter]
+    values = np.linspace(low, 1.02 * low, 3)
+    fixed = {"clearance": 40.0} | ({} if parameter == "r" else {"r": 1.04})
+    result = vi.bifurcation_diagram(FIGURE6, parameter, values, sweep="down", settling=600, **fixed)
+    assert (result.labels == "2/1").all()
+    for i, value in enumerate(values):
+        here = system | (
+            {"R1": value, "R2": value} if parameter == "restitution" else {parameter: value}
+        )
+        osc = vi.Oscillator(here["xi"], here["mu"], (here["R1"], here["R2"]))
+        run = vi.simulate(osc, here["r"], 40.0, 8, state=MOVING, discard=900)
+        motion = vi.exact(osc, here["r"], 40.0, run)
+        reach = max(-motion.x_min, motion.x_max)
+        np.testing.assert_allclose(max(-result.x_min[0, i], result.x_max[0, i]), reach, rtol=1e-5)
+
+
+def test_labels_of_motions_with_rest():
+    result = vi.bifurcation_diagram(RIG, "clearance", [5.9, 6.0], r=0.9, sweep="up")
+    assert (result.labels == "2/1").all()  # RL*: the accumulation is one letter
+    assert (result.rests == 1).all()
+    assert (result.impacts > 10).all()
+
+
+def test_spaced_values():
+    """Both ends exactly, equal differences or ratios, and numpy's to rounding."""
+    for low, high, n in [(5.0, 60.0, 12), (1e-6, 1e6, 100), (37.0, 37.0001, 7)]:
+        even, ratios = (vi.spaced(low, high, n, name) for name in ("linear", "geometric"))
+        np.testing.assert_allclose(even, np.linspace(low, high, n), rtol=1e-15)
+        np.testing.assert_allclose(ratios, np.geomspace(low, high, n), rtol=1e-14)
+        np.testing.assert_allclose(
+            ratios[1:] / ratios[:-1], (high / low) ** (1 / (n - 1)), rtol=1e-14
+        )
+        assert [ratios[0], ratios[-1]] == [even[0], even[-1]] == [low, high]
+
+
+def test_a_sweep_in_ratios_is_that_over_the_same_values():
+    """Where the values of the two spacings are equal, what starts anew at each is too."""
+    ratios = vi.spaced(15.0, 60.0, 3, "geometric")
+    even = vi.spaced(15.0, 60.0, 4)
+    study = {"r": 1.04, "sweep": "states", "states": 3, "settling": 100}
+    one, other = (vi.bifurcation_diagram(FIGURE6, "clearance", v, **study) for v in (ratios, even))
+    for i, j in ((0, 0), (2, 3)):
+        ours, theirs = (d.points[d.points["index"] == k] for d, k in ((one, i), (other, j)))
+        assert len(ours) > 10
+        for name in ours.dtype.names:
+            if name != "index":
+                np.testing.assert_array_equal(ours[name], theirs[name])
+    assert "spacing = 'geometric'" in one.case
+    assert "spacing = 'linear'" in other.case
+
+
+@pytest.mark.parametrize(
+    ("parameter", "values", "more"),
+    [
+        ("clearance", vi.spaced(8.0, 70.0, 5, "geometric"), {"r": 1.04, "sweep": "down"}),
+        ("r", vi.spaced(1.0, 1.04, 3, "geometric"), {"clearance": 30.0, "state": MOVING}),
+        (
+            "restitution",
+            [0.5, 0.6, 0.7],
+            {"r": 1.04, "clearance": 30.0, "sweep": "states", "states": 2},
+        ),
+    ],
+)
+def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
+    """It gives the diagram again, to the last bit."""
+    result = vi.bifurcation_diagram(
+        FIGURE6, parameter, values, settling=40, points=9, load=1.1, **more
+    )
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    np.testing.assert_array_equal(again.points, result.points)
+    np.testing.assert_array_equal(again.values, result.values)
+    assert again.case == result.case
+
+
+def test_a_diagram_without_a_namelist():
+    """Values that are spaced otherwise, and a line across the plane."""
+    odd = vi.bifurcation_diagram(FIGURE6, "clearance", [20, 21, 23], r=1.04, settling=10)
+    values = [1.0, 1.02, 1.04]
+    across = vi.bifurcation_diagram(FIGURE6, "r", values, clearance=[20, 21, 22], settling=10)
+    for result in (odd, across):
+        with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
+            result.to_namelist()
+
+
+def test_diagram_does_not_depend_on_threads():
+    for sweep in ("both", "states"):
+        one, two = (
+            vi.bifurcation_diagram(
+                FIGURE6, "r", [1.0, 1.02], clearance=20.0, sweep=sweep, threads=n
+            )
+            for n in (1, 2)
+        )
+        np.testing.assert_array_equal(one.points, two.points)
+        np.testing.assert_array_equal(one.labels, two.labels)

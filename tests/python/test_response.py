@@ -1,0 +1,48 @@
+"""The response along r: against exact motions and the laws of scale."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_systems import FIGURE6
+
+
+@pytest.mark.parametrize("wall", [{"clearance": 25.0}, {"inverse_clearance": 0.03}])
+def test_the_namelist_of_a_response(wall, tmp_path):
+    """It gives the response again, to the last bit."""
+    line = vi.spaced(1.0, 1.02, 3)
+    result = vi.response(FIGURE6, line, **wall, states=4, load=1.1, settling=30, keep=9)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    for name in ("r", "clearance", "attenuation", "lowest", "highest", "cycles"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(result, name))
+    assert again.case == result.case
+    given = {name: np.full(3, value) for name, value in wall.items()}
+    with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
+        vi.response(FIGURE6, line, **given, states=4, settling=30).to_namelist()
+
+
+def test_response_is_that_of_the_exact_motions():
+    """Each attractor's max|X|/A is that of a motion that Newton's method finds."""
+    r, inverse = np.array([1.04, 1.06]), 0.03
+    result = vi.response(FIGURE6, r, inverse_clearance=inverse, states=8)
+    for i, one in enumerate(r.tolist()):
+        motions = vi.find(FIGURE6, one, 1 / inverse, max_impacts=3, max_cycles=1)
+        own = np.array([m.attenuation for m in motions if m.stable])
+        assert (result.cycles[i] > 0).all()
+        for value in result.attenuation[i]:
+            assert np.abs(own / value - 1).min() < 1e-5
+    assert np.all(result.lowest <= result.highest)
+
+
+def test_response_by_clearance_is_the_same():
+    one = vi.response(FIGURE6, [1.0, 1.02], clearance=25.0, states=4, threads=1)
+    two = vi.response(FIGURE6, [1.0, 1.02], inverse_clearance=0.04, states=4, threads=2)
+    np.testing.assert_array_equal(one.attenuation, two.attenuation)
+
+
+def test_load_scales_lengths():
+    """Twice the load with twice the clearance is the same motion, twice as large."""
+    plain = vi.response(FIGURE6, [1.04], clearance=30.0, states=4)
+    twice = vi.response(FIGURE6, [1.04], clearance=60.0, states=4, load=2.0)
+    np.testing.assert_allclose(plain.highest, twice.highest, rtol=1e-9)
