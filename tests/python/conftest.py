@@ -6,6 +6,7 @@ import pytest
 pytest.register_assert_rewrite("shared_laws", "shared_simulations")
 
 import vibroimpact as vi  # noqa: E402
+from shared_explorer import browser, page, server  # noqa: E402, F401
 from shared_motions import COLUMN, rest_motion  # noqa: E402
 from shared_systems import FIGURE6, TABLE  # noqa: E402
 

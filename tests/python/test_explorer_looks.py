@@ -1,0 +1,182 @@
+"""The explorer's page in a real browser: how it looks, and by keys, without colours, on a phone."""
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+
+
+def test_keyboard(page):
+    """The chart is reached by Tab, its focus is seen, arrows move the point, L draws a line."""
+    page.open()
+    for _ in range(40):
+        page.page.keyboard.press("Tab")
+        if page.page.evaluate("document.activeElement.id") == "chart":
+            break
+    style = page.page.evaluate(
+        "(s => [s.outlineStyle, parseFloat(s.outlineWidth)])(getComputedStyle(document.activeElement))"
+    )
+    assert style == ["solid", 3]
+    page.page.keyboard.press("ArrowRight")
+    page.page.keyboard.press("Shift+ArrowUp")
+    page.page.wait_for_function("document.querySelector('[data-field=clearance]').value !== '25'")
+    page.settle()
+    assert float(page.field("r")) == pytest.approx(1.044)
+    assert float(page.field("clearance")) == pytest.approx(25 * 100**0.1)
+    page.page.keyboard.press("l")
+    page.page.wait_for_selector("#along:not([hidden])")
+    page.page.keyboard.press("Escape")
+    page.page.wait_for_selector("#along", state="hidden")
+    page.page.locator("#table input").first.focus()
+    page.page.keyboard.press("ArrowDown")
+    page.page.wait_for_function("location.search.includes('motion=')")
+    assert page.page.locator("#table tr").nth(1).get_attribute("class").endswith("chosen")
+    assert page.page.evaluate("document.activeElement.name") == "motion"
+
+
+def test_names_for_screen_readers(page):
+    """Whatever can be used has a name, and the texts that change are announced."""
+    page.open("patterns=RL&line=0.9,10,1.1,10")
+    nameless = page.page.evaluate(
+        """[...document.querySelectorAll('input, button, textarea, summary, [role=img], #chart')]
+        .filter(e => !(e.labels?.length || e.ariaLabel || e.textContent.trim()
+                       || e.getAttribute('aria-labelledby')))
+        .map(e => e.outerHTML)"""
+    )
+    assert nameless == []
+    assert page.page.locator("[role=status]").count() >= 4
+    assert page.page.get_by_role("slider", name="damping ratio ξ").count() == 1
+    assert (
+        page.page.get_by_role("application", name=re.compile("Zones of stable motions")).count()
+        == 1
+    )
+
+
+def test_tab_reaches_everything_in_order(page):
+    """Tab goes through all that can be used, from top to bottom of each part, and its place is seen."""
+    page.open("patterns=RL&line=0.9,10,1.1,10")
+    page.page.evaluate("document.querySelector('details').open = true")
+    wanted = page.page.evaluate(
+        """() => {
+          const every = [...document.querySelectorAll("a, button, input, summary, [tabindex='0']")]
+            .filter((one) => one.checkVisibility() && (one.type !== "radio" || one.checked))
+          every.forEach((one, i) => { one.dataset.order = i })
+          return every.length
+        }"""
+    )
+    page.page.keyboard.press("Tab")
+    assert page.page.evaluate("document.activeElement.className") == "skip"
+    reached = []
+    while len(reached) < wanted:
+        reached.append(page.page.evaluate(
+            """() => {
+              const { left, top } = document.activeElement.getBoundingClientRect()
+              const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement)
+              const part = document.activeElement.closest("header, #system, #zones, #motions")
+              return { order: Number(document.activeElement.dataset.order), part: part?.id || part?.tagName,
+                       top: top + scrollY, left, outline: outlineStyle + parseFloat(outlineWidth) }
+            }"""
+        ))  # fmt: skip
+        page.page.keyboard.press("Tab")
+    assert [one["order"] for one in reached] == list(range(wanted))
+    assert {one["outline"] for one in reached} == {"solid3"}
+    parts = [one["part"] for one in reached]
+    assert list(dict.fromkeys(parts)) == [None, "HEADER", "system", "zones", "motions"]
+    for part in ("zones", "motions"):
+        tops = [one["top"] for one in reached if one["part"] == part]
+        assert all(later > before - 10 for before, later in itertools.pairwise(tops)), (part, tops)
+
+
+def test_nothing_is_told_by_colour_alone(page, tmp_path):
+    """In shades of grey the patterns and lines of the legends differ; the figures have the same ones."""
+    page.open("r=1.04&clearance=20&patterns=RL,RRL,RRLL,RRRL")
+    hatches = page.page.locator("#families .swatch").evaluate_all(
+        "all => all.map(one => one.dataset.hatch)"
+    )
+    assert len(hatches) == len(set(hatches)) == 6
+    assert set(page.data("zones.fills", "hatch")) == set(hatches)
+    assert (
+        page.page.evaluate("Bokeh.documents[0].get_model_by_name('zones.fills').data.hatch.length")
+        >= 6
+    )
+    page.page.context.new_cdp_session(page.page).send(
+        "Emulation.setEmulatedVisionDeficiency", {"type": "achromatopsia"}
+    )
+    from matplotlib.image import imread
+
+    def pictures(selector):
+        found = []
+        for i, one in enumerate(page.page.locator(selector).all()):
+            one.screenshot(path=tmp_path / f"{i}.png")
+            found.append(imread(tmp_path / f"{i}.png")[..., :3])
+        shape = np.min([picture.shape for picture in found], axis=0)
+        return [picture[: shape[0], : shape[1]] for picture in found]
+
+    for selector in ("#families .swatch", ".legend[aria-label=Boundaries] svg"):
+        seen = pictures(selector)
+        assert len(seen) >= 6
+        assert all(np.ptp(picture, axis=-1).max() < 0.02 for picture in seen)  # it is grey
+        for one, other in itertools.combinations(seen, 2):
+            assert (np.abs(one - other).max(axis=-1) > 0.2).mean() > 0.04
+    widths = page.page.evaluate(
+        "vibroimpact.sketches.history.shown().parts.filter(one => one.name).map(one => one.width)"
+    )
+    assert len(set(widths)) == 2
+    stable = {row[1].split()[0] for row in page.rows() if row[1].endswith(" stable")}
+    assert stable.isdisjoint(
+        row[1].split()[0] for row in page.rows() if row[1].endswith("unstable")
+    )
+
+
+def test_names_keep_off_the_point_and_each_other(page):
+    """On a phone too: no zone's name lies on the chosen point, on another name, or across the frame."""
+    page.page.set_viewport_size({"width": 390, "height": 844})
+    page.open()
+    for right, down in ((0.55, 0.4), (0.7, 0.35), (0.3, 0.4)):
+        page.page.touchscreen.tap(*page.place(right, down))
+        page.page.wait_for_function("location.search.includes('clearance=')")
+        page.settle()
+        boxes = page.page.evaluate(
+            """() => {
+              const model = (name) => Bokeh.documents[0].get_model_by_name(name)
+              const plot = model("zones.plot"), { inner_width, inner_height, x_range, y_range } = plot
+              const place = (x, y) => [(x - x_range.start) / (x_range.end - x_range.start) * inner_width,
+                Math.log(y / y_range.start) / Math.log(y_range.end / y_range.start) * inner_height]
+              const pen = document.createElement("canvas").getContext("2d")
+              pen.font = "12px sans-serif"
+              const { x, y, text } = model("zones.labels").data, point = model("zones.point").data
+              const boxes = text.map((word, i) => [...place(x[i], y[i]), pen.measureText(word).width + 4, 16])
+              const mark = [...place(point.x[0], point.y[0]), 15, 15]
+              return { size: [inner_width, inner_height], boxes: [mark, ...boxes] }
+            }"""
+        )
+        assert len(boxes["boxes"]) > 2
+        for (x, y, wide, high), (x2, y2, wide2, high2) in itertools.combinations(boxes["boxes"], 2):
+            assert abs(x - x2) > 0.5 * (wide + wide2) or abs(y - y2) > 0.5 * (high + high2)
+        for x, _, wide, _ in boxes["boxes"][1:]:
+            assert 0.5 * wide <= x <= boxes["size"][0] - 0.5 * wide
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_it_fits(page, width, tmp_path):
+    """Nothing is wider than the window, every figure has a picture in it, and a finger can use it."""
+    page.page.set_viewport_size({"width": width, "height": 844})
+    page.open("patterns=RL,RRL&line=0.9,10,1.1,30")
+    assert page.page.evaluate("document.documentElement.scrollWidth") == width
+    if width == 390:
+        page.page.touchscreen.tap(*page.place(0.5, 0.4))
+        page.page.wait_for_function("document.querySelector('[data-field=r]').value !== '1.04'")
+        page.settle()
+        assert not page.page.locator("#motions.peeking").count()
+    page.page.wait_for_function("document.getElementById('windows').textContent")
+    from matplotlib.image import imread
+
+    for name in ("chart", "diagram", "history", "portrait", "circle"):
+        box = page.page.locator(f"#{name}").bounding_box()
+        assert 0 <= box["x"] < box["x"] + box["width"] <= width
+        page.page.locator(f"#{name}").screenshot(path=tmp_path / f"{name}.png")
+        picture = imread(tmp_path / f"{name}.png")[..., :3]
+        inside = picture[10:-60, 80:-20]  # without the axes
+        assert (inside.min(axis=-1) < 0.9).mean() > 0.002, name
+        assert len(np.unique(inside.reshape(-1, 3).round(2), axis=0)) > 20, name

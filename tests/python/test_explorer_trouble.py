@@ -1,0 +1,129 @@
+"""The explorer's page in a real browser: what it stands."""
+
+import signal
+
+import vibroimpact as vi
+from shared_explorer import Page, numbers, shown_numbers
+from vibroimpact.explorer.process import start
+
+
+def test_bad_link_is_one_message(page):
+    """What is wrong is named once, the rest is there, and the address is not touched."""
+    query = "xi=lots&r=0.97&colour=%3Cb%3E&clearance=12"
+    page.open(query)
+    said = page.text("fault")
+    assert page.page.locator("[role=alert]:visible").count() == 1
+    assert "xi = 'lots': must be a number with 0 <= xi < 1" in said
+    assert "colour = '<b>'" in said
+    assert [page.field(name) for name in ("xi", "r", "clearance")] == ["0.0114", "0.97", "12"]
+    assert page.page.url.endswith(query)
+
+
+def test_the_page_tells_that_the_server_has_ended(browser):
+    """In the middle of computing: it says how to go on, and its address still holds what is shown."""
+    process, url = start()
+    tab = browser.new_page()
+    page = Page(tab, url)
+    page.open("patterns=RL")
+    tab.locator("[data-slider=xi]").focus()
+    tab.keyboard.press("ArrowRight")
+    tab.wait_for_function("location.search.includes('xi=')")
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 0
+    tab.wait_for_selector("#fault:not([hidden])")
+    assert "vibroimpact explore" in page.text("fault")
+    assert "computing" not in page.text("status")
+    assert tab.url.endswith("xi=0.0115&patterns=RL")
+    tab.close()
+
+
+#: Nothing that takes longer than a frame comes to its end.
+BROKEN = """
+from vibroimpact.explorer import background
+def broken(*_):
+    raise RuntimeError("broken on purpose")
+background.compute = background.fuller = background.diagram_of = broken
+"""
+
+
+def test_a_fault_in_a_thread_is_told(browser):
+    """Zones, search and diagram that fail are said to, nothing goes on "computing", and the page still answers."""
+    process, url = start(prelude=BROKEN)
+    tab = browser.new_page()
+    page = Page(tab, url)
+    tab.goto(url)
+    tab.wait_for_function("document.getElementById('searched').textContent.startsWith('Not all')")
+    assert page.text("status") == "not computed"
+    assert "broken on purpose" in page.text("fault")
+    assert "\n" not in page.text("fault")
+    before = page.rows()
+    tab.mouse.move(*page.place(0.45, 0.3))
+    tab.wait_for_function(
+        "document.querySelector('.peeking') && document.getElementById('searched').textContent.startsWith('Not')"
+    )
+    assert page.rows() != before
+    assert page.page.is_visible("#fault")
+    tab.locator("#chart").focus()
+    tab.keyboard.press("l")
+    tab.wait_for_function("document.getElementById('windows').textContent === 'not computed'")
+    assert "the diagram could not be computed" in page.text("fault")
+    tab.close()
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == 0
+    assert "RuntimeError: broken on purpose" in err  # with its place in the program
+
+
+def test_two_tabs_do_not_know_of_each_other(page, browser, server):
+    """Both compute at once; what is changed in one changes nothing in the other, and both are right."""
+    other = Page(browser.new_page(), server)
+    queries = (
+        "R2=0.61&r=0.9&clearance=6&patterns=RL,RLL",
+        "xi=0.02&r=1.04&clearance=20&patterns=RL",
+    )
+    for one, query in zip((page, other), queries, strict=True):
+        one.page.goto(f"{server}?{query}")
+    for one in (page, other):
+        one.settle()
+    before = other.rows(), other.text("families"), other.page.url
+    page.page.locator("[data-slider=R1]").focus()
+    page.page.keyboard.press("ArrowLeft")
+    page.page.wait_for_function("location.search.includes('R1=')")
+    page.settle()
+    assert (other.rows(), other.text("families"), other.page.url) == before
+    for one, osc, r, clearance in (
+        (page, vi.Oscillator(0.0114, 0.028, (0.745, 0.61)), 0.9, 6.0),
+        (other, vi.Oscillator(0.02, 0.028, 0.75), 1.04, 20.0),
+    ):
+        found = set(shown_numbers(vi.find(osc, r, clearance)))
+        assert found
+        assert found <= {row[1:] for row in numbers(one.rows())}
+    other.page.close()
+
+
+def test_reload_in_the_middle_of_computing(page):
+    """The page comes back with what its address holds, however often."""
+    page.page.goto(f"{page.url}?r=1.04&clearance=20&patterns=RL,RRL")
+    for value in ("0.012", "0.013", "0.014"):
+        page.page.wait_for_function(
+            "window.vibroimpact && document.getElementById('table').children.length"
+        )
+        page.page.fill("#xi", value)
+        page.page.keyboard.press("Enter")
+        page.page.wait_for_function(f"location.search.includes('xi={value}')")
+        page.page.reload()
+    page.settle()
+    found = set(shown_numbers(vi.find(vi.Oscillator(0.014, 0.028, 0.75), 1.04, 20.0)))
+    assert found <= {row[1:] for row in numbers(page.rows())}
+    assert page.text("fault") == ""
+
+
+def test_a_slider_goes_back_to_its_range(page):
+    """A number beyond its end stretches it for as long as the number stands there."""
+    page.open("mu=7&patterns=RL")
+    slider = page.page.locator("[data-slider=mu]")
+    assert float(slider.get_attribute("max")) == 7
+    page.page.fill("#mu", "0.1")
+    page.page.keyboard.press("Enter")
+    page.page.wait_for_function("document.querySelector('[data-slider=mu]').value === '0.1'")
+    assert float(slider.get_attribute("max")) == 0.2
