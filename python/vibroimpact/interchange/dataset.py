@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
-from ..files import replacing, write_bytes
+from ..files import write_bytes
 
 if TYPE_CHECKING:
     from ..found import Findings
@@ -323,13 +323,15 @@ def save_dataset(data: Any, path: Path) -> None:
         name: {"zlib": True} for name, item in data.variables.items()
         if item.dtype.kind in "fiu" and item.size > 100
     }  # fmt: skip
-    try:  # in memory first: HDF5 ends the interpreter some time after a disk was full
-        content = bytes(data.to_netcdf(engine="h5netcdf", encoding=packed))
-    except (TypeError, ValueError):  # xarray before 2025.9 cannot
-        with replacing(path, path.with_name(f"{path.name}.{os.getpid()}.part")) as temporary:
-            data.to_netcdf(temporary, engine="h5netcdf", encoding=packed)
-        return
-    write_bytes(path, content)
+    # in memory first: HDF5 ends the interpreter some time after a disk was full; by the store, as
+    # to_netcdf does so only from xarray 2025.9 on, which Python 3.10 does not get
+    content = BytesIO()
+    store = import_module("xarray.backends").H5NetCDFStore(
+        import_module("h5netcdf").File(content, "w")
+    )
+    data.dump_to_store(store, encoding=packed)
+    store.close()
+    write_bytes(path, content.getvalue())
 
 
 def read_netcdf(path: Path) -> str:

@@ -84,11 +84,12 @@ def encode_array(array: NDArray[Any]) -> Any:
 
 def decode(hint: Any, value: Any, label: str, dimensions: Dimensions | None = None) -> Any:
     """What `encode` made, as the type that is wanted; `label` is what messages call it."""
+    hint = without_alias(hint)
     origin, parts = typing.get_origin(hint), typing.get_args(hint)
     if origin in (typing.Union, types.UnionType):
         if value is None:
             return None
-        choices = [item for item in parts if item is not type(None)]
+        choices = [without_alias(item) for item in parts if item is not type(None)]
         # of a number and an array of them, the array is the one with a list
         arrays = [item for item in choices if typing.get_origin(item) is np.ndarray]
         hint = arrays[0] if arrays and isinstance(value, list) else choices[0]
@@ -122,6 +123,12 @@ def decode(hint: Any, value: Any, label: str, dimensions: Dimensions | None = No
     if isinstance(hint, type) and (dataclasses.is_dataclass(hint) or hasattr(hint, "_fields")):
         return record(hint, value, label)
     return value
+
+
+def without_alias(hint: Any) -> Any:
+    """What a name of a type stands for: from numpy 2.5 on, NDArray is such a name."""
+    meaning = getattr(typing.get_origin(hint), "__value__", None)
+    return hint if meaning is None else meaning[typing.get_args(hint)]
 
 
 def record(kind: type, value: Any, label: str) -> Any:
