@@ -84,16 +84,20 @@ def spread(case):
 def error_bound(case, eps=EPS):
     """Bound the relative error of the least squares solution: cond + cond^2 tan(angle).
 
-    Infinite where the solution needs next to no load: no clearance and load belong to it.
+    The right side is a difference of what the free mass has before and after its impacts, which may be far
+    larger: as with walls of restitution 1 and impacts half a period apart. Infinite where the solution needs
+    next to no load: no clearance and load belong to it.
     """
     matrix, right = fp.linear_system(case.system, case.phases)
     unknowns = np.linalg.lstsq(matrix, right, rcond=None)[0]
     if np.hypot(*unknowns[-2:]) <= 1e-4 * np.linalg.norm(unknowns):
         return np.inf
     condition = np.linalg.cond(matrix)
+    terms = np.abs(fp.velocities(case.system, case.phases, np.zeros(len(case.phases)))[3:]).max()
+    lost = condition * terms / (np.linalg.norm(matrix, 2) * np.linalg.norm(unknowns))
     off = np.linalg.norm(matrix @ unknowns - right)
     slope = off / max(np.linalg.norm(matrix, 2) * np.linalg.norm(unknowns), 1e-300)
-    return 4.0 * eps * spread(case) * (condition + condition**2 * slope)
+    return 4.0 * eps * spread(case) * (condition + condition**2 * slope + lost)
 
 
 def unknowns_of(motion):
