@@ -163,23 +163,33 @@ def finish(
         except SingularError as error:
             record.fault(f"{case.name}: {singular(case, error)}")
             return 1
+    if stopped:  # a large table takes its time
+        said = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
+        print(said, file=sys.stderr, flush=True)
+    try:
+        status = deliver(options, case, result, stopped, folder, save, details)
+    except KeyboardInterrupt:
+        record.halted = True
+        raise
+    if stopped:
+        raise KeyboardInterrupt
+    return status
+
+
+def deliver(
+    options: argparse.Namespace, case: Case, result: Any, stopped: bool, folder: Path, save: Save,
+    details: Details | None,
+) -> int:  # fmt: skip
+    """Say what came out of a case, write and draw it."""
     news, faults, there = WORDS[case.kind](result)
-    if stopped and there:  # a large table takes its time
-        print(f"vibroimpact {record.command}: interrupted; writing what is finished ...", file=sys.stderr)
     for line in [*news, *cut_of(result)]:
         print(f"{case.name}: {line}")
     for line in [] if stopped else faults:
-        record.fault(f"{case.name}: {line}")
+        options.record.fault(f"{case.name}: {line}")
     if there:
-        try:
-            put(options, case, [result], folder, save)
-        except KeyboardInterrupt:
-            record.halted = True
-            raise
+        put(options, case, [result], folder, save)
         for line in details(result) if details else []:
             print(line)
-    if stopped:
-        raise KeyboardInterrupt
     return 1 if faults else 0
 
 
@@ -235,7 +245,7 @@ def write(result: Any, case: Case, path: Path) -> None:
     if path.suffix == ".csv":
         table = chart_columns(result) if charted else columns(result)
         head = head_text(case.text.splitlines(), notes(result))
-        write_text(path, head + rows_text(table, zip(*table.values(), strict=True)))
+        write_text(path, head + rows_text(table))
     elif not charted:
         result.save(path)
     elif path.suffix == ".nc":

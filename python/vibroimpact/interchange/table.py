@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 import tempfile
@@ -31,6 +29,8 @@ if TYPE_CHECKING:
 
 #: Names of columns with the values of all rows.
 Columns = dict[str, list[Any]]
+#: Values of a column whose text is kept for when they come again.
+MOST_KNOWN = 10_000
 #: As the compiled program says it.
 NOT_CLOSED = "not closed: a boundary could not be followed until it closes"
 
@@ -342,7 +342,7 @@ def csv_text(result: Any, name: str) -> str:
         case = []
     table = columns(result)
     head = head_text(case, notes(result))
-    return head + rows_text(table, zip(*table.values(), strict=True))
+    return head + rows_text(table)
 
 
 def head_text(case: Sequence[str], remarks: Sequence[str] = ()) -> str:
@@ -368,23 +368,34 @@ def complete(namelist: str, name: str) -> list[str]:
     return case.text.splitlines()
 
 
-def rows_text(names: Iterable[str], rows: Iterable[Sequence[Any]]) -> str:
+def rows_text(table: Columns) -> str:
     """Names of columns and rows as CSV."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows(map(shown, rows))
-    return buffer.getvalue()
+    lines = map(",".join, zip(*map(shown, table.values()), strict=True))
+    return "".join(f"{line}\n" for line in (",".join(table), *lines))
 
 
-def shown(row: Sequence[Any]) -> list[str]:
-    """A row as text: 17 digits, true, false or unknown."""
-    words = {True: "true", False: "false", None: "unknown"}
-    return [
-        item if isinstance(item, str) else exact(item) if isinstance(item, float)
-        else words[item] if item is None or isinstance(item, bool) else str(item)
-        for item in row
-    ]  # fmt: skip
+def shown(column: Iterable[Any]) -> Iterable[str]:
+    """A column as text: 17 digits, true, false or unknown. What stands there often is made once."""
+    known: dict[Any, str] = {}
+    for item in column:
+        # 0.0 and -0.0 are equal, and so are 1, 1.0 and true
+        key = item if item and type(item) is float else (type(item), str(item))
+        text = known.get(key)
+        if text is None:
+            text = cell(item)
+            if len(known) < MOST_KNOWN:
+                known[key] = text
+        yield text
+
+
+def cell(item: Any) -> str:
+    """A value as text."""
+    if isinstance(item, float):
+        return exact(item)
+    if item is None or isinstance(item, bool):
+        return {True: "true", False: "false", None: "unknown"}[item]
+    text = str(item)
+    return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
 
 
 def exact(value: float) -> str:

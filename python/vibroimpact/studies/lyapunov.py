@@ -127,7 +127,9 @@ class Lyapunov(Result):
         if self.r.ndim:
             chaotic = int((self.largest > 3 * self.standard_error[0]).sum())
             cut = "" if self.complete else f"; cut short, {self.cut}"
-            return f"<Lyapunov exponents at {self.r.size} points, {chaotic} with a positive one{cut}>"
+            return (
+                f"<Lyapunov exponents at {self.r.size} points, {chaotic} with a positive one{cut}>"
+            )
         shown = ", ".join(f"{item:.4g}" for item in self.per_cycle.tolist())
         return (
             f"<Lyapunov exponents per load cycle at r = {float(self.r):.6g}, d K/F0 = "
