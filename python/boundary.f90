@@ -765,7 +765,8 @@ subroutine largest_disc(m, n, labels, label, cells, radius, place)
    call disc_of(labels, label, cells, radius, place)
 end subroutine largest_disc
 
-!> The attractors of m states (labels from 1, 0: not decided), n of them, by falling share.
+!> The attractors of m states (labels from 1, 0: not decided, -1: not reached), n of them, by
+!! falling share.
 !!
 !! Rows of `kinds`: kind, load cycles, letters; of `balls`: radius and contraction of the largest
 !! neighbourhood that decides, and the greatest multiplier or exponent.

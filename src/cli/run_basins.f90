@@ -51,7 +51,7 @@ contains
          call label_states(catalogue, states, a%cycles, a%probes, labels, events, &
             tally)
       end associate
-      lost = count(labels == 0)
+      lost = count(labels <= 0)
       if (lost < size(labels)) then
          call find_names(catalogue, names)
          call basin_lines(case, catalogue, names, states, labels, lines)

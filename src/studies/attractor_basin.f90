@@ -13,9 +13,13 @@ module vi_attractor_basin
 
    public :: decide
 
+   !> The label of a state that was not come to.
+   integer, parameter, public :: not_reached = -1
+
 contains
 
-   !> Initial states to the numbers of their attractors; 0 if not decided within the cycles.
+   !> Initial states to the numbers of their attractors; 0 if not decided within the cycles, and
+   !! `not_reached` if it was stopped before.
    subroutine decide(osc, r, load, clearance, targets, starts, cycles, threads, labels, impacts, &
       ends, tally)
       type(oscillator_type), intent(in) :: osc
@@ -33,7 +37,7 @@ contains
       type(drive_type) :: drive
       integer :: j
 
-      labels = 0
+      labels = not_reached
       impacts = 0
       ends = starts
       drive = new_drive(osc, r, load, clearance)

@@ -1,6 +1,6 @@
 !> The attractors of a point as they become known, and the states that go to each.
 module vi_attractor_catalogue
-   use vi_attractor_basin, only: decide
+   use vi_attractor_basin, only: decide, not_reached
    use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, within
    use vi_attractor_settled, only: settle_chains
    use vi_attractor_target, only: target_type
@@ -41,7 +41,7 @@ module vi_attractor_catalogue
 
 contains
 
-   !> The attractor of each state (0: not decided), by falling share of the states.
+   !> The attractor of each state (0, `not_reached`: as in `decide`), by falling share of all.
    subroutine label_states(catalogue, starts, cycles, probes, labels, events, tally)
       !> In: drive, longest period and threads.
       type(catalogue_type), intent(inout) :: catalogue
@@ -52,7 +52,7 @@ contains
       !> (m), and the events simulated to decide.
       integer, intent(out) :: labels(:)
       real(wp), intent(out) :: events
-      !> As of vi_tally; states that are not come to before it is stopped are not decided.
+      !> As of vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: ends(:, :), after(:, :)
       integer, allocatable :: open_ones(:), found(:), counts(:)
@@ -69,7 +69,7 @@ contains
          allocate (found(size(open_ones)), counts(size(open_ones)), after(5, size(open_ones)))
          call decide_known(catalogue, ends, cycles, found, counts, after, tally)
          events = events + sum(real(counts, wp))
-         labels(open_ones) = found
+         labels(open_ones) = merge(found, max(found, 0), round == 1)  ! later on all were reached
          call keep_open(found, after, open_ones, ends)
          known = count(found > 0)
          deallocate (found, counts, after)
@@ -108,7 +108,7 @@ contains
       integer, allocatable :: still(:), left(:)
       integer :: i
 
-      still = pack([(i, i=1, size(found))], found == 0)
+      still = pack([(i, i=1, size(found))], found <= 0)
       left = open_ones(still)
       call move_alloc(left, open_ones)
       deallocate (ends)
@@ -200,8 +200,8 @@ contains
       do i = 1, catalogue%n
          n = n + size(catalogue%known(i)%targets)
       end do
-      allocate (targets(n), owners(0:n))
-      owners = 0
+      allocate (targets(n), owners(not_reached:n))
+      owners(:) = [not_reached, (0, i=0, n)]
       n = 0
       do i = 1, catalogue%n
          associate (own => catalogue%known(i)%targets)
@@ -278,12 +278,12 @@ contains
       type(catalogue_type), intent(inout) :: catalogue
       integer, intent(inout) :: labels(:)
       type(known_type), allocatable :: sorted(:)
-      integer :: counts(catalogue%n), place(0:catalogue%n), i, n
+      integer :: counts(catalogue%n), place(not_reached:catalogue%n), i, n
 
       do i = 1, catalogue%n
          counts(i) = count(labels == i)
       end do
-      place = 0
+      place = [not_reached, (0, i=0, catalogue%n)]
       allocate (sorted(catalogue%n))
       do n = 1, catalogue%n
          i = maxloc(counts, 1)

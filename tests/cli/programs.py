@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import NamedTuple
 
@@ -113,13 +114,14 @@ EAGER = (
 )
 
 
-def on_terminal(cwd, *words, stop=None):
+def on_terminal(cwd, *words, stop=None, again=None, more=""):
     """Exit status of `vibroimpact`, and what it says on a terminal, with a bar from the start.
 
-    It is interrupted when it has said what the pattern `stop` finds.
+    It is interrupted when it has said what the pattern `stop` finds, and again when a file is there whose name
+    fits the pattern `again`. Python lines `more` are run before the program.
     """
     (cwd / "eager").mkdir(exist_ok=True)
-    write(cwd / "eager/sitecustomize.py", EAGER)
+    write(cwd / "eager/sitecustomize.py", EAGER + more)
     ours, theirs = os.openpty()
     with subprocess.Popen(
         [find_command(), *words],
@@ -135,9 +137,19 @@ def on_terminal(cwd, *words, stop=None):
                 if stop and not stopped and re.search(stop, said):
                     stopped = True
                     process.send_signal(signal.SIGINT)
+                    if again:
+                        wait_for(lambda: [*cwd.glob(again)] or process.poll() is not None)
+                        process.send_signal(signal.SIGINT)
     os.close(ours)
     assert stopped == bool(stop), said[-500:]
     return process.returncode, said
+
+
+def wait_for(there):
+    """Wait until something is there, half a minute at most."""
+    end = time.monotonic() + 30
+    while not there() and time.monotonic() < end:
+        time.sleep(0.02)
 
 
 def bars(said):

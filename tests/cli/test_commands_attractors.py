@@ -1,12 +1,23 @@
 """The commands lyapunov, bifurcation, basins and response: files or options, and the bytes of the program."""
 
+import json
 import re
 import sys
 
 import numpy as np
 import pytest
 import vibroimpact as vi
-from programs import Runner, bars, column, contents, find_command, on_terminal, rows, write
+from programs import (
+    Runner,
+    bars,
+    bound_by_permissions,
+    column,
+    contents,
+    find_command,
+    on_terminal,
+    rows,
+    write,
+)
 from vibroimpact.commands.init import kinds
 
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
@@ -225,3 +236,93 @@ def test_bar_and_interrupt_on_a_terminal(name, tool):
     assert list(contents(tool.cwd / "results")) == [f"{name}.csv"]
     assert len(rows(tool.cwd / "results" / f"{name}.csv")) > 1
     assert [case.kind for case in vi.read_namelist(tool.cwd / "results" / f"{name}.csv")] == [name]
+    assert f"vibroimpact {name}: interrupted; writing what is finished ..." in said
+    lines = (tool.cwd / "results" / f"{name}.csv").read_text().splitlines()
+    (cut,) = (line for line in lines if line.startswith("# ! cut short: "))
+    n, asked = map(
+        int, re.match(r"# ! cut short: (\d+) of (\d+) (?:states|simul|points)", cut).groups()
+    )
+    assert 0 < n < asked
+    table = rows(tool.cwd / "results" / f"{name}.csv")
+    if name == "basins":
+        assert (n, asked) == ((column(table, "label") != -2).sum(), 99**2)
+        assert not any("disc" in line or "exponent" in line for line in lines if line[0] == "#")
+    elif name == "bifurcation":
+        assert asked == 1800
+    else:
+        assert (n, asked) == (len(table), {"lyapunov": 150, "response": 300}[name])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+@pytest.mark.parametrize("name", LONG)
+def test_what_was_cut_short_says_so(name, tool):
+    """The result that is loaded, and its name; numbers are those of what was reached."""
+    words = (name, *SYSTEM, *LONG[name], "--format", "json")
+    assert on_terminal(tool.cwd, *words, stop=r"\[#{15}")[0] == 1
+    result = vi.load(tool.cwd / f"results/{name}.json")
+    assert not result.complete
+    assert f"; cut short, {result.cut}>" in repr(result)
+    data = json.loads(result.to_json())
+    old = type(result).from_dict({key: item for key, item in data.items() if key != "complete"})
+    assert (data["complete"], old.complete) == (False, True)
+    if name == "basins":
+        reached = result.labels[result.labels != -2]
+        shares = [(reached == i).mean() for i in range(len(result.attractors))]
+        assert result.fractions.tolist() == pytest.approx(shares, rel=1e-12)
+        with pytest.raises(vi.errors.ParameterError, match="needs the whole plane; cut short"):
+            result.integrity(0)
+    if name == "bifurcation":
+        ends = result.values.searchsorted([window[1:3] for window in result.windows])
+        for window, (low, high) in zip(result.windows, ends.tolist(), strict=True):
+            beside = result.status[result.runs.index(window.run), max(0, low - 1) : high + 2]
+            assert (beside == 0).all()
+
+
+#: A disk so slow that half of a file is there until somebody interrupts.
+SLOW_DISK = """
+import pathlib, time
+def write_bytes(path, content):
+    with path.open("wb") as file:
+        file.write(content[: len(content) // 2])
+        file.flush()
+        time.sleep(60)
+pathlib.Path.write_bytes = write_bytes
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
+def test_a_second_interrupt_stops_writing(tool):
+    """It says so in one line, and leaves nothing half."""
+    words = ("response", *SYSTEM, *LONG["response"])
+    status, said = on_terminal(
+        tool.cwd, *words, stop=r"\[#{15}", again="results/*.part", more=SLOW_DISK
+    )
+    told = [line.rpartition("\r")[2] for line in said.splitlines() if "vibroimpact " in line]
+    assert (status, told) == (1, [
+        "vibroimpact response: interrupted; writing what is finished ...",
+        "vibroimpact response: interrupted; writing was stopped, nothing half is left",
+    ])  # fmt: skip
+    assert not (tool.cwd / "results").exists()
+
+
+#: Each would compute for hours.
+ENDLESS = {
+    "lyapunov": ["--r", "1.04", "--clearance", "20", "--cycles", "1000000000"],
+    "basins": ["--r", "0.94", "--clearance", "37", "--states", "9000000"],
+    "find": ["--r", "0.94", "--clearance", "37", "--max-impacts", "12", "--max-cycles", "12"],
+    "zone": ["--sides", "RL", "--r", ".9", "1.1", "--clearance", "5", "90", "--lines", "129", "--plot"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ENDLESS)
+def test_the_place_is_tested_first(name, tool):
+    """One line, status 2, and nothing is computed or left."""
+    (tool.cwd / "taken").write_text("mine")
+    done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "taken")
+    said = f"vibroimpact {name}: taken: is a file; must be a folder"
+    assert (done.status, done.out, done.faults) == (2, b"", [said])
+    (tool.cwd / "closed").mkdir(mode=0o555)
+    done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "closed", preexec_fn=bound_by_permissions)
+    said = f"vibroimpact {name}: closed: Permission denied; must be a folder and disk that can be written"
+    assert (done.status, done.out, done.faults) == (2, b"", [said])
+    assert contents(tool.cwd) == {"taken": b"mine"}

@@ -4,6 +4,7 @@ import importlib
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 
@@ -211,6 +212,19 @@ def test_a_file_for_the_one_result(kind, suffix, tool, monkeypatch, capfd):
         assert contents(tool.cwd / "run")["mine.csv"] == contents(tool.cwd / "new")["mine.csv"]
 
 
+def test_a_file_for_two_motions(tool):
+    """The files that were written instead are named; the folder that nothing came to is gone."""
+    write(tool.cwd / "case.nml", kinds()["equispaced"])
+    done = tool("run", "case.nml", "-o", "mine.json")
+    assert done.out.decode().splitlines()[-2:] == ["mine_1: mine_1.json", "mine_2: mine_2.json"]
+    assert sorted(contents(tool.cwd)) == ["case.nml", "mine_1.json", "mine_2.json"]
+    write(
+        tool.cwd / "case.nml", kinds()["zone"].replace("clearance_min = 2 ", "clearance_min = 150 ")
+    )
+    assert tool("zone", "case.nml", "-o", "new/mine.json").status == 1
+    assert not (tool.cwd / "new").exists()
+
+
 @pytest.mark.parametrize(("words", "said"), [
     (["-o", "a.json", "--format", "netcdf"], "-o a.json: is the name of a json file; must go with --format "
      "json, or without it"),
@@ -236,7 +250,8 @@ def test_a_reader_who_leaves(words, tool):
     assert (run.returncode, said) == (1, b"")
 
 
-def test_interrupted_chart_is_written_as_far_as_it_came(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("form", ["json", "csv"])
+def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypatch, capsys):
     """Ctrl-C in a chart that Python computes: what is there is in the file, the rest has its status."""
     ours, calls = vi.chart.__globals__["_core"].equispaced_chart, []
 
@@ -249,12 +264,21 @@ def test_interrupted_chart_is_written_as_far_as_it_came(tmp_path, monkeypatch, c
     monkeypatch.setattr(vi.chart.__globals__["_core"], "equispaced_chart", impatient)
     monkeypatch.setitem(vi.chart.__globals__, "CHUNK", 64)
     path = write(tmp_path / "case.nml", kinds()["chart"])
-    assert main(["chart", str(path), "--format", "json", "-o", str(tmp_path / "out")]) == 1
+    words = ["--format", form, "-o", str(tmp_path / "out")]
+    # without a form of its own it would be left to the compiled program
+    assert main(["chart", str(path), *words, *["--json"] * (form == "csv")]) == 1
     said = capsys.readouterr().err
     (name,) = contents(tmp_path / "out")
     assert said == (
+        "vibroimpact chart: interrupted; writing what is finished ...\n"
         f"vibroimpact chart: interrupted; what was finished is kept: {tmp_path / 'out' / name}\n"
     )
+    if form == "csv":
+        assert re.search(
+            r"\n# ! cut short: \d+ of 336 points were reached\n",
+            (tmp_path / "out" / name).read_text(),
+        )
+        return
     status = np.array(json.loads((tmp_path / "out" / name).read_text())["status"])
     assert (status == 0).any()
     assert (status == 12).any()

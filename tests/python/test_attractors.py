@@ -111,6 +111,8 @@ def test_stopped_lyapunov(monkeypatch):
     np.testing.assert_array_equal(part.clearance, line[at])
     np.testing.assert_array_equal(part.exponents, whole.exponents[:, at])
     np.testing.assert_array_equal(part.impacts, whole.impacts[at])
+    assert part.cut == f"{part.r.size} of 300 points were reached"
+    assert (part.complete, whole.complete, whole.cut) == (False, True, "")
 
 
 def test_stopped_response(monkeypatch):
@@ -122,6 +124,8 @@ def test_stopped_response(monkeypatch):
     assert 0 < part.r.size < r.size
     np.testing.assert_array_equal(part.attenuation, whole.attenuation[at])
     np.testing.assert_array_equal(part.highest, whole.highest[at])
+    assert part.cut == f"{part.r.size} of 200 points were reached"
+    assert (part.complete, whole.complete, whole.cut) == (False, True, "")
 
 
 def test_stopped_bifurcation(monkeypatch):
@@ -139,10 +143,21 @@ def test_stopped_bifurcation(monkeypatch):
     assert part.points.tolist() == whole.points[there].tolist()
     assert (part.cycles[~done] == 0).all()
     assert np.isnan(part.x_max[~done]).all()
+    # what is told as a window is one; the others go on at least as far
+    assert set(part.windows) < set(whole.windows)
+    for run, low, high, label in part.cut_windows:
+        assert any(
+            (window.run, window.label) == (run, label) and window.low <= low and high <= window.high
+            for window in whole.windows
+        )
+    assert part.cut_windows
+    assert not whole.cut_windows
+    assert not part.coexisting[~done.all(axis=0)].any()
+    assert (part.complete, whole.complete) == (False, True)
 
 
 def test_stopped_basins(monkeypatch):
-    """States that were decided go where they go in the whole plane; the others are not decided."""
+    """States that were decided go where they go in the whole plane; shares are those of what was reached."""
     plane = (("x", -30, 30, 120), ("x_dot", -30, 30, 120))
     part = stopped(monkeypatch, vi.basins, TABLE, 0.94, 37.0, plane)
     whole = vi.basins(TABLE, 0.94, 37.0, plane)
@@ -154,6 +169,14 @@ def test_stopped_basins(monkeypatch):
         return x[result.labels[where]]
 
     np.testing.assert_array_equal(ends(part, done), ends(whole, done))
+    reached = part.labels != -2
+    assert done.sum() <= reached.sum() == part.reached < done.size
+    assert part.fractions.sum() == pytest.approx(done[reached].mean(), rel=1e-12)
+    assert part.standard_error[0] > whole.standard_error[0]
+    assert (whole.labels != -2).all()
+    assert (part.complete, whole.complete) == (False, True)
+    with pytest.raises(vi.errors.ParameterError, match="needs the whole plane"):
+        _ = part.uncertainty_exponent
 
 
 def test_stopped_before_anything(monkeypatch):

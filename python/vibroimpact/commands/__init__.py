@@ -12,7 +12,8 @@ import json
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,8 @@ class Record:
         self.faults: list[str] = []
         self.files: list[str] = []
         self.results: dict[str, Any] = {}
+        #: Whether Ctrl-C came while a result was written.
+        self.halted = False
 
     def fault(self, line: str) -> None:
         """Say what went wrong."""
@@ -54,10 +57,12 @@ class Record:
 
     def interrupted(self, writes: bool) -> None:
         """Say what Ctrl-C left, of a command that writes files or does not."""
-        left = ""
+        left = "; writing was stopped, nothing half is left" if self.halted else ""
         if self.files:
             some = ", ".join(self.files[:3]) + ", ..." * (len(self.files) > 3)
-            left = f"; what was finished is kept: {some}"
+            left += f"; what was finished is kept: {some}"
+        elif self.halted:
+            pass
         elif self.results:
             left = "; what was finished is told"
         elif writes:
@@ -123,6 +128,25 @@ class Fresh:
         """Those that are there now."""
         stamps = ((path, self.stamp(path)) for path in self.before)
         return [path for path, now in stamps if now not in (None, self.before[path])]
+
+
+@contextlib.contextmanager
+def ready(folder: Path) -> Iterator[None]:
+    """A folder that can be written to, before anything is computed; if it stays empty it goes again."""
+    if folder.exists() and not folder.is_dir():
+        raise ParameterError(f"{folder}: is a file; must be a folder")
+    new = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(folder)) from None
+        yield
+    finally:
+        for path in new:
+            with contextlib.suppress(OSError):
+                path.rmdir()
 
 
 def name_file(options: argparse.Namespace) -> None:

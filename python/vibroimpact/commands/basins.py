@@ -71,6 +71,6 @@ def plane(words: list[str] | None) -> dict[str, list[Any]]:
 
 def details(result: Any) -> list[str]:
     """How fractal the boundaries are."""
-    if result.axes is None:
+    if result.axes is None or not result.complete:
         return []
     return [f"uncertainty exponent {result.uncertainty_exponent:.3f}"]

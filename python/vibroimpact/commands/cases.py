@@ -7,6 +7,7 @@ import contextlib
 import json
 import os
 import re
+import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -17,12 +18,12 @@ from ..errors import ChartInterrupted, ParameterError, SingularError, StudyInter
 from ..files import write_text
 from ..interchange.dataset import save_dataset
 from ..interchange.plain import encode
-from ..interchange.table import chart_columns, columns, head_text, notes, rows_text
+from ..interchange.table import chart_columns, columns, cut_of, head_text, notes, rows_text
 from ..interrupt import interruptible
 from ..plot.animation import check_format
 from ..progress import Progress
 from ..run import Case, read_namelist, run_namelists
-from . import FORMATS, Fresh, picture_writer
+from . import FORMATS, Fresh, picture_writer, ready
 from .options import Request, case_files, in_options, read_cases
 from .run import tell
 from .words import ATTRACTORS, WORDS, singular
@@ -55,11 +56,12 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
     cases = renamed(options, cases)
     for case in cases:
         spare_inputs(options, case, folder)
-    for case in cases:
-        if case.kind in WORDS:
-            status = max(status, finish(options, case, folder, save, details))
-        else:
-            status = max(status, shorter(options, case, folder, save))
+    with ready(folder) if cases else contextlib.nullcontext():
+        for case in cases:
+            if case.kind in WORDS:
+                status = max(status, finish(options, case, folder, save, details))
+            else:
+                status = max(status, shorter(options, case, folder, save))
     return status
 
 
@@ -150,7 +152,7 @@ def finish(
     options: argparse.Namespace, case: Case, folder: Path, save: Save, details: Details | None
 ) -> int:
     """Compute a case that takes its time, say what came out, write and draw it."""
-    stopped = False
+    stopped, record = False, options.record
     with Progress(case.name) as bar:
         try:
             (result,) = case.run(bar.show)
@@ -159,10 +161,28 @@ def finish(
         except StudyInterrupted as stop:
             result, stopped = stop.result, True
         except SingularError as error:
-            options.record.fault(f"{case.name}: {singular(case, error)}")
+            record.fault(f"{case.name}: {singular(case, error)}")
             return 1
+    if stopped:  # a large table takes its time
+        said = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
+        print(said, file=sys.stderr, flush=True)
+    try:
+        status = deliver(options, case, result, stopped, folder, save, details)
+    except KeyboardInterrupt:
+        record.halted = True
+        raise
+    if stopped:
+        raise KeyboardInterrupt
+    return status
+
+
+def deliver(
+    options: argparse.Namespace, case: Case, result: Any, stopped: bool, folder: Path, save: Save,
+    details: Details | None,
+) -> int:  # fmt: skip
+    """Say what came out of a case, write and draw it."""
     news, faults, there = WORDS[case.kind](result)
-    for line in news:
+    for line in [*news, *cut_of(result)]:
         print(f"{case.name}: {line}")
     for line in [] if stopped else faults:
         options.record.fault(f"{case.name}: {line}")
@@ -170,8 +190,6 @@ def finish(
         put(options, case, [result], folder, save)
         for line in details(result) if details else []:
             print(line)
-    if stopped:
-        raise KeyboardInterrupt
     return 1 if faults else 0
 
 
@@ -187,6 +205,8 @@ def put(
             path = folder / f"{name}.{FORMATS[options.format]}"
             write(result, case, path)
             options.record.files.append(str(path))
+            if options.stem and len(results) > 1:  # no file has the name that was asked for
+                print(f"{name}: {path}")
         if save is not None and getattr(options, "animate", None):
             film = result.animate(folder / f"{name}.{options.animate}")
             options.record.files.append(str(film))
@@ -224,8 +244,8 @@ def write(result: Any, case: Case, path: Path) -> None:
     charted = case.kind == "chart"
     if path.suffix == ".csv":
         table = chart_columns(result) if charted else columns(result)
-        head = head_text(case.text.splitlines(), () if charted else notes(result))
-        write_text(path, head + rows_text(table, zip(*table.values(), strict=True)))
+        head = head_text(case.text.splitlines(), notes(result))
+        write_text(path, head + rows_text(table))
     elif not charted:
         result.save(path)
     elif path.suffix == ".nc":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import re
 import textwrap
 from pathlib import Path
@@ -14,7 +15,7 @@ from ..found import Findings
 from ..model import Oscillator
 from ..progress import Progress
 from ..run import read_namelist
-from . import FORMATS, Record, add_files, add_forms, picture_writer
+from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .options import add_numbers, add_system
 
 HELP = "search for all periodic motions at a point"
@@ -63,13 +64,19 @@ def run(options: argparse.Namespace) -> int:
 
 def search(options: argparse.Namespace) -> int:
     """Search at each point once, print, write and draw the motions."""
-    save = picture_writer() if options.plot else None
     points, status = _points(options)
     if options.stem and len(points) != 1:
         raise ParameterError(
             f"-o {options.stem}.{FORMATS[options.format]}: names a file, and there are {len(points)} points; must "
             "be a folder"
         )
+    with contextlib.nullcontext() if options.folder is None else ready(Path(options.folder)):
+        return max(status, search_at(options, points))
+
+
+def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
+    """The same at points that are good."""
+    save, status = picture_writer() if options.plot else None, 0
     limits = {
         name: getattr(options, name)
         for name in ("max_impacts", "max_cycles") if getattr(options, name) is not None

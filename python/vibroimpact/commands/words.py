@@ -100,14 +100,14 @@ def bifurcation_words(diagram: Any) -> Words:
 
 def basin_words(basins: Any) -> Words:
     """The share of each attractor."""
-    states, lost = counted(basins.labels.size, "state"), int((basins.labels < 0).sum())
+    states, lost = counted(basins.reached, "state"), int((basins.labels == -1).sum())
     faults = [f"{lost} of {states} not decided"] if lost else []
     shares = zip(
         basins.attractors, 100 * basins.fractions, 100 * basins.standard_error, strict=True
     )
     each = (f"{item.name} {share:.2f}% +- {error:.2f}%" for item, share, error in shares)
     said = ", ".join([states, *each])
-    there = lost < basins.labels.size
+    there = lost < basins.reached
     return [said] if there else [], faults, there
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 import tempfile
@@ -15,7 +13,7 @@ import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
 from ..files import write_text
-from ..status import NO_MOTION, VERDICT
+from ..status import NO_MOTION, NOT_COMPUTED, VERDICT
 
 if TYPE_CHECKING:
     from ..found import Findings
@@ -31,6 +29,8 @@ if TYPE_CHECKING:
 
 #: Names of columns with the values of all rows.
 Columns = dict[str, list[Any]]
+#: Values of a column whose text is kept for when they come again.
+MOST_KNOWN = 10_000
 #: As the compiled program says it.
 NOT_CLOSED = "not closed: a boundary could not be followed until it closes"
 
@@ -219,7 +219,7 @@ def bifurcation_columns(diagram: BifurcationDiagram) -> Columns:
 def basin_columns(basins: Basins) -> Columns:
     """One row a state."""
     labels = basins.labels.ravel().tolist()
-    names = [*(item.name for item in basins.attractors), ""]
+    names = [*(item.name for item in basins.attractors), "", ""]  # the last for -2 and -1
     states = zip(("t", "x", "x_dot", "z", "z_dot"), basins.states, strict=True)
     table: Columns = {name: values.ravel().tolist() for name, values in states}
     return table | {"label": labels, "attractor": [names[label] for label in labels]}
@@ -240,7 +240,22 @@ TABLES: dict[str, Any] = {
 
 
 def notes(result: Any) -> list[str]:
-    """What the header tells beside the case."""
+    """What the header tells beside the case; first of all that a study was cut short."""
+    return [*cut_of(result), *remarks_of(result)]
+
+
+def cut_of(result: Any) -> list[str]:
+    """How far a study or a chart came that Ctrl-C cut short; nothing of any other result."""
+    cut = getattr(result, "cut", "")
+    if hasattr(result, "attrs") and not result.attrs.get("complete", 1):
+        status = result["status"]
+        reached = int((status != NOT_COMPUTED).any("motion").sum())
+        cut = f"{reached} of {status.sizes['r'] * status.sizes['clearance']} points were reached"
+    return [f"cut short: {cut}"] if cut else []
+
+
+def remarks_of(result: Any) -> list[str]:
+    """What else it tells of a result."""
     name = type(result).__name__
     if name == "Trajectory":
         cut = [] if result.complete else ["cut short: max_events was reached"]
@@ -264,6 +279,9 @@ def notes(result: Any) -> list[str]:
         return [
             f"{run}: {label} from {exact(low)} to {exact(high)}"
             for run, low, high, label in result.windows
+        ] + [
+            f"{run}: {label} at least from {exact(low)} to {exact(high)}, beside what was not reached"
+            for run, low, high, label in result.cut_windows
         ]
     if name == "Findings":
         osc = result.osc
@@ -293,15 +311,16 @@ def safety(basins: Basins) -> list[str]:
     lines = []
     for i, error in enumerate(basins.standard_error.tolist()):
         lines.append(f"{i}: standard error of the share {exact(error)}")
-        if basins.axes is not None:
+        if basins.axes is not None and basins.complete:
             radius, centre = basins.integrity(i)
             names, place = (
                 ", ".join(axis.name for axis in basins.axes),
                 ", ".join(map(exact, centre)),
             )
             lines[-1] += f", radius of the largest disc {exact(radius)} about {names} = {place}"
-    if basins.axes is not None and not np.isnan(basins.uncertainty_exponent):
-        lines.append(f"uncertainty exponent {exact(basins.uncertainty_exponent)}")
+    if basins.axes is not None and basins.complete:
+        exponent = basins.uncertainty_exponent
+        lines += [] if np.isnan(exponent) else [f"uncertainty exponent {exact(exponent)}"]
     return lines
 
 
@@ -323,7 +342,7 @@ def csv_text(result: Any, name: str) -> str:
         case = []
     table = columns(result)
     head = head_text(case, notes(result))
-    return head + rows_text(table, zip(*table.values(), strict=True))
+    return head + rows_text(table)
 
 
 def head_text(case: Sequence[str], remarks: Sequence[str] = ()) -> str:
@@ -349,23 +368,34 @@ def complete(namelist: str, name: str) -> list[str]:
     return case.text.splitlines()
 
 
-def rows_text(names: Iterable[str], rows: Iterable[Sequence[Any]]) -> str:
+def rows_text(table: Columns) -> str:
     """Names of columns and rows as CSV."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows(map(shown, rows))
-    return buffer.getvalue()
+    lines = map(",".join, zip(*map(shown, table.values()), strict=True))
+    return "".join(f"{line}\n" for line in (",".join(table), *lines))
 
 
-def shown(row: Sequence[Any]) -> list[str]:
-    """A row as text: 17 digits, true, false or unknown."""
-    words = {True: "true", False: "false", None: "unknown"}
-    return [
-        item if isinstance(item, str) else exact(item) if isinstance(item, float)
-        else words[item] if item is None or isinstance(item, bool) else str(item)
-        for item in row
-    ]  # fmt: skip
+def shown(column: Iterable[Any]) -> Iterable[str]:
+    """A column as text: 17 digits, true, false or unknown. What stands there often is made once."""
+    known: dict[Any, str] = {}
+    for item in column:
+        # 0.0 and -0.0 are equal, and so are 1, 1.0 and true
+        key = item if item and type(item) is float else (type(item), str(item))
+        text = known.get(key)
+        if text is None:
+            text = cell(item)
+            if len(known) < MOST_KNOWN:
+                known[key] = text
+        yield text
+
+
+def cell(item: Any) -> str:
+    """A value as text."""
+    if isinstance(item, float):
+        return exact(item)
+    if item is None or isinstance(item, bool):
+        return {True: "true", False: "false", None: "unknown"}[item]
+    text = str(item)
+    return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
 
 
 def exact(value: float) -> str:

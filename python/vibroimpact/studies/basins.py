@@ -25,6 +25,8 @@ __all__ = ["Axis", "BasinAttractor", "Basins", "basins"]
 _Array = NDArray[np.float64]
 #: Coordinates of a state, and the row of each in what the core takes; y = z - x.
 COORDINATES = ("t", "x", "x_dot", "y", "z_dot")
+#: The label of a state that was not looked at before the study was cut short.
+NOT_REACHED = -2
 
 
 class Axis(NamedTuple):
@@ -52,7 +54,8 @@ class Basins(Result):
     attractors : list of BasinAttractor
         The label of an attractor is its place in this list.
     labels : ndarray (n, m) of int, or (M,)
-        For each state of the plane (first axis, second axis) or of the list; -1 not decided.
+        For each state of the plane (first axis, second axis) or of the list; -1 not decided, -2 not reached
+        before it was cut short.
     axes : (Axis, Axis) or None
     states : ndarray (5, ...)
         t, x, x_dot, z, z_dot of each.
@@ -60,6 +63,8 @@ class Basins(Result):
         Events simulated to decide.
     case : str
         What was asked for as a namelist; empty for a list of states (see `to_namelist`).
+    complete : bool
+        False if Ctrl-C cut it short.
     """
 
     osc: Oscillator
@@ -72,20 +77,35 @@ class Basins(Result):
     states: _Array
     impacts: int
     case: str = ""
+    complete: bool = True
+
+    @property
+    def reached(self) -> int:
+        """Number of states that were looked at: all, unless it was cut short."""
+        return int((self.labels != NOT_REACHED).sum())
+
+    @property
+    def cut(self) -> str:
+        """How far it came if it was cut short; else empty."""
+        if self.complete:
+            return ""
+        left = int((self.labels == -1).sum())
+        waiting = f", {left} of them not decided yet" if left else ""
+        return f"{self.reached} of {self.labels.size} states were reached{waiting}"
 
     @property
     def fractions(self) -> _Array:
-        """Share of the states that go to each attractor."""
+        """Share of the states that go to each attractor; of those that were reached, if it was cut short."""
         return (
             np.bincount(self.labels[self.labels >= 0], minlength=len(self.attractors))
-            / self.labels.size
+            / self.reached
         )
 
     @property
     def standard_error(self) -> _Array:
         """Of the fractions, as of as many independent states: an upper bound for those of a lattice."""
         share = self.fractions
-        return np.sqrt(share * (1 - share) / self.labels.size)
+        return np.sqrt(share * (1 - share) / self.reached)
 
     @property
     def uncertain(self) -> tuple[_Array, _Array]:
@@ -120,11 +140,13 @@ class Basins(Result):
         return radius, (float(first.values[i - 1]), float(second.values[j - 1]))
 
     def _need_plane(self, name: str) -> tuple[Axis, Axis]:
-        """The axes, or an error."""
+        """The axes, or an error; what was not reached would count as going elsewhere."""
         if self.axes is None:
             raise ParameterError(
                 f"{name}: needs states on a plane; these are random or a list (give a plane)"
             )
+        if not self.complete:
+            raise ParameterError(f"{name}: needs the whole plane; cut short, {self.cut}")
         return self.axes
 
     def to_xarray(self) -> Any:
@@ -143,7 +165,9 @@ class Basins(Result):
         else:
             data["label"] = (tuple(axis.name for axis in self.axes), self.labels)
             coordinates |= {axis.name: axis.values for axis in self.axes}
-        attributes = {"r": self.r, "clearance": self.clearance, "load": self.load}
+        attributes: dict[str, Any] = {
+            "r": self.r, "clearance": self.clearance, "load": self.load, "complete": int(self.complete),
+        }  # fmt: skip
         return xarray().Dataset(data, coordinates, attributes)
 
     def plot(self, ax: Any = None) -> Any:
@@ -155,9 +179,10 @@ class Basins(Result):
     def __repr__(self) -> str:
         shares = zip(self.attractors, self.fractions, strict=True)
         parts = [f"{item.name} {share:.1%}" for item, share in shares]
-        left = int((self.labels < 0).sum())
-        parts += [f"{left} not decided"] if left else []
-        return f"<Basins of {self.labels.size} states: {', '.join(parts)}>"
+        left = int((self.labels == -1).sum())
+        parts += [f"{left} not decided"] if left and self.complete else []
+        cut = "" if self.complete else f"; cut short, {self.cut}"
+        return f"<Basins of {self.labels.size} states: {', '.join(parts)}{cut}>"
 
 
 def basins(
@@ -219,7 +244,7 @@ def basins(
     ------
     StudyInterrupted
         After Ctrl-C, with what was finished as its attribute `result`:
-        states that were not come to have the label -1.
+        states that were not reached have the label -2, and the shares are those of the others.
 
     Examples
     --------
@@ -273,6 +298,7 @@ def basins(
     result = Basins(
         osc, r, clearance, load, attractors, labels.reshape(shape), axes,
         starts.reshape(5, *shape), impacts, asked,
+        complete or bool((labels >= 0).all()),
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)

@@ -70,6 +70,8 @@ class BifurcationDiagram(Result):
         ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
     case : str
         What was asked for as a namelist; empty if none can tell (see `to_namelist`).
+    complete : bool
+        False if Ctrl-C cut it short.
     """
 
     osc: Oscillator
@@ -88,6 +90,15 @@ class BifurcationDiagram(Result):
     status: NDArray[np.int32]
     points: NDArray[Any]
     case: str = ""
+    complete: bool = True
+
+    @property
+    def cut(self) -> str:
+        """How far it came if it was cut short; else empty."""
+        if self.complete:
+            return ""
+        done = int((self.status != NOT_COMPUTED).sum())
+        return f"{done} of {self.status.size} simulations were reached"
 
     @property
     def labels(self) -> NDArray[Any]:
@@ -99,25 +110,42 @@ class BifurcationDiagram(Result):
 
     @property
     def windows(self) -> list[PeriodicWindow]:
-        """The stretches with one label, run by run."""
+        """The stretches with one label, run by run.
+
+        Of a diagram that was cut short, those beside values that were not reached are left out: where they end
+        is not known.
+        """
+        return self._stretches(cut=False)
+
+    @property
+    def cut_windows(self) -> list[PeriodicWindow]:
+        """The stretches beside values that were not reached: they may go on there."""
+        return self._stretches(cut=True)
+
+    def _stretches(self, cut: bool) -> list[PeriodicWindow]:
+        """The stretches with one label that have a neighbour that was not reached, or the others."""
         result = []
+        beyond = np.pad(self.status == NOT_COMPUTED, ((0, 0), (1, 1)))
         for i, (run, labels) in enumerate(zip(self.runs, self.labels, strict=True)):
             first, last, n = _core.periodic_windows(np.array([self.cycles[i], self.letters[i]]))
             for low, high in zip(first[:n] - 1, last[:n] - 1, strict=True):
-                ends = float(self.values[low]), float(self.values[high])
-                result.append(PeriodicWindow(run, *ends, str(labels[low])))
+                if (beyond[i, low] or beyond[i, high + 2]) == cut:
+                    ends = float(self.values[low]), float(self.values[high])
+                    result.append(PeriodicWindow(run, *ends, str(labels[low])))
         return result
 
     @property
     def coexisting(self) -> NDArray[np.bool_]:
         """Where the runs ended on different motions (n): hysteresis, or several attractors.
 
-        Labels and max |x| are compared, so that a motion and its mirror image count as one.
+        Labels and max |x| are compared, so that a motion and its mirror image count as one; nothing is where a
+        run was cut short.
         """
         reach = np.maximum(-self.x_min, self.x_max)
         different: NDArray[np.bool_] = np.ptp(reach, axis=0) > 1e-3 * reach.max(axis=0)
         labels = (self.labels != self.labels[0]).any(axis=0)
-        return np.asarray(different & (self.cycles > 0).any(axis=0) | labels)
+        reached = (self.status != NOT_COMPUTED).all(axis=0)
+        return np.asarray((different & (self.cycles > 0).any(axis=0) | labels) & reached)
 
     def column(self, quantity: str) -> _Array:
         """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass."""
@@ -152,7 +180,8 @@ class BifurcationDiagram(Result):
         fixed = {name: getattr(self, name) for name in ("r", "clearance") if name != self.parameter}
         for name in [name for name, value in fixed.items() if np.ndim(value)]:
             coordinates[name] = (self.parameter, fixed.pop(name))
-        return xarray().Dataset(data, coordinates, fixed | {"load": self.load})
+        own = {"load": self.load, "complete": int(self.complete)}
+        return xarray().Dataset(data, coordinates, fixed | own)
 
     def plot(self, ax: Any = None, quantity: str = "x") -> Any:
         """Draw the impacts: colour and marker tell the wall, a line on top the windows N/k.
@@ -173,9 +202,10 @@ class BifurcationDiagram(Result):
 
     def __repr__(self) -> str:
         low, high = self.values[0], self.values[-1]
+        cut = "" if self.complete else f"; cut short, {self.cut}"
         return (
             f"<BifurcationDiagram over {self.parameter} = {low:.6g} to {high:.6g}: {len(self.runs)} runs, "
-            f"{len(self.points)} impacts, {len(self.windows)} periodic windows>"
+            f"{len(self.points)} impacts, {len(self.windows)} periodic windows{cut}>"
         )
 
 
@@ -308,6 +338,7 @@ def bifurcation_diagram(
     result = BifurcationDiagram(
         osc, parameter, along, fixed["r"], fixed["clearance"], load, runs, cycles, letters, counts,
         rests, x_min, x_max, status.T, _impacts(impacts, labels[1], found), asked,
+        bool((status != NOT_COMPUTED).all()),
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)

@@ -61,6 +61,10 @@ class Lyapunov(Result):
         0 done; see `status_text`.
     case : str
         What was asked for as a namelist; empty if none can tell (see `to_namelist`).
+    complete : bool
+        False if Ctrl-C cut it short.
+    asked : int
+        Points that were asked for, if it was cut short; else 0.
     """
 
     osc: Oscillator
@@ -76,6 +80,13 @@ class Lyapunov(Result):
     cycles: int
     status: NDArray[np.int32]
     case: str = ""
+    complete: bool = True
+    asked: int = 0
+
+    @property
+    def cut(self) -> str:
+        """How far it came if it was cut short; else empty."""
+        return "" if self.complete else f"{self.r.size} of {self.asked} points were reached"
 
     @property
     def per_cycle(self) -> _Array:
@@ -102,6 +113,7 @@ class Lyapunov(Result):
             "cycles": self.cycles,
             "xi": self.osc.xi,
             "mu": self.osc.mu,
+            "complete": int(self.complete),
         }
         return xarray().Dataset(data, attrs=attributes | {"restitution": self.osc.restitution})
 
@@ -114,7 +126,10 @@ class Lyapunov(Result):
     def __repr__(self) -> str:
         if self.r.ndim:
             chaotic = int((self.largest > 3 * self.standard_error[0]).sum())
-            return f"<Lyapunov exponents at {self.r.size} points, {chaotic} with a positive one>"
+            cut = "" if self.complete else f"; cut short, {self.cut}"
+            return (
+                f"<Lyapunov exponents at {self.r.size} points, {chaotic} with a positive one{cut}>"
+            )
         shown = ", ".join(f"{item:.4g}" for item in self.per_cycle.tolist())
         return (
             f"<Lyapunov exponents per load cycle at r = {float(self.r):.6g}, d K/F0 = "
@@ -223,7 +238,7 @@ def lyapunov(
         clearances.ravel(), states, contacts, discard, cycles // batches, batches, threads,
         tally=new_tally(), progress=progress, note="Lyapunov exponents",
     )  # fmt: skip
-    status = found[-1]
+    status, wanted = found[-1], rs.size
     if not complete:
         done = status != NOT_COMPUTED
         if rs.ndim == 0 or not done.any():
@@ -239,6 +254,7 @@ def lyapunov(
         osc, rs, clearances, load, exponents.reshape(4, *shape), deviations.reshape(4, *shape),
         dimensions.reshape(shape), errors.reshape(shape), counts[0].reshape(shape),
         counts[1].reshape(shape), cycles // batches * batches, status.reshape(shape), asked,
+        rs.size == wanted, 0 if rs.size == wanted else wanted,
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)

@@ -43,6 +43,10 @@ class Response(Result):
         0 done; see `status_text`.
     case : str
         What was asked for as a namelist; empty if none can tell (see `to_namelist`).
+    complete : bool
+        False if Ctrl-C cut it short.
+    asked : int
+        Frequency ratios that were asked for, if it was cut short; else 0.
     """
 
     osc: Oscillator
@@ -56,6 +60,13 @@ class Response(Result):
     letters: NDArray[np.int32]
     status: NDArray[np.int32]
     case: str = ""
+    complete: bool = True
+    asked: int = 0
+
+    @property
+    def cut(self) -> str:
+        """How far it came if it was cut short; else empty."""
+        return "" if self.complete else f"{self.r.size} of {self.asked} points were reached"
 
     def to_xarray(self) -> Any:
         """Columns over r and state, and the envelopes over r (extra `data`)."""
@@ -64,7 +75,8 @@ class Response(Result):
             for name in ("attenuation", "cycles", "letters")
         }
         data |= {name: ("r", getattr(self, name)) for name in ("clearance", "lowest", "highest")}
-        return xarray().Dataset(data, {"r": self.r}, {"load": self.load})
+        own = {"load": self.load, "complete": int(self.complete)}
+        return xarray().Dataset(data, {"r": self.r}, own)
 
     def plot(self, ax: Any = None) -> Any:
         """Draw each attractor as a dot and the envelopes as lines (extra `plot`); returns the Axes."""
@@ -73,9 +85,10 @@ class Response(Result):
         return draw_response(self, ax)
 
     def __repr__(self) -> str:
+        cut = "" if self.complete else f"; cut short, {self.cut}"
         return (
             f"<Response at {self.r.size} r from {self.r[0]:.6g} to {self.r[-1]:.6g}: max|X|/A from "
-            f"{self.lowest.min():.4g} to {self.highest.max():.4g}>"
+            f"{self.lowest.min():.4g} to {self.highest.max():.4g}{cut}>"
         )
 
 
@@ -175,6 +188,7 @@ def response(
     result = Response(
         osc, along[done], np.array(distance)[done], load, attenuation.T[done], envelope[0, done],
         envelope[1, done], periods[0].T[done], periods[1].T[done], status.T[done], asked,
+        bool(done.all()), 0 if done.all() else along.size,
     )  # fmt: skip
     if not complete:
         raise StudyInterrupted(result)
