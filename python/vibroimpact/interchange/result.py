@@ -98,7 +98,8 @@ def load(path: str | Path) -> Any:
 
     Returns
     -------
-    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved.
+    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved; of a chart that the
+    command wrote as .json or .nc, the xarray.Dataset that `chart` gives.
 
     Raises
     ------
@@ -117,8 +118,13 @@ def load(path: str | Path) -> Any:
     wanted = "must be a file that the save of a result wrote"
     try:
         read = READERS.get(Path(path).suffix.lower(), READERS[".json"])
-        data = json.loads(read(Path(path)))
+        found = read(Path(path))
+        if not isinstance(found, str):
+            return found
+        data = json.loads(found)
         kind = plain.mapping(data, "").get("type")
+        if kind == "Chart":
+            return dataset.chart_from_dict(data)
         known = {item.__name__: item for item in Result.__subclasses__()}
         return known[plain.known(kind, known)].from_dict(data)
     except (OSError, ValueError) as error:
@@ -132,7 +138,7 @@ WRITERS: dict[str, Callable[[Any, Path], None]] = {
     ".nc": dataset.write_netcdf,
     ".mat": matlab.write_matlab,
 }
-READERS: dict[str, Callable[[Path], str]] = {
+READERS: dict[str, Callable[[Path], Any]] = {
     ".json": lambda path: path.read_text(encoding="utf-8"),
     ".nc": dataset.read_netcdf,
     ".mat": matlab.read_matlab,
