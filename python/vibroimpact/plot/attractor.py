@@ -65,6 +65,7 @@ def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
     order = np.argsort(along, kind="stable")
     values = result.per_cycle.reshape(4, -1)[:, order]
     errors = 3 * (result.standard_error * (2 * np.pi / result.r)).reshape(4, -1)[:, order]
+    level = 0.02
     marks = (("o", style.PRIMARY), ("s", style.FREE), ("^", style.REST), ("v", style.IMPACT))
     for j, (marker, color) in enumerate(marks):
         good, none = np.isfinite(values[j]), np.isneginf(values[j])
@@ -74,14 +75,13 @@ def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
         )  # fmt: skip
         if none.any():
             ax.plot(
-                along[order][none], np.zeros(none.sum()), marker, ms=2.5, mew=0.6, mfc="none", color=color,
-                transform=ax.get_xaxis_transform(), clip_on=False,
+                along[order][none], np.full(none.sum(), level), marker, ms=3, mew=0.6, mfc="none",
+                color=color, transform=ax.get_xaxis_transform(),
             )  # fmt: skip
-    if np.isneginf(values).any():  # nothing is left of a difference: at the lower edge, open
-        ax.annotate(
-            r"$-\infty$", (1.0, 0.0), xytext=(4, 0), xycoords="axes fraction",
-            textcoords="offset points", va="center", fontsize=7,
-        )  # fmt: skip
+            level += 0.04
+    if np.isneginf(values).any():  # nothing is left of a difference: open, at the lower edge
+        ax.margins(y=0.15)
+        ax.text(1.01, 0.0, r"$-\infty$", transform=ax.transAxes, va="bottom", fontsize=7)
     ax.axhline(0, color="0.6", lw=0.6)
     if style.is_geometric(along[order]):
         style.log_scale(ax, "x")
@@ -111,22 +111,26 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
     if style.is_geometric(diagram.values):
         style.log_scale(ax, "x")
     above = blended_transform_factory(ax.transData, ax.transAxes)
-    longest = np.ptp(diagram.values)
+    even = np.log if style.is_geometric(diagram.values) else np.asarray
+    longest = np.ptp(even(diagram.values))
     for window in diagram.windows:
         level = 1.02 + 0.07 * diagram.runs.index(window.run)
-        if window.run in ("up", "down") and window.high - window.low > 0.03 * longest:
+        if window.run in ("up", "down") and np.diff(even(window[1:3])) > 0.03 * longest:
+            middle = window.low + (window.high - window.low) / 2
+            if even is np.log:
+                middle = np.sqrt(window.low * window.high)
             ax.plot(
                 [window.low, window.high], [level] * 2, "k-", lw=0.8, transform=above, clip_on=False
             )
             ax.text(
-                (window.low + window.high) / 2, level, f"{window.label} {window.run}", ha="center",
+                middle, level, f"{window.label} {window.run}", ha="center",
                 va="bottom", fontsize=6, transform=above,
             )  # fmt: skip
     ax.set_xlabel(SYMBOLS[diagram.parameter])
     ax.set_ylabel(QUANTITIES[quantity])
     # beside the windows, which are told above
     ax.legend(
-        markerscale=3,
+        markerscale=2,
         **style.ABOVE | {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "ncols": 1},
     )
     return ax

@@ -79,10 +79,10 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
         ax.pcolormesh(*mesh, kind, cmap=shades, vmin=-0.5, vmax=3.5, rasterized=True)
         for number, _, hatch, _ in CLASSES:
             if hatch and (kind == number).any():
-                # as far as the outer edges of the coloured cells
-                around = (np.r_[edge[0], centre, edge[-1]] for edge, centre in zip(mesh, (x, y), strict=True))
-                shown = np.pad(kind == number, 1, mode="edge")
-                ax.contourf(*around, shown, levels=[0.5, 1.5], colors="none", hatches=[hatch])
+                # both sides of each edge: the hatching ends where the coloured cells do
+                sides = (np.repeat(edges, 2)[1:-1] for edges in mesh)
+                there = (kind == number).repeat(2, axis=0).repeat(2, axis=1)
+                ax.contourf(*sides, there, levels=[0.5, 1.5], colors="none", hatches=[hatch])
         if color is not None:
             shown = np.where(kind == 3, _best(data, COLORS[color][0]), np.nan)
             if np.isnan(shown[kind == 3]).any():

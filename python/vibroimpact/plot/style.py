@@ -106,6 +106,7 @@ def log_scale(ax: Any, which: str) -> None:
         return plain(value) if decades < 0.7 or f"{value:e}"[0] in shown else ""
 
     getattr(ax, f"set_{which}scale")("log")
+    axis.set_tick_params(which="minor", pad=5.0)  # all numbers in one row, though ticks differ
     axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
     axis.set_minor_formatter(FuncFormatter(minor))
 
