@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import os
 import re
 import tempfile
@@ -15,7 +14,8 @@ from typing import Any
 
 from ..errors import ChartInterrupted, MissingExtraError, ParameterError, SingularError, StudyInterrupted
 from ..files import write_text
-from ..interchange.dataset import chart_to_dict, save_dataset, xarray
+from ..interchange.dataset import chart_to_dict, xarray
+from ..interchange.result import save_chart
 from ..interchange.table import chart_columns, columns, head_text, notes, rows_text
 from ..interrupt import interruptible
 from ..plot.animation import check_format
@@ -231,9 +231,7 @@ def write(result: Any, case: Case, path: Path) -> None:
         table = chart_columns(result) if charted else columns(result)
         head = head_text(case.text.splitlines(), () if charted else notes(result))
         write_text(path, head + rows_text(table, zip(*table.values(), strict=True)))
-    elif not charted:
-        result.save(path)
-    elif path.suffix == ".nc":
-        save_dataset(result.assign_attrs(case=case.text, Conventions="CF-1.11"), path)
+    elif charted:
+        save_chart(result, case.text, path)
     else:
-        write_text(path, json.dumps(chart_to_dict(result), allow_nan=False))
+        result.save(path)

@@ -99,7 +99,7 @@ def load(path: str | Path) -> Any:
     Returns
     -------
     Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved; of a chart that the
-    command wrote as .json or .nc, the xarray.Dataset that `chart` gives.
+    command wrote in such a form, the xarray.Dataset that `chart` gives.
 
     Raises
     ------
@@ -130,6 +130,19 @@ def load(path: str | Path) -> Any:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
     raise ParameterError(f"path = {str(path)!r}: {wanted}; {reason}")
+
+
+def save_chart(data: Any, case: str, path: Path) -> None:
+    """Write a chart as .json, .nc or .mat, whole or not at all; the case goes with it in .nc."""
+    if path.suffix == ".nc":
+        dataset.save_dataset(data.assign_attrs(case=case, Conventions="CF-1.11"), path)
+        return
+    record = json.dumps(dataset.chart_to_dict(data), allow_nan=False)
+    if path.suffix == ".mat":
+        fields = {str(name): item.values for name, item in data.variables.items()} | data.attrs
+        matlab.write_struct("Chart", matlab.value_of(fields), record, path)
+    else:
+        write_text(path, record)
 
 
 WRITERS: dict[str, Callable[[Any, Path], None]] = {
