@@ -12,7 +12,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..errors import ChartInterrupted, MissingExtraError, ParameterError, SingularError, StudyInterrupted
+from ..errors import (
+    ChartInterrupted,
+    MissingExtraError,
+    ParameterError,
+    SingularError,
+    StudyInterrupted,
+)
 from ..files import write_text
 from ..interchange.dataset import chart_to_dict, xarray
 from ..interchange.result import save_chart

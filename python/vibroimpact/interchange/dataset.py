@@ -315,7 +315,9 @@ def need_netcdf() -> None:
     try:
         import_module("h5netcdf")
     except ImportError:
-        raise MissingExtraError("netCDF files need h5netcdf: pip install 'vibroimpact[data]'") from None
+        raise MissingExtraError(
+            "netCDF files need h5netcdf: pip install 'vibroimpact[data]'"
+        ) from None
 
 
 def save_dataset(data: Any, path: Path) -> None:

@@ -66,7 +66,11 @@ def write_struct(kind: str, fields: Mapping[str, Any], record: str, path: Path) 
     """Write a struct with these fields and the record."""
     buffer = io.BytesIO()
     scipy_io().savemat(
-        buffer, {kind.lower(): {**fields, "record": record}}, long_field_names=True, do_compression=True, oned_as="column"
+        buffer,
+        {kind.lower(): {**fields, "record": record}},
+        long_field_names=True,
+        do_compression=True,
+        oned_as="column",
     )
     write_bytes(path, buffer.getvalue())
 

@@ -52,7 +52,8 @@ def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 
     names = ("r", "clearance", "load")
     values = system(result.osc) | {name: getattr(result, name) for name in names if name != swept}
     style.identify(
-        ax, {name: item for name, item in values.items() if swept != "restitution" or name[0] != "R"}
+        ax,
+        {name: item for name, item in values.items() if swept != "restitution" or name[0] != "R"},
     )
     return ax
 

@@ -52,7 +52,9 @@ def draw_found(found: Findings, ax: Any = None) -> Any:
         draw_multipliers(motions, panels[-1])
         add_legend(figure, panels)
         shown = f"; the first {MOST} of {len(found.motions)}" if len(found.motions) > MOST else ""
-        values = system(found.osc) | {name: getattr(found, name) for name in ("r", "clearance", "load")}
+        values = system(found.osc) | {
+            name: getattr(found, name) for name in ("r", "clearance", "load")
+        }
         figure.suptitle(style.given(values) + shown, fontsize=8)
         return panels
 

@@ -81,7 +81,9 @@ def given(values: Mapping[str, Any]) -> str:
     if fixed.get("load") == 1:
         del fixed["load"]
     if "R1" in fixed and fixed["R1"] == fixed.get("R2"):
-        fixed = {"R" if name == "R1" else name: item for name, item in fixed.items() if name != "R2"}
+        fixed = {
+            "R" if name == "R1" else name: item for name, item in fixed.items() if name != "R2"
+        }
     return ", ".join(f"{SYMBOLS[name]} = {value:.6g}" for name, value in fixed.items())
 
 

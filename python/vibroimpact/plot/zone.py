@@ -95,7 +95,7 @@ def scaled(zone: Zone, piece: Piece) -> NDArray[np.float64]:
     """The vertices (n, 2) of a piece, the window being the unit square of r and log clearance."""
     r = (piece.r - zone.r[0]) / (zone.r[1] - zone.r[0])
     low, high = np.log(zone.clearance)
-    return np.c_[r, (np.log(piece.clearance) - low) / (high - low)]
+    return np.asarray(np.c_[r, (np.log(piece.clearance) - low) / (high - low)])
 
 
 def covered(
@@ -111,7 +111,7 @@ def covered(
         away = np.linalg.norm(gap - share[..., None] * step, axis=2)
         close |= away.min(axis=1, initial=np.inf) < near
     padded = np.pad(close, 1, constant_values=True)
-    return padded[:-2] & close & padded[2:]
+    return np.asarray(padded[:-2] & close & padded[2:])
 
 
 def draw_fill(zone: Zone, ax: Any, inverse: bool, color: str) -> None:
