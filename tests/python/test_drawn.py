@@ -123,7 +123,7 @@ def test_covered():
     line = np.c_[along, along**2]
     assert covered(line, [line]).all()
     assert not covered(line, []).any()
-    assert not covered(line + [0, 0.01], [line]).any()
+    assert not covered(line + np.array([0, 0.01]), [line]).any()
     half = covered(line, [line[:6]])
     assert half.tolist() == [True] * 5 + [False] * 6
 

@@ -358,7 +358,7 @@ def chart_as_made(data: Any) -> Any:
     for name in ("case", "Conventions"):
         data.attrs.pop(name, None)
     data.attrs = {name: plain_attribute(value) for name, value in data.attrs.items()}
-    for name, item in data.variables.items():
+    for item in data.variables.values():
         item.attrs = {key: plain_attribute(value) for key, value in item.attrs.items()}
         if "flag_values" in item.attrs:  # one alone comes as a number
             item.attrs["flag_values"] = np.ravel(item.attrs["flag_values"]).tolist()

@@ -96,7 +96,7 @@ def is_geometric(values: NDArray[np.float64]) -> bool:
 
 
 def log_scale(ax: Any, which: str) -> None:
-    """A logarithmic axis ("x" or "y") with plain numbers, as many between the powers of ten as there is room for."""
+    """A logarithmic axis ("x" or "y") with plain numbers, between the powers of ten as many as fit."""
     from matplotlib.ticker import FuncFormatter
 
     axis = getattr(ax, f"{which}axis")
