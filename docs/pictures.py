@@ -11,6 +11,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import vibroimpact as vi
 from PIL import Image
+from vibroimpact.plot import style
 
 DOCS = Path(__file__).parent
 STYLE = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False}
@@ -25,7 +26,7 @@ def overview():
         window = {"r": (0.8, 1.2), "clearance": (2, 400)}
         symmetric = True if sides == "RL" else None
         vi.zone(osc, vi.Pattern(sides), **window, symmetric=symmetric).plot(right, True, label)
-    right.set_yscale("log")
+    style.log_scale(right, "y")
     right.set_ylim(bottom=0.002)
     right.legend(loc="lower center", ncols=2, frameon=False)
     right.set_title("where 2, 3 and 4 impacts a cycle are stable", fontsize=9)

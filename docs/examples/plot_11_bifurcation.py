@@ -3,7 +3,8 @@ A bifurcation diagram
 =====================
 
 Simulations carried from value to value, up and then down. Where the two sweeps differ there is
-hysteresis; the lines on top name the periodic windows: 2/1 is two impacts in one load cycle.
+hysteresis: dots and crosses are of the sweep up, open marks of the sweep down. The lines on top name the periodic
+windows: 2/1 is two impacts in one load cycle.
 """
 
 import numpy as np

@@ -4,7 +4,7 @@ Lyapunov exponents
 
 All four exponents along a line of the plane. The largest is negative on a periodic motion, 0 on a
 quasi-periodic one and positive on a chaotic one. On the periodic motion here they come in two pairs, as its
-complex multipliers do. Where the free mass comes to rest, two of them are −∞ and not drawn.
+complex multipliers do. Where the free mass comes to rest, two of them are −∞: open marks at the lower edge.
 """
 
 import numpy as np

@@ -336,7 +336,7 @@ def _dataset(xarray: Any, task: Task, columns: Columns, found: NDArray[np.int32]
         "xi": osc.xi, "mu": osc.mu, "R1": osc.restitution[0], "R2": osc.restitution[1],
         "sides": task.pattern.sides, "cycles": task.pattern.cycles, "load": 1.0,
         "units": "length in F0/K, time in 1/omega, angles in radians",
-        "source": f"vibroimpact {__version__}",
+        "source": f"vibroimpact {__version__}", "result": "Chart",
     }  # fmt: skip
     return data
 

@@ -18,6 +18,9 @@ __all__ = [
 class VibroimpactError(Exception):
     """Base of every exception that this package raises on purpose."""
 
+    #: What the command ends with.
+    status = 2
+
 
 class ParameterError(VibroimpactError, ValueError):
     """A parameter has a value that is not allowed; nothing was computed."""
@@ -33,6 +36,8 @@ class SingularError(VibroimpactError, ArithmeticError):
 
 class MissingExtraError(VibroimpactError, ImportError):
     """A library that is not required to compute is needed here."""
+
+    status = 1
 
 
 class ChartInterrupted(KeyboardInterrupt):

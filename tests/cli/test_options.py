@@ -100,8 +100,8 @@ def test_wrong_format_of_a_picture(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(("words", "missing", "said"), [
-    ("--format netcdf", "xarray", "tables need xarray: pip install 'vibroimpact[data]'"),
-    ("--format netcdf", "h5netcdf", "netCDF needs h5netcdf: pip install 'vibroimpact[data]'"),
+    ("--format netcdf", "xarray", "netCDF files need xarray: pip install 'vibroimpact[data]'"),
+    ("--format netcdf", "h5netcdf", "netCDF files need h5netcdf: pip install 'vibroimpact[data]'"),
     ("--format matlab", "scipy", "MATLAB files need scipy: pip install 'vibroimpact[matlab]'"),
     ("--plot", "matplotlib", "pictures need matplotlib: pip install 'vibroimpact[plot]'"),
 ])  # fmt: skip

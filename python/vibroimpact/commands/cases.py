@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import os
 import re
 import sys
@@ -14,10 +13,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..errors import ChartInterrupted, ParameterError, SingularError, StudyInterrupted
+from ..errors import (
+    ChartInterrupted,
+    MissingExtraError,
+    ParameterError,
+    SingularError,
+    StudyInterrupted,
+)
 from ..files import write_text
-from ..interchange.dataset import save_dataset
-from ..interchange.plain import encode
+from ..interchange.dataset import chart_to_dict, xarray
+from ..interchange.result import save_chart
 from ..interchange.table import chart_columns, columns, cut_of, head_text, notes, rows_text
 from ..interrupt import interruptible
 from ..plot.animation import check_format
@@ -58,7 +63,7 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
         spare_inputs(options, case, folder)
     with ready(folder) if cases else contextlib.nullcontext():
         for case in cases:
-            if case.kind in WORDS:
+            if case.kind in WORDS and not only_table(options, case):
                 status = max(status, finish(options, case, folder, save, details))
             else:
                 status = max(status, shorter(options, case, folder, save))
@@ -125,6 +130,16 @@ def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
                     )
 
 
+def only_table(options: argparse.Namespace, case: Case) -> bool:
+    """Whether it is a chart of which no more than the table can be had, for want of xarray."""
+    if case.kind == "chart" and options.format == "csv":
+        try:
+            xarray()
+        except MissingExtraError:
+            return True
+    return False
+
+
 def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -> int:
     """Leave the table and the words of a case to the compiled program, and make the rest of it anew.
 
@@ -143,7 +158,11 @@ def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -
     results = []
     if log.results:
         with Progress(case.name) as bar:
-            results = interruptible(case.run, watch=partial(bar.show, 0.0))
+            try:
+                results = interruptible(case.run, watch=partial(bar.show, 0.0))
+            except MissingExtraError as error:
+                options.record.fault(f"{case.name}: no picture: {error}")
+                return max(log.status, 1)
     put(options, case, results, folder, save)
     return log.status
 
@@ -200,7 +219,7 @@ def put(
     for i, result in enumerate(results, start=1):
         folder.mkdir(parents=True, exist_ok=True)
         name = case.name if len(results) == 1 else f"{case.name}_{i}"
-        options.record.add(name, chart_dict(result) if case.kind == "chart" else result)
+        options.record.add(name, chart_to_dict(result) if case.kind == "chart" else result)
         if options.format != "csv" or case.kind in WORDS:
             path = folder / f"{name}.{FORMATS[options.format]}"
             write(result, case, path)
@@ -231,14 +250,6 @@ def picture(result: Any, options: argparse.Namespace) -> Any:
     )
 
 
-def chart_dict(data: Any) -> dict[str, Any]:
-    """A chart as plain values."""
-    values = {name: encode(item.values) for name, item in data.variables.items()}
-    attributes = {name: encode(value) for name, value in data.attrs.items()}
-    dimensions = {name: list(item.dims) for name, item in data.variables.items()}
-    return {"type": "Chart", "attributes": attributes, "dimensions": dimensions, **values}
-
-
 def write(result: Any, case: Case, path: Path) -> None:
     """A result in the form that its name ends with; a table has the case in its header."""
     charted = case.kind == "chart"
@@ -246,9 +257,7 @@ def write(result: Any, case: Case, path: Path) -> None:
         table = chart_columns(result) if charted else columns(result)
         head = head_text(case.text.splitlines(), notes(result))
         write_text(path, head + rows_text(table))
-    elif not charted:
-        result.save(path)
-    elif path.suffix == ".nc":
-        save_dataset(result.assign_attrs(case=case.text, Conventions="CF-1.11"), path)
+    elif charted:
+        save_chart(result, case.text, path)
     else:
-        write_text(path, json.dumps(chart_dict(result), allow_nan=False))
+        result.save(path)

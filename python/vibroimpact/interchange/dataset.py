@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
 from ..files import write_bytes
+from .plain import encode
 
 if TYPE_CHECKING:
     from ..found import Findings
@@ -74,12 +76,12 @@ VERDICTS = ("consistent", "admissible", "stable")
 CODES = {True: 1, False: 0, None: -1}
 
 
-def xarray() -> Any:
-    """The xarray module, or an error that says how to get it."""
+def xarray(what: str = "tables") -> Any:
+    """The xarray module, or an error that says how to get it, for the sake of what."""
     try:
         import xarray as module
     except ImportError:
-        raise MissingExtraError("tables need xarray: pip install 'vibroimpact[data]'") from None
+        raise MissingExtraError(f"{what} need xarray: pip install 'vibroimpact[data]'") from None
     return module
 
 
@@ -309,11 +311,13 @@ def write_netcdf(result: Any, path: Path) -> None:
 
 def need_netcdf() -> None:
     """An error that says how to get them, if netCDF files cannot be written."""
-    xarray()
+    xarray("netCDF files")
     try:
         import_module("h5netcdf")
     except ImportError:
-        raise MissingExtraError("netCDF needs h5netcdf: pip install 'vibroimpact[data]'") from None
+        raise MissingExtraError(
+            "netCDF files need h5netcdf: pip install 'vibroimpact[data]'"
+        ) from None
 
 
 def save_dataset(data: Any, path: Path) -> None:
@@ -334,13 +338,65 @@ def save_dataset(data: Any, path: Path) -> None:
     write_bytes(path, content.getvalue())
 
 
-def read_netcdf(path: Path) -> str:
-    """The record of a file that `write_netcdf` wrote."""
+def read_netcdf(path: Path) -> Any:
+    """The record of a file that `write_netcdf` wrote, as text; a chart is given whole."""
     path.open("rb").close()  # an OSError that says why, rather than what h5py makes of it
+    need_netcdf()
     try:
-        with xarray().open_dataset(path, engine="h5netcdf") as data:
+        with xarray().open_dataset(path, engine="h5netcdf", decode_times=False) as data:
+            if data.attrs.get("result") == "Chart":
+                return chart_as_made(data.load())
             if "record" not in data:
                 raise ParameterError("there is no variable 'record'")
             return bytes(data["record"].values.astype(np.uint8)).decode()
     except OSError:
         raise ParameterError("it is no netCDF file") from None
+
+
+def chart_as_made(data: Any) -> Any:
+    """A chart from a file as `vibroimpact.chart` gives it: without what files add, lists as lists."""
+    for name in ("case", "Conventions"):
+        data.attrs.pop(name, None)
+    data.attrs = {name: plain_attribute(value) for name, value in data.attrs.items()}
+    for item in data.variables.values():
+        item.attrs = {key: plain_attribute(value) for key, value in item.attrs.items()}
+        if "flag_values" in item.attrs:  # one alone comes as a number
+            item.attrs["flag_values"] = np.ravel(item.attrs["flag_values"]).tolist()
+        item.encoding = {}
+    return data.assign_coords(side=("impact", data["side"].values.astype("U1"), data["side"].attrs))
+
+
+def plain_attribute(value: Any) -> Any:
+    """A value without numpy's types."""
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+
+
+def chart_to_dict(data: Any) -> dict[str, Any]:
+    """A chart as plain values, ready for JSON, with what the numbers are and mean."""
+    variables = data.variables
+    return {
+        "type": "Chart",
+        "attributes": {name: encode(value) for name, value in data.attrs.items()},
+        "dimensions": {name: list(item.dims) for name, item in variables.items()},
+        "labels": {name: encode(item.attrs) for name, item in variables.items()},
+        "types": {name: item.dtype.str for name, item in variables.items()},
+        "coordinates": [str(name) for name in data.coords],
+        **{name: encode(item.values) for name, item in variables.items()},
+    }
+
+
+def chart_from_dict(record: Mapping[str, Any]) -> Any:
+    """The inverse of `chart_to_dict`: the same to the last bit."""
+    keys = ("dimensions", "labels", "types", "coordinates", "attributes")
+    try:
+        dims, labels, types, coordinates, attributes = (record[name] for name in keys)
+        variables = {
+            name: (dims[name], np.array(record[name], dtype=np.dtype(types[name])), labels[name])
+            for name in dims
+        }
+        own = {name: variables.pop(name) for name in coordinates}
+        return xarray("charts").Dataset(variables, own, attributes)
+    except KeyError as error:
+        raise ParameterError(f"a chart must have {error}; it is missing") from None
+    except (ValueError, TypeError, AttributeError) as error:
+        raise ParameterError(f"it is no whole chart: {error}") from None

@@ -59,11 +59,18 @@ def cells(items: Any) -> Any:
 
 def write_matlab(result: Any, path: Path) -> None:
     """Write a struct named after the kind of result; `record` in it is for reading it back."""
+    write_struct(type(result).__name__, value_of(result), result.to_json(), path)
+
+
+def write_struct(kind: str, fields: Mapping[str, Any], record: str, path: Path) -> None:
+    """Write a struct with these fields and the record."""
     buffer = io.BytesIO()
-    struct = {**value_of(result), "record": result.to_json()}
-    name = type(result).__name__.lower()
     scipy_io().savemat(
-        buffer, {name: struct}, long_field_names=True, do_compression=True, oned_as="column"
+        buffer,
+        {kind.lower(): {**fields, "record": record}},
+        long_field_names=True,
+        do_compression=True,
+        oned_as="column",
     )
     write_bytes(path, buffer.getvalue())
 

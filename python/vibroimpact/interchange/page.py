@@ -77,7 +77,7 @@ def picture(result: Any) -> str:
         FigureCanvasAgg(figure)
         ax = figure.add_subplot()
         if type(result).__name__ in ("Zone", "Atlas"):
-            ax.set_yscale("log")
+            style.log_scale(ax, "y")
         kind = {"kind": "history"} if type(result).__name__ in ("Motion", "Trajectory") else {}
         result.plot(ax=ax, **kind)
         content = io.BytesIO()

@@ -98,7 +98,8 @@ def load(path: str | Path) -> Any:
 
     Returns
     -------
-    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved.
+    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved; of a chart that the
+    command wrote in such a form, the xarray.Dataset that `chart` gives.
 
     Raises
     ------
@@ -117,13 +118,31 @@ def load(path: str | Path) -> Any:
     wanted = "must be a file that the save of a result wrote"
     try:
         read = READERS.get(Path(path).suffix.lower(), READERS[".json"])
-        data = json.loads(read(Path(path)))
+        found = read(Path(path))
+        if not isinstance(found, str):
+            return found
+        data = json.loads(found)
         kind = plain.mapping(data, "").get("type")
+        if kind == "Chart":
+            return dataset.chart_from_dict(data)
         known = {item.__name__: item for item in Result.__subclasses__()}
         return known[plain.known(kind, known)].from_dict(data)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
     raise ParameterError(f"path = {str(path)!r}: {wanted}; {reason}")
+
+
+def save_chart(data: Any, case: str, path: Path) -> None:
+    """Write a chart as .json, .nc or .mat, whole or not at all; the case goes with it in .nc."""
+    if path.suffix == ".nc":
+        dataset.save_dataset(data.assign_attrs(case=case, Conventions="CF-1.11"), path)
+        return
+    record = json.dumps(dataset.chart_to_dict(data), allow_nan=False)
+    if path.suffix == ".mat":
+        fields = {str(name): item.values for name, item in data.variables.items()} | data.attrs
+        matlab.write_struct("Chart", matlab.value_of(fields), record, path)
+    else:
+        write_text(path, record)
 
 
 WRITERS: dict[str, Callable[[Any, Path], None]] = {
@@ -132,7 +151,7 @@ WRITERS: dict[str, Callable[[Any, Path], None]] = {
     ".nc": dataset.write_netcdf,
     ".mat": matlab.write_matlab,
 }
-READERS: dict[str, Callable[[Path], str]] = {
+READERS: dict[str, Callable[[Path], Any]] = {
     ".json": lambda path: path.read_text(encoding="utf-8"),
     ".nc": dataset.read_netcdf,
     ".mat": matlab.read_matlab,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import ParameterError
+from ..interchange.dataset import system
 from . import style
 from .branch import SYMBOLS
 
@@ -16,8 +17,14 @@ if TYPE_CHECKING:
     from ..studies.lyapunov import Lyapunov
     from ..studies.response import Response
 
-#: Marker of each wall: no two differ by colour alone.
-WALLS = (("R", ".", style.PRIMARY), ("L", "x", style.FREE))
+#: Colour of each wall, and how its impacts are marked. Those of a sweep down are larger and open, and lie
+#: under those of the sweep up: a dot in a ring is an impact of both, and one alone is of one sweep alone.
+WALLS = {"R": style.PRIMARY, "L": style.FREE}
+MARKS = {
+    ("R", False): {"marker": ".", "ms": 1.5}, ("L", False): {"marker": "x", "ms": 1.5},
+    ("R", True): {"marker": "o", "ms": 2.8, "mfc": "none"},
+    ("L", True): {"marker": "D", "ms": 2.6, "mfc": "none"},
+}  # fmt: skip
 
 AREAS = (
     "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
@@ -34,31 +41,51 @@ QUANTITIES = {
 }  # fmt: skip
 
 
-def axes(ax: Any, width: float = style.ONE_COLUMN, height: float = 2.8) -> Any:
-    """The given Axes, or those of a new figure."""
+def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 3.0) -> Any:
+    """The given Axes, or those of a new figure with a line that tells of the system."""
     if ax is not None:
         return ax
     plt = style.pyplot()
     with plt.rc_context(style.SETTINGS):
-        return plt.subplots(figsize=(width, height), layout="constrained")[1]
+        ax = plt.subplots(figsize=(width, height), layout="constrained")[1]
+    swept = getattr(result, "parameter", "")
+    names = ("r", "clearance", "load")
+    values = system(result.osc) | {name: getattr(result, name) for name in names if name != swept}
+    style.identify(
+        ax,
+        {name: item for name, item in values.items() if swept != "restitution" or name[0] != "R"},
+    )
+    return ax
 
 
 def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
     """The exponents per load cycle, with three standard errors."""
-    ax = axes(ax)
+    ax = axes(ax, result)
     name = "clearance" if np.ptp(result.r) == 0 and np.ptp(result.clearance) > 0 else "r"
     along = np.ravel(getattr(result, name))
     order = np.argsort(along, kind="stable")
     values = result.per_cycle.reshape(4, -1)[:, order]
     errors = 3 * (result.standard_error * (2 * np.pi / result.r)).reshape(4, -1)[:, order]
+    level = 0.02
     marks = (("o", style.PRIMARY), ("s", style.FREE), ("^", style.REST), ("v", style.IMPACT))
     for j, (marker, color) in enumerate(marks):
-        good = np.isfinite(values[j])
+        good, none = np.isfinite(values[j]), np.isneginf(values[j])
         ax.errorbar(
             along[order][good], values[j][good], errors[j][good], fmt=marker, ms=2.5, lw=0.6,
             color=color, label=rf"$\lambda_{j + 1}$",
         )  # fmt: skip
+        if none.any():
+            ax.plot(
+                along[order][none], np.full(none.sum(), level), marker, ms=3, mew=0.6, mfc="none",
+                color=color, transform=ax.get_xaxis_transform(),
+            )  # fmt: skip
+            level += 0.04
+    if np.isneginf(values).any():  # nothing is left of a difference: open, at the lower edge
+        ax.margins(y=0.15)
+        ax.text(1.01, 0.0, r"$-\infty$", transform=ax.transAxes, va="bottom", fontsize=7)
     ax.axhline(0, color="0.6", lw=0.6)
+    if style.is_geometric(along[order]):
+        style.log_scale(ax, "x")
     ax.set_xlabel(SYMBOLS[name])
     ax.set_ylabel("exponent per load cycle")
     ax.legend(**style.ABOVE | {"ncols": 4})
@@ -69,31 +96,42 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
     """The impacts along the parameter, and the periodic windows above them."""
     from matplotlib.transforms import blended_transform_factory
 
-    ax = axes(ax, style.TWO_COLUMNS)
+    ax = axes(ax, diagram, style.TWO_COLUMNS)
     column = diagram.column(quantity)
-    for side, marker, color in WALLS:
-        mine = diagram.points["side"] == side
+    run = np.array(diagram.runs)[diagram.points["run"]]
+    both = {"up", "down"} <= set(diagram.runs)
+    for (side, down), mark in MARKS.items():
+        mine = (diagram.points["side"] == side) & (both & (run == "down") == down)
+        if down and not both:
+            continue
         ax.plot(
-            diagram.values[diagram.points["index"][mine]], column[mine], marker, ms=1.5, mew=0.4,
-            color=color, label=f"impacts on {side}", rasterized=True,
+            diagram.values[diagram.points["index"][mine]], column[mine], linestyle="", mew=0.4,
+            color=WALLS[side], label=f"impacts on {side}" + both * (", down" if down else ", up"),
+            zorder=1.9 if down else 2, rasterized=True, **mark,
         )  # fmt: skip
+    if style.is_geometric(diagram.values):
+        style.log_scale(ax, "x")
     above = blended_transform_factory(ax.transData, ax.transAxes)
-    longest = np.ptp(diagram.values)
+    even = np.log if style.is_geometric(diagram.values) else np.asarray
+    longest = np.ptp(even(diagram.values))
     for window in diagram.windows:
         level = 1.02 + 0.07 * diagram.runs.index(window.run)
-        if window.run in ("up", "down") and window.high - window.low > 0.03 * longest:
+        if window.run in ("up", "down") and np.diff(even(window[1:3])) > 0.03 * longest:
+            middle = window.low + (window.high - window.low) / 2
+            if even is np.log:
+                middle = np.sqrt(window.low * window.high)
             ax.plot(
                 [window.low, window.high], [level] * 2, "k-", lw=0.8, transform=above, clip_on=False
             )
             ax.text(
-                (window.low + window.high) / 2, level, f"{window.label} {window.run}", ha="center",
+                middle, level, f"{window.label} {window.run}", ha="center",
                 va="bottom", fontsize=6, transform=above,
             )  # fmt: skip
     ax.set_xlabel(SYMBOLS[diagram.parameter])
     ax.set_ylabel(QUANTITIES[quantity])
     # beside the windows, which are told above
     ax.legend(
-        markerscale=3,
+        markerscale=2,
         **style.ABOVE | {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "ncols": 1},
     )
     return ax
@@ -108,7 +146,7 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
         raise ParameterError(
             "plot: needs states on a plane; these are random or a list (give a plane)"
         )
-    ax = axes(ax, style.ONE_COLUMN + 1.2, 3.2)
+    ax = axes(ax, basins, style.ONE_COLUMN + 1.2, 3.4)
     n = len(basins.attractors)
     colors = ["0.7", *(AREAS[i % len(AREAS)] for i in range(n))]
     first, second = basins.axes
@@ -128,7 +166,7 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
 
 def draw_response(response: Response, ax: Any = None) -> Any:
     """max|X|/A along r: each attractor a dot, and the envelopes over those that coexist."""
-    ax = axes(ax)
+    ax = axes(ax, response)
     every = response.attenuation
     r = np.broadcast_to(response.r[:, None], every.shape)
     for mask, marker, color, name in (

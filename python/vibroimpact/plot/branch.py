@@ -35,7 +35,12 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
         raise ParameterError(f"y = {y!r}: must be 'largest' or one of {', '.join(names)}")
     if ax is None:
         with style.pyplot().rc_context(style.SETTINGS):
-            _, ax = style.pyplot().subplots(figsize=(style.ONE_COLUMN, 2.6), layout="constrained")
+            _, ax = style.pyplot().subplots(figsize=(style.ONE_COLUMN, 2.8), layout="constrained")
+        told = ("xi", "mu", "R1", "R2", "r", "clearance")
+        style.identify(
+            ax, {name: getattr(branch, name) for name in told},
+            f"{branch.pattern.sides}/{branch.pattern.cycles}",
+        )  # fmt: skip
     good, stable = branch.admissible == 1, branch.stable == 1
     kinds = {"stable": good & stable, "unstable": good & ~stable, "inadmissible": ~good}
     for name, mask in kinds.items():

@@ -67,7 +67,10 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
         y = 1 / y
     with plt.rc_context({**style.SETTINGS, "hatch.linewidth": 0.4}):
         if ax is None:
-            _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.2), layout="constrained")
+            _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.4), layout="constrained")
+            names = ("xi", "mu", "R1", "R2")
+            head = f"{data.attrs['sides']}/{data.attrs['cycles']}"
+            style.identify(ax, {name: data.attrs[name] for name in names}, head)
         mesh = _edges(x), _edges(y)
         from matplotlib.colors import ListedColormap
         from matplotlib.patches import Patch
@@ -75,8 +78,11 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
         shades = ListedColormap([item[1] for item in reversed(CLASSES)])
         ax.pcolormesh(*mesh, kind, cmap=shades, vmin=-0.5, vmax=3.5, rasterized=True)
         for number, _, hatch, _ in CLASSES:
-            if hatch and (kind == number).any() and min(kind.shape) > 1:
-                ax.contourf(x, y, kind == number, levels=[0.5, 1.5], colors="none", hatches=[hatch])
+            if hatch and (kind == number).any():
+                # both sides of each edge: the hatching ends where the coloured cells do
+                sides = (np.repeat(edges, 2)[1:-1] for edges in mesh)
+                there = (kind == number).repeat(2, axis=0).repeat(2, axis=1)
+                ax.contourf(*sides, there, levels=[0.5, 1.5], colors="none", hatches=[hatch])
         if color is not None:
             shown = np.where(kind == 3, _best(data, COLORS[color][0]), np.nan)
             if np.isnan(shown[kind == 3]).any():
@@ -86,8 +92,8 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
                 )
             image = ax.pcolormesh(*mesh, shown, cmap="cividis", rasterized=True)
             ax.figure.colorbar(image, ax=ax, label=COLORS[color][1])
-        if _is_geometric(y):
-            ax.set_yscale("log")
+        if style.is_geometric(y):
+            style.log_scale(ax, "y")
         ax.set_xlabel(r"$r = \Omega/\omega$")
         ax.set_ylabel(r"$F_0/(dK)$" if inverse else r"$dK/F_0$")
         patches = [
@@ -125,19 +131,11 @@ def _best(data: Any, name: str) -> NDArray[np.float64]:
     return np.asarray(chosen[0], dtype=np.float64)
 
 
-def _is_geometric(values: NDArray[np.float64]) -> bool:
-    """Whether the ratios of an axis are more even than its differences."""
-    if values.size < 3:
-        return False
-    steps, ratios = np.abs(np.diff(values)), np.abs(np.diff(np.log(values)))
-    return bool(np.ptp(ratios) / ratios.mean() < np.ptp(steps) / steps.mean())
-
-
 def _edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
     """Borders of the cells about the points of an axis."""
     if centres.size == 1:
         return np.array([0.95, 1.05]) * float(centres[0])
-    geometric = _is_geometric(centres)
+    geometric = style.is_geometric(centres)
     items = np.log(centres) if geometric else centres
     middle = 0.5 * (items[1:] + items[:-1])
     edges = np.concatenate([[2 * items[0] - middle[0]], middle, [2 * items[-1] - middle[-1]]])

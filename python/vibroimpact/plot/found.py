@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..interchange.dataset import system
 from . import history, style
 
 if TYPE_CHECKING:
@@ -15,6 +16,12 @@ if TYPE_CHECKING:
 
 #: Panels in a row; motions drawn at most.
 COLUMNS, MOST = 3, 23
+#: Distance below which two multipliers share the place of their numbers.
+NEAR = 0.1
+#: Name, colour and mark of the multipliers of a motion that is not stable, and of one that is.
+STABILITY = (
+    ("multipliers, not stable", style.FREE, "s"), ("multipliers, stable", style.REST, "o"),
+)  # fmt: skip
 
 
 def draw_found(found: Findings, ax: Any = None) -> Any:
@@ -27,27 +34,28 @@ def draw_found(found: Findings, ax: Any = None) -> Any:
     if ax is not None:
         draw_multipliers(motions, ax)
         return ax
-    rows = math.ceil((len(motions) + 1) / COLUMNS)
+    # the multipliers take the rest of the last row, if that is wide enough for a round circle
+    last, column = divmod(len(motions), COLUMNS)
+    if COLUMNS - column < 2:
+        last, column = last + 1, 0
     plt = style.pyplot()
     with plt.rc_context(style.SETTINGS):
-        figure, axes = plt.subplots(
-            rows, COLUMNS, squeeze=False, layout="constrained", figsize=(style.TWO_COLUMNS, 0.4 + 2.1 * rows),
-        )  # fmt: skip
-        panels = axes.ravel()
+        figure = plt.figure(layout="constrained", figsize=(style.TWO_COLUMNS, 2.7 + 2.1 * last))
+        grid = figure.add_gridspec(last + 1, COLUMNS)
+        places = [*(divmod(i, COLUMNS) for i in range(len(motions))), (last, slice(column, None))]
+        panels = np.array([figure.add_subplot(grid[place]) for place in places])
         for number, (motion, ax) in enumerate(zip(motions, panels, strict=False), start=1):
             history.draw(motion, ax, cycles=motion.pattern.cycles)
             ax.get_legend().remove()
             ax.set_title(f"{number}: {name(motion)}", fontsize=8)
-        draw_multipliers(motions, panels[len(motions)])
-        for ax in panels[len(motions) + 1 :]:
-            ax.remove()
-        walls = ", ".join(f"{value:g}" for value in found.osc.restitution)
+        draw_multipliers(motions, panels[-1])
+        add_legend(figure, panels)
         shown = f"; the first {MOST} of {len(found.motions)}" if len(found.motions) > MOST else ""
-        figure.suptitle(
-            rf"$\xi$ = {found.osc.xi:g}, $\mu$ = {found.osc.mu:g}, $R$ = {walls}, $r$ = {found.r:.6g}, "
-            rf"$dK/F_0$ = {found.clearance:.6g}" + shown, fontsize=8,
-        )  # fmt: skip
-        return panels[: len(motions) + 1]
+        values = system(found.osc) | {
+            name: getattr(found, name) for name in ("r", "clearance", "load")
+        }
+        figure.suptitle(style.given(values) + shown, fontsize=8)
+        return panels
 
 
 def name(motion: Motion) -> str:
@@ -56,26 +64,65 @@ def name(motion: Motion) -> str:
     return f"{motion.pattern.sides}/{motion.pattern.cycles} {verdict}"
 
 
-def draw_multipliers(motions: list[Motion], ax: Any) -> None:
-    """All multipliers in the complex plane, those outside of the unit circle on a scale that brings them near.
+def add_legend(figure: Any, panels: Any) -> None:
+    """One legend for all panels, below them."""
+    entries: dict[str, Any] = {}
+    for ax in panels:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    figure.legend(
+        entries.values(), entries.keys(), loc="outside lower center", ncols=6, fontsize=7, frameon=False,
+    )  # fmt: skip
 
-    The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond.
+
+def draw_multipliers(motions: list[Motion], ax: Any) -> None:
+    """All multipliers beside the unit circle, the leading one of each motion with its number.
+
+    The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond. The numbers of motions whose
+    leading multipliers lie on one another stand together; of a complex pair it is the upper one.
     """
     turn = np.linspace(0, 2 * np.pi, 201)
     ax.plot(np.cos(turn), np.sin(turn), color=style.LOAD, lw=0.7)
+    leading: list[tuple[complex, list[int]]] = []
     for number in range(len(motions), 0, -1):  # the stable ones, which are the first, on top
         motion = motions[number - 1]
-        colour = style.REST if motion.stable else style.FREE
-        values = motion.multipliers[np.isfinite(motion.multipliers)]
-        modulus = np.abs(values)
-        distance = np.where(modulus > 1, 1 + np.log10(np.maximum(modulus, 1)), modulus)
-        points = distance * np.exp(1j * np.angle(values))
-        ax.plot(points.real, points.imag, ".", color=colour, ms=4)
-        for point in points[:1]:
-            ax.annotate(str(number), (point.real, point.imag), xytext=(2, 2), textcoords="offset points",
-                        fontsize=6, color=colour)  # fmt: skip
-    ax.set_aspect("equal")
-    ax.margins(0.12)
+        points = drawn_at(motion.multipliers[np.isfinite(motion.multipliers)])
+        label, colour, marker = STABILITY[motion.stable is True]
+        shown = ax.get_legend_handles_labels()[1]
+        ax.plot(
+            points.real, points.imag, marker, color=colour, ms=3.5, mew=0.8, mfc="none",
+            label="" if label in shown else label,
+        )  # fmt: skip
+        if points.size:
+            first = complex(points[0].real, abs(points[0].imag))
+            near = [numbers for other, numbers in leading if abs(other - first) < NEAR]
+            if near:
+                near[0].append(number)
+            else:
+                leading.append((first, [number]))
+    # above the circle, each number in the lowest row where it has room, with a line to its point
+    ends: list[float] = []
+    for point, numbers in sorted(leading, key=lambda item: item[0].real):
+        text = ", ".join(map(str, sorted(numbers)))
+        half = 0.08 * (len(text) + 1)
+        row = next((i for i, end in enumerate(ends) if end < point.real - half), len(ends))
+        ends[row : row + 1] = [point.real + half]
+        ax.annotate(
+            text, (point.real, point.imag), xytext=(point.real, 1.2 + 0.4 * row), fontsize=6, ha="center",
+            va="bottom", arrowprops={"arrowstyle": "-", "lw": 0.3, "color": "0.5", "shrinkB": 1.5},
+        )  # fmt: skip
+        ax.update_datalim([(point.real - half, 0), (point.real + half, 0)])
+    ax.update_datalim([(-1.1, -1.1), (1.1, 1.1 + 0.4 * len(ends))])
+    ax.margins(0.02)
+    ax.autoscale_view()
+    ax.set_aspect("equal", adjustable="datalim")
     ax.set_title(r"multipliers (beyond 1: $1 + \log_{10}|\lambda|$)", fontsize=8)
     ax.set_xlabel(r"Re $\lambda$")
     ax.set_ylabel(r"Im $\lambda$")
+
+
+def drawn_at(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Where multipliers are drawn: those outside of the unit circle nearer to it."""
+    modulus = np.abs(values)
+    distance = np.where(modulus > 1, 1 + np.log10(np.maximum(modulus, 1)), modulus)
+    return np.asarray(distance * np.exp(1j * np.angle(values)))

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import io
+import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import MissingExtraError
 from ..files import write_bytes
@@ -15,6 +18,12 @@ from ..files import write_bytes
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
 #: Widths of one and two columns of print, in inches.
 ONE_COLUMN, TWO_COLUMNS = 3.5, 7.2
+
+#: How parameters are written in the line above a figure.
+SYMBOLS = {
+    "xi": r"$\xi$", "mu": r"$\mu$", "R": "$R$", "R1": "$R_1$", "R2": "$R_2$", "r": "$r$",
+    "clearance": "$dK/F_0$", "load": "load/$F_0$",
+}  # fmt: skip
 
 SETTINGS = {
     "font.size": 8,
@@ -55,6 +64,62 @@ def save(axes: Any, path: Path) -> Path:
     pyplot().close(figure)
     write_bytes(path, content.getvalue())
     return path
+
+
+def identify(ax: Any, values: Mapping[str, Any], head: str = "") -> None:
+    """One small line above a figure: what is drawn, and the parameters that are the same everywhere."""
+    text = given(values)
+    ax.figure.suptitle(f"{head}: {text}" if head else text, fontsize=7)
+
+
+def given(values: Mapping[str, Any]) -> str:
+    """Symbols and values; without parameters that vary or are None, and without a load of F0."""
+    fixed = {
+        name: float(np.ravel(value)[0])
+        for name, value in values.items() if value is not None and np.ptp(value) == 0
+    }  # fmt: skip
+    if fixed.get("load") == 1:
+        del fixed["load"]
+    if "R1" in fixed and fixed["R1"] == fixed.get("R2"):
+        fixed = {
+            "R" if name == "R1" else name: item for name, item in fixed.items() if name != "R2"
+        }
+    return ", ".join(f"{SYMBOLS[name]} = {value:.6g}" for name, value in fixed.items())
+
+
+def is_geometric(values: NDArray[np.float64]) -> bool:
+    """Whether the ratios of an axis are more even than its differences."""
+    if values.size < 3 or values.min() <= 0 or np.ptp(values) == 0:
+        return False
+    steps, ratios = np.abs(np.diff(values)), np.abs(np.diff(np.log(values)))
+    return bool(np.ptp(ratios) / ratios.mean() < np.ptp(steps) / steps.mean())
+
+
+def log_scale(ax: Any, which: str) -> None:
+    """A logarithmic axis ("x" or "y") with plain numbers, between the powers of ten as many as fit."""
+    from matplotlib.ticker import FuncFormatter
+
+    axis = getattr(ax, f"{which}axis")
+
+    def minor(value: float, _: Any) -> str:
+        low, high = sorted(axis.get_view_interval())
+        decades = math.log10(high / low)
+        shown = "" if decades > 2.7 else "25" if decades > 1.3 else "235"
+        return plain(value) if decades < 0.7 or f"{value:e}"[0] in shown else ""
+
+    getattr(ax, f"set_{which}scale")("log")
+    axis.set_tick_params(which="minor", pad=5.0)  # all numbers in one row, though ticks differ
+    axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+    axis.set_minor_formatter(FuncFormatter(minor))
+
+
+def plain(value: float) -> str:
+    """A number on an axis; powers of ten only where there would be many zeros."""
+    if 1e-3 <= value < 1e5:
+        return f"{value:.6g}"
+    power = math.floor(math.log10(value) + 1e-9)
+    factor = f"{value / 10**power:.3g}"
+    return rf"$10^{{{power}}}$" if factor == "1" else rf"${factor}\times10^{{{power}}}$"
 
 
 def condition_name(kind: str) -> str:

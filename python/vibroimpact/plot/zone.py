@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..interchange.dataset import system
 from . import style
 
 if TYPE_CHECKING:
     from ..studies.atlas import Atlas
-    from ..studies.zone import Zone
+    from ..studies.zone import Piece, Zone
 
 #: Line style and colour of each type of boundary: no two differ by colour alone.
 LINES = {
@@ -23,28 +25,43 @@ LINES = {
 
 def draw_zone(
     zone: Zone, ax: Any = None, inverse: bool = False, label: str | None = None, color: str | None = None,
-    legend: bool = True,
+    legend: bool = True, drawn: dict[str, list[Any]] | None = None,
 ) -> Any:  # fmt: skip
-    """Draw one zone: a light fill, the pieces of its boundary, and its name inside."""
+    """Draw one zone: a light fill, the pieces of its boundary, and its name inside.
+
+    Of a boundary that another zone of the same figure has, too, and which `drawn` holds, nothing is drawn again:
+    the gaps of a dashed line would fill.
+    """
     from ..studies.zone import default_label
 
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):
-            _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 2.8), layout="constrained")
-        ax.set_yscale("log")
+            _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.0), layout="constrained")
+        style.log_scale(ax, "y")
+        style.identify(ax, system(zone.osc))
     draw_fill(zone, ax, inverse, color or style.PRIMARY)
     shown = set(ax.get_legend_handles_labels()[1])
+    drawn = {} if drawn is None else drawn
+    lines: dict[str, list[Any]] = {}
     for piece in zone.boundary:
         if piece.type == "window":
             continue
         line, shade = LINES[piece.type]
         name = style.condition_name(piece.type)
+        points = scaled(zone, piece)
+        lines.setdefault(piece.type, []).append(points)
+        new = ~covered(points, drawn.get(piece.type, []))
+        if not new.any():
+            continue
+        r = np.where(new, piece.r, np.nan)
         ax.plot(
-            piece.r, 1 / piece.clearance if inverse else piece.clearance, linestyle=line, color=shade,
+            r, 1 / piece.clearance if inverse else piece.clearance, linestyle=line, color=shade,
             linewidth=1.0, label="" if name in shown else name,
         )  # fmt: skip
         shown.add(name)
+    for kind, some in lines.items():
+        drawn.setdefault(kind, []).extend(some)
     place_label(
         zone, ax, inverse, default_label(zone.pattern, zone.symmetric) if label is None else label
     )
@@ -61,15 +78,40 @@ def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
     if ax is None:
         with plt.rc_context(style.SETTINGS):
             _, ax = plt.subplots(figsize=(style.TWO_COLUMNS, 4.5), layout="constrained")
-        ax.set_yscale("log")
+        style.log_scale(ax, "y")
+        style.identify(ax, system(atlas.osc))
     colors = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, "#E69F00", "#56B4E9", "#F0E442")
+    drawn: dict[str, list[Any]] = {}
     for i, zone in enumerate(sorted(atlas.zones, key=lambda item: -item.area)):
-        draw_zone(zone, ax, inverse, None, colors[i % len(colors)], legend=False)
+        draw_zone(zone, ax, inverse, None, colors[i % len(colors)], legend=False, drawn=drawn)
     ax.set_xlim(*atlas.r)
     low, high = atlas.clearance
     ax.set_ylim(*((1 / high, 1 / low) if inverse else (low, high)))
     ax.legend(**style.ABOVE | {"ncols": 6})
     return ax
+
+
+def scaled(zone: Zone, piece: Piece) -> NDArray[np.float64]:
+    """The vertices (n, 2) of a piece, the window being the unit square of r and log clearance."""
+    r = (piece.r - zone.r[0]) / (zone.r[1] - zone.r[0])
+    low, high = np.log(zone.clearance)
+    return np.asarray(np.c_[r, (np.log(piece.clearance) - low) / (high - low)])
+
+
+def covered(
+    points: NDArray[np.float64], lines: list[NDArray[np.float64]], near: float = 2e-3
+) -> NDArray[np.bool_]:
+    """Which vertices lie, with both their neighbours, on one of some lines."""
+    close = np.zeros(len(points), dtype=bool)
+    for line in lines:
+        start, step = line[:-1], np.diff(line, axis=0)
+        length = np.maximum((step**2).sum(axis=1), 1e-300)
+        gap = points[:, None] - start
+        share = np.clip((gap * step).sum(axis=2) / length, 0, 1)
+        away = np.linalg.norm(gap - share[..., None] * step, axis=2)
+        close |= away.min(axis=1, initial=np.inf) < near
+    padded = np.pad(close, 1, constant_values=True)
+    return np.asarray(padded[:-2] & close & padded[2:])
 
 
 def draw_fill(zone: Zone, ax: Any, inverse: bool, color: str) -> None:
