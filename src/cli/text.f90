@@ -56,17 +56,33 @@ contains
       end do
    end function detab
 
-   !> The text with a question mark for each control character, safe for a terminal.
+   !> The text, safe for a terminal: a question mark for each byte of what is no printed letter.
    pure function printable(text) result(clean)
       character(*), intent(in) :: text
       character(len(text)) :: clean
-      integer :: i
+      integer :: i, n
 
       clean = text
-      do i = 1, len(text)
-         if (iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) clean(i:i) = '?'
+      i = 1
+      do while (i <= len(text))
+         n = letter_length(text(i:min(len(text), i + 3)))
+         if (n == 0) clean(i:i) = '?'
+         i = i + max(1, n)
       end do
    end function printable
+
+   !> Bytes of the letter in UTF-8 at the start of a text; 0 for a control character, and for none.
+   pure integer function letter_length(text) result(n)
+      character(*), intent(in) :: text
+      integer :: bytes(len(text)), i
+
+      bytes = [(iachar(text(i:i)), i=1, len(text))]
+      n = findloc([bytes(1) >= 32 .and. bytes(1) <= 126, bytes(1) >= 194 .and. bytes(1) <= 223, &
+         bytes(1) >= 224 .and. bytes(1) <= 239, bytes(1) >= 240 .and. bytes(1) <= 244], .true., 1)
+      if (n > len(text)) n = 0
+      if (any(bytes(2:n) < 128 .or. bytes(2:n) > 191)) n = 0
+      if (n == 2) n = merge(0, 2, bytes(1) == 194 .and. bytes(2) < 160)
+   end function letter_length
 
    !> A message without the middle of a value of thousands of letters, which would fill screens.
    pure function brief(text) result(short)

@@ -8,8 +8,10 @@ import subprocess
 import pytest
 from programs import PAIR, SYSTEM, Runner, contents, find_command, write
 
-POINT = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 9".split()
-FULL = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+POINT = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--r", "1.04", "--clearance", "9"]
+FULL = pytest.mark.skipif(
+    not os.path.exists("/dev/full"), reason="needs a device that is always full"
+)
 #: Interrupts the program where it begins to import a module.
 STOP = """
 import os, signal, sys
@@ -147,3 +149,33 @@ def test_a_file_in_place_of_the_folder(folder, batch, tool):
         done = tool("run", "case.nml", "--format", form, "-o", folder)
         said = f"vibroimpact run: -o {folder}: case.nml is a file; must be a folder"
         assert (done.status, done.faults) == (2, [said])
+
+
+def test_random_bytes_are_not_echoed(batch):
+    """In a message stand letters in UTF-8 and question marks, whatever the file holds."""
+    held = (
+        "é\u0085µ\u009b".encode()
+        + bytes(range(1, 10))
+        + bytes(range(128, 256))
+        + b"\x1b[2J\xe2\x82"
+    )
+    (fault,) = batch.case(held).err.splitlines()
+    said = fault.decode()
+    assert said.startswith("case.nml:1: é??µ??????????")
+    assert "?[2J??: stands outside a group" in said
+    assert said.isprintable()
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["find", *POINT, "--max-impacts", "99"],
+     "find: --max-impacts 99: must be a whole number with 2 <= --max-impacts <= 12"),
+    (["init", "zone", "-o", "no/zone.nml"],
+     "init: -o no/zone.nml: there is no folder no; must be in one that is there"),
+    (["lyapunov", *POINT, "--cycles", "39"],
+     "lyapunov: --cycles 39: must be a whole number with 2 batches <= cycles <= 1000000000 (at least 40, unless "
+     "batches is given: it is 20)"),
+])  # fmt: skip
+def test_what_is_allowed(words, said, tool):
+    """In the words of options, and in numbers."""
+    assert tool(*words).faults == [f"vibroimpact {said}"]
+    assert list(contents(tool.cwd)) == []

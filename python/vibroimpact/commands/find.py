@@ -57,7 +57,11 @@ def run(options: argparse.Namespace) -> int:
     try:
         return search(options)
     except ParameterError as error:
-        words = re.sub(r"^(\w+) = ", lambda match: f"--{match[1].replace('_', '-')} ", str(error))
+        words = re.sub(r"^(\w+) = ", r"--\1 ", str(error))
+        # of the names in what is allowed, only those with an underscore are not the words of options
+        words = re.sub(
+            r"(--)?\b(\w+_\w+)\b", lambda match: "--" + match[2].replace("_", "-"), words
+        )
         raise ParameterError(words) from None
 
 
