@@ -56,7 +56,7 @@ contains
       end do
    end function detab
 
-   !> The text, safe for a terminal: a question mark for each byte of what is no printed letter.
+   !> The text, safe for a terminal: a question mark for each byte of a control character.
    pure function printable(text) result(clean)
       character(*), intent(in) :: text
       character(len(text)) :: clean
@@ -71,17 +71,18 @@ contains
       end do
    end function printable
 
-   !> Bytes of the letter in UTF-8 at the start of a text; 0 for a control character, and for none.
+   !> Bytes of the letter that a text begins with, UTF-8 or else Latin-1; 0 of a control character.
    pure integer function letter_length(text) result(n)
       character(*), intent(in) :: text
       integer :: bytes(len(text)), i
 
       bytes = [(iachar(text(i:i)), i=1, len(text))]
-      n = findloc([bytes(1) >= 32 .and. bytes(1) <= 126, bytes(1) >= 194 .and. bytes(1) <= 223, &
-         bytes(1) >= 224 .and. bytes(1) <= 239, bytes(1) >= 240 .and. bytes(1) <= 244], .true., 1)
-      if (n > len(text)) n = 0
-      if (any(bytes(2:n) < 128 .or. bytes(2:n) > 191)) n = 0
-      if (n == 2) n = merge(0, 2, bytes(1) == 194 .and. bytes(2) < 160)
+      n = merge(1, 0, (bytes(1) >= 32 .and. bytes(1) <= 126) .or. bytes(1) >= 160)
+      if (bytes(1) < 194 .or. bytes(1) > 244) return
+      i = 2 + count(bytes(1) >= [224, 240])
+      if (i > len(text)) return
+      if (any(bytes(2:i) < 128 .or. bytes(2:i) > 191)) return
+      n = merge(0, i, bytes(1) == 194 .and. bytes(2) < 160)
    end function letter_length
 
    !> A message without the middle of a value of thousands of letters, which would fill screens.

@@ -57,11 +57,10 @@ def run(options: argparse.Namespace) -> int:
     try:
         return search(options)
     except ParameterError as error:
-        words = re.sub(r"^(\w+) = ", r"--\1 ", str(error))
-        # of the names in what is allowed, only those with an underscore are not the words of options
-        words = re.sub(
-            r"(--)?\b(\w+_\w+)\b", lambda match: "--" + match[2].replace("_", "-"), words
-        )
+        words = str(error)
+        if match := re.match(r"(\w+) = ", words):
+            option = f"--{match[1].replace('_', '-')}"
+            words = f"{option} {words[match.end():]}".replace(" max_", " --max-")
         raise ParameterError(words) from None
 
 
