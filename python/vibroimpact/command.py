@@ -48,7 +48,7 @@ class Parser(argparse.ArgumentParser):
         self.register("type", float, number)
 
     def _print_message(self, message: str, file: SupportsWrite[str] | None = None) -> None:
-        """As it is in argparse, which however keeps silent where the disk is full."""
+        """As it was, but not silent where the disk is full."""
         if message:
             (file or sys.stderr).write(message)
 

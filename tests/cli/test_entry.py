@@ -2,11 +2,13 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
+import sys
 
 import pytest
-from programs import PAIR, SYSTEM, Runner, contents, find_command, write
+from programs import PAIR, ROOT, SYSTEM, Runner, contents, find_command, write
 
 POINT = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--r", "1.04", "--clearance", "9"]
 FULL = pytest.mark.skipif(
@@ -81,6 +83,19 @@ def test_faults_of_words_in_json(words, name, said, tool):
     assert document["faults"] == done.faults
     assert len(done.faults) == 1
     assert said in done.faults[0]
+
+
+def test_launcher_of_the_program_imports_no_package(binary, tmp_path):
+    """As it stands in a wheel: the program starts also where the package could not be imported."""
+    (tmp_path / "vibroimpact/_bin").mkdir(parents=True)
+    write(tmp_path / "vibroimpact/__init__.py", "raise ImportError")
+    (tmp_path / "vibroimpact/_bin/vibroimpact-batch").symlink_to(binary)
+    shutil.copy(ROOT / "python/vibroimpact_start.py", tmp_path)
+    write(tmp_path / "launch.py", "from vibroimpact_start import batch; batch()")
+    words = ("--version", "no.nml")
+    found = [Runner([sys.executable, "launch.py"], tmp_path)(word) for word in words]
+    assert found == [Runner([binary], tmp_path)(word) for word in words]
+    assert [done.status for done in found] == [0, 2]
 
 
 @FULL

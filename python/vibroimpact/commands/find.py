@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
         words = str(error)
         if match := re.match(r"(\w+) = ", words):
             option = f"--{match[1].replace('_', '-')}"
-            words = f"{option} {words[match.end():]}".replace(" max_", " --max-")
+            words = f"{option} {words[match.end() :]}".replace(" max_", " --max-")
         raise ParameterError(words) from None
 
 
