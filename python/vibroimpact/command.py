@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
+import re
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext, redirect_stdout
 from importlib import import_module
 from importlib.metadata import version
-from importlib.resources import as_file, files
 from io import StringIO
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from .commands import NAMES, PICTURES, Record, add_common, name_file, need_extras
 from .errors import VibroimpactError
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
 
 EXIT_STATUS = (
     "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
@@ -29,10 +32,58 @@ WITHOUT_UNITS = ("explore", "reproduce", "init", "doctor", "bench", "completion"
 WITHOUT_FILES = ("explore", "init", "doctor", "bench", "completion")
 
 
-def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+class Parser(argparse.ArgumentParser):
+    """A parser that says what is wrong as the rest of the program does, to scripts too."""
+
+    #: Whether a fault is told in one JSON document as well.
+    in_json = False
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        # also -1e-3 and -inf are values, not options
+        self._negative_number_matcher = re.compile(
+            r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$|-(inf|infinity|nan)$", re.IGNORECASE
+        )
+        self.register("type", int, whole)
+        self.register("type", float, number)
+
+    def _print_message(self, message: str, file: SupportsWrite[str] | None = None) -> None:
+        """As it was, but not silent where the disk is full."""
+        if message:
+            (file or sys.stderr).write(message)
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong, and end."""
+        message = re.sub(r"^argument ([^:]+): (?=.*: must be )", r"\1 ", message)
+        if not self.in_json:
+            self.print_usage(sys.stderr)
+        record = Record(self.prog.partition(" ")[2])
+        record.fault(f"{self.prog}: {message}")
+        if self.in_json:
+            print(record.text(2, ""))
+        self.exit(2)
+
+
+def whole(text: str) -> int:
+    """The value of an option that is a whole number."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: must be a whole number") from None
+
+
+def number(text: str) -> float:
+    """The value of an option that is a number."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: must be a number") from None
+
+
+def parsers() -> tuple[Parser, dict[str, Parser]]:
     """The argument parser, and that of each subcommand."""
     style = argparse.RawDescriptionHelpFormatter
-    main_parser = argparse.ArgumentParser(
+    main_parser = Parser(
         prog="vibroimpact",
         description="Stable periodic motions of a vibrating system in which a free mass hits its walls.",
         epilog=f"example: vibroimpact reproduce table1\n\n{EXIT_STATUS}\n{INTERRUPT}",
@@ -64,24 +115,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not words:
         main_parser.print_help(sys.stderr)
         return 2
-    if words[0] not in each:
-        main_parser.parse_args(words)  # help, version or a fault: does not return
     name = words[0]
-    # files and names may stand on both sides of an option
-    options = each[name].parse_intermixed_args(_separated(words[1:]))
-    options.record = Record(name)
     try:
-        status = said_or_told(name, options)
-        sys.stdout.flush()
+        try:
+            main_parser.in_json = "--json" in words
+            if name not in each:
+                main_parser.parse_args(words)  # help, version or a fault: does not return
+            each[name].in_json = main_parser.in_json
+            # files and names may stand on both sides of an option
+            options = each[name].parse_intermixed_args(_separated(words[1:]))
+            options.record = Record(name)
+            return said_or_told(name, options)
+        finally:
+            sys.stdout.flush()  # also what the parser has printed
     except OSError as error:
         # who read has gone, or the disk is full; nothing is left to be flushed at the end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
-            print(
-                f"vibroimpact {name}: standard output: {error.strerror or error}", file=sys.stderr
-            )
+            prog = each[name].prog if name in each else main_parser.prog
+            print(f"{prog}: standard output: {error.strerror or error}", file=sys.stderr)
         return 1
-    return status
 
 
 def said_or_told(name: str, options: argparse.Namespace) -> int:
@@ -114,14 +167,6 @@ def outcome(name: str, options: argparse.Namespace) -> int:
         status = 1
         options.record.interrupted(name not in WITHOUT_FILES)
     return status
-
-
-def batch() -> int:
-    """Start the stand-alone program that lies inside the package."""
-    with as_file(files("vibroimpact") / "_bin" / "vibroimpact-batch") as program:
-        if os.name == "posix":  # the program takes the place of the launcher, signals and all
-            os.execv(program, [str(program), *sys.argv[1:]])
-        return subprocess.call([str(program), *sys.argv[1:]])
 
 
 def _separated(words: list[str]) -> list[str]:

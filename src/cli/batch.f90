@@ -58,7 +58,11 @@ contains
          call say(log, wrong, message)
          return
       end if
-      call make_folder(folder)
+      call make_folder(folder, message)
+      if (len(message) > 0) then
+         call say(log, wrong, folder//': '//message//writable)
+         return
+      end if
       do i = 1, size(cases)
          select case (cases(i)%kind)
          case ('simulate')

@@ -45,6 +45,7 @@ contains
       logical :: has_system
 
       call scan_namelist(path, groups, line, message)
+      if (len(message) == 0) call check_names(groups, line, message)
       if (len(message) > 0) then
          message = place(path, line)//brief(message)
          allocate (cases(0))
@@ -62,13 +63,10 @@ contains
             call take_system(groups(i:), raw, line, message)
             has_system = .true.
          case ('output')
-            if (.not. follows_case(groups(:i - 1))) message = '&output: no '//group_list('')// &
+            if (.not. ends_in_case(groups(:i - 1))) message = '&output: no '//group_list('')// &
                ' stands before it'
          case default
-            if (.not. makes_case(groups(i)%name)) then
-               message = '&'//groups(i)%name//': is not a group; must be &system, &output, '// &
-                  group_list('')
-            else if (.not. has_system) then
+            if (.not. has_system) then
                message = '&'//groups(i)%name//': no &system stands before it'
             else if (is_case(groups(i:))) then
                n = n + 1
@@ -84,6 +82,23 @@ contains
       end do
       if (len(message) > 0) message = place(path, line)//brief(message)
    end subroutine read_cases
+
+   !> The names of all groups come first: a wrong one changes what the other groups mean.
+   pure subroutine check_names(groups, line, message)
+      type(group_type), intent(in) :: groups(:)
+      integer, intent(inout) :: line
+      character(:), allocatable, intent(inout) :: message
+      integer :: i
+
+      do i = 1, size(groups)
+         associate (name => groups(i)%name)
+            if (name == 'system' .or. name == 'output' .or. makes_case(name)) cycle
+            line = groups(i)%line
+            message = '&'//name//': is not a group; must be &system, &output, '//group_list('')
+            return
+         end associate
+      end do
+   end subroutine check_names
 
    !> One case from its group, and the &output group that may follow it.
    subroutine take_case(path, number, groups, total, raw, case, line, message)
@@ -144,7 +159,7 @@ contains
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
 
-      if (.not. motion_follows(groups(2:))) message = '&system: no '// &
+      if (.not. ends_in_case(groups(2:min(2, size(groups))))) message = '&system: no '// &
          group_list('branch')//' follows'
       if (len(message) == 0) call read_group(groups(1), raw, line, message)
       if (len(message) == 0) call check_system(groups(1), needs_r(groups(2:)), raw, line, message)
@@ -162,13 +177,13 @@ contains
       end do
    end function needs_r
 
-   !> Whether the group just before is a case.
-   pure logical function follows_case(before)
-      type(group_type), intent(in) :: before(:)
+   !> Whether the last of some groups is a case.
+   pure logical function ends_in_case(groups)
+      type(group_type), intent(in) :: groups(:)
 
-      follows_case = .false.
-      if (size(before) > 0) follows_case = makes_case(before(size(before))%name)
-   end function follows_case
+      ends_in_case = .false.
+      if (size(groups) > 0) ends_in_case = makes_case(groups(size(groups))%name)
+   end function ends_in_case
 
    !> Whether a group is a case: not a &motion that is but the start of a &branch.
    pure logical function is_case(groups)
@@ -178,14 +193,6 @@ contains
       is_case = makes_case(groups(1)%name)
       if (groups(1)%name == 'motion' .and. size(groups) > 1) is_case = groups(2)%name /= 'branch'
    end function is_case
-
-   !> Whether the next group is &motion, or one whose name is wrong anyway.
-   pure logical function motion_follows(rest)
-      type(group_type), intent(in) :: rest(:)
-
-      motion_follows = .false.
-      if (size(rest) > 0) motion_follows = rest(1)%name /= 'system' .and. rest(1)%name /= 'output'
-   end function motion_follows
 
    pure function place(path, line) result(text)
       character(*), intent(in) :: path

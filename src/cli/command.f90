@@ -1,13 +1,28 @@
 !> The command line of the stand-alone program.
 module vi_command
-   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   use, intrinsic :: iso_fortran_env, only: error_unit
    use vi_batch, only: done, failed, log_type, run_file, wrong
-   use vi_text, only: append, line_type
+   use vi_files, only: is_folder, print_line
+   use vi_text, only: append, line_type, lower
    use vi_version, only: version
    implicit none (type, external)
    private
 
    public :: run_command
+
+   character(87), parameter :: help(*) = [character(87) :: &
+      'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
+      '', &
+      'Computes the motions, simulations, charts, branches, zones, atlases and attractors', &
+      'that namelist files ask for and writes each case to DIR/NAME.csv and, if it asks', &
+      'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
+      'input that reproduces it.', &
+      'Groups: &system, &output and, for each case, &motion, &simulate, &chart, &branch,', &
+      '&zone, &atlas, &lyapunov, &bifurcation, &response or &basins; see inputs/README.md.', &
+      '', &
+      'example: vibroimpact-batch inputs/table1.nml -o results', &
+      '', &
+      'exit status: 0 done; 1 ran, but a motion failed or does not exist; 2 the input is wrong']
 
 contains
 
@@ -17,28 +32,28 @@ contains
       type(line_type), allocatable :: files(:)
       type(log_type) :: log
       character(:), allocatable :: folder, item
-      logical :: files_only
-      integer :: i, said, lost, outcome
+      logical :: files_only, lost, printed
+      integer :: i, j, said
 
       status = done
       folder = 'results'
       files_only = .false.
-      lost = 0
+      lost = .false.
       allocate (files(0))
       i = 0
       do while (i < command_argument_count())
          i = i + 1
          item = argument(i)
          if ((item == '-h' .or. item == '--help') .and. .not. files_only) then
-            call help(output_unit)
+            call tell(help, status)
             return
          else if (item == '--version') then
-            write (output_unit, '(a)') 'vibroimpact-batch '//version
+            call tell(['vibroimpact-batch '//version], status)
             return
          else if (item == '-o' .and. .not. files_only) then
             i = i + 1
             folder = argument(i)
-            if (len(folder) == 0) call refuse('-o: must be followed by a folder', status)
+            call check_folder(folder, status)
          else if (item == '--' .and. .not. files_only) then
             files_only = .true.
          else if (index(item, '-') == 1 .and. .not. files_only) then
@@ -49,7 +64,7 @@ contains
          if (status /= done) return
       end do
       if (size(files) == 0) then
-         call help(error_unit)
+         write (error_unit, '(a)') (trim(help(j)), j=1, size(help))
          status = wrong
          return
       end if
@@ -60,15 +75,15 @@ contains
             associate (line => log%lines(said)%text)
                if (line(1:1) == '!') then
                   write (error_unit, '(a)') line(2:)
-               else
-                  write (output_unit, '(a)', iostat=outcome) line(2:)
-                  if (outcome /= 0) lost = outcome
+               else if (.not. lost) then
+                  call print_line(line(2:), printed)
+                  lost = .not. printed
                end if
             end associate
          end do
          said = size(log%lines)
       end do
-      status = max(log%status, merge(failed, done, lost /= 0))
+      status = max(log%status, merge(failed, done, lost))
    end subroutine run_command
 
    !> An argument of the command; empty if there are not so many.
@@ -83,6 +98,44 @@ contains
       if (length > 0) call get_command_argument(i, text)
    end function argument
 
+   !> Prints what was asked for, in place of running anything.
+   subroutine tell(lines, status)
+      character(*), intent(in) :: lines(:)
+      integer, intent(out) :: status
+      logical :: printed
+      integer :: i
+
+      do i = 1, size(lines)
+         call print_line(trim(lines(i)), printed)
+         status = merge(done, failed, printed)
+         if (.not. printed) return
+      end do
+   end subroutine tell
+
+   !> The folder of -o: nothing that looks like the name of a file, unless it is there or ends with
+   !! a slash.
+   subroutine check_folder(folder, status)
+      character(*), intent(in) :: folder
+      integer, intent(inout) :: status
+      character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
+      character(:), allocatable :: name, suffix
+      logical :: there
+
+      inquire (file=folder, exist=there)                ! a file of this name is refused later on
+      name = lower(folder(index(folder, '/', back=.true.) + 1:))
+      suffix = name(index(name, '.', back=.true.) + 1:)
+      if (len(folder) == 0) then
+         call refuse('-o: must be followed by a folder', status)
+      else if (there .or. is_folder(folder) .or. len(name) == 0) then
+         return
+      else if (folder == '-' .or. (index(name, '.', back=.true.) > 1 .and. &
+         scan(suffix(:min(1, len(suffix))), letters) == 1 .and. len(suffix) <= 5 .and. &
+         verify(suffix, letters//'0123456789') == 0)) then
+         call refuse('-o '//folder//': must be a folder; if it is a folder: -o '//folder//'/', &
+            status)
+      end if
+   end subroutine check_folder
+
    subroutine refuse(message, status)
       character(*), intent(in) :: message
       integer, intent(out) :: status
@@ -90,23 +143,5 @@ contains
       write (error_unit, '(a)') message
       status = wrong
    end subroutine refuse
-
-   subroutine help(unit)
-      integer, intent(in) :: unit
-
-      write (unit, '(a)') &
-         'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
-         '', &
-         'Computes the motions, simulations, charts, branches, zones, atlases and attractors', &
-         'that namelist files ask for and writes each case to DIR/NAME.csv and, if it asks', &
-         'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
-         'input that reproduces it.', &
-         'Groups: &system, &output and, for each case, &motion, &simulate, &chart, &branch,', &
-         '&zone, &atlas, &lyapunov, &bifurcation, &response or &basins; see inputs/README.md.', &
-         '', &
-         'example: vibroimpact-batch inputs/table1.nml -o results', &
-         '', &
-         'exit status: 0 done; 1 ran, but a motion failed or does not exist; 2 the input is wrong'
-   end subroutine help
 
 end module vi_command

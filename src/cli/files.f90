@@ -1,13 +1,13 @@
 !> Files that are there whole or not at all: written under a temporary name, then renamed.
 module vi_files
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, &
-      c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_new_line, &
+      c_null_char, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_text, only: last_part, line_type, whole
    implicit none (type, external)
    private
 
-   public :: make_folder, same_file, write_file
+   public :: is_folder, make_folder, print_line, same_file, write_file
 
    interface
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -41,6 +41,19 @@ module vi_files
          implicit none (type, external)
          type(c_ptr), value :: text
       end function c_strlen
+      ! its result has the size of a pointer, as c_size_t has, with a sign
+      integer(c_size_t) function c_write(channel, text, length) bind(c, name='write')
+         import :: c_char, c_int, c_size_t
+         implicit none (type, external)
+         integer(c_int), value :: channel
+         character(kind=c_char), intent(in) :: text(*)
+         integer(c_size_t), value :: length
+      end function c_write
+      subroutine c_perror(text) bind(c, name='perror')
+         import :: c_char
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: text(*)
+      end subroutine c_perror
       subroutine c_free(address) bind(c, name='free')
          import :: c_ptr
          implicit none (type, external)
@@ -50,18 +63,48 @@ module vi_files
 
 contains
 
-   !> Makes a folder if it is not there, its parents included.
-   subroutine make_folder(path)
+   !> Makes a folder if it is not there, its parents included; `message` is empty if it is there.
+   subroutine make_folder(path, message)
       character(*), intent(in) :: path
+      character(:), allocatable, intent(out) :: message
       integer(c_int) :: ignored
       integer :: i
+      logical :: taken
 
-      ! whether it worked shows when a file is written there
+      message = ''
       do i = 2, len(path)
          if (path(i:i) == '/') ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
       end do
       ignored = c_mkdir(path//c_null_char, int(o'777', c_int))
+      if (is_folder(path)) return
+      inquire (file=path, exist=taken)
+      message = trim(merge('is a file     ', 'cannot be made', taken))
    end subroutine make_folder
+
+   logical function is_folder(path)
+      character(*), intent(in) :: path
+
+      inquire (file=path//'/.', exist=is_folder)
+   end function is_folder
+
+   !> Writes a line to standard output past the runtime, which does not report a full disk.
+   subroutine print_line(text, printed)
+      character(*), intent(in) :: text
+      !> If false, the reason has been said.
+      logical, intent(out) :: printed
+      character(:), allocatable :: left
+      integer(c_size_t) :: n
+
+      left = text//c_new_line
+      printed = .true.
+      do while (len(left) > 0)
+         n = c_write(1_c_int, left, len(left, c_size_t))
+         printed = n > 0
+         if (.not. printed) exit
+         left = left(n + 1:)
+      end do
+      if (.not. printed) call c_perror('standard output'//c_null_char)
+   end subroutine print_line
 
    !> Writes lines to a file; `message` is empty if that went well, and the old file is kept if not.
    subroutine write_file(path, lines, message)

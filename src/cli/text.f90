@@ -56,17 +56,34 @@ contains
       end do
    end function detab
 
-   !> The text with a question mark for each control character, safe for a terminal.
+   !> The text, safe for a terminal: a question mark for each byte of a control character.
    pure function printable(text) result(clean)
       character(*), intent(in) :: text
       character(len(text)) :: clean
-      integer :: i
+      integer :: i, n
 
       clean = text
-      do i = 1, len(text)
-         if (iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) clean(i:i) = '?'
+      i = 1
+      do while (i <= len(text))
+         n = letter_length(text(i:min(len(text), i + 3)))
+         if (n == 0) clean(i:i) = '?'
+         i = i + max(1, n)
       end do
    end function printable
+
+   !> Bytes of the letter that a text begins with, UTF-8 or else Latin-1; 0 of a control character.
+   pure integer function letter_length(text) result(n)
+      character(*), intent(in) :: text
+      integer :: bytes(len(text)), i
+
+      bytes = [(iachar(text(i:i)), i=1, len(text))]
+      n = merge(1, 0, (bytes(1) >= 32 .and. bytes(1) <= 126) .or. bytes(1) >= 160)
+      if (bytes(1) < 194 .or. bytes(1) > 244) return
+      i = 2 + count(bytes(1) >= [224, 240])
+      if (i > len(text)) return
+      if (any(bytes(2:i) < 128 .or. bytes(2:i) > 191)) return
+      n = merge(0, i, bytes(1) == 194 .and. bytes(2) < 160)
+   end function letter_length
 
    !> A message without the middle of a value of thousands of letters, which would fill screens.
    pure function brief(text) result(short)

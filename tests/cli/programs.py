@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import ctypes
+import importlib
 import io
 import os
 import re
@@ -162,6 +163,7 @@ def find_batch():
     chosen = os.environ.get("VIBROIMPACT_BATCH")
     if chosen:
         return str(Path(chosen).resolve(strict=True))
+    importlib.import_module("vibroimpact")  # which builds what has changed, the program too
     found = find_launcher()
     if found and Path(found).read_bytes()[:2] != b"#!":
         return found

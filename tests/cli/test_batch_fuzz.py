@@ -46,7 +46,7 @@ def ran(tmp_path_factory, binary):
     for name in names:
         write(folder / name, mutated(rng))
     run = Runner([binary], folder)
-    return folder, {name: run(name, "-o", f"out/{name}") for name in names}
+    return folder, {name: run(name, "-o", f"out/{name}/") for name in names}
 
 
 def test_no_breakdown_and_one_line_a_fault(ran):
@@ -78,7 +78,7 @@ def test_survivors_are_inputs(ran, binary, tmp_path):
     run = Runner([binary], folder / "out")
     for path in sorted((folder / "out").rglob("*.csv")):
         name = path.relative_to(folder / "out")
-        assert run(str(name), "-o", str(tmp_path / name.parent)).status in (0, 1)
+        assert run(str(name), "-o", f"{tmp_path / name.parent}/").status in (0, 1)
         assert (tmp_path / name).read_bytes() == path.read_bytes(), name
 
 

@@ -163,23 +163,34 @@ def name_file(options: argparse.Namespace) -> None:
     asked = options.format if takes_file else None
     if takes_file and (folder or asked or options.plot):
         options.folder, options.format = folder or "results", asked or "csv"
-    if folder is None or folder.endswith(SEPARATORS) or Path(folder).is_dir():
+    if folder is None:
         return
     path = Path(folder)
+    suffix = path.suffix[1:].lower() if takes_file and not folder.endswith(SEPARATORS) else ""
+    need_folder(folder, path.parent if suffix in FORMATS.values() else path)
+    if folder.endswith(SEPARATORS) or path.is_dir():
+        return
     forms = {suffix: form for form, suffix in FORMATS.items()}
-    form = forms.get(path.suffix[1:].lower()) if takes_file else None
+    form = forms.get(suffix)
     if form is not None:
         if asked not in (None, form):
             raise ParameterError(
                 f"-o {path}: is the name of a {form} file; must go with --format {form}, or without it"
             )
         options.folder, options.format, options.stem = str(path.parent), form, path.stem
-    elif re.fullmatch(r"\.[A-Za-z][A-Za-z0-9]{0,4}", path.suffix):
+    elif folder == "-" or re.fullmatch(r"\.[A-Za-z][A-Za-z0-9]{0,4}", path.suffix):
         wanted = ", ".join(f".{suffix}" for suffix in forms) if takes_file else ""
         raise ParameterError(
             f"-o {folder}: must be a folder{wanted and ', or a file whose name ends with one of '}{wanted}; if it "
             f"is a folder: -o {folder}/"
         )
+
+
+def need_folder(folder: str, path: Path) -> None:
+    """An error before anything is computed, where a file is in the place of the folder or above it."""
+    for place in (path, *path.parents):
+        if place.exists() and not place.is_dir():
+            raise ParameterError(f"-o {folder}: {place} is a file; must be a folder")
 
 
 def add_forms(parser: argparse.ArgumentParser, on_request: bool = False) -> None:

@@ -49,8 +49,11 @@ def run(options: argparse.Namespace) -> int:
     """Sweep, print the windows, write and draw the impacts."""
     if options.parameter is not None and not options.files:
         for name in ("r", "clearance"):
-            if name != options.parameter and getattr(options, name) is None:
+            value = getattr(options, name)
+            if name != options.parameter and value is None:
                 raise ParameterError(f"--{name}: must be given, it is not the parameter")
+            if name == options.parameter and value is not None:
+                raise ParameterError(f"--{name} {value:g}: must be left out, it is the parameter")
     keys = ("low", "high", "values")
     groups = {
         "system": values(options, "xi", "mu", "restitution", "r"),

@@ -58,7 +58,10 @@ def run(options: argparse.Namespace) -> int:
     try:
         return search(options)
     except ParameterError as error:
-        words = re.sub(r"^(\w+) = ", lambda match: f"--{match[1].replace('_', '-')} ", str(error))
+        words = str(error)
+        if match := re.match(r"(\w+) = ", words):
+            option = f"--{match[1].replace('_', '-')}"
+            words = f"{option} {words[match.end() :]}".replace(" max_", " --max-")
         raise ParameterError(words) from None
 
 

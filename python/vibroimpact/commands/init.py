@@ -51,6 +51,10 @@ def run(options: argparse.Namespace) -> int:
     path = Path(options.file or f"{options.name}.nml")
     if path.exists() and not options.force:
         raise ParameterError(f"{path}: is there already; must be another file, or --force")
+    if not path.parent.is_dir():
+        raise ParameterError(
+            f"-o {path}: there is no folder {path.parent}; must be in one that is there"
+        )
     write_text(path, known[options.name].replace(f"{options.name}.nml", str(path)))
     options.record.files.append(str(path))
     print(f"{path}: run it by `vibroimpact run {path} -o results`")
