@@ -155,6 +155,7 @@ def outcome(name: str, options: argparse.Namespace) -> int:
         need_extras(options)
         status = import_module(f".commands.{name}", __package__).run(options)
     except VibroimpactError as error:
+        status = error.status
         options.record.fault(f"vibroimpact {name}: {error}")
     except OSError as error:
         if error.filename is None:  # standard output
