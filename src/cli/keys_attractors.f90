@@ -48,8 +48,7 @@ contains
          text = 'a finite number'
       case ('cycles')
          text = 'a whole number with 1 <= cycles <= 10000000'
-         if (group == 'lyapunov') text = 'a whole number with 2 batches <= cycles <= 1000000000 (&
-            &at least 40, unless batches is given: it is 20)'
+         if (group == 'lyapunov') text = 'a whole number, 2 batches <= cycles <= 1e9 (batches: 20)'
       case ('discard')
          text = 'a whole number with 0 <= discard <= 1000000000'
       case ('batches')
