@@ -319,7 +319,7 @@ def test_the_place_is_tested_first(name, tool):
     """One line, status 2, and nothing is computed or left."""
     (tool.cwd / "taken").write_text("mine")
     done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "taken")
-    said = f"vibroimpact {name}: taken: is a file; must be a folder"
+    said = f"vibroimpact {name}: -o taken: taken is a file; must be a folder"
     assert (done.status, done.out, done.faults) == (2, b"", [said])
     (tool.cwd / "closed").mkdir(mode=0o555)
     done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "closed", preexec_fn=bound_by_permissions)

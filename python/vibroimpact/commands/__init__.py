@@ -133,8 +133,6 @@ class Fresh:
 @contextlib.contextmanager
 def ready(folder: Path) -> Iterator[None]:
     """A folder that can be written to, before anything is computed; if it stays empty it goes again."""
-    if folder.exists() and not folder.is_dir():
-        raise ParameterError(f"{folder}: is a file; must be a folder")
     new = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
