@@ -380,6 +380,7 @@ def test_progress(monkeypatch, capfd):
     """The bar appears when it is wanted and work takes long, and goes away."""
     module = importlib.import_module("vibroimpact.progress")
     monkeypatch.setattr(module, "INTERVAL", 0.0)
+    monkeypatch.setattr(module, "PATIENCE", np.inf)
     vi.chart(OSC, RL, R, D, progress=True)
     assert capfd.readouterr().err == ""
     monkeypatch.setattr(module, "PATIENCE", 0.0)
