@@ -122,11 +122,12 @@ contains
       logical :: there
 
       inquire (file=folder, exist=there)                ! a file of this name is refused later on
+      if (.not. there) there = is_folder(folder)        ! not all compilers inquire of folders
       name = lower(folder(index(folder, '/', back=.true.) + 1:))
       suffix = name(index(name, '.', back=.true.) + 1:)
       if (len(folder) == 0) then
          call refuse('-o: must be followed by a folder', status)
-      else if (there .or. is_folder(folder) .or. len(name) == 0) then
+      else if (there .or. len(name) == 0) then
          return
       else if (folder == '-' .or. (index(name, '.', back=.true.) > 1 .and. &
          scan(suffix(:min(1, len(suffix))), letters) == 1 .and. len(suffix) <= 5 .and. &

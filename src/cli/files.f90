@@ -81,6 +81,7 @@ contains
       message = trim(merge('is a file     ', 'cannot be made', taken))
    end subroutine make_folder
 
+   !> Whether there is a folder of this name.
    logical function is_folder(path)
       character(*), intent(in) :: path
 
