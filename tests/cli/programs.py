@@ -22,6 +22,19 @@ ROOT = Path(__file__).resolve().parents[2]
 OTHER_BUILD = bool(os.environ.get("VIBROIMPACT_BATCH"))
 
 SYSTEM = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
+#: The same point by options.
+POINT = [
+    "--xi",
+    "0.005",
+    "--mu",
+    "0.042",
+    "--restitution",
+    "0.75",
+    "--r",
+    "0.94",
+    "--clearance",
+    "37",
+]
 PAIR = SYSTEM + "&motion sides = 'RL', phases_over_pi = 0, 1.37 /\n"
 #: A complete case with one key a line; the tables of bad input change single lines of it.
 COMPLETE = """&system

@@ -6,6 +6,7 @@ import pytest
 import vibroimpact as vi
 from programs import (
     PAIR,
+    POINT,
     ROOT,
     SYSTEM,
     Runner,
@@ -96,19 +97,7 @@ def test_simulate_writes_what_run_writes(tool):
 
 def test_options_of_a_simulation_are_a_namelist(tool):
     """The bytes of the same case in a file; what is wrong is said in words of the options."""
-    point = [
-        "--xi",
-        "0.005",
-        "--mu",
-        "0.042",
-        "--restitution",
-        "0.75",
-        "--r",
-        "0.94",
-        "--clearance",
-        "37",
-    ]
-    options = [*point, "--cycles", "20", "--state", "3.5", "0", "0", "-2"]
+    options = [*POINT, "--cycles", "20", "--state", "3.5", "0", "0", "-2"]
     assert tool("simulate", *options).status == 0
     write(tool.cwd / "simulate.nml", SIMULATION)
     assert tool("run", "simulate.nml", "-o", "run").status == 0
@@ -117,7 +106,7 @@ def test_options_of_a_simulation_are_a_namelist(tool):
         done = tool("simulate", *options[:-2], "30", "-2", "--format", form)
         assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
         assert done.faults[0].startswith("vibroimpact simulate: --state 3.5 0 30 -2: must be ")
-    done = tool("simulate", *point)
+    done = tool("simulate", *POINT)
     assert done.faults == [
         "vibroimpact simulate: --cycles: must be given, or a namelist file instead of the options"
     ]

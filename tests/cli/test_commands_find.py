@@ -9,6 +9,7 @@ import pytest
 import vibroimpact as vi
 from programs import (
     PAIR,
+    POINT,
     SYSTEM,
     Runner,
     assert_same,
@@ -19,18 +20,6 @@ from programs import (
     write,
 )
 
-POINT = [
-    "--xi",
-    "0.005",
-    "--mu",
-    "0.042",
-    "--restitution",
-    "0.75",
-    "--r",
-    "0.94",
-    "--clearance",
-    "37",
-]
 LIMITS = ["--max-impacts", "2", "--max-cycles", "1"]
 OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 

@@ -6,22 +6,10 @@ import sys
 
 import pytest
 import vibroimpact as vi
-from programs import PAIR, Runner, bars, contents, find_command, on_terminal, rows, write
+from programs import PAIR, POINT, Runner, bars, contents, find_command, on_terminal, rows, write
 
 from studies import ATLAS, BRANCH, WALLS, ZONE, assert_atlas
 
-POINT = [
-    "--xi",
-    "0.005",
-    "--mu",
-    "0.042",
-    "--restitution",
-    "0.75",
-    "--r",
-    "0.94",
-    "--clearance",
-    "37",
-]
 ALONG_OPTIONS = [*POINT, "--sides", "RL", "--phases-over-pi", "0", "1.37", "--parameter", "clearance", "--bounds",
                  "10", "60"]  # fmt: skip
 WINDOW = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--sides", "RL", "--symmetric", "no",
