@@ -5,10 +5,11 @@
 !! that condition as a further equation. Shorter motions that repeat themselves, or symmetric ones,
 !! end a branch: there another branch goes on.
 module vi_branch
+   use vi_crossing, only: hidden_zero, locate
    use vi_curve, only: curve_type
    use vi_frame, only: condition_type, edge, grazing, repetition, wrap_phases, zero_approach
    use vi_kinds, only: wp
-   use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
+   use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    implicit none (type, external)
    private
 
@@ -62,13 +63,13 @@ contains
       do while (branch%n + size(now%values) < most)
          call take_step(curve, none, stride, now, next, good)
          if (.not. good) return
-         if (next%came > 1.0e-4_wp .and. any(hidden_zero(before%values, now%values, next%values, &
-            now%came, next%came))) then
+         if (can_shorten(next, 1.0e-4_wp) .and. any(hidden_zero(before%values, now%values, &
+            next%values, now%came, next%came))) then
             now%step = 0.3_wp*next%came
             cycle
          end if
          ! beyond a bound nothing is looked at: what is there may make no sense
-         if (next%came > stride%shortest .and. leaps_over(next)) then
+         if (can_shorten(next, stride%shortest) .and. leaps_over(next)) then
             now%step = 0.3_wp*next%came
             cycle
          end if

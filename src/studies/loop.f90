@@ -5,10 +5,11 @@
 !! another one gets zero there is a corner, and the boundary goes on along that one.
 module vi_loop
    use vi_conditions, only: condition_value
+   use vi_crossing, only: hidden_zero, locate
    use vi_curve, only: condition_slope, correct, curve_type, parameters_of, tangent_at, unknowns_of
    use vi_frame, only: condition_type, grazing, wrap_phases
    use vi_kinds, only: wp
-   use vi_steps, only: begin_walk, exchange, hidden_zero, locate, place_type, stride_type, take_step
+   use vi_steps, only: begin_walk, can_shorten, exchange, place_type, stride_type, take_step
    implicit none (type, external)
    private
 
@@ -58,7 +59,7 @@ contains
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
          call first_violation(curve, active, now, next, corner, which, met)
-         if (which < 0 .and. next%came < 64*stride%shortest) return
+         if (which < 0 .and. .not. can_shorten(next, 64*stride%shortest)) return
          ! a violation that could not be located: something else may come before it
          if (which < 0 .or. passes_two(before, now, next, active)) then
             now%step = 0.3_wp*next%came
@@ -112,7 +113,7 @@ contains
       integer :: j
 
       passes_two = .false.
-      if (next%came <= 1.0e-4_wp) return
+      if (.not. can_shorten(next, 1.0e-4_wp)) return
       do j = 1, size(before)
          if (.not. hidden_zero(before(j), now%values(j), next%values(j), now%came, next%came)) cycle
          passes_two = .not. same_condition(active, next%conditions(j))

@@ -4,12 +4,13 @@
 !! through folds as well. Where two lines cross the motion is a node; from every node both lines go
 !! on, so that all connected sheets are covered.
 module vi_net
+   use vi_crossing, only: hidden_zero, locate
    use vi_curve, only: correct, curve_type
    use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, unknown_count, &
       wrap_phases, zero_approach
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, line_spacing
-   use vi_steps, only: begin_walk, hidden_zero, locate, place_type, stride_type, take_step
+   use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    implicit none (type, external)
    private
 
@@ -133,8 +134,8 @@ contains
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
          if (.not. good) return
-         if (next%came > 1.0e-4_wp .and. (any(hidden_zero(before%values, now%values, next%values, &
-            now%came, next%came)) .or. may_pass(now%values, next%values))) then
+         if (can_shorten(next, 1.0e-4_wp) .and. (any(hidden_zero(before%values, now%values, &
+            next%values, now%came, next%came)) .or. may_pass(now%values, next%values))) then
             now%step = 0.3_wp*next%came
             cycle
          end if

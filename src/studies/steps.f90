@@ -1,15 +1,14 @@
-!> Steps along a curve of motions, and the places on a step where a condition is zero.
+!> Steps along a curve of motions.
 module vi_steps
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type, parameters_of, tangent_at, unknowns_of
    use vi_family, only: image_of
-   use vi_frame, only: condition_count, condition_type, grazing, repetition, &
-      rest_vanishes, unknown_count
+   use vi_frame, only: condition_count, condition_type, repetition, unknown_count
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: begin_walk, exchange, take_step, locate, hidden_zero
+   public :: begin_walk, can_shorten, exchange, survey, take_step
 
    !> A place on a curve: the point, the direction of travel, and all conditions there.
    type, public :: place_type
@@ -19,6 +18,8 @@ module vi_steps
       real(wp), allocatable :: bend(:, :)
       !> The length of the step that led here and of the next one to be tried.
       real(wp) :: came = 0, step = 0
+      !> Whether that step leapt over a place where curves cross.
+      logical :: leapt = .false.
    end type place_type
 
    !> How far and how sharply turning steps may be.
@@ -65,6 +66,7 @@ contains
       call move_alloc(from%bend, to%bend)
       to%came = from%came
       to%step = from%step
+      to%leapt = from%leapt
    end subroutine move
 
    !> Evaluates all conditions at a place.
@@ -124,7 +126,8 @@ contains
       end do
       to%came = step
       to%step = step
-      call look_back(from, to, leaps)
+      to%leapt = leaps
+      call look_back(from, to)
       if (present(blind)) then
          if (blind) return
       end if
@@ -132,6 +135,15 @@ contains
       if (.not. curve%frame%resting) call survey(curve, to)
       call mark_passage(curve, from, to)
    end subroutine take_step
+
+   !> Whether a shorter step than the one that led to a place may show more: one that leapt over a
+   !! crossing is the shortest that passes it.
+   pure logical function can_shorten(place, shortest)
+      type(place_type), intent(in) :: place
+      real(wp), intent(in) :: shortest
+
+      can_shorten = place%came > shortest .and. .not. place%leapt
+   end function can_shorten
 
    !> Adds to a place on the tangent how far the curve will have left it, if that is not much.
    pure subroutine bend_over(from, step, point)
@@ -147,17 +159,15 @@ contains
    end subroutine bend_over
 
    !> The cubic that leaves the tangent at the end of a step, and joins its beginning.
-   pure subroutine look_back(from, to, leaps)
+   pure subroutine look_back(from, to)
       type(place_type), intent(in) :: from
       type(place_type), intent(inout) :: to
-      !> Whether the step has passed a place where curves cross.
-      logical, intent(in) :: leaps
       real(wp) :: length, cosine, off, slope
       integer :: j
 
       if (.not. allocated(to%bend)) allocate (to%bend(size(to%point), 2))
       to%bend = 0
-      if (leaps) return
+      if (to%leapt) return
       length = dot_product(to%tangent, to%point - from%point)
       cosine = dot_product(to%tangent, from%tangent)
       if (length < 0.5_wp*to%came .or. cosine < 0.5_wp) return
@@ -206,89 +216,5 @@ contains
       if (lengths > 1.0e-6_wp) turn = max(turn, min(1.0_wp, 10*sqrt(lengths))* &
          asin(min(1.0_wp, abs(a(n - 1)*b(n) - a(n)*b(n - 1))/lengths)))
    end function turn_of
-
-   !> Whether a condition may have been negative (or positive) for a moment within the last step.
-   !!
-   !! The parabola through three values in a row has its extremum inside the last two steps, on the
-   !! other side of zero.
-   pure elemental logical function hidden_zero(before, now, next, first, second) result(hidden)
-      real(wp), intent(in) :: before, now, next
-      !> Lengths of the steps between them.
-      real(wp), intent(in) :: first, second
-      real(wp) :: slope, curvature, at, extreme
-
-      hidden = .false.
-      if (before*now <= 0 .or. now*next <= 0) return
-      if (.not. (first > 0 .and. second > 0)) return
-      curvature = ((next - now)/second - (now - before)/first)/(first + second)
-      slope = (next - now)/second - curvature*second
-      if (.not. abs(curvature) > 0) return
-      at = -0.5_wp*slope/curvature
-      if (at < -first .or. at > second) return
-      extreme = now + at*(slope + curvature*at)
-      hidden = extreme*now < 0
-   end function hidden_zero
-
-   !> The point of a step where a further condition is zero: Newton's method, else bisection.
-   pure subroutine locate(curve, conditions, from, to, which, place, share, good)
-      type(curve_type), intent(in) :: curve
-      type(condition_type), intent(in) :: conditions(:)
-      type(place_type), intent(in) :: from, to
-      !> Index of the condition that changes its sign.
-      integer, intent(in) :: which
-      type(place_type), intent(inout) :: place
-      !> Share of the step.
-      real(wp), intent(out) :: share
-      logical, intent(out) :: good
-      type(condition_type) :: extra(1)
-      type(place_type) :: low, high
-      real(wp) :: near
-      integer :: i, iterations
-
-      ! a touch is known best where it is one
-      extra(1) = to%conditions(which)
-      if (any(extra(1)%kind == [grazing, rest_vanishes]) .and. &
-         from%values(which) < to%values(which)) then
-         extra(1) = from%conditions(which)
-      end if
-      low = from
-      high = to
-      good = .false.
-      do i = 1, 60
-         near = low%values(which)/(low%values(which) - high%values(which))
-         if (mod(i, 3) == 0 .or. .not. abs(near) <= 1) near = 0.5_wp
-         place%point = low%point + near*(high%point - low%point)
-         call correct(curve, [conditions, extra], place%point, iterations)
-         share = dot_product(from%tangent, place%point - from%point)/from_length(from, to)
-         good = iterations > 0 .and. share > -1.0e-6_wp .and. share < 1 + 1.0e-6_wp .and. &
-            norm2(place%point - from%point) < 2*to%came
-         if (good) exit
-         if (norm2(high%point - low%point) < 1.0e-12_wp) exit
-         ! a nearer pair of points
-         place%point = low%point + near*(high%point - low%point)
-         call correct(curve, conditions, place%point, iterations, from%tangent)
-         if (iterations == 0) exit
-         call survey(curve, place)
-         if (place%values(which)*low%values(which) > 0) then
-            low%point = place%point
-            low%values = place%values
-         else
-            high%point = place%point
-            high%values = place%values
-         end if
-      end do
-      if (.not. good) return
-      place%tangent = from%tangent
-      place%came = share*to%came
-      place%step = to%step
-      call survey(curve, place)
-      place%conditions(which) = extra(1)
-   end subroutine locate
-
-   pure real(wp) function from_length(from, to) result(length)
-      type(place_type), intent(in) :: from, to
-
-      length = dot_product(from%tangent, to%point - from%point)
-   end function from_length
 
 end module vi_steps

@@ -149,6 +149,14 @@ def test_budget_is_told():
     assert "NOT closed" in repr(zone)
 
 
+@pytest.mark.parametrize("lines", range(5, 13))
+def test_a_loop_that_cannot_go_on_ends(lines):
+    """A fold that leaves a pitchfork, where curves cross: the step that leaps over it was tried for ever."""
+    osc = vi.Oscillator(xi=0.0114, mu=1.0, restitution=0.75)
+    zone = vi.zone(osc, vi.Pattern("RL"), *WINDOW, symmetric=False, lines=lines, guesses=4)
+    assert {"flip", "fold", "pitchfork"} <= {piece.type for piece in zone.boundary}
+
+
 def test_plot_draws_the_pieces(equispaced):
     plt = pytest.importorskip("matplotlib.pyplot")
     ax = equispaced.plot(inverse=True)

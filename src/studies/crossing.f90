@@ -1,0 +1,98 @@
+!> Where, on a step along a curve of motions, a condition is zero.
+module vi_crossing
+   use vi_curve, only: correct, curve_type
+   use vi_frame, only: condition_type, grazing, rest_vanishes
+   use vi_kinds, only: wp
+   use vi_steps, only: place_type, survey
+   implicit none (type, external)
+   private
+
+   public :: hidden_zero, locate
+
+contains
+
+   !> Whether a condition may have been negative (or positive) for a moment within the last step.
+   !!
+   !! The parabola through three values in a row has its extremum inside the last two steps, on the
+   !! other side of zero.
+   pure elemental logical function hidden_zero(before, now, next, first, second) result(hidden)
+      real(wp), intent(in) :: before, now, next
+      !> Lengths of the steps between them.
+      real(wp), intent(in) :: first, second
+      real(wp) :: slope, curvature, at, extreme
+
+      hidden = .false.
+      if (before*now <= 0 .or. now*next <= 0) return
+      if (.not. (first > 0 .and. second > 0)) return
+      curvature = ((next - now)/second - (now - before)/first)/(first + second)
+      slope = (next - now)/second - curvature*second
+      if (.not. abs(curvature) > 0) return
+      at = -0.5_wp*slope/curvature
+      if (at < -first .or. at > second) return
+      extreme = now + at*(slope + curvature*at)
+      hidden = extreme*now < 0
+   end function hidden_zero
+
+   !> The point of a step where a further condition is zero: Newton's method, else bisection.
+   pure subroutine locate(curve, conditions, from, to, which, place, share, good)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
+      type(place_type), intent(in) :: from, to
+      !> Index of the condition that changes its sign.
+      integer, intent(in) :: which
+      type(place_type), intent(inout) :: place
+      !> Share of the step.
+      real(wp), intent(out) :: share
+      logical, intent(out) :: good
+      type(condition_type) :: extra(1)
+      type(place_type) :: low, high
+      real(wp) :: near
+      integer :: i, iterations
+
+      ! a touch is known best where it is one
+      extra(1) = to%conditions(which)
+      if (any(extra(1)%kind == [grazing, rest_vanishes]) .and. &
+         from%values(which) < to%values(which)) then
+         extra(1) = from%conditions(which)
+      end if
+      low = from
+      high = to
+      good = .false.
+      do i = 1, 60
+         near = low%values(which)/(low%values(which) - high%values(which))
+         if (mod(i, 3) == 0 .or. .not. abs(near) <= 1) near = 0.5_wp
+         place%point = low%point + near*(high%point - low%point)
+         call correct(curve, [conditions, extra], place%point, iterations)
+         share = dot_product(from%tangent, place%point - from%point)/from_length(from, to)
+         good = iterations > 0 .and. share > -1.0e-6_wp .and. share < 1 + 1.0e-6_wp .and. &
+            norm2(place%point - from%point) < 2*to%came
+         if (good) exit
+         if (norm2(high%point - low%point) < 1.0e-12_wp) exit
+         ! a nearer pair of points
+         place%point = low%point + near*(high%point - low%point)
+         call correct(curve, conditions, place%point, iterations, from%tangent)
+         if (iterations == 0) exit
+         call survey(curve, place)
+         if (place%values(which)*low%values(which) > 0) then
+            low%point = place%point
+            low%values = place%values
+         else
+            high%point = place%point
+            high%values = place%values
+         end if
+      end do
+      if (.not. good) return
+      place%tangent = from%tangent
+      place%came = share*to%came
+      place%step = to%step
+      call survey(curve, place)
+      place%conditions(which) = extra(1)
+   end subroutine locate
+
+   pure real(wp) function from_length(from, to) result(length)
+      type(place_type), intent(in) :: from, to
+
+      length = dot_product(from%tangent, to%point - from%point)
+   end function from_length
+
+end module vi_crossing
