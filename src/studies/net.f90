@@ -4,7 +4,7 @@
 !! through folds as well. Where two lines cross the motion is a node; from every node both lines go
 !! on, so that all connected sheets are covered.
 module vi_net
-   use vi_crossing, only: hidden_zero, locate
+   use vi_crossing, only: hidden_zero, innermost_zero
    use vi_curve, only: correct, curve_type
    use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, unknown_count, &
       wrap_phases, zero_approach
@@ -223,29 +223,15 @@ contains
       type(curve_type), intent(in) :: line
       integer, intent(in) :: direction, node
       type(place_type), intent(in) :: now, next
-      type(place_type) :: found, best
-      type(condition_type) :: none(0)
-      real(wp) :: share, nearest, other, q(2)
+      type(place_type) :: best
+      real(wp) :: other, q(2)
       integer :: j, which
-      logical :: good, inside
+      logical :: inside
 
       inside = is_inside(now%conditions, now%values, line%active(1))
       if (inside .eqv. is_inside(next%conditions, next%values, line%active(1))) return
       if (net%n_borders == border_room) return
-      which = 0
-      best = now
-      nearest = huge(1.0_wp)
-      do j = 1, size(now%values)
-         if (.not. now%values(j)*next%values(j) < 0) cycle
-         if (now%conditions(j)%kind == edge .and. now%conditions(j)%index /= line%active(1)) cycle
-         call locate(line, none, now, next, j, found, share, good)
-         if (.not. good) cycle
-         if (.not. inside) share = 1 - share
-         if (share >= nearest) cycle
-         nearest = share
-         which = j
-         best = found
-      end do
+      call innermost_zero(line, now, next, inside, best, which)
       if (which == 0) return
       other = net%lines%axes(3 - direction)%at(net%lattice(3 - direction, node))
       net%n_borders = net%n_borders + 1
