@@ -97,8 +97,8 @@ contains
 
    !> The zero next to the inside end of a step.
    !!
-   !! What is violated at a zero was met at the inside end, so that it is zero in between, even if it
-   !! has the same sign at both ends: a step may pass two of its zeros.
+   !! What is violated at a zero was met at the inside end, so that it is zero in between, even if
+   !! it has the same sign at both ends: a step may pass two of its zeros.
    pure subroutine innermost_zero(curve, now, next, inside, best, which)
       !> With one active parameter.
       type(curve_type), intent(in) :: curve
@@ -122,7 +122,8 @@ contains
          nearest = huge(1.0_wp)
          do j = 1, size(now%values)
             if (.not. low%values(j)*high%values(j) < 0) cycle
-            if (now%conditions(j)%kind == edge .and. now%conditions(j)%index /= curve%active(1)) cycle
+            if (now%conditions(j)%kind == edge .and. &
+               now%conditions(j)%index /= curve%active(1)) cycle
             call locate(curve, none, low, high, j, found, share, good)
             if (.not. good) cycle
             if (.not. inside) share = 1 - share

@@ -157,6 +157,28 @@ def test_a_loop_that_cannot_go_on_ends(lines):
     assert {"flip", "fold", "pitchfork"} <= {piece.type for piece in zone.boundary}
 
 
+@pytest.mark.parametrize(
+    ("xi", "mu", "restitution", "sides"),
+    [
+        (0.05, 0.05, 0.37314990615573823, "RRLL"),
+        (0.05, 0.136, (0.46495562191567413, 0.8823162619170517), "RRRL"),
+        (0.05, 0.05, 0.6650252815457456, "RRRL"),
+        (
+            0.09529291238677699,
+            0.06261959410863326,
+            (0.8872562507394013, 0.43527391677197763),
+            "RRLL",
+        ),
+        (0.04122757228107617, 0.136, (0.5920468392409235, 0.688973467515279), "RRLL"),
+    ],
+)
+def test_all_loops_close(xi, mu, restitution, sides):
+    """Five of 318 random zones: folds of motions that were unstable before were taken for borders."""
+    zone = vi.zone(vi.Oscillator(xi, mu, restitution), vi.Pattern(sides), *WINDOW)
+    assert zone.closed
+    assert len(zone.boundary) > 3
+
+
 def test_plot_draws_the_pieces(equispaced):
     plt = pytest.importorskip("matplotlib.pyplot")
     ax = equispaced.plot(inverse=True)
