@@ -150,10 +150,11 @@ def test_budget_is_told():
 
 
 @pytest.mark.parametrize("lines", range(5, 13))
-def test_a_loop_that_cannot_go_on_ends(lines):
-    """A fold that leaves a pitchfork, where curves cross: the step that leaps over it was tried for ever."""
+def test_a_fold_that_leaves_a_pitchfork(lines):
+    """Where their curves cross hardly a step can be taken: one that leapt over it was tried for ever."""
     osc = vi.Oscillator(xi=0.0114, mu=1.0, restitution=0.75)
     zone = vi.zone(osc, vi.Pattern("RL"), *WINDOW, symmetric=False, lines=lines, guesses=4)
+    assert zone.closed
     assert {"flip", "fold", "pitchfork"} <= {piece.type for piece in zone.boundary}
 
 
