@@ -184,8 +184,8 @@ export function render({ model }) {
       fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
         + "its address holds what is shown.")
     },
-    settled: () => !busy && waiting.size === 0 && at("families").children.length > 0
-      && !at("status").textContent && /were searched.$/.test(at("searched").textContent),
+    settled: () => !busy && waiting.size === 0
+      && !/…$/.test(at("status").textContent) && /were searched.$/.test(at("searched").textContent),
   }
   // a finger has no place until it taps
   for (const event of ["pointerdown", "pointermove"]) {

@@ -233,12 +233,17 @@ class Session:
             except VibroimpactError as error:
                 self.ran = str(error)
 
-    def show_zones(self, window: Any, zones: Any, shapes: Any, fine: bool) -> dict[str, Any]:
+    def show_zones(
+        self, window: Any, zones: Any, shapes: Any, done: bool, given_up: str
+    ) -> dict[str, Any]:
         """Draw zones that a thread has computed."""
         self.explorer.zones, self.rooms, self.marked = zones, shapes["rooms"], None
         self.changes |= pictures.zones(shapes, window)
         self.explorer.look()  # the zones may know of motions that were not found
-        status = "" if fine else "refining …"
+        if not done:
+            status = joined(filter(None, (given_up, "refining …")))
+        else:
+            status = given_up or ("" if any(zones.values()) else "no motion has one here")
         return {"zones": words.zones_legend(zones), "status": status, **self.summary()}
 
     def show_motions(self, found: list[Shown]) -> None:
