@@ -235,8 +235,9 @@ def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:
         period = last_period(later)
     except VibroimpactError:
         return f"no period of up to 16 cycles after {cycles} more cycles"
-    n, pattern = len(period.pattern), period.pattern
-    return f"settles on {n}/{pattern.cycles} {pattern.sides}"
+    letters, n = period.pattern.letters, len(period.pattern)
+    sides = "".join(max(letters[j:] + letters[:j] for j in range(n)))  # as in the table
+    return f"settles on {n}/{period.pattern.cycles} {sides}"
 
 
 def diagram_of(

@@ -155,12 +155,15 @@ class Session:
         return self.summary()
 
     def on_choose(self, message: dict[str, Any]) -> dict[str, Any]:
-        """A motion of the table, or the simulation below them."""
-        index = int(message["index"])
-        if index < 0:
+        """A motion of the table by its recipe, or the simulation above them.
+
+        The table may have changed since the browser got it: a motion that has gone is not chosen, nor another.
+        """
+        recipes = [item.recipe.text for item in self.explorer.shown]
+        if message["motion"] is None:
             self.explorer.set({"show": "run"})
-        else:
-            self.explorer.choose(index)
+        elif message["motion"] in recipes:
+            self.explorer.choose(recipes.index(message["motion"]))
         return self.summary()
 
     def on_run(self, message: dict[str, Any]) -> dict[str, Any]:
