@@ -116,7 +116,7 @@ def find(
         Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
         return map: it finds motions with rest that are unstable too.
     progress : callable, optional
-        Called with the share done and what is being done.
+        Called with the share done and what is being done; what it raises ends the search.
 
     Returns
     -------
@@ -182,12 +182,19 @@ def find(
         def run(state: dict[str, float]) -> Any:
             return settle(osc, r, clearance, load, state, settling, max_cycles)
 
-        tell(0.9, "motions with rest")
-        for motion in _rest_motions(osc, r, clearance, load, starts, each):
+        def told(items: Iterable[Any], low: float, high: float, count: int, what: str) -> Any:
+            for i, item in enumerate(items):
+                tell(low + (high - low) * i / count, what)
+                yield item
+
+        def each_start(solve: Callable[[Release], Any], starts: list[Release]) -> Any:
+            return told(each(solve, starts), 0.9, 0.95, len(starts), "motions with rest")
+
+        for motion in _rest_motions(osc, r, clearance, load, starts, each_start):
             if len(motion.pattern) <= max_impacts:
                 _add(found, motion)
-        tell(0.95, "simulations")
-        periods = list(each(run, _spread_states(osc, r, clearance, load, states)))
+        ends = each(run, _spread_states(osc, r, clearance, load, states))
+        periods = list(told(ends, 0.95, 1.0, states, "simulations"))
     settled = 0
     for period in periods:
         if period is None or len(period.pattern) > max_impacts:
@@ -213,12 +220,21 @@ def find(
 
 def _add(found: list[Motion], motion: Motion) -> None:
     """Add a motion, and its mirror image where the walls are alike, unless they are there."""
-    images = [reduced(motion)]
-    if motion.osc.restitution[0] == motion.osc.restitution[1]:
-        images.append(mirror(turned(images[0])))
-    for image in images:
+    for image in images(motion):
         if not any(same(image, other) for other in found):
             found.append(turned(image))
+
+
+def images(motion: Motion) -> Iterator[Motion]:
+    """A motion, written once, and its mirror image where the walls are alike."""
+    once = reduced(motion)
+    yield once
+    if motion.osc.restitution[0] == motion.osc.restitution[1]:
+        try:
+            image = mirror(turned(once))
+        except SingularError:  # on the edge of convergence, as the motion itself
+            return
+        yield image
 
 
 def reduced(motion: Motion) -> Motion:

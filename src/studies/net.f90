@@ -11,6 +11,7 @@ module vi_net
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, line_spacing
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
+   use vi_tally, only: is_stopped
    implicit none (type, external)
    private
 
@@ -89,10 +90,12 @@ contains
    end subroutine add_seed
 
    !> Follows both lines through every node, until all have been.
-   pure subroutine cover(net, first)
+   subroutine cover(net, first, tally)
       type(net_type), intent(inout) :: net
       !> The first node whose lines may not have been followed.
       integer, intent(in) :: first
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       integer :: node, direction, way
 
       node = first
@@ -101,7 +104,7 @@ contains
             if (net%followed(direction, node)) cycle
             net%followed(direction, node) = .true.
             do way = -1, 1, 2
-               call follow_line(net, node, direction, way)
+               call follow_line(net, node, direction, way, tally)
             end do
          end do
          node = node + 1
@@ -109,10 +112,11 @@ contains
    end subroutine cover
 
    !> Follows a line from a node one way, until it leaves the window or what is physical.
-   pure subroutine follow_line(net, node, direction, way)
+   subroutine follow_line(net, node, direction, way, tally)
       type(net_type), intent(inout) :: net
       !> The parameter that changes along the line is `direction`.
       integer, intent(in) :: node, direction, way
+      integer, intent(inout), optional :: tally(3)
       type(curve_type) :: line
       type(place_type) :: before, now, next
       type(stride_type) :: stride
@@ -130,6 +134,7 @@ contains
       if (.not. good) return
       before = now
       do while (net%steps < most_steps)
+         if (is_stopped(tally)) return
          stride%longest = 0.8_wp*line_spacing(net%lines, direction, now%point(size(now%point)))
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1

@@ -4,6 +4,7 @@ import math
 import signal
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import vibroimpact as vi
 from scipy.optimize import brentq
 from shared_systems import FIGURE6, RIG
 from shared_zones import WINDOW, distance, random_points
+from vibroimpact import _core
 
 
 @pytest.fixture(scope="module")
@@ -235,6 +237,29 @@ def test_an_interrupt_is_heard_within_a_call():
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=60)
     assert said.splitlines()[-1] == "KeyboardInterrupt"
+
+
+def test_what_progress_raises_ends_the_search(monkeypatch):
+    """The core hears of it in the middle of a long call, and what it had by then is not called whole."""
+    core, ended, answers = _core.zone, threading.Event(), []
+
+    def watched(*arguments):
+        answers.append(core(*arguments))
+        ended.set()
+        return answers[-1]
+
+    def enough(*_):
+        raise RuntimeError("enough")
+
+    monkeypatch.setattr(_core, "zone", watched)
+    with pytest.raises(RuntimeError, match="enough"):
+        vi.zone(
+            vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.5), vi.Pattern("R*L*"), (0.5, 1.2),
+            (0.5, 10), lines=129, progress=enough,
+        )  # fmt: skip
+    assert ended.wait(60)
+    *_, work, _ = answers[0]
+    assert work[2] > 0
 
 
 @pytest.mark.parametrize("symmetric", ["yes", 2])
