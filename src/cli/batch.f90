@@ -38,7 +38,7 @@ contains
       type(log_type), intent(inout) :: log
       !> The one kind of cases that is run; without it, or if it is empty, all are.
       character(*), intent(in), optional :: only
-      !> As of vi_tally; of all but single motions and branches.
+      !> As of vi_tally; of all but single motions.
       integer, intent(inout), optional :: tally(3)
       type(case_type), allocatable :: cases(:)
       type(motion_type), allocatable :: motions(:)
@@ -83,7 +83,7 @@ contains
             call run_response(cases(i), folder, log, written, tally)
          case ('branch')
             call compute(cases(i), motions)
-            call run_branch(cases(i), motions, folder, log, written)
+            call run_branch(cases(i), motions, folder, log, written, tally)
          case default
             call compute(cases(i), motions)
             call write_results(cases(i), motions, folder, log, written)

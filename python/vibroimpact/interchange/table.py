@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -87,11 +87,7 @@ def motion_columns(motion: Motion, number: int = 1) -> Columns:
 
 def found_columns(found: Findings) -> Columns:
     """The rows of all motions, numbered."""
-    table: Columns = {}
-    for number, motion in enumerate(found.motions, start=1):
-        for name, values in motion_columns(motion, number).items():
-            table.setdefault(name, []).extend(values)
-    return table
+    return numbered(found.motions, motion_columns)
 
 
 def event_columns(run: Trajectory) -> Columns:
@@ -117,6 +113,15 @@ def branch_columns(branch: Branch, number: int = 1) -> Columns:
     table |= {"special": [""] * n, "detail": [""] * n}
     for point in branch.special_points:
         table["special"][point.index], table["detail"][point.index] = point.type, point.detail
+    return table
+
+
+def numbered(results: Sequence[Any], own: Callable[[Any, int], Columns]) -> Columns:
+    """The rows of several results, one after the other."""
+    table: Columns = {}
+    for number, result in enumerate(results, start=1):
+        for name, values in own(result, number).items():
+            table.setdefault(name, []).extend(values)
     return table
 
 
@@ -239,9 +244,9 @@ TABLES: dict[str, Any] = {
 }  # fmt: skip
 
 
-def notes(result: Any) -> list[str]:
+def notes(result: Any, number: int = 1) -> list[str]:
     """What the header tells beside the case; first of all that a study was cut short."""
-    return [*cut_of(result), *remarks_of(result)]
+    return [*cut_of(result), *remarks_of(result, number)]
 
 
 def cut_of(result: Any) -> list[str]:
@@ -254,8 +259,8 @@ def cut_of(result: Any) -> list[str]:
     return [f"cut short: {cut}"] if cut else []
 
 
-def remarks_of(result: Any) -> list[str]:
-    """What else it tells of a result."""
+def remarks_of(result: Any, number: int) -> list[str]:
+    """What else it tells of a result, which has a number if there are several."""
     name = type(result).__name__
     if name == "Trajectory":
         cut = [] if result.complete else ["cut short: max_events was reached"]
@@ -264,7 +269,7 @@ def remarks_of(result: Any) -> list[str]:
         )
         return [*cut, f"final state: t, x, x_dot, z, z_dot = {state}"]
     if name == "Branch":
-        return [f"branch 1: first end: {result.ends[0]}; last end: {result.ends[1]}"]
+        return [f"branch {number}: first end: {result.ends[0]}; last end: {result.ends[1]}"]
     if name == "Zone":
         return [] if result.closed else [f"{NOT_CLOSED} (its loop is 0)"]
     if name == "Atlas":
