@@ -158,14 +158,14 @@ def chart(
     checks.plain_pattern(pattern)
     if len(pattern) > MOST_IMPACTS:
         raise ParameterError(
-            f"pattern of {len(pattern)} impacts: at most {MOST_IMPACTS} are allowed in a chart"
+            f"pattern of {len(pattern)} impacts: must have at most {MOST_IMPACTS} in a chart"
         )
     axes = _axis(r, "r"), _axis(clearance, "clearance")
     points = axes[0].size * axes[1].size
     if points > MOST_POINTS:
         raise ParameterError(
-            f"r and clearance: {axes[0].size} x {axes[1].size} = {points} points; at most "
-            f"{MOST_POINTS} are allowed, make several charts"
+            f"r and clearance: {axes[0].size} x {axes[1].size} = {points} points; must be at "
+            f"most {MOST_POINTS}, make several charts"
         )
     check_symmetric(symmetric, osc, pattern)
     room = checks.integer(room, "room", 1, 32)

@@ -269,7 +269,7 @@ def test_bad_input(arguments, words):
 def test_bad_motion():
     with pytest.raises(vi.errors.ParameterTypeError, match="motion = 3"):
         vi.branch(3, bounds=(1, 2))
-    with pytest.raises(vi.errors.ParameterError, match="needs R1 = R2"):
+    with pytest.raises(vi.errors.ParameterError, match="must go with R1 = R2"):
         vi.branch(triple_motion(), "restitution", (0.1, 0.9))
 
 

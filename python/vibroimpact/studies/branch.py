@@ -368,7 +368,7 @@ def checked_bounds(motion: Motion, parameter: str, bounds: Any) -> tuple[float, 
         )
     if parameter == "restitution" and right != left:
         raise ParameterError(
-            f"parameter = 'restitution': needs R1 = R2, not {right!r} and {left!r}"
+            f"parameter = 'restitution': must go with R1 = R2, not with {right!r} and {left!r}"
         )
     start = {
         "r": motion.r, "clearance": motion.clearance, "xi": motion.osc.xi, "mu": motion.osc.mu,
