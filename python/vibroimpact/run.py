@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, checks
-from .chart import chart
+from .chart import ChartArrays, chart, chart_arrays
 from .errors import ParameterError, SingularError, StudyInterrupted
 from .interrupt import interruptible, new_tally
 from .model import Oscillator, Pattern
@@ -145,14 +145,23 @@ class Case(NamedTuple):
 
     def chart(self) -> Any:
         """The dataset of a chart that a &chart case asks for."""
+        return chart(**self._charted())
+
+    def chart_arrays(self) -> ChartArrays:
+        """The same as plain arrays, without xarray."""
+        return chart_arrays(**self._charted())
+
+    def _charted(self) -> dict[str, Any]:
+        """The system, the pattern, the grid and the search of a chart."""
         keys = self.keys
-        return chart(
-            self.osc, Pattern(keys["sides"], keys["cycles"]),
-            spaced(keys["r_min"], keys["r_max"], keys["r_points"]),
-            spaced(keys["clearance_min"], keys["clearance_max"], keys["clearance_points"], keys["spacing"]),
-            {"yes": True, "no": False, "both": None}[keys["symmetric"]], room=keys["room"],
-            guesses=keys["guesses"], seeds=keys["seeds"],
-        )  # fmt: skip
+        names = ("clearance_min", "clearance_max", "clearance_points", "spacing")
+        return {
+            "osc": self.osc, "pattern": Pattern(keys["sides"], keys["cycles"]),
+            "r": spaced(keys["r_min"], keys["r_max"], keys["r_points"]),
+            "clearance": spaced(*(keys[name] for name in names)),
+            "symmetric": {"yes": True, "no": False, "both": None}[keys["symmetric"]],
+            **{name: keys[name] for name in ("room", "guesses", "seeds")},
+        }  # fmt: skip
 
     def zone(self, progress: Callable[[float, str], None] | None = None) -> Zone:
         """The zone that a &zone case asks for."""

@@ -70,17 +70,19 @@ def same_chart(one, other):
 
 @pytest.mark.parametrize("words", [["run"], ["chart"], ["chart", "--json"]])
 def test_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
-    """The table is there all the same; that there is no picture is said, and what it needs."""
+    """Table and picture are there all the same; only netCDF needs it, which is said."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "case.nml", kinds()["chart"])
-    assert main(["chart", "case.nml", "-o", "with"]) == 0
+    assert main(["chart", "case.nml", "--plot", "svg", "-o", "with"]) == 0
     monkeypatch.setitem(sys.modules, "xarray", None)
     capsys.readouterr()
-    assert main([*words, "case.nml", "--plot", "-o", "without"]) == 1
-    assert capsys.readouterr().err == (
-        "case: no picture: charts need xarray: pip install 'vibroimpact[data]' (xarray, h5netcdf and h5py)\n"
-    )
+    assert main([*words, "case.nml", "--plot", "svg", "-o", "without"]) == 0
     assert contents(tmp_path / "without") == contents(tmp_path / "with")
+    capsys.readouterr()
+    assert main(["plot", "case.nml", "--format", "svg", "-o", "drawn"]) == 0
+    assert main(["chart", "case.nml", "--format", "netcdf", "-o", "netcdf"]) == 1
+    assert "netCDF files need xarray: pip install 'vibroimpact[data]'" in capsys.readouterr().err
+    assert list(contents(tmp_path / "netcdf")) == []
 
 
 @pytest.mark.parametrize(("change", "said"), [
@@ -148,7 +150,7 @@ def test_computed_once(kind, tmp_path, monkeypatch):
     assert vi.run_namelists([path], tmp_path / "core").status == 0
     module = importlib.import_module("vibroimpact.run")
     calls = []
-    function = "bifurcation_diagram" if kind == "bifurcation" else kind
+    function = {"bifurcation": "bifurcation_diagram", "chart": "chart_arrays"}.get(kind, kind)
     ours = getattr(module, function)
     monkeypatch.setattr(module, function, lambda *a, **k: calls.append("python") or ours(*a, **k))
     monkeypatch.setattr(

@@ -15,13 +15,12 @@ from typing import Any
 
 from ..errors import (
     ChartInterrupted,
-    MissingExtraError,
     ParameterError,
     SingularError,
     StudyInterrupted,
 )
 from ..files import write_text
-from ..interchange.dataset import chart_to_dict, xarray
+from ..interchange.dataset import chart_to_dict
 from ..interchange.result import save_chart
 from ..interchange.table import (
     branch_columns,
@@ -72,7 +71,7 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
         spare_inputs(options, case, folder)
     with ready(folder) if cases else contextlib.nullcontext():
         for case in cases:
-            if case.kind in WORDS and not only_table(options, case):
+            if case.kind in WORDS:
                 status = max(status, finish(options, case, folder, save, details))
             else:
                 status = max(status, shorter(options, case, folder, save))
@@ -139,16 +138,6 @@ def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
                     )
 
 
-def only_table(options: argparse.Namespace, case: Case) -> bool:
-    """Whether it is a chart of which no more than the table can be had, for want of xarray."""
-    if case.kind == "chart" and options.format == "csv":
-        try:
-            xarray()
-        except MissingExtraError:
-            return True
-    return False
-
-
 def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -> int:
     """Leave the table and the words of a case to the compiled program, and make the rest of it anew.
 
@@ -166,11 +155,7 @@ def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -
     results = []
     if log.results:
         with Progress(case.name) as bar:
-            try:
-                results = interruptible(case.run, watch=partial(bar.show, 0.0))
-            except MissingExtraError as error:
-                options.record.fault(f"{case.name}: no picture: {error}")
-                return max(log.status, 1)
+            results = interruptible(case.run, watch=partial(bar.show, 0.0))
     put(options, case, results, folder, save)
     return log.status
 
@@ -181,14 +166,18 @@ def finish(
     """Compute a case that takes its time, say what came out, write and draw it."""
     stopped, record = False, options.record
     lost: list[str] = []
+    results: list[Any]
     with Progress(case.name) as bar:
         try:
-            branches = case.kind == "branch"
-            results = case.branches(bar.show, lost) if branches else case.run(bar.show)
+            if case.kind == "branch":
+                results = case.branches(bar.show, lost)
+            else:
+                results = [case.chart_arrays()] if case.kind == "chart" else case.run(bar.show)
         except ChartInterrupted as stop:  # as far as it came
             results, stopped = [stop.chart], True
         except StudyInterrupted as stop:
-            results, stopped = stop.result if branches else [stop.result], True
+            results = stop.result if isinstance(stop.result, list) else [stop.result]
+            stopped = True
         except SingularError as error:
             record.fault(f"{case.name}: {singular(case, error)}")
             return 1

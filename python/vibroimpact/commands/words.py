@@ -82,13 +82,15 @@ def atlas_words(atlas: Any) -> Words:
 def chart_words(data: Any) -> Words:
     """Motions and points."""
     what = f"{data.attrs['sides']}/{data.attrs['cycles']}"
-    there = data.status == 0
-    if not bool(there.any()):
+    there = data["status"].values == 0
+    if not there.any():
         return [], [f"no motion {what} was found anywhere in the window"], False
-    good = (data.consistent == 1) & (data.admissible == 1) & (data.stable == 1)
+    good = np.all(
+        [data[name].values == 1 for name in ("consistent", "admissible", "stable")], axis=0
+    )
     return [
-        f"{int(there.sum())} motions {what} at {int(there.any('motion').sum())} of "
-        f"{there.sizes['r'] * there.sizes['clearance']} points, {int(good.sum())} admissible and stable"
+        f"{there.sum()} motions {what} at {there.any(axis=0).sum()} of {there[0].size} points, "
+        f"{good.sum()} admissible and stable"
     ], [], True  # fmt: skip
 
 

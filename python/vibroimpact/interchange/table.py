@@ -180,19 +180,18 @@ def atlas_columns(atlas: Atlas) -> Columns:
 
 def chart_columns(data: Any) -> Columns:
     """One row a motion of a chart, all motions of a point together."""
-    order = ("r", "clearance", "motion")
-    status = data["status"].transpose(*order).values
+    status = data["status"].values.T  # r, clearance, motion
     i, j, k = np.nonzero(status != NO_MOTION)
     table: Columns = {
         "r": data["r"].values[i].tolist(), "clearance": data["clearance"].values[j].tolist(),
         "slot": (k + 1).tolist(),
     }  # fmt: skip
     for name in ("consistent", "admissible", "stable"):
-        values = data[name].transpose(*order).values[i, j, k]
+        values = data[name].values.T[i, j, k]
         table[name] = [VERDICT[code] for code in values.tolist()]
-    leading = data["multiplier_modulus"][0].transpose(*order).values[i, j, k]
+    leading = data["multiplier_modulus"].values[0].T[i, j, k]
     table["multiplier_1_modulus"] = leading.tolist()
-    table["x_max"] = data["x_max"].transpose(*order).values[i, j, k].tolist()
+    table["x_max"] = data["x_max"].values.T[i, j, k].tolist()
     return table | {"status": status[i, j, k].tolist()}
 
 
@@ -253,9 +252,8 @@ def cut_of(result: Any) -> list[str]:
     """How far a study or a chart came that Ctrl-C cut short; nothing of any other result."""
     cut = getattr(result, "cut", "")
     if hasattr(result, "attrs") and not result.attrs.get("complete", 1):
-        status = result["status"]
-        reached = int((status != NOT_COMPUTED).any("motion").sum())
-        cut = f"{reached} of {status.sizes['r'] * status.sizes['clearance']} points were reached"
+        reached = (result["status"].values != NOT_COMPUTED).any(axis=0)
+        cut = f"{reached.sum()} of {reached.size} points were reached"
     return [f"cut short: {cut}"] if cut else []
 
 
