@@ -450,15 +450,17 @@ end subroutine zone
 !! `c` and the rows of `parameters` are r, D, xi, mu, R1, R2; of `special`: kind of the condition
 !! that is zero (0: none), index, side.
 subroutine branch(n, c, parameter, tied, bounds, cycles, sides, symmetric, x, theta, longest, &
-   room, parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, &
-   reasons, status)
+   room, tally, parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, &
+   n_points, reasons, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
-   use vi_branch_table, only: branch_arrays, branch_request_type
+   use vi_branch_table, only: branch_arrays, branch_request_type, branch_work
    use vi_pattern, only: pattern_type
+   use vi_tally, only: add_sight
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n, parameter, tied, cycles, sides(n), symmetric, room
    real(c_double), intent(in) :: c(6), bounds(2), x(n), theta(n), longest
+   integer(c_int), intent(inout) :: tally(3)
    real(c_double), intent(out) :: parameters(6, room), phases(n, room), impacts(n, 6, room), &
       scalars(6, room)
    complex(c_double_complex), intent(out) :: multipliers(4, room)
@@ -468,9 +470,10 @@ subroutine branch(n, c, parameter, tied, bounds, cycles, sides, symmetric, x, th
 
    log_c = c
    log_c(2) = log(c(2))
+   call add_sight(branch_work, tally)
    call branch_arrays(branch_request_type(pattern_type(sides, cycles), symmetric /= 0, log_c, &
       parameter, tied /= 0, bounds, longest), [x/c(2), theta], parameters, phases, impacts, &
-      scalars, multipliers, verdicts, codes, special, n_points, reasons, status)
+      scalars, multipliers, verdicts, codes, special, n_points, reasons, status, tally)
 end subroutine branch
 
 !> Both equispaced motions at each (clearance, r) of a grid; rows as in vi_chart.

@@ -315,6 +315,7 @@ class _Branch(Protocol):
         theta: ArrayLike,
         longest: float,
         room: int,
+        tally: _Integer,
         n: int = ...,
     ) -> tuple[
         _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -23,6 +24,41 @@ MOST_POINTS, MOST_NUMBERS = 1_000_000, 100_000_000
 MOST_IMPACTS = 12
 #: Motions of the equispaced pair computed between two looks at the keyboard.
 CHUNK = 60_000
+
+
+class Variable(NamedTuple):
+    """An array with names of its axes, what it is and its unit."""
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class ChartArrays:
+    """A chart without xarray: what of its dataset writing and drawing it need, by the same names.
+
+    Attributes
+    ----------
+    variables : dict
+        All variables, the coordinates last.
+    coords : list of str
+        Which of them are coordinates.
+    attrs : dict
+    """
+
+    variables: dict[str, Variable]
+    coords: list[str]
+    attrs: dict[str, Any]
+
+    def __getitem__(self, name: str) -> Variable:
+        return self.variables[name]
+
+    def dataset(self) -> Any:
+        """The same as an xarray.Dataset."""
+        own = {name: tuple(item) for name, item in self.variables.items()}
+        coords = {name: own.pop(name) for name in self.coords}
+        return _xarray().Dataset(own, coords, self.attrs)
 
 
 class Columns(NamedTuple):
@@ -153,19 +189,35 @@ def chart(
     >>> int(((data.admissible == 1) & (data.stable == 1)).any("motion").sum())
     107
     """
-    xarray = _xarray()
+    _xarray()
+    try:
+        arrays = chart_arrays(
+            osc, pattern, r, clearance, symmetric, multipliers=multipliers, room=room, guesses=guesses,
+            seeds=seeds, threads=threads, progress=progress,
+        )  # fmt: skip
+    except ChartInterrupted as stop:
+        raise ChartInterrupted(str(stop), stop.chart.dataset()) from None
+    return arrays.dataset()
+
+
+def chart_arrays(
+    osc: Oscillator, pattern: Pattern, r: ArrayLike, clearance: ArrayLike, symmetric: bool | None = None, *,
+    multipliers: bool = True, room: int = 4, guesses: int = 32, seeds: int = 12, threads: int | None = None,
+    progress: bool | None = None,
+) -> ChartArrays:  # fmt: skip
+    """The same as plain arrays."""
     checks.instance(osc, "osc", Oscillator)
     checks.plain_pattern(pattern)
     if len(pattern) > MOST_IMPACTS:
         raise ParameterError(
-            f"pattern of {len(pattern)} impacts: at most {MOST_IMPACTS} are allowed in a chart"
+            f"pattern of {len(pattern)} impacts: must have at most {MOST_IMPACTS} in a chart"
         )
     axes = _axis(r, "r"), _axis(clearance, "clearance")
     points = axes[0].size * axes[1].size
     if points > MOST_POINTS:
         raise ParameterError(
-            f"r and clearance: {axes[0].size} x {axes[1].size} = {points} points; at most "
-            f"{MOST_POINTS} are allowed, make several charts"
+            f"r and clearance: {axes[0].size} x {axes[1].size} = {points} points; must be at "
+            f"most {MOST_POINTS}, make several charts"
         )
     check_symmetric(symmetric, osc, pattern)
     room = checks.integer(room, "room", 1, 32)
@@ -196,12 +248,11 @@ def chart(
             parts.append(part)
             found += counts
     columns = Columns(*(np.concatenate(items, axis=-3) for items in zip(*parts, strict=True)))
-    data = _dataset(xarray, task, columns, found)
+    data = _labelled(task, columns, found)
     words = {True: "symmetric", False: "not symmetric", None: "all"}
-    data.attrs |= {
-        "motions": words[symmetric], "room": room, "guesses": guesses, "seeds": seeds,
-        "complete": int(complete),
-    }  # fmt: skip
+    data.attrs.update(
+        motions=words[symmetric], room=room, guesses=guesses, seeds=seeds, complete=int(complete)
+    )
     if not complete:
         raise ChartInterrupted(
             "the chart was stopped; what was computed is the attribute `chart` of this exception",
@@ -280,7 +331,7 @@ def _flood(
     return columns, counts[1], complete
 
 
-def _dataset(xarray: Any, task: Task, columns: Columns, found: NDArray[np.int32]) -> Any:
+def _labelled(task: Task, columns: Columns, found: NDArray[np.int32]) -> ChartArrays:
     """The results with names, units and all parameters."""
     osc, grid = task.osc, ("motion", "clearance", "r")
     with np.errstate(divide="ignore"):
@@ -316,29 +367,28 @@ def _dataset(xarray: Any, task: Task, columns: Columns, found: NDArray[np.int32]
     for i, name in enumerate(("consistent", "admissible", "stable")):
         values = columns.verdicts[i].astype(np.int8)
         variables[name] = (grid, values, "1", f"whether the motion is {name}", verdict)
-    data = xarray.Dataset(
-        {
-            name: (dims, np.ascontiguousarray(values), {"long_name": text, "units": unit, **more})
-            for name, (dims, values, unit, text, more) in variables.items()
-        },
-        coords={
-            "r": ("r", task.r, {"long_name": "frequency ratio Omega/omega", "units": "1"}),
-            "clearance": ("clearance", task.clearance, {"long_name": "d K/F0", "units": "1"}),
-            "side": (
-                "impact", task.pattern.letters, {"long_name": "wall of the impact, right or left"},
-            ),
-        },
-    )  # fmt: skip
+    letters = np.array(task.pattern.letters)
+    coords = {
+        "r": Variable(("r",), task.r, {"long_name": "frequency ratio Omega/omega", "units": "1"}),
+        "clearance": Variable(("clearance",), task.clearance, {"long_name": "d K/F0", "units": "1"}),
+        "side": Variable(("impact",), letters, {"long_name": "wall of the impact, right or left"}),
+    }  # fmt: skip
+    named = {
+        name: Variable(
+            dims, np.ascontiguousarray(values), {"long_name": text, "units": unit, **more}
+        )
+        for name, (dims, values, unit, text, more) in variables.items()
+    }
     from . import __version__
 
-    data.attrs = {
+    attributes = {
         "title": f"motions {task.pattern.sides}/{task.pattern.cycles} of a vibrating system with impacts",
         "xi": osc.xi, "mu": osc.mu, "R1": osc.restitution[0], "R2": osc.restitution[1],
         "sides": task.pattern.sides, "cycles": task.pattern.cycles, "load": 1.0,
         "units": "length in F0/K, time in 1/omega, angles in radians",
         "source": f"vibroimpact {__version__}", "result": "Chart",
     }  # fmt: skip
-    return data
+    return ChartArrays(named | coords, list(coords), attributes)
 
 
 def _axis(values: ArrayLike, name: str) -> NDArray[np.float64]:

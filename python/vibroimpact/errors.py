@@ -49,7 +49,7 @@ class ChartInterrupted(KeyboardInterrupt):
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """Ctrl-C in `basins`, `bifurcation_diagram`, `lyapunov` or `response`; `result` holds what was finished."""
+    """Ctrl-C in `branch`, `basins`, `bifurcation_diagram`, `lyapunov` or `response`: `result` is what was done."""
 
     def __init__(self, result: Any) -> None:
         super().__init__("stopped; what was finished is the attribute `result` of this exception")

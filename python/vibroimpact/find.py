@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,8 @@ from . import _core, checks
 from .errors import SingularError
 from .model import Oscillator, Pattern
 from .motion import Motion
-from .newton import TWO_PI, lag, newton, release_motion, rest_motion, settle
+from .newton import Period, lag, newton, release_motion, rest_motion, settle
+from .states import TWO_PI
 
 __all__ = ["FoundMotions", "Search", "find"]
 
@@ -30,6 +32,15 @@ FEW_EVENTS = 200
 LITTLE = 10_000
 #: A release from rest: load cycles of the motion, side, and (phase, v).
 Release = tuple[int, int, NDArray[np.float64]]
+
+
+class Point(NamedTuple):
+    """Where to search."""
+
+    osc: Oscillator
+    r: float
+    clearance: float
+    load: float
 
 
 @dataclass(frozen=True)
@@ -144,78 +155,96 @@ def find(
     states = checks.integer(states, "states", 0, 10**6)
     settling = checks.integer(settling, "settling", 0, 10**7)
     releases = checks.integer(releases, "releases", 0, 10**6)
-    found: list[Motion] = []
+    tell = progress or (lambda share, what: None)
     patterns = list(
         side_patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1])
     )
-    tried = inadmissible = 0
-    tell = progress or (lambda share, what: None)
-    # a pattern takes about as long as the square of its impacts
-    work, done = sum(len(pattern) ** 2 for pattern in patterns), 0
     starts = list(_spread_releases(osc, r, clearance, load, max_cycles, releases))
-    effort = guesses * work + 10 * len(starts) + states * settling
+    point = Point(osc, r, clearance, load)
+    found: list[Motion] = []
+    effort = guesses * _work(patterns) + 10 * len(starts) + states * settling
     with ThreadPoolExecutor() as pool:
         each: Any = map if effort < LITTLE else pool.map
-
-        def search(pattern: Pattern) -> tuple[Pattern, NDArray[np.float64], int, int]:
-            return pattern, *_core.search_pattern(
-                osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs,
-                guesses,
-                ROOM,
-            )  # fmt: skip
-
-        for pattern, columns, n, started in each(search, patterns):
-            tried += started
-            done += len(pattern) ** 2
-            tell(0.9 * (done / work), f"{pattern.sides}/{pattern.cycles}")
-            for column in columns[:, :n].T:
-                x, theta = column[: len(pattern)], column[len(pattern) :]
-                try:
-                    motion = newton(osc, r, clearance, load, pattern, x, theta)
-                except SingularError:  # on the edge of convergence (mu = 0): no motion to vouch for
-                    continue
-                if not (motion.admissible and motion.consistent):
-                    inadmissible += 1
-                    continue
-                _add(found, motion)
-
-        def run(state: dict[str, float]) -> Any:
-            return settle(osc, r, clearance, load, state, settling, max_cycles)
-
-        def told(items: Iterable[Any], low: float, high: float, count: int, what: str) -> Any:
-            for i, item in enumerate(items):
-                tell(low + (high - low) * i / count, what)
-                yield item
+        tried, inadmissible = _search_patterns(point, patterns, guesses, each, found, tell)
 
         def each_start(solve: Callable[[Release], Any], starts: list[Release]) -> Any:
-            return told(each(solve, starts), 0.9, 0.95, len(starts), "motions with rest")
+            return _told(each(solve, starts), tell, (0.9, 0.95), len(starts), "motions with rest")
 
-        for motion in _rest_motions(osc, r, clearance, load, starts, each_start):
+        for motion in _rest_motions(*point, starts, each_start):
             if len(motion.pattern) <= max_impacts:
                 _add(found, motion)
-        ends = each(run, _spread_states(osc, r, clearance, load, states))
-        periods = list(told(ends, 0.95, 1.0, states, "simulations"))
-    settled = 0
-    for period in periods:
-        if period is None or len(period.pattern) > max_impacts:
-            continue
-        settled += 1
-        try:
-            if period.pattern.has_rest:
-                motion = rest_motion(osc, r, clearance, load, period.pattern.cycles, period.events)
-            else:
-                letters = period.letters
-                phases = np.cumsum(np.diff(letters["time"], prepend=letters["time"][0])) * r
-                theta = phases + letters["phase"][0] - lag(osc, r)
-                motion = newton(osc, r, clearance, load, period.pattern, letters["x"], theta)
-        except SingularError:
-            continue
-        if motion.admissible:
-            _add(found, motion)
+        ends = each(
+            lambda state: settle(*point, state, settling, max_cycles),
+            _spread_states(*point, states),
+        )
+        ends = list(_told(ends, tell, (0.95, 1.0), states, "simulations"))
+        settled = [end for end in ends if end is not None and len(end.pattern) <= max_impacts]
+    for period in settled:
+        with contextlib.suppress(SingularError):
+            motion = _period_motion(point, period)
+            if motion.admissible:
+                _add(found, motion)
     found.sort(key=_order)
     return FoundMotions(
-        found, Search(len(patterns), tried, inadmissible, states, settled, len(starts))
+        found, Search(len(patterns), tried, inadmissible, states, len(settled), len(starts))
     )
+
+
+def _told(
+    items: Iterable[Any], tell: Callable[[float, str], None], shares: tuple[float, float], count: int,
+    what: str,
+) -> Iterable[Any]:  # fmt: skip
+    """Items one by one, each told as its part of the way from one share of the work to another."""
+    low, high = shares
+    for i, item in enumerate(items):
+        tell(low + (high - low) * i / count, what)
+        yield item
+
+
+def _work(patterns: Iterable[Pattern]) -> int:
+    """How long patterns take: each about as long as the square of its impacts."""
+    return sum(len(pattern) ** 2 for pattern in patterns)
+
+
+def _search_patterns(
+    point: Point, patterns: list[Pattern], guesses: int, each: Any, found: list[Motion],
+    tell: Callable[[float, str], None],
+) -> tuple[int, int]:  # fmt: skip
+    """Add the motions of some patterns; gives the number of guesses and of inadmissible solutions."""
+    osc, r, clearance, load = point
+
+    def search(pattern: Pattern) -> tuple[Pattern, NDArray[np.float64], int, int]:
+        return pattern, *_core.search_pattern(
+            osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, guesses,
+            ROOM,
+        )  # fmt: skip
+
+    tried = inadmissible = done = 0
+    for pattern, columns, n, started in each(search, patterns):
+        tried += started
+        done += _work([pattern])
+        tell(0.9 * (done / _work(patterns)), f"{pattern.sides}/{pattern.cycles}")
+        for column in columns[:, :n].T:
+            x, theta = column[: len(pattern)], column[len(pattern) :]
+            try:
+                motion = newton(*point, pattern, x, theta)
+            except SingularError:  # on the edge of convergence (mu = 0): no motion to vouch for
+                continue
+            if motion.admissible and motion.consistent:
+                _add(found, motion)
+            else:
+                inadmissible += 1
+    return tried, inadmissible
+
+
+def _period_motion(point: Point, period: Period) -> Motion:
+    """The exact motion that a simulation has settled on."""
+    if period.pattern.has_rest:
+        return rest_motion(*point, period.pattern.cycles, period.events)
+    letters = period.letters
+    phases = np.cumsum(np.diff(letters["time"], prepend=letters["time"][0])) * point.r
+    theta = phases + letters["phase"][0] - lag(point.osc, point.r)
+    return newton(*point, period.pattern, letters["x"], theta)
 
 
 def _add(found: list[Motion], motion: Motion) -> None:

@@ -56,8 +56,9 @@ class Oscillator:
     xi: float
     mu: float
     restitution: tuple[float, float]
-    #: Primary mass and stiffness in physical units, where `from_dimensional` was told them.
+    #: Primary mass in physical units, where `from_dimensional` was told it.
     M: float | None = field(default=None, repr=False, compare=False, kw_only=True)
+    #: Stiffness in physical units, where `from_dimensional` was told it.
     K: float | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     def __init__(
@@ -70,7 +71,7 @@ class Oscillator:
         K: float | None = None,
     ) -> None:
         if (M is None) != (K is None):
-            raise ParameterError(f"M = {M!r}, K = {K!r}: give both or neither")
+            raise ParameterError(f"M = {M!r}, K = {K!r}: must be both given, or neither")
         values: dict[str, Any] = {
             "xi": checks.number(xi, "xi"),
             "mu": checks.number(mu, "mu"),
@@ -133,7 +134,7 @@ class Oscillator:
         """
         if self.M is None or self.K is None:
             raise ParameterError(
-                "M = None: units need the primary mass and stiffness; make the oscillator with "
+                "M = None: must be the primary mass for units; make the oscillator with "
                 "Oscillator.from_dimensional(M, K, C, m, restitution)"
             )
         return Units(self.M, self.K, _positive(F0, "F0"))
@@ -273,7 +274,7 @@ class Pattern:
             )
         if len(letters) > checks.MAX_IMPACTS:
             raise ParameterError(
-                f"sides of {len(letters)} letters: at most {checks.MAX_IMPACTS} are allowed"
+                f"sides of {len(letters)} letters: must be at most {checks.MAX_IMPACTS}"
             )
         object.__setattr__(self, "sides", sides)
         object.__setattr__(

@@ -14,12 +14,12 @@ from .events import event_table, segments
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .solve import frozen, impact_restitution, periodic
+from .states import TWO_PI
 from .status import VERDICT, raise_status
 from .trajectory import Trajectory, simulate
 
 __all__ = ["exact"]
 
-TWO_PI = 2 * math.pi
 MOST_ITERATIONS = 50
 #: Impacts and rests that a period of a motion with rest may have.
 REST_EVENTS = 20_000
@@ -43,22 +43,21 @@ def exact(
 ) -> Motion:
     """The exact periodic motion near a guess, by Newton's method with the analytic derivative.
 
-    Without rest the unknowns are the N positions and N phases of the impacts. With accumulation and
-    rest they are the phase and velocity at a release, a fixed point of the return map there.
+    Without rest the unknowns are the N positions and N phases of the impacts. With accumulation and rest they are
+    the phase and velocity at a release, a fixed point of the return map there.
 
     Parameters
     ----------
     osc, r, clearance, load
         As in `simulate`.
     guess : Motion, Trajectory or (phases, Pattern)
-        A motion at other parameters; a trajectory whose last cycles are about periodic; or impact
-        phases, for which the linear equations of 1983 give the rest of the guess.
+        A motion at other parameters; a trajectory whose last cycles are about periodic; or impact phases, for
+        which the linear equations of 1983 give the rest of the guess.
 
     Returns
     -------
     Motion
-        `admissible` is False if the equations are solved by a motion that would pass through a
-        wall.
+        `admissible` is False if the equations are solved by a motion that would pass through a wall.
 
     Raises
     ------
@@ -235,8 +234,8 @@ def letters_of(events: NDArray[Any]) -> tuple[list[str], NDArray[Any]]:
 def last_period(trajectory: Trajectory, most_cycles: int = 16, tolerance: float = 0.05) -> Period:
     """The shortest period, in load cycles, with which a trajectory ends.
 
-    The last k cycles are compared with the k before; the pattern has to be the same and the phases
-    within the tolerance.
+    The last k cycles are compared with the k before; the pattern has to be the same and the phases within the
+    tolerance.
     """
     events = trajectory.events
     r = trajectory.r

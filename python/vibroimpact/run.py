@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -12,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, checks
-from .chart import chart
-from .errors import ParameterError, SingularError
+from .chart import ChartArrays, chart, chart_arrays
+from .errors import ParameterError, SingularError, StudyInterrupted
 from .interrupt import interruptible, new_tally
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .newton import exact
 from .solve import equispaced, periodic
+from .status import NO_MOTION, status_text
 from .studies.atlas import Atlas, atlas
 from .studies.basins import Basins, basins
 from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
@@ -75,7 +75,7 @@ class Case(NamedTuple):
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """What the case asks for: its motions, branches, or one trajectory, zone, atlas or chart.
 
-        `progress` is as of `atlas`, and for simulations, zones, atlases and studies of attractors.
+        `progress` is as of `atlas`, and for all but motions and charts.
         """
         if self.kind in ("atlas", "zone", "lyapunov", "bifurcation", "response", "basins"):
             return [getattr(self, self.kind)(progress)]
@@ -84,7 +84,7 @@ class Case(NamedTuple):
         if self.kind in ("periodic", "equispaced", "exact"):
             return list(self.motions())
         if self.kind == "branch":
-            return list(self.branches())
+            return self.branches(progress)
         return [self.chart()]
 
     def to_namelist(self) -> str:
@@ -107,36 +107,61 @@ class Case(NamedTuple):
             motion = exact(self.osc, self.r, keys["clearance"], motion)
         return [motion]
 
-    def branches(self) -> list[Branch]:
-        """The branches that a &branch case asks for, one for each of its motions that can be followed."""
+    def branches(
+        self, progress: Callable[[float, str], None] | None = None, lost: list[str] | None = None
+    ) -> list[Branch]:
+        """The branches that a &branch case asks for, one for each of its motions that can be followed.
+
+        Why others cannot is added to the list `lost`. After Ctrl-C the `result` of `StudyInterrupted` is the list
+        of the branches so far.
+        """
         keys = self.keys
-        found = []
-        for motion in self.motions():
-            with contextlib.suppress(SingularError):
+        found: list[Branch] = []
+        reasons = [] if lost is None else lost
+        motions = self.motions()
+        if self.motion_kind == "equispaced" and len(motions) < 2:
+            reasons.append(status_text(NO_MOTION))
+        for i, motion in enumerate(motions):
+
+            def tell(share: float, what: str, done: int = i) -> None:
+                if progress is not None:
+                    progress((done + share) / len(motions), what)
+
+            try:
                 start = motion
                 if self.motion_kind != "exact":
                     start = exact(self.osc, self.r, motion.clearance, motion)
                 found.append(
                     branch(
-                        start,
-                        keys["parameter"],
-                        (keys["low"], keys["high"]),
-                        keys["longest_step"],
-                        keys["max_points"],
+                        start, keys["parameter"], (keys["low"], keys["high"]), keys["longest_step"],
+                        keys["max_points"], tell if progress is not None else None,
                     )
-                )
+                )  # fmt: skip
+            except SingularError as error:
+                reasons.append(str(error))
+            except StudyInterrupted as stop:
+                raise StudyInterrupted([*found, stop.result]) from None
         return found
 
     def chart(self) -> Any:
         """The dataset of a chart that a &chart case asks for."""
+        return chart(**self._charted())
+
+    def chart_arrays(self) -> ChartArrays:
+        """The same as plain arrays, without xarray."""
+        return chart_arrays(**self._charted())
+
+    def _charted(self) -> dict[str, Any]:
+        """The system, the pattern, the grid and the search of a chart."""
         keys = self.keys
-        return chart(
-            self.osc, Pattern(keys["sides"], keys["cycles"]),
-            spaced(keys["r_min"], keys["r_max"], keys["r_points"]),
-            spaced(keys["clearance_min"], keys["clearance_max"], keys["clearance_points"], keys["spacing"]),
-            {"yes": True, "no": False, "both": None}[keys["symmetric"]], room=keys["room"],
-            guesses=keys["guesses"], seeds=keys["seeds"],
-        )  # fmt: skip
+        names = ("clearance_min", "clearance_max", "clearance_points", "spacing")
+        return {
+            "osc": self.osc, "pattern": Pattern(keys["sides"], keys["cycles"]),
+            "r": spaced(keys["r_min"], keys["r_max"], keys["r_points"]),
+            "clearance": spaced(*(keys[name] for name in names)),
+            "symmetric": {"yes": True, "no": False, "both": None}[keys["symmetric"]],
+            **{name: keys[name] for name in ("room", "guesses", "seeds")},
+        }  # fmt: skip
 
     def zone(self, progress: Callable[[float, str], None] | None = None) -> Zone:
         """The zone that a &zone case asks for."""
@@ -265,7 +290,7 @@ def run_namelists(
     only : str, optional
         The one kind of cases to run; a file without any is then an input that is wrong.
     progress : callable, optional
-        Called a few times a second with the share done of the zones, atlases and studies of attractors begun.
+        Called a few times a second with the share done of the cases begun.
 
     Returns
     -------

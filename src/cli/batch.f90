@@ -3,8 +3,8 @@ module vi_batch
    use vi_case, only: read_cases
    use vi_case_type, only: case_type
    use vi_chain, only: equispaced_chain, exact_chain, periodic_chain
-   use vi_files, only: make_folder, same_file, write_file
-   use vi_log, only: done, failed, log_type, say, writable, write_table, wrong
+   use vi_files, only: make_folder, same_file, writable, write_file
+   use vi_log, only: done, failed, log_type, say, write_table, wrong
    use vi_motion, only: motion_type, yes
    use vi_pattern, only: side_letters
    use vi_periodic, only: linear_system_type
@@ -38,7 +38,7 @@ contains
       type(log_type), intent(inout) :: log
       !> The one kind of cases that is run; without it, or if it is empty, all are.
       character(*), intent(in), optional :: only
-      !> As of vi_tally; of all but single motions and branches.
+      !> As of vi_tally; of all but single motions.
       integer, intent(inout), optional :: tally(3)
       type(case_type), allocatable :: cases(:)
       type(motion_type), allocatable :: motions(:)
@@ -60,7 +60,7 @@ contains
       end if
       call make_folder(folder, message)
       if (len(message) > 0) then
-         call say(log, wrong, folder//': '//message//writable)
+         call say(log, wrong, folder//': '//message)
          return
       end if
       do i = 1, size(cases)
@@ -83,7 +83,7 @@ contains
             call run_response(cases(i), folder, log, written, tally)
          case ('branch')
             call compute(cases(i), motions)
-            call run_branch(cases(i), motions, folder, log, written)
+            call run_branch(cases(i), motions, folder, log, written, tally)
          case default
             call compute(cases(i), motions)
             call write_results(cases(i), motions, folder, log, written)

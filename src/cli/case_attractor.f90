@@ -14,7 +14,7 @@ module vi_case_attractor
    implicit none (type, external)
    private
 
-   public :: available_threads, check_number, check_start, check_whole, line_points
+   public :: available_threads, check_number, check_whole, line_points
    public :: parameter_values, take_bifurcation, take_lyapunov
 
    character(5), parameter :: coordinates(5) = [character(5) :: 't', 'x', 'x_dot', 'z', 'z_dot']

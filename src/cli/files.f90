@@ -61,9 +61,13 @@ module vi_files
       end subroutine c_free
    end interface
 
+   !> What is wanted of the place of results.
+   character(*), parameter, public :: writable = '; must be a folder and disk that can be written'
+
 contains
 
-   !> Makes a folder if it is not there, its parents included; `message` is empty if it is there.
+   !> Makes a folder if it is not there, its parents included; `message` is empty if it is there,
+   !! and else says why not, and what is wanted.
    subroutine make_folder(path, message)
       character(*), intent(in) :: path
       character(:), allocatable, intent(out) :: message
@@ -77,8 +81,15 @@ contains
       end do
       ignored = c_mkdir(path//c_null_char, int(o'777', c_int))
       if (is_folder(path)) return
-      inquire (file=path, exist=taken)
-      message = trim(merge('is a file     ', 'cannot be made', taken))
+      message = 'cannot be made'//writable
+      do i = 2, len(path) + 1
+         if (i <= len(path)) then
+            if (path(i:i) /= '/') cycle
+         end if
+         inquire (file=path(:i - 1), exist=taken)
+         if (taken) taken = .not. is_folder(path(:i - 1))
+         if (taken) message = path(:i - 1)//' is a file; must be a folder'
+      end do
    end subroutine make_folder
 
    !> Whether there is a folder of this name.

@@ -1,6 +1,6 @@
 !> What is said while files run, and the results on their way to the disk.
 module vi_log
-   use vi_files, only: write_file
+   use vi_files, only: writable, write_file
    use vi_text, only: append, line_type, printable
    implicit none (type, external)
    private
@@ -21,8 +21,6 @@ module vi_log
       !> The worst so far: `done`, `failed` or `wrong`.
       integer :: status = done
    end type log_type
-
-   character(*), parameter, public :: writable = '; must be a folder and disk that can be written'
 
 contains
 

@@ -13,7 +13,7 @@ module vi_namelist
    public :: scan_namelist
 
    !> `key = value` as it stands in the file.
-   type, public :: assignment_type
+   type :: assignment_type
       !> Lower case, with its subscript if it has one, and without.
       character(:), allocatable :: target, key
       character(:), allocatable :: value

@@ -1,6 +1,7 @@
 !> Branches as CSV: one row a point.
 module vi_report_branch
-   use vi_branch, only: end_bound, end_closed, end_full, end_repetition
+   use vi_branch, only: end_bound, end_closed, end_full, end_repetition, &
+      end_stopped
    use vi_branch_of, only: points_type
    use vi_case_type, only: case_type
    use vi_condition_names, only: condition_detail, condition_name
@@ -96,6 +97,8 @@ contains
          text = 'closed'
       case (end_full)
          text = 'full'
+      case (end_stopped)
+         text = 'stopped'
       case default
          text = 'cannot be followed'
       end select

@@ -2,6 +2,7 @@
 module vi_run_branch
    use vi_branch, only: end_full, end_stuck
    use vi_branch_of, only: branch_of, points_type
+   use vi_branch_table, only: branch_work
    use vi_case_branch, only: parameter_place
    use vi_case_type, only: case_type
    use vi_chain, only: refine
@@ -9,6 +10,7 @@ module vi_run_branch
    use vi_motion, only: motion_type
    use vi_report_branch, only: branch_lines, end_text, special_name
    use vi_status, only: stat, status_text
+   use vi_tally, only: add_sight, add_work
    use vi_text, only: line_type, whole
    implicit none (type, external)
    private
@@ -18,7 +20,7 @@ module vi_run_branch
 contains
 
    !> Follows the branches of the motions of a case and writes their points.
-   subroutine run_branch(case, motions, folder, log, written)
+   subroutine run_branch(case, motions, folder, log, written, tally)
       type(case_type), intent(in) :: case
       !> The motions of its &motion.
       type(motion_type), intent(in) :: motions(:)
@@ -26,6 +28,8 @@ contains
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(points_type), allocatable :: branches(:)
       type(line_type), allocatable :: lines(:)
       type(motion_type) :: start
@@ -36,6 +40,7 @@ contains
       call parameter_place(case%parameter, place, tied)
       allocate (branches(size(motions)))
       n = 0
+      call add_sight(branch_work*size(motions), tally)
       do i = 1, size(motions)
          start = motions(i)
          if (start%status == stat%ok .and. case%motion_kind /= 'exact') then
@@ -46,11 +51,12 @@ contains
             if (i == 1 .or. any(motions%status == stat%ok)) then
                call say(log, failed, case%name//': '//status_text(start%status))
             end if
+            call add_work(branch_work, tally)
             cycle
          end if
          n = n + 1
          call branch_of(start, place, tied, case%bounds, case%longest_step, case%max_points, &
-            branches(n))
+            branches(n), tally)
          if (branches(n)%n > 0) cycle
          call say(log, failed, case%name// &
             ': the branch cannot be followed from this motion: it is at a singular point')

@@ -15,7 +15,7 @@ module vi_attractor_catalogue
    public :: label_states
 
    !> Attractors at most: without damping every state may have its own.
-   integer, parameter, public :: most_attractors = 1000
+   integer, parameter :: most_attractors = 1000
    !> Rounds in which motions become known; they go on while they decide a share at least.
    integer, parameter :: rounds = 16
    real(wp), parameter :: lively = 0.02_wp

@@ -16,7 +16,7 @@ module vi_attractor_settled
    implicit none (type, external)
    private
 
-   public :: settle_chains, settle_on, settled_type
+   public :: settle_chains
 
    !> Events kept of a simulation, and events in which a simulation has to be done.
    integer, parameter :: room = 4096, most_events = 50000000

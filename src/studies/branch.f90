@@ -10,6 +10,7 @@ module vi_branch
    use vi_frame, only: condition_type, edge, grazing, repetition, wrap_phases, zero_approach
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
+   use vi_tally, only: is_stopped, tell_share
    implicit none (type, external)
    private
 
@@ -17,7 +18,7 @@ module vi_branch
 
    !> Why a branch ends.
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
-      end_full = 5
+      end_full = 5, end_stopped = 6
 
    !> One way along a family, from its start.
    type, public :: branch_type
@@ -33,7 +34,7 @@ module vi_branch
 contains
 
    !> Follows a family one way from a point, until it leaves the bounds of the parameter.
-   pure subroutine follow_branch(curve, stride, point, way, most, branch)
+   subroutine follow_branch(curve, stride, point, way, most, branch, work, told, tally)
       !> With one active parameter and edges at its bounds.
       type(curve_type), intent(in) :: curve
       type(stride_type), intent(in) :: stride
@@ -42,6 +43,10 @@ contains
       integer, intent(in) :: way
       integer, intent(in) :: most
       type(branch_type), intent(out) :: branch
+      !> As of vi_tally.
+      integer, intent(in) :: work
+      integer, intent(inout) :: told
+      integer, intent(inout), optional :: tally(3)
       type(condition_type) :: none(0)
       type(place_type) :: before, now, next
       real(wp) :: along(size(point))
@@ -61,32 +66,54 @@ contains
       end if
       before = now
       do while (branch%n + size(now%values) < most)
+         if (is_stopped(tally)) then
+            branch%reason = end_stopped
+            return
+         end if
          call take_step(curve, none, stride, now, next, good)
          if (.not. good) return
-         if (can_shorten(next, 1.0e-4_wp) .and. any(hidden_zero(before%values, now%values, &
-            next%values, now%came, next%came))) then
-            now%step = 0.3_wp*next%came
-            cycle
-         end if
-         ! beyond a bound nothing is looked at: what is there may make no sense
-         if (can_shorten(next, stride%shortest) .and. leaps_over(next)) then
+         if (is_too_far(before, now, next, stride%shortest)) then
             now%step = 0.3_wp*next%came
             cycle
          end if
          call note_special(curve, now, next, branch, done)
-         if (done) return
-         if (beyond(next)) return
+         if (done .or. beyond(next)) return
          if (closes(curve, branch, now, next)) then
             branch%reason = end_closed
             call append_point(branch, point, condition_type())
             return
          end if
          call append(branch, next, condition_type())
+         call tell_share(max(covered(branch), branch%n/real(most, wp)), work, told, tally)
          before = now
          now = next
       end do
       branch%reason = end_full
    end subroutine follow_branch
+
+   !> Whether a step has to be made again, shorter: it may hide a special point, or leaps over one
+   !! of the bounds.
+   pure logical function is_too_far(before, now, next, shortest)
+      type(place_type), intent(in) :: before, now, next
+      real(wp), intent(in) :: shortest
+
+      is_too_far = .false.
+      if (can_shorten(next, 1.0e-4_wp)) is_too_far = any(hidden_zero(before%values, now%values, &
+         next%values, now%came, next%came))
+      ! beyond a bound nothing is looked at: what is there may make no sense
+      if (can_shorten(next, shortest)) is_too_far = is_too_far .or. leaps_over(next)
+   end function is_too_far
+
+   !> The share of the range between the start and a bound that lies behind the last point.
+   pure real(wp) function covered(branch)
+      type(branch_type), intent(in) :: branch
+      real(wp) :: start, now
+
+      start = branch%points(size(branch%points, 1), 1)
+      now = branch%points(size(branch%points, 1), branch%n)
+      ! the bounds lie at 0 and 1
+      covered = abs(now - start)/max(epsilon(start), merge(1 - start, start, now > start))
+   end function covered
 
    !> Whether a walk begins on the bound of the parameter that lies its way.
    pure logical function on_bound(curve, start, way)

@@ -28,7 +28,7 @@ module vi_branch_of
 contains
 
    !> Follows a motion both ways along a parameter.
-   pure subroutine branch_of(motion, parameter, tied, bounds, longest, most, points)
+   subroutine branch_of(motion, parameter, tied, bounds, longest, most, points, tally)
       type(motion_type), intent(in) :: motion
       !> Its place in the core; `tied`: R2 follows R1.
       integer, intent(in) :: parameter
@@ -37,6 +37,8 @@ contains
       !> Most points each way.
       integer, intent(in) :: most
       type(points_type), intent(out) :: points
+      !> As of vi_tally; who calls has it in sight.
+      integer, intent(inout), optional :: tally(3)
       type(branch_request_type) :: request
       integer :: n, room
 
@@ -55,7 +57,7 @@ contains
             p%special(3, room))
          call branch_arrays(request, [motion%x/motion%clearance, motion%phases + motion%tau], &
             p%parameters, p%phases, p%impacts, p%scalars, p%multipliers, p%verdicts, p%codes, &
-            p%special, p%n, p%reasons, p%status)
+            p%special, p%n, p%reasons, p%status, tally)
       end associate
    end subroutine branch_of
 

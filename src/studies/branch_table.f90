@@ -1,6 +1,6 @@
 !> Branches as plain arrays: the motion at every point, and the special points among them.
 module vi_branch_table
-   use vi_branch, only: branch_type, follow_branch
+   use vi_branch, only: branch_type, end_stopped, follow_branch
    use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_exact, only: setting_type
    use vi_family, only: new_family, whole_unknowns
@@ -12,10 +12,16 @@ module vi_branch_table
    use vi_points, only: member_point
    use vi_status, only: stat
    use vi_steps, only: stride_type
+   use vi_tally, only: is_stopped, tell_share
    implicit none (type, external)
    private
 
    public :: branch_arrays
+
+   !> What one branch counts in a tally of work, and the part of it that is to follow it both ways:
+   !! the motions at its points take the rest of the time.
+   integer, parameter, public :: branch_work = 1000
+   integer, parameter :: follow_work = 300
 
    !> What to follow: the motion (x_i/D and theta_i) at parameters c, and along which parameter.
    type, public :: branch_request_type
@@ -34,8 +40,8 @@ module vi_branch_table
 contains
 
    !> Follows a branch both ways; the points are in order along it.
-   pure subroutine branch_arrays(request, unknowns, parameters, phases, impacts, scalars, &
-      multipliers, verdicts, codes, special, n, reasons, status)
+   subroutine branch_arrays(request, unknowns, parameters, phases, impacts, scalars, multipliers, &
+      verdicts, codes, special, n, reasons, status, tally)
       type(branch_request_type), intent(in) :: request
       !> (2N)
       real(wp), intent(in) :: unknowns(:)
@@ -51,11 +57,13 @@ contains
       !> Why the branch ends, at its first and at its last point.
       integer, intent(out) :: reasons(2)
       integer, intent(out) :: status
+      !> As of vi_tally; who calls has it in sight.
+      integer, intent(inout), optional :: tally(3)
       type(curve_type) :: curve
-      type(branch_type) :: half(2)
       type(condition_type), allocatable :: conditions(:)
       real(wp), allocatable :: start(:), points(:, :)
-      integer :: i, most
+      logical :: cut
+      integer :: told
 
       parameters = 0
       phases = 0
@@ -67,29 +75,65 @@ contains
       special = 0
       n = 0
       reasons = 0
-      most = size(codes)/2
+      told = 0
       call make_curve(request, unknowns, curve, start, status)
-      if (status /= stat%ok) return
+      if (status == stat%ok) then
+         call follow_both(curve, stride_type(longest=request%longest, turn=0.3_wp), start, &
+            size(codes)/2, points, conditions, reasons, tally)
+         told = follow_work
+         ! what was followed until it was stopped is written
+         cut = is_stopped(tally)
+         do n = 1, size(conditions)
+            call write_point(request, curve, points(:, n), conditions(n), parameters(:, n), &
+               phases(:, n), impacts(:, :, n), scalars(:, n), multipliers(:, n), verdicts(:, n), &
+               codes(n))
+            if (.not. is_neutral_saddle(conditions(n), multipliers(:, n))) special(:, n) = &
+               [conditions(n)%kind, conditions(n)%index, conditions(n)%side]
+            call tell_share((follow_work + (branch_work - follow_work)*n/real(size(conditions), &
+               wp))/branch_work, branch_work, told, tally)
+            if (is_stopped(tally) .and. .not. cut .and. n < size(conditions)) then
+               reasons(2) = end_stopped
+               exit
+            end if
+         end do
+         n = min(n, size(conditions))
+      end if
+      call tell_share(1.0_wp, branch_work, told, tally)
+   end subroutine branch_arrays
+
+   !> The points of a branch both ways from its start; none if the start is a singular point.
+   subroutine follow_both(curve, stride, start, most, points, conditions, reasons, tally)
+      type(curve_type), intent(in) :: curve
+      type(stride_type), intent(in) :: stride
+      real(wp), intent(in) :: start(:)
+      !> Points each way.
+      integer, intent(in) :: most
+      real(wp), allocatable, intent(out) :: points(:, :)
+      !> Those that are zero at the points.
+      type(condition_type), allocatable, intent(out) :: conditions(:)
+      integer, intent(out) :: reasons(2)
+      integer, intent(inout), optional :: tally(3)
+      type(branch_type) :: half(2)
+      integer :: i, n, told, work(2)
+
+      ! each way counts as much as it has of the range
+      work(1) = nint(follow_work*start(size(start)))
+      work(2) = follow_work - work(1)
       do i = 1, 2
-         call follow_branch(curve, stride_type(longest=request%longest, turn=0.3_wp), start, &
-            2*i - 3, most, half(i))
+         told = 0
+         call follow_branch(curve, stride, start, 2*i - 3, most, half(i), work(i), told, tally)
+         call tell_share(1.0_wp, work(i), told, tally)
          reasons(i) = half(i)%reason
       end do
-      if (any(half%n == 0)) return                       ! the start is a singular point
-      n = half(1)%n + half(2)%n - 1
-      allocate (points(size(start), n))
+      n = max(0, half(1)%n + half(2)%n - 1)
+      if (any(half%n == 0)) n = 0
+      allocate (points(size(start), n), conditions(n))
+      if (n == 0) return
       points(:, :half(1)%n) = half(1)%points(:, half(1)%n:1:-1)
       points(:, half(1)%n:) = half(2)%points(:, :half(2)%n)
       conditions = [half(1)%special(half(1)%n:2:-1), half(2)%special(:half(2)%n)]
       if (half(1)%special(1)%kind > 0) conditions(half(1)%n) = half(1)%special(1)
-      do i = 1, n
-         call write_point(request, curve, points(:, i), conditions(i), parameters(:, i), &
-            phases(:, i), impacts(:, :, i), scalars(:, i), multipliers(:, i), verdicts(:, i), &
-            codes(i))
-         if (is_neutral_saddle(conditions(i), multipliers(:, i))) cycle
-         special(:, i) = [conditions(i)%kind, conditions(i)%index, conditions(i)%side]
-      end do
-   end subroutine branch_arrays
+   end subroutine follow_both
 
    !> Two real multipliers with product 1 meet the Neimark-Sacker condition, but nothing happens.
    pure logical function is_neutral_saddle(condition, lambda) result(saddle)

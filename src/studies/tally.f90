@@ -3,10 +3,11 @@
 !! Its three numbers are the work done, the work in sight, and whether to stop (not 0). Threads add
 !! to it; what is computed does not depend on it, unless it is stopped.
 module vi_tally
+   use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: add_sight, add_work, is_stopped
+   public :: add_sight, add_work, is_stopped, tell_share
 
 contains
 
@@ -25,6 +26,21 @@ contains
 
       if (present(tally)) call add(work, tally(1))
    end subroutine add_work
+
+   !> Brings what is told of one piece of work up to the share of it that is done.
+   subroutine tell_share(share, work, told, tally)
+      real(wp), intent(in) :: share
+      !> What the whole piece counts, and what of it has been told so far.
+      integer, intent(in) :: work
+      integer, intent(inout) :: told
+      integer, intent(inout), optional :: tally(3)
+      integer :: more
+
+      if (.not. present(tally)) return
+      more = max(0, nint(work*min(1.0_wp, share)) - told)
+      told = told + more
+      call add(more, tally(1))
+   end subroutine tell_share
 
    !> One of the sums becomes larger, whichever threads add to it.
    subroutine add(work, total)

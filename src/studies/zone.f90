@@ -15,7 +15,7 @@ module vi_zone
    use vi_sheet, only: is_neutral, make_sheet, zone_request_type
    use vi_status, only: stat
    use vi_steps, only: stride_type
-   use vi_tally, only: add_work, is_stopped
+   use vi_tally, only: is_stopped, tell_share
    implicit none (type, external)
    private
 
@@ -65,7 +65,7 @@ contains
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
       told = 0
       if (status /= stat%ok .or. is_neutral(request%osc)) then
-         call tell(1.0_wp, told, tally)
+         call tell_share(1.0_wp, zone_work, told, tally)
          return
       end if
       call new_net(zone%sheet, new_lattice(request%lines, [request%r, log(request%clearance)], &
@@ -85,7 +85,7 @@ contains
       do i = 1, net%n_borders
          if (is_stopped(tally)) exit
          call trace_border(net%borders(i), request%points, .false., zone, closed, tally)
-         call tell(0.5_wp + 0.5_wp*i/net%n_borders, told, tally)
+         call tell_share(0.5_wp + 0.5_wp*i/net%n_borders, zone_work, told, tally)
          if (closed) cycle
          n_unclosed = n_unclosed + 1
          unclosed(n_unclosed) = i
@@ -98,21 +98,8 @@ contains
          call settle(zone%sheet, zone%loops(i))
       end do
       if (is_stopped(tally)) zone%untraced = zone%untraced + 1
-      call tell(1.0_wp, told, tally)
+      call tell_share(1.0_wp, zone_work, told, tally)
    end subroutine find_zone
-
-   !> Brings a tally up to the share of the work that is done.
-   subroutine tell(share, told, tally)
-      real(wp), intent(in) :: share
-      !> What has been told so far.
-      integer, intent(inout) :: told
-      integer, intent(inout), optional :: tally(3)
-      integer :: more
-
-      more = nint(zone_work*share) - told
-      told = told + more
-      call add_work(more, tally)
-   end subroutine tell
 
    !> Searches motions at the nodes of the lattice and follows the sheets they lie on.
    !!
@@ -146,7 +133,8 @@ contains
                call cover(net, first, tally)
                if (is_stopped(tally)) return
             end do
-            call tell(0.5_wp*(pass - 1 + j/real(size(net%head, 2), wp))/passes, told, tally)
+            call tell_share(0.5_wp*(pass - 1 + j/real(size(net%head, 2), wp))/passes, zone_work, &
+               told, tally)
          end do
       end do
    end subroutine search_window

@@ -6,7 +6,18 @@ import sys
 
 import pytest
 import vibroimpact as vi
-from programs import PAIR, POINT, Runner, bars, contents, find_command, on_terminal, rows, write
+from programs import (
+    PAIR,
+    POINT,
+    Runner,
+    bars,
+    column,
+    contents,
+    find_command,
+    on_terminal,
+    rows,
+    write,
+)
 
 from studies import ATLAS, BRANCH, WALLS, ZONE, assert_atlas
 
@@ -110,24 +121,35 @@ def test_bar_on_a_terminal(form, tool):
     assert bars(said) == sorted(bars(said))
 
 
+FINE = [*ALONG_OPTIONS, "--longest-step", "0.00005", "--max-points", "80000"]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
-@pytest.mark.parametrize("form", ["csv", "json"])
-def test_bar_of_a_branch(form, tool):
-    """How much there is to do is not known before: it tells the time that has passed."""
-    options = [
-        *ALONG_OPTIONS,
-        "--longest-step",
-        "0.0005",
-        "--max-points",
-        "20000",
-        "--format",
-        form,
-    ]
-    status, said = on_terminal(tool.cwd, "branch", *options)
-    assert status == 0
+@pytest.mark.parametrize(
+    ("form", "stop"), [("csv", None), ("csv", r"\[#{3}"), ("json", r"\[#{10}")]
+)
+def test_bar_of_a_branch(form, stop, tool):
+    """It never falls back and tells the time left; Ctrl-C leaves the points so far, and says so; status 1."""
+    status, said = on_terminal(tool.cwd, "branch", *FINE, "--format", form, stop=stop)
+    assert len(bars(said)) > 5
+    assert bars(said) == sorted(bars(said))
     assert "\rbranch [" in said
-    assert "left" not in said
-    assert said.endswith(" \r")
+    assert " s left " in said
+    name = f"results/branch.{form}"
+    assert list(contents(tool.cwd / "results")) == [f"branch.{form}"]
+    if stop is None:
+        assert (status, said[-2:]) == (0, " \r")
+        return
+    assert status == 1
+    kept = f"vibroimpact branch: interrupted; what was finished is kept: {name}"
+    assert said.splitlines()[-1].endswith(kept)
+    if form == "csv":
+        found = column(rows(tool.cwd / name), "clearance")
+        cut = f"clearance from {min(found):.6g} to {max(found):.6g} was reached"
+        assert f"\n# ! cut short: {cut}\n" in (tool.cwd / name).read_text()
+        assert [case.kind for case in vi.read_namelist(tool.cwd / name)] == ["branch"]
+    else:
+        assert not vi.load(tool.cwd / name).complete
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")

@@ -70,17 +70,19 @@ def same_chart(one, other):
 
 @pytest.mark.parametrize("words", [["run"], ["chart"], ["chart", "--json"]])
 def test_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
-    """The table is there all the same; that there is no picture is said, and what it needs."""
+    """Table and picture are there all the same; only netCDF needs it, which is said."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "case.nml", kinds()["chart"])
-    assert main(["chart", "case.nml", "-o", "with"]) == 0
+    assert main(["chart", "case.nml", "--plot", "svg", "-o", "with"]) == 0
     monkeypatch.setitem(sys.modules, "xarray", None)
     capsys.readouterr()
-    assert main([*words, "case.nml", "--plot", "-o", "without"]) == 1
-    assert capsys.readouterr().err == (
-        "case: no picture: charts need xarray: pip install 'vibroimpact[data]' (xarray, h5netcdf and h5py)\n"
-    )
+    assert main([*words, "case.nml", "--plot", "svg", "-o", "without"]) == 0
     assert contents(tmp_path / "without") == contents(tmp_path / "with")
+    capsys.readouterr()
+    assert main(["plot", "case.nml", "--format", "svg", "-o", "drawn"]) == 0
+    assert main(["chart", "case.nml", "--format", "netcdf", "-o", "netcdf"]) == 1
+    assert "netCDF files need xarray: pip install 'vibroimpact[data]'" in capsys.readouterr().err
+    assert list(contents(tmp_path / "netcdf")) == []
 
 
 @pytest.mark.parametrize(("change", "said"), [
@@ -140,7 +142,7 @@ def test_bad_grids(words, said, tool):
 
 
 @pytest.mark.parametrize("kind", [
-    "zone", "atlas", "chart", "simulate", "lyapunov", "bifurcation", "basins", "response",
+    "branch", "zone", "atlas", "chart", "simulate", "lyapunov", "bifurcation", "basins", "response",
 ])  # fmt: skip
 def test_computed_once(kind, tmp_path, monkeypatch):
     """Table, picture and document from one computation; the table has the bytes of the compiled program."""
@@ -148,7 +150,7 @@ def test_computed_once(kind, tmp_path, monkeypatch):
     assert vi.run_namelists([path], tmp_path / "core").status == 0
     module = importlib.import_module("vibroimpact.run")
     calls = []
-    function = "bifurcation_diagram" if kind == "bifurcation" else kind
+    function = {"bifurcation": "bifurcation_diagram", "chart": "chart_arrays"}.get(kind, kind)
     ours = getattr(module, function)
     monkeypatch.setattr(module, function, lambda *a, **k: calls.append("python") or ours(*a, **k))
     monkeypatch.setattr(
@@ -161,7 +163,19 @@ def test_computed_once(kind, tmp_path, monkeypatch):
     assert found["case.csv"] == (tmp_path / "core/case.csv").read_bytes()
 
 
-@pytest.mark.parametrize("name", ["short", "nothing", "missing"])
+PAIR_ALONG = (
+    "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = {} /\n"
+    "&motion kind = 'equispaced', clearance = {} /\n"
+    "&branch parameter = 'clearance', low = 5, high = 400, max_points = {} /\n"
+)
+BRANCHES = {
+    "none": PAIR_ALONG.format(0.9, 300, 4000), "full": PAIR_ALONG.format(0.9, 20, 20),
+    "lost": PAIR_ALONG.format(0.9, 300, 4000)
+    .replace("'equispaced'", "'exact', sides = 'RL', phases_over_pi = 0, 1.1"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["short", "nothing", "missing", *BRANCHES])
 def test_faults_are_the_same_in_every_form(name, tmp_path, monkeypatch, capfd):
     """What is cut short or not there is said alike, and kept alike. (Of atlases: test_batch_studies.py.)"""
     text = {
@@ -170,6 +184,7 @@ def test_faults_are_the_same_in_every_form(name, tmp_path, monkeypatch, capfd):
         "missing": kinds()["chart"]
         .replace("_min = 5 ", "_min = 1e6 ")
         .replace("_max = 100", "_max = 2e6"),
+        **BRANCHES,
     }[name]
     assert text not in kinds().values()
     monkeypatch.chdir(tmp_path)
@@ -183,7 +198,8 @@ def test_faults_are_the_same_in_every_form(name, tmp_path, monkeypatch, capfd):
     tables = contents(tmp_path / "plain")
     drawn = {key: item for key, item in contents(tmp_path / "plot").items() if key.endswith("csv")}
     assert drawn == tables
-    assert [key[:-4] for key in tables] == [key[:-5] for key in contents(tmp_path / "json")]
+    others = {re.sub(r"(_\d)?\.json$", ".csv", key) for key in contents(tmp_path / "json")}
+    assert others == set(tables)
 
 
 def test_the_document_holds_the_results(tool):

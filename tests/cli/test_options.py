@@ -71,7 +71,7 @@ def test_threads_of_an_atlas(threads):
 @pytest.mark.parametrize(("words", "said"), [
     ("basins --r 1.04 --clearance 9", "--plane, --states: exactly one of them must be given"),
     ("basins --r 1.04 --clearance 9 --states 9 --plane x 0 1 2 y 0 1 2", "--plane, --states: exactly one"),
-    ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: needs --plane"),
+    ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: must go with --plane"),
     ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: one of them must be a number"),
     ("response --r 1.05 1 3 --clearance 9", "--r 1.05 1 3: must be LOW HIGH N with LOW below"),
     ("response --r 1 nan 3 --clearance 9", "--r 1 nan 3: must be LOW HIGH N with LOW below"),
@@ -79,7 +79,7 @@ def test_threads_of_an_atlas(threads):
     ("lyapunov --r 1 2 --clearance 9", "--r 1 2: must be a number, or LOW HIGH N with LOW below HIGH"),
     ("basins --r 1.04 --clearance 9 --plane x 0 1 2 y 1 0 2", "--plane x 0 1 2 y 1 0 2: must be NAME LOW HIGH N"),
     ("bifurcation --r 1 --parameter clearance --values 9 9 3", "--values 9 9 3: must be LOW HIGH N with LOW"),
-    ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1", "--sides RRL: needs --phases-over-pi"),
+    ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1", "--sides RRL: must go with --phases"),
 ])  # fmt: skip
 def test_options_that_do_not_go_together(words, said, tmp_path, monkeypatch, capsys):
     """They are refused in the words of the options, before anything is computed."""

@@ -25,9 +25,12 @@ from shared_systems import FIGURE6, TABLE
         (lambda: vi.spaced(2, 1, 5), "low below high"),
         (lambda: vi.spaced(0, 1, 5, "geometric"), "positive"),
         (lambda: vi.spaced(0, 1, 1), "n = 1"),
-        (lambda: vi.basins(FIGURE6, 1.04, 10.0), "give one"),
+        (lambda: vi.basins(FIGURE6, 1.04, 10.0), "must be one of them, the other left out"),
         (lambda: vi.basins(FIGURE6, 1.04, 10.0, (("z", 0, 1, 5), ("x", 0, 1, 5))), "name"),
-        (lambda: vi.basins(FIGURE6, 1.04, 10.0, (("x", 1, 0, 5), ("y", 0, 1, 5))), "rise"),
+        (
+            lambda: vi.basins(FIGURE6, 1.04, 10.0, (("x", 1, 0, 5), ("y", 0, 1, 5))),
+            "must be finite, low below high",
+        ),
         (
             lambda: vi.basins(FIGURE6, 1.04, 10.0, (("x", 0, 1, 5), ("y", 0, 9, 5))),
             "half the clearance",
@@ -45,7 +48,7 @@ from shared_systems import FIGURE6, TABLE
             ),
             "it is an axis",
         ),
-        (lambda: vi.response(FIGURE6, [1.0]), "give one"),
+        (lambda: vi.response(FIGURE6, [1.0]), "must be one of them, the other left out"),
         (lambda: vi.response(FIGURE6, [1.0], clearance=-1.0), "positive"),
         (lambda: vi.response(FIGURE6, [1.0], clearance=9.0, load=0), "load"),
     ],
@@ -175,7 +178,7 @@ def test_stopped_basins(monkeypatch):
     assert part.standard_error[0] > whole.standard_error[0]
     assert (whole.labels != -2).all()
     assert (part.complete, whole.complete) == (False, True)
-    with pytest.raises(vi.errors.ParameterError, match="needs the whole plane"):
+    with pytest.raises(vi.errors.ParameterError, match="must be the whole plane"):
         _ = part.uncertainty_exponent
 
 

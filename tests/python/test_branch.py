@@ -269,7 +269,7 @@ def test_bad_input(arguments, words):
 def test_bad_motion():
     with pytest.raises(vi.errors.ParameterTypeError, match="motion = 3"):
         vi.branch(3, bounds=(1, 2))
-    with pytest.raises(vi.errors.ParameterError, match="needs R1 = R2"):
+    with pytest.raises(vi.errors.ParameterError, match="must go with R1 = R2"):
         vi.branch(triple_motion(), "restitution", (0.1, 0.9))
 
 
@@ -320,3 +320,50 @@ def test_a_branch_never_leaves_its_bounds(high):
         assert branch.mu.max() <= high
         assert (branch.mu.max() == high) == (branch.ends[1] == "bound of the parameter")
         assert all(0 <= point.motion.osc.mu <= high for point in branch.special_points)
+
+
+LONG = {"longest_step": 2e-4, "max_points": 20_000}
+
+
+@pytest.mark.parametrize("share", [0.1, 0.25, 0.6])
+def test_stopped_branch(share, monkeypatch):
+    """While it goes one way, the other, or while its motions are made: a part with the bits of the whole."""
+    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+
+    def progress(done, what):
+        if done > share:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vi.errors.StudyInterrupted) as stop:
+        vi.branch(pair_motion(), "clearance", (10, 60), **LONG, progress=progress)
+    part, whole = stop.value.result, vi.branch(pair_motion(), "clearance", (10, 60), **LONG)
+    (first,) = np.flatnonzero(whole.clearance == part.clearance[0])
+    assert 1 < len(part) < len(whole)
+    there = slice(first, first + len(part))
+    for name in ("parameters", "phases", "impacts", "scalars", "multipliers", "verdicts"):
+        assert getattr(part, name).tobytes() == getattr(whole, name)[..., there].tobytes()
+    points = [point for point in whole.special_points if first <= point.index < there.stop]
+    assert [p.index + first for p in part.special_points] == [p.index for p in points]
+    assert "stopped" in part.ends
+    assert part.cut == (
+        f"clearance from {part.clearance.min():.6g} to {part.clearance.max():.6g} was reached"
+    )
+    assert (part.complete, whole.complete, whole.cut) == (False, True, "")
+    assert not vi.Branch.from_json(part.to_json()).complete
+
+
+@pytest.mark.parametrize("limit", [20_000, 200])
+def test_progress_is_told(limit, monkeypatch):
+    """From nothing to all, also where the points run out before the range; it changes nothing."""
+    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    shares, given = [], LONG | {"max_points": limit}
+    start, bounds = vi.equispaced(FIGURE6, 0.9, 20.0)[0], (5, 200)
+    told = vi.branch(
+        start, "clearance", bounds, **given, progress=lambda share, what: shares.append(share)
+    )
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] <= shares[-1] == 1
+    assert len(set(shares)) > (10 if limit > 200 else 0)
+    plain = vi.branch(start, "clearance", bounds, **given)
+    assert told.parameters.tobytes() == plain.parameters.tobytes()
+    assert told.verdicts.tobytes() == plain.verdicts.tobytes()

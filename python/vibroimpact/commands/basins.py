@@ -43,7 +43,9 @@ def run(options: argparse.Namespace) -> int:
     if not options.files and (options.plane is None) == (options.states is None):
         raise ParameterError("--plane, --states: exactly one of them must be given")
     if options.plot and options.states is not None:
-        raise ParameterError(f"--plot {options.plot}: needs --plane; random states have no picture")
+        raise ParameterError(
+            f"--plot {options.plot}: must go with --plane; random states have no picture"
+        )
     groups = {
         "system": values(options, "xi", "mu", "restitution", "r"),
         "basins": {**values(options, "clearance", "states", "seed"), **plane(options.plane)},

@@ -53,8 +53,8 @@ def run(options: argparse.Namespace) -> int:
     guessed = options.phases_over_pi is not None
     if options.sides is not None and not guessed:
         raise ParameterError(
-            f"--sides {options.sides}: needs --phases-over-pi too, about the phases of its impacts; without both "
-            "the equispaced motions RL are followed"
+            f"--sides {options.sides}: must go with --phases-over-pi, about the phases of its impacts; without "
+            "both the equispaced motions RL are followed"
         )
     groups = {
         "system": values(options, "xi", "mu", "restitution", "r"),

@@ -15,15 +15,23 @@ from typing import Any
 
 from ..errors import (
     ChartInterrupted,
-    MissingExtraError,
     ParameterError,
     SingularError,
     StudyInterrupted,
 )
 from ..files import write_text
-from ..interchange.dataset import chart_to_dict, xarray
+from ..interchange.dataset import chart_to_dict
 from ..interchange.result import save_chart
-from ..interchange.table import chart_columns, columns, cut_of, head_text, notes, rows_text
+from ..interchange.table import (
+    branch_columns,
+    chart_columns,
+    columns,
+    cut_of,
+    head_text,
+    notes,
+    numbered,
+    rows_text,
+)
 from ..interrupt import interruptible
 from ..plot.animation import check_format
 from ..progress import Progress
@@ -31,7 +39,7 @@ from ..run import Case, read_namelist, run_namelists
 from . import FORMATS, Fresh, picture_writer, ready
 from .options import Request, case_files, in_options, read_cases
 from .run import tell
-from .words import ATTRACTORS, WORDS, singular
+from .words import PARTIAL, WORDS, singular
 
 #: What writes the figure of some axes to a file, if that is wanted.
 Save = Callable[[Any, Path], Path] | None
@@ -43,8 +51,8 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
     """Run all cases of a kind (or of any), write and draw them; gives the exit status.
 
     Tables alone are left to the compiled program. Its words are those that are said in any case, and its tables
-    have the bytes of those that are written here. Studies of attractors by commands of their own are always
-    computed here: Ctrl-C leaves the part of a case that is finished.
+    have the bytes of those that are written here. Branches and studies of attractors by commands of their own are
+    always computed here: Ctrl-C leaves the part of a case that is finished.
     """
     folder = Path(options.folder)
     animated = getattr(options, "animate", None)
@@ -52,7 +60,7 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
     if animated:
         check_format(animated, f"--animate {animated}")
     more = save is not None or options.format != "csv" or options.json or options.stem
-    if not more and request.kind not in ATTRACTORS:
+    if not more and request.kind not in PARTIAL:
         return tables(options, request, folder)
     cases, faults = read_cases(options, request)
     for line in faults:
@@ -63,7 +71,7 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
         spare_inputs(options, case, folder)
     with ready(folder) if cases else contextlib.nullcontext():
         for case in cases:
-            if case.kind in WORDS and not only_table(options, case):
+            if case.kind in WORDS:
                 status = max(status, finish(options, case, folder, save, details))
             else:
                 status = max(status, shorter(options, case, folder, save))
@@ -130,21 +138,10 @@ def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
                     )
 
 
-def only_table(options: argparse.Namespace, case: Case) -> bool:
-    """Whether it is a chart of which no more than the table can be had, for want of xarray."""
-    if case.kind == "chart" and options.format == "csv":
-        try:
-            xarray()
-        except MissingExtraError:
-            return True
-    return False
-
-
 def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -> int:
     """Leave the table and the words of a case to the compiled program, and make the rest of it anew.
 
-    For motions and branches, which take no time, and several of which share a table. How much there is to do for a
-    branch is not known before: its bar tells the time that has passed.
+    For motions, which take no time, and of which only that program makes the printout.
     """
     with tempfile.TemporaryDirectory() as place:
         source = Path(place) / "case.nml"
@@ -158,11 +155,7 @@ def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -
     results = []
     if log.results:
         with Progress(case.name) as bar:
-            try:
-                results = interruptible(case.run, watch=partial(bar.show, 0.0))
-            except MissingExtraError as error:
-                options.record.fault(f"{case.name}: no picture: {error}")
-                return max(log.status, 1)
+            results = interruptible(case.run, watch=partial(bar.show, 0.0))
     put(options, case, results, folder, save)
     return log.status
 
@@ -172,13 +165,19 @@ def finish(
 ) -> int:
     """Compute a case that takes its time, say what came out, write and draw it."""
     stopped, record = False, options.record
+    lost: list[str] = []
+    results: list[Any]
     with Progress(case.name) as bar:
         try:
-            (result,) = case.run(bar.show)
+            if case.kind == "branch":
+                results = case.branches(bar.show, lost)
+            else:
+                results = [case.chart_arrays()] if case.kind == "chart" else case.run(bar.show)
         except ChartInterrupted as stop:  # as far as it came
-            result, stopped = stop.chart, True
+            results, stopped = [stop.chart], True
         except StudyInterrupted as stop:
-            result, stopped = stop.result, True
+            results = stop.result if isinstance(stop.result, list) else [stop.result]
+            stopped = True
         except SingularError as error:
             record.fault(f"{case.name}: {singular(case, error)}")
             return 1
@@ -186,7 +185,7 @@ def finish(
         said = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
         print(said, file=sys.stderr, flush=True)
     try:
-        status = deliver(options, case, result, stopped, folder, save, details)
+        status = deliver(options, case, results, lost, stopped, folder, save, details)
     except KeyboardInterrupt:
         record.halted = True
         raise
@@ -196,33 +195,37 @@ def finish(
 
 
 def deliver(
-    options: argparse.Namespace, case: Case, result: Any, stopped: bool, folder: Path, save: Save,
-    details: Details | None,
+    options: argparse.Namespace, case: Case, results: Sequence[Any], lost: Sequence[str], stopped: bool,
+    folder: Path, save: Save, details: Details | None,
 ) -> int:  # fmt: skip
-    """Say what came out of a case, write and draw it."""
-    news, faults, there = WORDS[case.kind](result)
-    for line in [*news, *cut_of(result)]:
+    """Say what came out of a case, and what was lost; write and draw it."""
+    news, faults, there = WORDS[case.kind](*results)
+    for line in [*news, *(line for result in results for line in cut_of(result))]:
         print(f"{case.name}: {line}")
-    for line in [] if stopped else faults:
+    for line in lost if stopped else [*lost, *faults]:
         options.record.fault(f"{case.name}: {line}")
     if there:
-        put(options, case, [result], folder, save)
-        for line in details(result) if details else []:
+        put(options, case, results, folder, save)
+        for line in details(*results) if details else []:
             print(line)
-    return 1 if faults else 0
+    return 1 if lost or faults else 0
 
 
 def put(
     options: argparse.Namespace, case: Case, results: Sequence[Any], folder: Path, save: Save
 ) -> None:
-    """Write the results of a case in the form that is wanted, and draw them."""
+    """Write the results of a case in the form that is wanted, all in one table, and draw them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if options.format == "csv" and case.kind in WORDS:
+        path = folder / f"{case.name}.csv"
+        write(results, case, path)
+        options.record.files.append(str(path))
     for i, result in enumerate(results, start=1):
-        folder.mkdir(parents=True, exist_ok=True)
         name = case.name if len(results) == 1 else f"{case.name}_{i}"
         options.record.add(name, chart_to_dict(result) if case.kind == "chart" else result)
-        if options.format != "csv" or case.kind in WORDS:
+        if options.format != "csv":
             path = folder / f"{name}.{FORMATS[options.format]}"
-            write(result, case, path)
+            write([result], case, path)
             options.record.files.append(str(path))
             if options.stem and len(results) > 1:  # no file has the name that was asked for
                 print(f"{name}: {path}")
@@ -250,14 +253,17 @@ def picture(result: Any, options: argparse.Namespace) -> Any:
     )
 
 
-def write(result: Any, case: Case, path: Path) -> None:
-    """A result in the form that its name ends with; a table has the case in its header."""
+def write(results: Sequence[Any], case: Case, path: Path) -> None:
+    """Results in the form that the name ends with; a table has the case in its header."""
     charted = case.kind == "chart"
     if path.suffix == ".csv":
-        table = chart_columns(result) if charted else columns(result)
-        head = head_text(case.text.splitlines(), notes(result))
-        write_text(path, head + rows_text(table))
+        remarks = [note for i, one in enumerate(results, start=1) for note in notes(one, i)]
+        if case.kind == "branch":
+            table = numbered(results, branch_columns)
+        else:
+            table = chart_columns(results[0]) if charted else columns(results[0])
+        write_text(path, head_text(case.text.splitlines(), remarks) + rows_text(table))
     elif charted:
-        save_chart(result, case.text, path)
+        save_chart(results[0], case.text, path)
     else:
-        result.save(path)
+        results[0].save(path)

@@ -7,10 +7,9 @@ import contextlib
 import re
 import textwrap
 from pathlib import Path
-from typing import NamedTuple
 
 from ..errors import ParameterError, SingularError
-from ..find import FoundMotions, find
+from ..find import FoundMotions, Point, find
 from ..found import Findings
 from ..model import Oscillator
 from ..progress import Progress
@@ -28,15 +27,6 @@ EXAMPLE = (
     "vibroimpact find --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --max-impacts 3 "
     "--plot -o results"
 )
-
-
-class Point(NamedTuple):
-    """Where to search."""
-
-    osc: Oscillator
-    r: float
-    clearance: float
-    load: float
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

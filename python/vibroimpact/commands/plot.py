@@ -74,8 +74,8 @@ def run(options: argparse.Namespace) -> int:
 def pictured(case: Case) -> Sequence[Callable[[], Any]]:
     """What draws a case, each picture of its own."""
     if case.kind == "chart":
-        data = case.chart()
-        return [partial(draw_chart, data)] if (data.status == 0).any() else []
+        data = case.chart_arrays()
+        return [partial(draw_chart, data)] if (data["status"].values == 0).any() else []
     with Progress(case.name) as bar:
         results = case.run(bar.show if bar.wanted else None)
     if case.kind in ("zone", "atlas"):

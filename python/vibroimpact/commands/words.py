@@ -11,9 +11,12 @@ from ..errors import SingularError
 from ..interchange.table import NOT_CLOSED, counted, tag
 from ..run import Case
 from ..status import NO_MOTION, status_text
+from ..studies.branch import REASONS
 
 #: What was said, what is missing, and whether there is a result.
 Words = tuple[list[str], list[str], bool]
+#: What is counted on a branch, in this order.
+BIFURCATIONS = ("fold", "pitchfork", "flip", "neimark_sacker", "grazing", "zero_approach")
 
 
 def singular(case: Case, error: SingularError) -> str:
@@ -27,6 +30,21 @@ def simulate_words(run: Any) -> Words:
     impacts, rests = (int((run.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
     cut = [] if run.complete else ["cut short, max_events was reached"]
     return [f"{counted(impacts, 'impact')}, {counted(rests, 'rest')}"], cut, True
+
+
+def branch_words(*branches: Any) -> Words:
+    """Points, special points and ends."""
+    news, faults = [], []
+    for branch in branches:
+        kinds = [point.type for point in branch.special_points]
+        each = [f"{kinds.count(kind)} {kind}" for kind in BIFURCATIONS if kind in kinds]
+        said = ", ".join([f"{len(branch)} points", *each])
+        news.append(f"{said}; ends: {', '.join(branch.ends)}")
+        if REASONS[5] in branch.ends:
+            faults.append("cut short, max_points was reached")
+        elif REASONS[4] in branch.ends:
+            faults.append("cut short, the branch cannot be followed further")
+    return news, faults, bool(branches)
 
 
 def zone_words(zone: Any) -> Words:
@@ -64,13 +82,15 @@ def atlas_words(atlas: Any) -> Words:
 def chart_words(data: Any) -> Words:
     """Motions and points."""
     what = f"{data.attrs['sides']}/{data.attrs['cycles']}"
-    there = data.status == 0
-    if not bool(there.any()):
+    there = data["status"].values == 0
+    if not there.any():
         return [], [f"no motion {what} was found anywhere in the window"], False
-    good = (data.consistent == 1) & (data.admissible == 1) & (data.stable == 1)
+    good = np.all(
+        [data[name].values == 1 for name in ("consistent", "admissible", "stable")], axis=0
+    )
     return [
-        f"{int(there.sum())} motions {what} at {int(there.any('motion').sum())} of "
-        f"{there.sizes['r'] * there.sizes['clearance']} points, {int(good.sum())} admissible and stable"
+        f"{there.sum()} motions {what} at {there.any(axis=0).sum()} of {there[0].size} points, "
+        f"{good.sum()} admissible and stable"
     ], [], True  # fmt: skip
 
 
@@ -130,10 +150,10 @@ def failed(status: Any) -> tuple[list[str], bool]:
 
 
 #: The kinds that are computed once, in Python, for table, picture and document.
-WORDS: dict[str, Callable[[Any], Words]] = {
-    "simulate": simulate_words, "zone": zone_words, "atlas": atlas_words, "chart": chart_words,
-    "lyapunov": lyapunov_words, "bifurcation": bifurcation_words, "basins": basin_words,
-    "response": response_words,
+WORDS: dict[str, Callable[..., Words]] = {
+    "simulate": simulate_words, "branch": branch_words, "zone": zone_words, "atlas": atlas_words,
+    "chart": chart_words, "lyapunov": lyapunov_words, "bifurcation": bifurcation_words,
+    "basins": basin_words, "response": response_words,
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.
-ATTRACTORS = ("lyapunov", "bifurcation", "basins", "response")
+PARTIAL = ("branch", "lyapunov", "bifurcation", "basins", "response")

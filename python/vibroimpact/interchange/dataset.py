@@ -15,6 +15,7 @@ from ..files import write_bytes
 from .plain import encode
 
 if TYPE_CHECKING:
+    from ..chart import ChartArrays
     from ..found import Findings
     from ..motion import Motion
     from ..studies.atlas import Atlas
@@ -371,7 +372,7 @@ def plain_attribute(value: Any) -> Any:
     return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
 
 
-def chart_to_dict(data: Any) -> dict[str, Any]:
+def chart_to_dict(data: ChartArrays) -> dict[str, Any]:
     """A chart as plain values, ready for JSON, with what the numbers are and mean."""
     variables = data.variables
     return {
@@ -379,8 +380,8 @@ def chart_to_dict(data: Any) -> dict[str, Any]:
         "attributes": {name: encode(value) for name, value in data.attrs.items()},
         "dimensions": {name: list(item.dims) for name, item in variables.items()},
         "labels": {name: encode(item.attrs) for name, item in variables.items()},
-        "types": {name: item.dtype.str for name, item in variables.items()},
-        "coordinates": [str(name) for name in data.coords],
+        "types": {name: item.values.dtype.str for name, item in variables.items()},
+        "coordinates": data.coords,
         **{name: encode(item.values) for name, item in variables.items()},
     }
 

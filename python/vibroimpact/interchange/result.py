@@ -6,11 +6,14 @@ import json
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import ParameterError
 from ..files import write_text
 from . import dataset, matlab, namelist, page, plain, table
+
+if TYPE_CHECKING:
+    from ..chart import ChartArrays
 
 Self = TypeVar("Self", bound="Result")
 
@@ -132,14 +135,15 @@ def load(path: str | Path) -> Any:
     raise ParameterError(f"path = {str(path)!r}: {wanted}; {reason}")
 
 
-def save_chart(data: Any, case: str, path: Path) -> None:
+def save_chart(data: ChartArrays, case: str, path: Path) -> None:
     """Write a chart as .json, .nc or .mat, whole or not at all; the case goes with it in .nc."""
     if path.suffix == ".nc":
-        dataset.save_dataset(data.assign_attrs(case=case, Conventions="CF-1.11"), path)
+        labelled = data.dataset().assign_attrs(case=case, Conventions="CF-1.11")
+        dataset.save_dataset(labelled, path)
         return
     record = json.dumps(dataset.chart_to_dict(data), allow_nan=False)
     if path.suffix == ".mat":
-        fields = {str(name): item.values for name, item in data.variables.items()} | data.attrs
+        fields = {name: item.values for name, item in data.variables.items()} | data.attrs
         matlab.write_struct("Chart", matlab.value_of(fields), record, path)
     else:
         write_text(path, record)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -87,11 +87,7 @@ def motion_columns(motion: Motion, number: int = 1) -> Columns:
 
 def found_columns(found: Findings) -> Columns:
     """The rows of all motions, numbered."""
-    table: Columns = {}
-    for number, motion in enumerate(found.motions, start=1):
-        for name, values in motion_columns(motion, number).items():
-            table.setdefault(name, []).extend(values)
-    return table
+    return numbered(found.motions, motion_columns)
 
 
 def event_columns(run: Trajectory) -> Columns:
@@ -117,6 +113,15 @@ def branch_columns(branch: Branch, number: int = 1) -> Columns:
     table |= {"special": [""] * n, "detail": [""] * n}
     for point in branch.special_points:
         table["special"][point.index], table["detail"][point.index] = point.type, point.detail
+    return table
+
+
+def numbered(results: Sequence[Any], own: Callable[[Any, int], Columns]) -> Columns:
+    """The rows of several results, one after the other."""
+    table: Columns = {}
+    for number, result in enumerate(results, start=1):
+        for name, values in own(result, number).items():
+            table.setdefault(name, []).extend(values)
     return table
 
 
@@ -175,19 +180,18 @@ def atlas_columns(atlas: Atlas) -> Columns:
 
 def chart_columns(data: Any) -> Columns:
     """One row a motion of a chart, all motions of a point together."""
-    order = ("r", "clearance", "motion")
-    status = data["status"].transpose(*order).values
+    status = data["status"].values.T  # r, clearance, motion
     i, j, k = np.nonzero(status != NO_MOTION)
     table: Columns = {
         "r": data["r"].values[i].tolist(), "clearance": data["clearance"].values[j].tolist(),
         "slot": (k + 1).tolist(),
     }  # fmt: skip
     for name in ("consistent", "admissible", "stable"):
-        values = data[name].transpose(*order).values[i, j, k]
+        values = data[name].values.T[i, j, k]
         table[name] = [VERDICT[code] for code in values.tolist()]
-    leading = data["multiplier_modulus"][0].transpose(*order).values[i, j, k]
+    leading = data["multiplier_modulus"].values[0].T[i, j, k]
     table["multiplier_1_modulus"] = leading.tolist()
-    table["x_max"] = data["x_max"].transpose(*order).values[i, j, k].tolist()
+    table["x_max"] = data["x_max"].values.T[i, j, k].tolist()
     return table | {"status": status[i, j, k].tolist()}
 
 
@@ -239,23 +243,22 @@ TABLES: dict[str, Any] = {
 }  # fmt: skip
 
 
-def notes(result: Any) -> list[str]:
+def notes(result: Any, number: int = 1) -> list[str]:
     """What the header tells beside the case; first of all that a study was cut short."""
-    return [*cut_of(result), *remarks_of(result)]
+    return [*cut_of(result), *remarks_of(result, number)]
 
 
 def cut_of(result: Any) -> list[str]:
     """How far a study or a chart came that Ctrl-C cut short; nothing of any other result."""
     cut = getattr(result, "cut", "")
     if hasattr(result, "attrs") and not result.attrs.get("complete", 1):
-        status = result["status"]
-        reached = int((status != NOT_COMPUTED).any("motion").sum())
-        cut = f"{reached} of {status.sizes['r'] * status.sizes['clearance']} points were reached"
+        reached = (result["status"].values != NOT_COMPUTED).any(axis=0)
+        cut = f"{reached.sum()} of {reached.size} points were reached"
     return [f"cut short: {cut}"] if cut else []
 
 
-def remarks_of(result: Any) -> list[str]:
-    """What else it tells of a result."""
+def remarks_of(result: Any, number: int) -> list[str]:
+    """What else it tells of a result, which has a number if there are several."""
     name = type(result).__name__
     if name == "Trajectory":
         cut = [] if result.complete else ["cut short: max_events was reached"]
@@ -264,7 +267,7 @@ def remarks_of(result: Any) -> list[str]:
         )
         return [*cut, f"final state: t, x, x_dot, z, z_dot = {state}"]
     if name == "Branch":
-        return [f"branch 1: first end: {result.ends[0]}; last end: {result.ends[1]}"]
+        return [f"branch {number}: first end: {result.ends[0]}; last end: {result.ends[1]}"]
     if name == "Zone":
         return [] if result.closed else [f"{NOT_CLOSED} (its loop is 0)"]
     if name == "Atlas":

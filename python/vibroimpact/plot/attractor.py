@@ -144,7 +144,7 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
 
     if basins.axes is None:
         raise ParameterError(
-            "plot: needs states on a plane; these are random or a list (give a plane)"
+            "plane = None: must be one for a picture; these states are random or a list"
         )
     ax = axes(ax, basins, style.ONE_COLUMN + 1.2, 3.4)
     n = len(basins.attractors)

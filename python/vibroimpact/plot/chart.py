@@ -54,7 +54,7 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
     >>> ax.get_ylabel()
     '$F_0/(dK)$'
     """
-    if not (hasattr(data, "data_vars") and {"admissible", "stable"} <= set(data.data_vars)):
+    if not {"admissible", "stable"} <= set(getattr(data, "variables", ())):
         raise ParameterTypeError(
             f"data = {type(data).__name__}: must be a dataset from vibroimpact.chart"
         )
@@ -113,9 +113,9 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
 
 def classes(data: Any) -> NDArray[np.int64]:
     """3, 2, 1 or 0 for each point (clearance, r), as in `CLASSES`."""
-    exists = (data["status"] == 0).values
-    admissible = exists & (data["admissible"] == 1).values
-    stable = admissible & (data["stable"] == 1).values
+    exists = data["status"].values == 0
+    admissible = exists & (data["admissible"].values == 1)
+    stable = admissible & (data["stable"].values == 1)
     counted = np.stack([part.any(axis=0) for part in (exists, admissible, stable)])
     return np.asarray(counted.sum(axis=0))
 
@@ -125,7 +125,8 @@ def _best(data: Any, name: str) -> NDArray[np.float64]:
     leading = data["multiplier_modulus"].values[0]
     values = data[name].values
     values = values[0] if name == "multiplier_modulus" else values
-    good = ((data["status"] == 0) & (data["admissible"] == 1) & (data["stable"] == 1)).values
+    good = (data["admissible"].values == 1) & (data["stable"].values == 1)
+    good &= data["status"].values == 0
     best = np.argmin(np.where(good & ~np.isnan(leading), leading, np.inf), axis=0)
     chosen = np.take_along_axis(values, best[np.newaxis], axis=0)
     return np.asarray(chosen[0], dtype=np.float64)

@@ -143,10 +143,12 @@ class Basins(Result):
         """The axes, or an error; what was not reached would count as going elsewhere."""
         if self.axes is None:
             raise ParameterError(
-                f"{name}: needs states on a plane; these are random or a list (give a plane)"
+                f"plane = None: must be one for {name}; these states are random or a list"
             )
         if not self.complete:
-            raise ParameterError(f"{name}: needs the whole plane; cut short, {self.cut}")
+            raise ParameterError(
+                f"complete = False: must be the whole plane for {name}; cut short, {self.cut}"
+            )
         return self.axes
 
     def to_xarray(self) -> Any:
@@ -268,7 +270,9 @@ def basins(
     seed = checks.integer(seed, "seed", 0, 2**31 - 1)
     workers = thread_count(threads)
     if (plane is None) == (states is None):
-        raise ParameterError(f"plane = {plane!r}, states = {states!r}: give one of them")
+        raise ParameterError(
+            f"plane = {plane!r}, states = {states!r}: must be one of them, the other left out"
+        )
     axes = None if plane is None else _axes(plane)
     which: dict[str, Any] = {}
     if axes is not None:
@@ -317,7 +321,9 @@ def _axes(plane: Any) -> tuple[Axis, Axis]:
         checks.choice(axis.name, "plane: name", COORDINATES)
         low, high = (checks.to_float(item, "plane", wanted) for item in axis[1:3])
         if not (math.isfinite(low) and math.isfinite(high) and low < high):
-            raise ParameterError(f"plane: {axis.name} from {low!r} to {high!r}: must rise")
+            raise ParameterError(
+                f"plane: {axis.name} = {low!r} to {high!r}: must be finite, low below high"
+            )
         axes.append(Axis(axis.name, low, high, checks.integer(axis.n, "plane: n", 2, 100_000)))
     if first.name == second.name:
         raise ParameterError(f"plane = {plane!r}: must name two coordinates")
@@ -350,17 +356,19 @@ def _check_states(starts: _Array, clearance: float, on_plane: bool) -> None:
         raise ParameterError(
             f"states of shape {starts.shape}: must be (5, M): t, x, x_dot, z, z_dot"
         )
-    if not np.isfinite(starts).all():
-        raise ParameterError("states: must be finite")
+    finite = np.isfinite(starts).all(axis=0)
+    if not finite.all():
+        j = int(np.argmin(finite))
+        raise ParameterError(f"states[:, {j}] = {starts[:, j].tolist()!r}: must be finite numbers")
     y, half = starts[3] - starts[1], 0.5 * clearance
     outside = np.abs(y) > half * (1 + 1e-9)
     if outside.any():
         j = int(np.argmax(outside))
         if on_plane:
             raise ParameterError(
-                f"plane: y from {y.min():.6g} to {y.max():.6g}: must be within half the clearance, "
+                f"plane: y = {y.min():.6g} to {y.max():.6g}: must be within half the clearance, "
                 f"-{half:.6g} to {half:.6g}"
             )
         raise ParameterError(
-            f"states[:, {j}] = {starts[:, j].tolist()!r}: z - x must be within half the clearance"
+            f"states[:, {j}] = {starts[:, j].tolist()!r}: must have z - x within half the clearance"
         )

@@ -17,7 +17,8 @@ from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
 from ..states import NEEDED
-from .settling import NOT_COMPUTED, PARAMETERS, one_state, thread_count
+from ..status import NOT_COMPUTED
+from .settling import PARAMETERS, one_state, thread_count
 from .spacing import spacing_of
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]

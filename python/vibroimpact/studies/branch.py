@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core, checks
-from ..errors import ParameterError, SingularError
+from ..errors import ParameterError, SingularError, StudyInterrupted
 from ..interchange import namelist
 from ..interchange.result import Result
+from ..interrupt import new_tally, stoppable
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..solve import frozen
@@ -39,6 +40,7 @@ REASONS = {
     3: "closed",
     4: "cannot be followed",
     5: "full",
+    6: "stopped",
 }
 _Array = NDArray[np.float64]
 
@@ -161,6 +163,17 @@ class Branch(Result):
     stable = property(lambda self: self.verdicts[2].astype(np.int8))
 
     @property
+    def complete(self) -> bool:
+        """False if Ctrl-C cut it short."""
+        return REASONS[6] not in self.ends
+
+    @property
+    def cut(self) -> str:
+        """How far it came if it was cut short; else empty."""
+        low, high = self.values.min(), self.values.max()
+        return "" if self.complete else f"{self.parameter} from {low:.6g} to {high:.6g} was reached"
+
+    @property
     def values(self) -> _Array:
         """The parameter along the branch."""
         name = "R1" if self.parameter == "restitution" else self.parameter
@@ -236,6 +249,7 @@ def branch(
     bounds: tuple[float, float] | None = None,
     longest_step: float = 0.05,
     max_points: int = 4000,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Branch:
     """Follow an exact motion along a parameter, both ways, through folds, to the bounds.
 
@@ -257,6 +271,9 @@ def branch(
         Longest step along the curve, the range of the parameter being 1.
     max_points : int
         Most points each way.
+    progress : callable, optional
+        Called a few times a second with the share done and what is being done: the share of the range that lies
+        behind, or of the points if that is more.
 
     Returns
     -------
@@ -266,6 +283,8 @@ def branch(
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed.
+    StudyInterrupted
+        After Ctrl-C, with the points so far as its attribute `result`.
 
     Examples
     --------
@@ -290,21 +309,12 @@ def branch(
         [motion.r, motion.clearance, motion.osc.xi, motion.osc.mu, *motion.osc.restitution]
     )
     theta = motion.phases + motion.tau
-    parameters, phases, impacts, scalars, multipliers, verdicts, _, special, n, ends, status = (
-        _core.branch(
-            constants,
-            which,
-            tied,
-            (low, high),
-            motion.pattern.cycles,
-            motion.pattern.signs,
-            symmetric,
-            motion.X,
-            theta,
-            longest_step,
-            2 * max_points,
-        )
-    )
+    found, complete = stoppable(
+        _core.branch, constants, which, tied, (low, high), motion.pattern.cycles, motion.pattern.signs, symmetric,
+        motion.X, theta, longest_step, 2 * max_points,
+        tally=new_tally(), progress=progress, note="branch",
+    )  # fmt: skip
+    parameters, phases, impacts, scalars, multipliers, verdicts, _, special, n, ends, status = found
     raise_status(int(status))
     if n == 0:
         raise SingularError(
@@ -322,6 +332,8 @@ def branch(
         }) if motion.precision == "double" else "",
     )  # fmt: skip
     result.special_points.extend(located(result, special[:, keep], mirrored))
+    if not (complete and result.complete):
+        raise StudyInterrupted(result)
     return result
 
 
@@ -356,7 +368,7 @@ def checked_bounds(motion: Motion, parameter: str, bounds: Any) -> tuple[float, 
         )
     if parameter == "restitution" and right != left:
         raise ParameterError(
-            f"parameter = 'restitution': needs R1 = R2, not {right!r} and {left!r}"
+            f"parameter = 'restitution': must go with R1 = R2, not with {right!r} and {left!r}"
         )
     start = {
         "r": motion.r, "clearance": motion.clearance, "xi": motion.osc.xi, "mu": motion.osc.mu,

@@ -16,7 +16,8 @@ from ..interchange.dataset import xarray
 from ..interchange.result import Result
 from ..interrupt import new_tally, stoppable
 from ..model import Oscillator
-from .settling import NOT_COMPUTED, thread_count
+from ..status import NOT_COMPUTED
+from .settling import thread_count
 from .spacing import spacing_of
 
 __all__ = ["Response", "response"]
@@ -151,7 +152,8 @@ def response(
         raise ParameterError("load = 0.0: must be positive, max|X|/A needs a load")
     if (clearance is None) == (inverse_clearance is None):
         raise ParameterError(
-            f"clearance = {clearance!r}, inverse_clearance = {inverse_clearance!r}: give one of them"
+            f"clearance = {clearance!r}, inverse_clearance = {inverse_clearance!r}: must be one of "
+            "them, the other left out"
         )
     along = np.atleast_1d(checks.real_array(r, "r", "numbers"))
     name = "clearance" if inverse_clearance is None else "inverse_clearance"

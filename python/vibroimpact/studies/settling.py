@@ -20,8 +20,6 @@ from ..trajectory import simulate
 _Array = NDArray[np.float64]
 #: The core's parameters, in its order.
 PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
-#: Its status of what was not come to before it was stopped.
-NOT_COMPUTED = 12
 
 
 def thread_count(threads: int | None) -> int:

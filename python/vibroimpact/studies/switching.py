@@ -12,13 +12,13 @@ from ..errors import VibroimpactError
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import newton
+from ..states import TWO_PI
 from .conditions import is_symmetric
 
 #: How far from the point, relatively, a new motion is looked for along the parameter of the branch, and with
 #: which size of the change.
 OFFSETS = (1e-4, 1e-3, 5e-3, 2e-2)
 SIZES = (0.003, 0.01, 0.03, 0.1)
-TWO_PI = 2 * math.pi
 
 
 def critical_change(motion: Motion, multiplier: float) -> NDArray[np.float64]:

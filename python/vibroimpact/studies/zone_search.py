@@ -101,7 +101,7 @@ def zone(
     checks.instance(osc, "osc", Oscillator)
     checks.instance(pattern, "pattern", Pattern)
     if len(pattern) > 24:
-        raise ParameterError(f"pattern of {len(pattern)} impacts: at most 24 are allowed")
+        raise ParameterError(f"pattern of {len(pattern)} impacts: must have at most 24")
     window = checked_window(osc, r, clearance)
     lines = checks.integer(lines, "lines", 5, 129)
     guesses = checks.integer(guesses, "guesses", 0, 10**5)
