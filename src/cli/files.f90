@@ -63,12 +63,14 @@ module vi_files
 
 contains
 
-   !> Makes a folder if it is not there, its parents included; `message` is empty if it is there.
+   !> Makes a folder if it is not there, its parents included; `message` is empty if it can be
+   !> written to, which is tried before anything is computed.
    subroutine make_folder(path, message)
       character(*), intent(in) :: path
       character(:), allocatable, intent(out) :: message
+      character(:), allocatable :: temporary
       integer(c_int) :: ignored
-      integer :: i
+      integer :: unit, i
       logical :: taken
 
       message = ''
@@ -76,7 +78,11 @@ contains
          if (path(i:i) == '/') ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
       end do
       ignored = c_mkdir(path//c_null_char, int(o'777', c_int))
-      if (is_folder(path)) return
+      if (is_folder(path)) then
+         call open_temporary(path//'/', unit, temporary, message)
+         if (len(message) == 0) close (unit, status='delete')
+         return
+      end if
       inquire (file=path, exist=taken)
       message = trim(merge('is a file     ', 'cannot be made', taken))
    end subroutine make_folder

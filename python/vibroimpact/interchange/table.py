@@ -177,7 +177,7 @@ def chart_columns(data: Any) -> Columns:
     """One row a motion of a chart, all motions of a point together."""
     order = ("r", "clearance", "motion")
     status = data["status"].transpose(*order).values
-    i, j, k = np.nonzero(status != NO_MOTION)
+    i, j, k = np.nonzero((status != NO_MOTION) & (status != NOT_COMPUTED))
     table: Columns = {
         "r": data["r"].values[i].tolist(), "clearance": data["clearance"].values[j].tolist(),
         "slot": (k + 1).tolist(),
