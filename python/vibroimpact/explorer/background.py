@@ -23,6 +23,8 @@ REST = 0.3
 PAUSE = 0.1
 #: Seconds after which the search begins even if the zones are not there.
 PATIENCE = 10
+#: How often in a second it looks meanwhile whether it still is wanted.
+LOOKS = 20
 
 
 class Background:
@@ -89,7 +91,11 @@ class Background:
         """The fuller search at the point, beside what is known there."""
 
         def search(current: Current) -> None:
-            self.coarse_done.wait(PATIENCE)  # zones first: they are what a slider is watched for
+            # zones first: they are what a slider is watched for
+            for _ in range(PATIENCE * LOOKS):
+                if self.coarse_done.wait(1 / LOOKS):
+                    break
+                stop(current)
             self._search("motions", current, state, kept, show)
 
         self.search.submit(search)
