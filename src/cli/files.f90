@@ -66,8 +66,9 @@ module vi_files
 
 contains
 
-   !> Makes a folder if it is not there, its parents included; `message` is empty if it can be written
-   !! to, which is tried before anything is computed, and else says why not, and what is wanted.
+   !> Makes a folder if it is not there, its parents included; `message` is empty if it can be
+   !! written to, which is tried before anything is computed, and else says why not, and what is
+   !! wanted.
    subroutine make_folder(path, message)
       character(*), intent(in) :: path
       character(:), allocatable, intent(out) :: message

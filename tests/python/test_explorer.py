@@ -365,6 +365,42 @@ def test_missing_extra(monkeypatch):
         panel()
 
 
+ENDS = """
+import threading
+from vibroimpact.explorer import background
+from vibroimpact.explorer.latest import Latest
+
+def job(current):
+    begun.set()
+    while current():
+        pass
+    print("ends by itself", flush=True)
+    raise RuntimeError
+
+begun = threading.Event()
+worker = Latest(print)
+worker.submit(job)
+begun.wait()
+worker.submit(lambda current: print("never"))
+worker.drop()
+begun.clear()
+worker.submit(job)
+begun.wait()
+# a search that waits for zones that never come
+background.PATIENCE = 10**6
+behind = background.Background(print, print)
+behind.motions(None, None, None)
+"""
+
+
+def test_threads_end_before_the_interpreter():
+    """What computes is told to end, and waited for: a thread that is stopped within C++ aborts the process."""
+    done = subprocess.run(
+        [sys.executable, "-c", ENDS], capture_output=True, text=True, timeout=100, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "ends by itself\n" * 2, "")
+
+
 def test_interrupt_ends_it():
     """Ctrl-C is how it ends: status 0 and nothing on stderr; it listens on loopback alone.
 

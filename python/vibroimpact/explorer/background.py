@@ -29,6 +29,8 @@ PATIENCE = 10
 GRACE = 2.0
 #: Seconds after which all coarse zones, or one fine zone, are given up.
 LIMITS = {COARSE: 30.0, FINE: 120.0}
+#: How often in a second it looks meanwhile whether it still is wanted.
+LOOKS = 20
 
 
 class Background:
@@ -107,7 +109,11 @@ class Background:
         """The fuller search at the point, beside what is known there."""
 
         def search(current: Current) -> None:
-            self.coarse_done.wait(PATIENCE)  # zones first: they are what a slider is watched for
+            # zones first: they are what a slider is watched for
+            for _ in range(PATIENCE * LOOKS):
+                if self.coarse_done.wait(1 / LOOKS):
+                    break
+                stop(current)
             self._search("motions", current, state, kept, show)
 
         self.search.submit(search)
