@@ -107,7 +107,10 @@ class Background:
         """The fuller search at the point, beside what is known there."""
 
         def search(current: Current) -> None:
-            self.coarse_done.wait(PATIENCE)  # zones first: they are what a slider is watched for
+            # zones first: they are what a slider is watched for
+            begin = time.monotonic()
+            while time.monotonic() - begin < PATIENCE and not self.coarse_done.wait(0.05):
+                stop(current)
             self._search("motions", current, state, kept, show)
 
         self.search.submit(search)

@@ -194,6 +194,17 @@ class Session:
         self.explorer.draw_line((*a, *b))
         return self.update()
 
+    def on_through(self, message: dict[str, Any]) -> dict[str, Any]:
+        """A line through the point, across the window or up."""
+        state = self.explorer.state
+        (r0, r1), (d0, d1) = state.window
+        ends = (
+            (r0, state.clearance, r1, state.clearance) if message["across"]
+            else (state.r, d0, state.r, d1)
+        )  # fmt: skip
+        self.explorer.draw_line(ends)
+        return self.update()
+
     def on_erase(self, _: dict[str, Any]) -> dict[str, Any]:
         """No line any more."""
         self.explorer.set({"line": ""})
