@@ -29,7 +29,7 @@ def test_keyboard(page):
     page.page.wait_for_selector("#along:not([hidden])")
     page.page.keyboard.press("Escape")
     page.page.wait_for_selector("#along", state="hidden")
-    # keys that follow each other faster than they are answered: every step counts, the line is through the last point
+    # keys faster than their answers: every step counts, and the line is through the last point
     page.page.evaluate(
         """() => {
           const press = (key, shiftKey) => document.getElementById("chart").dispatchEvent(

@@ -89,14 +89,18 @@ def test_newer_zones_replace_those_that_take_long(page):
     page.page.evaluate("document.querySelector('details').open = true")
     page.page.fill("[data-field=patterns]", "RL")
     page.page.keyboard.press("Enter")
-    page.page.wait_for_function("document.getElementById('families').textContent.includes('RL sym')")
+    page.page.wait_for_function(
+        "document.getElementById('families').textContent.includes('RL sym')"
+    )
     assert page.text("families").split() == ["RL", "symmetric", "RL", "unsymmetric"]
     assert page.text("status") in ("refining …", "")
 
 
 def test_zones_that_take_too_long_are_given_up(browser):
     """It is said which; the others are there, and when other patterns are asked for all of them."""
-    process, url = start(prelude="from vibroimpact.explorer import background as b; b.LIMITS[b.COARSE] = 5")
+    process, url = start(
+        prelude="from vibroimpact.explorer import background as b; b.LIMITS[b.COARSE] = 5"
+    )
     tab = browser.new_page()
     page = Page(tab, url)
     tab.goto(f"{url}?{LONG}RL,R*L*")

@@ -59,7 +59,9 @@ class Background:
         self.search, self.rest, self.sweep = worker("motions"), worker("rest"), worker("diagram")
         self.coarse_done = threading.Event()
 
-    def zones(self, state: State, show: Callable[[dict[Family, Zone], Any, bool, str], None]) -> None:
+    def zones(
+        self, state: State, show: Callable[[dict[Family, Zone], Any, bool, str], None]
+    ) -> None:
         """All zones coarsely, which is shown at once; finely afterwards.
 
         Shown: zones, shapes, whether that was all, and what was given up, in words.
@@ -93,7 +95,9 @@ class Background:
 
         def finely(current: Current, coarse: dict[Family, Zone], lacking: str) -> None:
             found = {family: one(family, FINE, watch(current, FINE)) for family in coarse}
-            zones = {family: coarse[family] if zone is None else zone for family, zone in found.items()}
+            zones = {
+                family: coarse[family] if zone is None else zone for family, zone in found.items()
+            }
             shapes = zone_shapes(zones)
             rough = given_up([family for family, zone in found.items() if zone is None], FINE)
             told = "; ".join(filter(None, (lacking, rough)))
