@@ -168,10 +168,7 @@ class Session:
 
     def on_run(self, message: dict[str, Any]) -> dict[str, Any]:
         """Let it run from the state in the fields."""
-        given = message["words"]
-        text = ",".join(given[name] for name in Run.__dataclass_fields__)
-        run = State().changed({"run": text}).run
-        return self.runs(self.explorer.let_run(run or Run()))
+        return self.runs(self.explorer.let_run(Run.read(message["words"])))
 
     def on_launch(self, message: dict[str, Any]) -> dict[str, Any]:
         """Let it run from a place in the portrait."""
