@@ -121,18 +121,19 @@ contains
       type(place_type) :: before, now, next
       type(stride_type) :: stride
       type(condition_type) :: none(0)
-      real(wp) :: along(size(net%unknowns, 1) + 1), q
-      logical :: good, known
+      real(wp), dimension(size(net%unknowns, 1) + 1) :: along, mark, point
+      integer :: taken
+      logical :: good, known, passes
 
       call line_of(net, node, direction, line)
       along = 0
       along(size(along)) = way
-      q = net%lines%axes(direction)%at(net%lattice(direction, node))
-      stride = stride_type(longest=0.8_wp*line_spacing(net%lines, direction, q))
-      call begin_walk(line, none, [net%unknowns(:, node), q], along, 0.2_wp*stride%longest, now, &
-         good)
+      mark = [net%unknowns(:, node), net%lines%axes(direction)%at(net%lattice(direction, node))]
+      stride = stride_type(longest=0.8_wp*line_spacing(net%lines, direction, mark(size(mark))))
+      call begin_walk(line, none, mark, along, 0.2_wp*stride%longest, now, good)
       if (.not. good) return
       before = now
+      taken = 0
       do while (net%steps < most_steps)
          if (is_stopped(tally)) return
          stride%longest = 0.8_wp*line_spacing(net%lines, direction, now%point(size(now%point)))
@@ -147,6 +148,13 @@ contains
          call note_border(net, line, direction, node, now, next)
          call note_nodes(net, line, direction, node, now, next, known)
          if (known .or. leaves(next, line)) return
+         ! a closed curve between the lattice's lines comes back to a place of its own
+         call pass(line, mark(size(mark)), now, next, point, passes)
+         point = point - mark
+         call wrap_phases(net%sheet%frame, point)
+         if (passes .and. maxval(abs(point)) < 1.0e-6_wp) return
+         taken = taken + 1
+         if (iand(taken, taken - 1) == 0) mark = next%point
          before = now
          now = next
       end do
@@ -198,29 +206,44 @@ contains
       type(place_type), intent(in) :: now, next
       !> Whether the line has been here before.
       logical, intent(out) :: known
-      real(wp) :: guess(size(now%point)), a, b, level
-      type(condition_type) :: at
-      integer :: i, place(2), found, iterations
+      real(wp) :: point(size(now%point))
+      integer :: i, place(2), found
+      logical :: passes
 
       known = .false.
-      a = now%point(size(now%point))
-      b = next%point(size(next%point))
       do i = 1, size(net%lines%axes(direction)%at)
-         level = net%lines%axes(direction)%at(i)
-         if (.not. (level - a)*(level - b) < 0) cycle
-         if (abs(level - a) < 1.0e-9_wp) cycle
-         guess = now%point + (level - a)/(b - a)*(next%point - now%point)
-         at = condition_type(edge, line%active(1), 1, bound=line%origin(1) + line%scale(1)*level)
-         call correct(line, [at], guess, iterations)
-         if (iterations == 0) cycle
+         call pass(line, net%lines%axes(direction)%at(i), now, next, point, passes)
+         if (.not. passes) cycle
          place = net%lattice(:, node)
          place(direction) = i
-         call add_seed(net, place(1), place(2), guess(:size(guess) - 1), found)
+         call add_seed(net, place(1), place(2), point(:size(point) - 1), found)
          if (found == 0) cycle
          if (net%followed(direction, found)) known = .true.
          net%followed(direction, found) = .true.
       end do
    end subroutine note_nodes
+
+   !> Where a step passes a level of the line's parameter, if it does.
+   pure subroutine pass(line, level, now, next, point, passes)
+      type(curve_type), intent(in) :: line
+      real(wp), intent(in) :: level
+      type(place_type), intent(in) :: now, next
+      real(wp), intent(out) :: point(:)
+      logical, intent(out) :: passes
+      type(condition_type) :: at
+      real(wp) :: a, b
+      integer :: iterations
+
+      a = now%point(size(point))
+      b = next%point(size(point))
+      point = now%point
+      passes = (level - a)*(level - b) < 0 .and. .not. abs(level - a) < 1.0e-9_wp
+      if (.not. passes) return
+      point = now%point + (level - a)/(b - a)*(next%point - now%point)
+      at = condition_type(edge, line%active(1), 1, bound=line%origin(1) + line%scale(1)*level)
+      call correct(line, [at], point, iterations)
+      passes = iterations > 0
+   end subroutine pass
 
    !> Notes where a step enters or leaves a zone.
    pure subroutine note_border(net, line, direction, node, now, next)

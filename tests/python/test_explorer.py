@@ -61,8 +61,8 @@ def test_a_link_holds_the_whole_state(state):
     ("clearance=0", "clearance = 0.0"), ("r_min=1.3", "r = (1.3, 1.2)"), ("patterns=RX", "sides = 'RX'"),
     ("patterns=RL/x", "patterns = 'RL/x'"), ("patterns=", "patterns"), ("line=1,2,3", "line = '1,2,3'"),
     ("line=1,2,1,2", "line = (1.0, 2.0, 1.0, 2.0)"), ("run=1,2", "run = '1,2'"), ("show=all", "show = 'all'"),
-    ("run=0,0,0,0,inf,1,0", "run: 'inf'"), ("run=0,0,0,0,0,0,0", "cycles = 0.0"), ("colour=red", "colour = 'red'"),
-    ("motion=RL/1/phases/0", "motion = 'RL/1/phases/0'"), ("motion=RL/2/equispaced/0", "number 0 or 1"),
+    ("run=0,0,0,0,inf,1,0", "z_dot = 'inf'"), ("run=0,0,0,0,0,0,0", "cycles = 0.0"),
+    ("colour=red", "colour = 'red'"), ("motion=RL/1/phases/0", "motion = 'RL/1/phases/0'"), ("motion=RL/2/equispaced/0", "number 0 or 1"),
     ("xi=0", "xi = 0")])  # fmt: skip
 def test_a_bad_part_of_a_link_is_named_and_the_rest_kept(query, word):
     """One fault for it, and every other part of the link as it was."""
@@ -158,6 +158,20 @@ def test_a_motion_that_has_gone_is_not_chosen():
     session.heard(gone | {"number": 2, "motion": last})
     assert session.explorer.state == replace(before, motion=Recipe.read(last))
     assert [row["chosen"] for row in told[-1]["table"]][-1]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"), [("z_dot", "abc"), ("x", "1,5"), ("t", ""), ("cycles", "1e400")]
+)
+def test_a_field_of_a_run_that_is_no_number_is_named(name, text):
+    """With what stands in it, also where that has a comma; nothing runs."""
+    told = []
+    session = Session("", lambda text, _: told.append(json.loads(text)), lambda work: work())
+    session.heard(
+        {"kind": "run", "number": 1, "words": dict.fromkeys(vars(RUN), "1") | {name: text}}
+    )
+    assert told[-1]["fault"] == f"{name} = {text!r}: must be a finite number"
+    assert session.explorer.state == State()
 
 
 def test_a_run_settles_on_a_motion_of_the_table():

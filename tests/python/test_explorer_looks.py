@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
@@ -26,6 +27,24 @@ def test_keyboard(page):
     assert float(page.field("clearance")) == pytest.approx(25 * 100**0.1)
     page.page.keyboard.press("l")
     page.page.wait_for_selector("#along:not([hidden])")
+    page.page.keyboard.press("Escape")
+    page.page.wait_for_selector("#along", state="hidden")
+    # keys faster than their answers: every step counts, and the line is through the last point
+    page.page.evaluate(
+        """() => {
+          const press = (key, shiftKey) => document.getElementById("chart").dispatchEvent(
+            new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }))
+          for (const key of ["ArrowRight", "ArrowRight", "ArrowRight", "ArrowDown", "ArrowLeft"]) press(key, false)
+          press("L", true)
+        }"""
+    )
+    page.page.wait_for_selector("#along:not([hidden])")
+    page.settle()
+    assert float(page.field("r")) == pytest.approx(1.044 + 2 * 0.004)
+    clearance = float(page.field("clearance"))
+    assert clearance == pytest.approx(25 * 100**0.09)
+    line = parse_qs(urlsplit(page.page.url).query)["line"][0]
+    assert list(map(float, line.split(","))) == [0.8, clearance, 1.2, clearance]
     page.page.keyboard.press("Escape")
     page.page.wait_for_selector("#along", state="hidden")
     page.page.locator("#table input").first.focus()

@@ -172,3 +172,11 @@ def test_impact_without_restitution_ends_where_rest_begins():
         times = np.array([0.0, 1e-4, 2e-4])
         speed = motion.sample(times).X_dot
         assert abs(speed[1] - speed[0]) < 1e-6 * motion.clearance
+
+
+def test_a_closed_curve_between_the_lattice_lines_is_gone_round_once():
+    """A search that came to such a curve went round it for ever; more lines find the same zone."""
+    osc = vi.Oscillator(xi=0.0202, mu=0.108, restitution=(0.79, 0.81))
+    window = (0.4280966277871413, 2.7493171322070333), (2.0, 200.0)
+    zones = [vi.zone(osc, vi.Pattern("RL"), *window, lines=n, guesses=4) for n in (5, 17)]
+    assert zones[0].area == pytest.approx(zones[1].area, rel=1e-2)

@@ -29,8 +29,6 @@ PATIENCE = 10
 GRACE = 2.0
 #: Seconds after which all coarse zones, or one fine zone, are given up.
 LIMITS = {COARSE: 30.0, FINE: 120.0}
-#: How often in a second it looks meanwhile whether it still is wanted.
-LOOKS = 20
 
 
 class Background:
@@ -114,9 +112,8 @@ class Background:
 
         def search(current: Current) -> None:
             # zones first: they are what a slider is watched for
-            for _ in range(PATIENCE * LOOKS):
-                if self.coarse_done.wait(1 / LOOKS):
-                    break
+            begin = time.monotonic()
+            while time.monotonic() - begin < PATIENCE and not self.coarse_done.wait(0.05):
                 stop(current)
             self._search("motions", current, state, kept, show)
 

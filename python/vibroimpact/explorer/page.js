@@ -10,6 +10,7 @@ export function render({ model }) {
   function ask(kind, message = {}) {
     const old = waiting.get(kind)
     if (kind === "set" && old) message = { words: { ...old.words, ...message.words } }
+    if (kind === "step" && old) message = { right: old.right + message.right, up: old.up + message.up }
     waiting.delete(kind)
     waiting.set(kind, message)
     if (kind !== "peek" && kind !== "unpeek") waiting.delete("peek")
@@ -216,10 +217,7 @@ export function render({ model }) {
       const [right, up] = steps[event.key]
       ask("step", { right, up })
     } else if (event.key.toLowerCase() === "l") {
-      const value = (name) => Number(document.querySelector(`[data-field="${name}"]`).value)
-      ask("line", event.shiftKey
-        ? { from: [value("r_min"), value("clearance")], to: [value("r_max"), value("clearance")] }
-        : { from: [value("r"), value("clearance_min")], to: [value("r"), value("clearance_max")] })
+      ask("through", { across: event.shiftKey })
     } else if (event.key === "Escape") ask("erase")
     else return
     event.preventDefault()

@@ -168,10 +168,7 @@ class Session:
 
     def on_run(self, message: dict[str, Any]) -> dict[str, Any]:
         """Let it run from the state in the fields."""
-        given = message["words"]
-        text = ",".join(given[name] for name in Run.__dataclass_fields__)
-        run = State().changed({"run": text}).run
-        return self.runs(self.explorer.let_run(run or Run()))
+        return self.runs(self.explorer.let_run(Run.read(message["words"])))
 
     def on_launch(self, message: dict[str, Any]) -> dict[str, Any]:
         """Let it run from a place in the portrait."""
@@ -192,6 +189,17 @@ class Session:
         """A line was drawn."""
         a, b = message["from"], message["to"]
         self.explorer.draw_line((*a, *b))
+        return self.update()
+
+    def on_through(self, message: dict[str, Any]) -> dict[str, Any]:
+        """A line through the point, across the window or up."""
+        state = self.explorer.state
+        (r0, r1), (d0, d1) = state.window
+        ends = (
+            (r0, state.clearance, r1, state.clearance) if message["across"]
+            else (state.r, d0, state.r, d1)
+        )  # fmt: skip
+        self.explorer.draw_line(ends)
         return self.update()
 
     def on_erase(self, _: dict[str, Any]) -> dict[str, Any]:

@@ -51,6 +51,11 @@ class Run:
                     f"{name} = {value!r}: must be a number with 0 {sign} {name} <= {most}"
                 )
 
+    @classmethod
+    def read(cls, words: dict[str, str]) -> Run:
+        """From the text of each field; ParameterError names the one that is no number."""
+        return cls(**{item.name: _finite(words[item.name], item.name) for item in fields(cls)})
+
     @property
     def state(self) -> dict[str, float]:
         """The initial state as `simulate` takes it."""
@@ -225,8 +230,9 @@ def _value(name: str, text: str) -> Any:
         words, count = text.split(","), len(fields(Run)) if name == "run" else 4
         if len(words) != count:
             raise ParameterError(f"{name} = {text!r}: must be {count} numbers with commas between")
-        numbers = tuple(_finite(word, name) for word in words)
-        return Run(*numbers) if name == "run" else numbers
+        if name == "run":
+            return Run.read(dict(zip((item.name for item in fields(Run)), words, strict=True)))
+        return tuple(_finite(word, name) for word in words)
     names = ", ".join(item.name for item in fields(State))
     raise ParameterError(f"{name} = {text!r}: is no part of the explorer's state; must be {names}")
 
@@ -254,7 +260,7 @@ def _finite(text: str, name: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ParameterError(f"{name}: {text!r} must be a finite number")
+        raise ParameterError(f"{name} = {text!r}: must be a finite number")
     return value
 
 
