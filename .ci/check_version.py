@@ -20,8 +20,11 @@ def text(name):
 
 
 version = re.search(r"^  version: '(.*)',$", text("meson.build"), re.MULTILINE)[1]
-project = tomllib.loads(text("pyproject.toml"))["project"]
-faults = []
+settings = tomllib.loads(text("pyproject.toml"))
+project = settings["project"]
+# the package that stands in for a system without LAPACK comes without a bound
+building = {need for need in settings["build-system"]["requires"] if ">=" in need}
+faults = [f"run does not install '{need}'" for need in building if f"'{need}'" not in text("run")]
 for name, phrase in (
     ("CITATION.cff", f"\nversion: {version}\n"),
     ("docs/tutorial.md", f"\nvibroimpact {version}\n"),
@@ -43,6 +46,9 @@ for system in ("linux-64", "osx-arm64"):
         needs = {need.replace(" ", "") for need in made["requirements"]["run"]}
         if needs != {"python", *project["dependencies"]}:
             faults.append(f"recipe.yaml needs {sorted(needs)}")
+        host = {need.replace(" ", "") for need in made["requirements"]["host"]}
+        if not building <= host:
+            faults.append(f"recipe.yaml is built with {sorted(host)}, not with {sorted(building)}")
 for fault in dict.fromkeys(faults):
     print(fault)
 sys.exit(bool(faults))
