@@ -66,8 +66,7 @@ def run(options: argparse.Namespace) -> int:
                 status = 2
                 continue
             drawn.add(path)
-            print(f"{case.name}: {save(draw(), path)}")
-            options.record.files.append(str(path))
+            options.record.wrote(case.name, save(draw(), path))
     return status
 
 
