@@ -435,7 +435,7 @@ subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lin
    integer(c_int), intent(in) :: n, m, cycles, sides(n), symmetric, lines, guesses, points, room, &
       loop_room
    real(c_double), intent(in) :: xi, mu, walls(2), r(2), clearance(2), seeds(2 + 2*n, m)
-   integer(c_int), intent(inout) :: tally(2)
+   integer(c_int), intent(inout) :: tally(3)
    real(c_double), intent(out) :: vertices(5, room), unknowns(2*n, room), inside(2, loop_room)
    integer(c_int), intent(out) :: labels(4, room), n_vertices, loops(2, loop_room), n_loops, &
       work(5), status

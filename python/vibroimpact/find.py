@@ -127,7 +127,7 @@ def find(
         Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
         return map: it finds motions with rest that are unstable too.
     progress : callable, optional
-        Called with the share done and what is being done.
+        Called with the share done and what is being done; what it raises ends the search.
 
     Returns
     -------
@@ -166,15 +166,18 @@ def find(
     with ThreadPoolExecutor() as pool:
         each: Any = map if effort < LITTLE else pool.map
         tried, inadmissible = _search_patterns(point, patterns, guesses, each, found, tell)
-        tell(0.9, "motions with rest")
-        for motion in _rest_motions(*point, starts, each):
+
+        def each_start(solve: Callable[[Release], Any], starts: list[Release]) -> Any:
+            return _told(each(solve, starts), tell, (0.9, 0.95), len(starts), "motions with rest")
+
+        for motion in _rest_motions(*point, starts, each_start):
             if len(motion.pattern) <= max_impacts:
                 _add(found, motion)
-        tell(0.95, "simulations")
         ends = each(
             lambda state: settle(*point, state, settling, max_cycles),
             _spread_states(*point, states),
         )
+        ends = list(_told(ends, tell, (0.95, 1.0), states, "simulations"))
         settled = [end for end in ends if end is not None and len(end.pattern) <= max_impacts]
     for period in settled:
         with contextlib.suppress(SingularError):
@@ -185,6 +188,17 @@ def find(
     return FoundMotions(
         found, Search(len(patterns), tried, inadmissible, states, len(settled), len(starts))
     )
+
+
+def _told(
+    items: Iterable[Any], tell: Callable[[float, str], None], shares: tuple[float, float], count: int,
+    what: str,
+) -> Iterable[Any]:  # fmt: skip
+    """Items one by one, each told as its part of the way from one share of the work to another."""
+    low, high = shares
+    for i, item in enumerate(items):
+        tell(low + (high - low) * i / count, what)
+        yield item
 
 
 def _work(patterns: Iterable[Pattern]) -> int:
@@ -235,12 +249,21 @@ def _period_motion(point: Point, period: Period) -> Motion:
 
 def _add(found: list[Motion], motion: Motion) -> None:
     """Add a motion, and its mirror image where the walls are alike, unless they are there."""
-    images = [reduced(motion)]
-    if motion.osc.restitution[0] == motion.osc.restitution[1]:
-        images.append(mirror(turned(images[0])))
-    for image in images:
+    for image in images(motion):
         if not any(same(image, other) for other in found):
             found.append(turned(image))
+
+
+def images(motion: Motion) -> Iterator[Motion]:
+    """A motion, written once, and its mirror image where the walls are alike."""
+    once = reduced(motion)
+    yield once
+    if motion.osc.restitution[0] == motion.osc.restitution[1]:
+        try:
+            image = mirror(turned(once))
+        except SingularError:  # on the edge of convergence, as the motion itself
+            return
+        yield image
 
 
 def reduced(motion: Motion) -> Motion:

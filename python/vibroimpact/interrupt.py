@@ -14,16 +14,24 @@ INTERVAL = 0.05
 
 
 def interruptible(
-    function: Callable[..., Any], *arguments: Any, watch: Callable[[], None] | None = None
-) -> Any:
+    function: Callable[..., Any], *arguments: Any, watch: Callable[[], None] | None = None,
+    tally: NDArray[np.int32] | None = None,
+) -> Any:  # fmt: skip
     """What a function of the core answers, while the main thread stays free to hear Ctrl-C.
 
-    The core cannot be stopped within a call: after an interrupt it runs on in a thread that ends with the
-    program, and its answer is dropped. Meanwhile `watch`, if there is one, is called a few times a second.
+    Meanwhile `watch`, if there is one, is called a few times a second. After an interrupt, or what `watch` raises,
+    the answer is dropped. The core is told to stop by the tally, if it has one among its arguments; otherwise it
+    runs on in a thread that ends with the program.
     """
     if watch is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments)
-    return _finished(*_started(function, *arguments), watch)
+    call = _started(function, *arguments)
+    try:
+        return _finished(*call, watch)
+    except BaseException:
+        if tally is not None:
+            tally[2] = 1
+        raise
 
 
 def stoppable(
@@ -34,7 +42,8 @@ def stoppable(
 
     Its last argument is a tally of three numbers: work done, work in sight, and whether to stop. Ctrl-C tells the
     core by it to stop, which it does within a few load cycles; its answer then is what was finished. A second
-    Ctrl-C does not wait for that. `progress` is called a few times a second with the share done and the note.
+    Ctrl-C does not wait for that. `progress` is called a few times a second with the share done and the note;
+    what it raises stops the core too, and is raised.
     """
     if progress is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments, tally), True
@@ -49,6 +58,9 @@ def stoppable(
     except KeyboardInterrupt:
         tally[2] = 1
         return _finished(*call, None), False
+    except BaseException:
+        tally[2] = 1
+        raise
 
 
 def new_tally() -> NDArray[np.int32]:

@@ -66,13 +66,15 @@ module vi_files
 
 contains
 
-   !> Makes a folder if it is not there, its parents included; `message` is empty if it is there,
-   !! and else says why not, and what is wanted.
+   !> Makes a folder if it is not there, its parents included; `message` is empty if it can be
+   !! written to, which is tried before anything is computed, and else says why not, and what is
+   !! wanted.
    subroutine make_folder(path, message)
       character(*), intent(in) :: path
       character(:), allocatable, intent(out) :: message
+      character(:), allocatable :: temporary
       integer(c_int) :: ignored
-      integer :: i
+      integer :: unit, i
       logical :: taken
 
       message = ''
@@ -80,7 +82,15 @@ contains
          if (path(i:i) == '/') ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
       end do
       ignored = c_mkdir(path//c_null_char, int(o'777', c_int))
-      if (is_folder(path)) return
+      if (is_folder(path)) then
+         call open_temporary(path//'/', unit, temporary, message)
+         if (len(message) > 0) then
+            message = message//writable
+         else
+            close (unit, status='delete')
+         end if
+         return
+      end if
       message = 'cannot be made'//writable
       do i = 2, len(path) + 1
          if (i <= len(path)) then

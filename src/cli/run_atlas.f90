@@ -22,8 +22,8 @@ contains
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
-      !> Work done and work in sight.
-      integer, intent(inout), optional :: tally(2)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(atlas_type) :: atlas
       type(pieces_type), allocatable :: found(:)
       type(line_type), allocatable :: lines(:)

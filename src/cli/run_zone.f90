@@ -20,8 +20,8 @@ contains
       type(log_type), intent(inout) :: log
       !> False if the result could not be written.
       logical, intent(out) :: written
-      !> Work done and work in sight.
-      integer, intent(inout), optional :: tally(2)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(pieces_type) :: found
       type(line_type), allocatable :: lines(:)
       character(:), allocatable :: what

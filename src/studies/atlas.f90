@@ -11,6 +11,7 @@ module vi_atlas
    use vi_pattern, only: pattern_type
    use vi_sheet, only: zone_request_type
    use vi_survey, only: attractor_type, survey
+   use vi_tally, only: add_sight
    use vi_zone, only: find_zone, zone_type, zone_work
    use vi_zone_table, only: count_zone
    implicit none (type, external)
@@ -48,8 +49,8 @@ contains
    subroutine find_atlas(request, atlas, tally)
       type(atlas_request_type), intent(in) :: request
       type(atlas_type), intent(out) :: atlas
-      !> Work done and work in sight, kept up to date for who looks at it meanwhile.
-      integer, intent(inout), optional :: tally(2)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       logical, allocatable :: again(:)
       integer :: i, j
 
@@ -96,10 +97,10 @@ contains
       logical, intent(in) :: wanted(:)
       !> Times as many lattice lines.
       integer, intent(in) :: finer
-      integer, intent(inout), optional :: tally(2)
+      integer, intent(inout), optional :: tally(3)
       integer :: j, status
 
-      if (present(tally)) tally(2) = tally(2) + zone_work*count(wanted)
+      call add_sight(zone_work*count(wanted), tally)
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status)
       do j = 1, size(atlas%sheets)
          if (.not. wanted(j)) cycle

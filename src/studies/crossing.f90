@@ -1,13 +1,13 @@
 !> Where, on a step along a curve of motions, a condition is zero.
 module vi_crossing
    use vi_curve, only: correct, curve_type
-   use vi_frame, only: condition_type, grazing, rest_vanishes
+   use vi_frame, only: condition_type, edge, grazing, is_inside, rest_vanishes
    use vi_kinds, only: wp
    use vi_steps, only: place_type, survey
    implicit none (type, external)
    private
 
-   public :: hidden_zero, locate
+   public :: hidden_zero, innermost_zero, locate
 
 contains
 
@@ -94,5 +94,52 @@ contains
 
       length = dot_product(from%tangent, to%point - from%point)
    end function from_length
+
+   !> The zero next to the inside end of a step.
+   !!
+   !! What is violated at a zero was met at the inside end, so that it is zero in between, even if
+   !! it has the same sign at both ends: a step may pass two of its zeros.
+   pure subroutine innermost_zero(curve, now, next, inside, best, which)
+      !> With one active parameter.
+      type(curve_type), intent(in) :: curve
+      type(place_type), intent(in) :: now, next
+      !> Whether the step begins inside.
+      logical, intent(in) :: inside
+      type(place_type), intent(inout) :: best
+      !> The condition that is zero there; 0 if none was found.
+      integer, intent(out) :: which
+      integer, parameter :: most_passes = 4
+      type(place_type) :: low, high, found
+      type(condition_type) :: none(0)
+      real(wp) :: share, nearest
+      integer :: j, pass
+      logical :: good
+
+      low = now
+      high = next
+      which = 0
+      do pass = 1, most_passes
+         nearest = huge(1.0_wp)
+         do j = 1, size(now%values)
+            if (.not. low%values(j)*high%values(j) < 0) cycle
+            if (now%conditions(j)%kind == edge .and. &
+               now%conditions(j)%index /= curve%active(1)) cycle
+            call locate(curve, none, low, high, j, found, share, good)
+            if (.not. good) cycle
+            if (.not. inside) share = 1 - share
+            if (share >= nearest) cycle
+            nearest = share
+            which = j
+            best = found
+         end do
+         if (.not. nearest < huge(1.0_wp)) return
+         if (is_inside(best%conditions, best%values + 1.0e-9_wp, curve%active(1))) return
+         if (inside) then
+            high = best
+         else
+            low = best
+         end if
+      end do
+   end subroutine innermost_zero
 
 end module vi_crossing

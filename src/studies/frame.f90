@@ -30,8 +30,9 @@ module vi_frame
       !> Bounds on parameters.
       type(condition_type), allocatable :: edges(:)
       !> Distance in (u, theta) at which a motion counts as one that repeats itself. The parameters
-      !! there differ from those of the bifurcation by its square.
-      real(wp) :: apart = 1.0e-3_wp
+      !! there differ from those of the bifurcation by its square; much nearer, rounding leaves too
+      !! little of the equations to find the corner of a fold that begins there.
+      real(wp) :: apart = 3.0e-3_wp
       !> Motions with rest: another family, with unknowns of its own.
       logical :: resting = .false.
       type(rest_family_type) :: rest

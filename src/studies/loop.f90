@@ -10,6 +10,7 @@ module vi_loop
    use vi_frame, only: condition_type, grazing, wrap_phases
    use vi_kinds, only: wp
    use vi_steps, only: begin_walk, can_shorten, exchange, place_type, stride_type, take_step
+   use vi_tally, only: is_stopped
    implicit none (type, external)
    private
 
@@ -33,7 +34,7 @@ module vi_loop
 contains
 
    !> Follows the boundary of a zone from a point where one condition is zero.
-   pure subroutine trace_loop(curve, stride, point, condition, most, loop)
+   subroutine trace_loop(curve, stride, point, condition, most, loop, tally)
       !> With two active parameters.
       type(curve_type), intent(in) :: curve
       type(stride_type), intent(in) :: stride
@@ -42,6 +43,8 @@ contains
       !> Most points.
       integer, intent(in) :: most
       type(loop_type), intent(out) :: loop
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(place_type) :: now, next, corner
       real(wp), allocatable :: before(:)
       type(condition_type) :: active
@@ -56,6 +59,7 @@ contains
       call append(loop, now, active, 0)
       before = now%values
       do while (loop%n < most)
+         if (is_stopped(tally)) return
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
          call first_violation(curve, active, now, next, corner, which, met)

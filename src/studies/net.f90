@@ -4,13 +4,14 @@
 !! through folds as well. Where two lines cross the motion is a node; from every node both lines go
 !! on, so that all connected sheets are covered.
 module vi_net
-   use vi_crossing, only: hidden_zero, locate
+   use vi_crossing, only: hidden_zero, innermost_zero
    use vi_curve, only: correct, curve_type
    use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, unknown_count, &
       wrap_phases, zero_approach
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, line_spacing
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
+   use vi_tally, only: is_stopped
    implicit none (type, external)
    private
 
@@ -89,10 +90,12 @@ contains
    end subroutine add_seed
 
    !> Follows both lines through every node, until all have been.
-   pure subroutine cover(net, first)
+   subroutine cover(net, first, tally)
       type(net_type), intent(inout) :: net
       !> The first node whose lines may not have been followed.
       integer, intent(in) :: first
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       integer :: node, direction, way
 
       node = first
@@ -101,7 +104,7 @@ contains
             if (net%followed(direction, node)) cycle
             net%followed(direction, node) = .true.
             do way = -1, 1, 2
-               call follow_line(net, node, direction, way)
+               call follow_line(net, node, direction, way, tally)
             end do
          end do
          node = node + 1
@@ -109,10 +112,11 @@ contains
    end subroutine cover
 
    !> Follows a line from a node one way, until it leaves the window or what is physical.
-   pure subroutine follow_line(net, node, direction, way)
+   subroutine follow_line(net, node, direction, way, tally)
       type(net_type), intent(inout) :: net
       !> The parameter that changes along the line is `direction`.
       integer, intent(in) :: node, direction, way
+      integer, intent(inout), optional :: tally(3)
       type(curve_type) :: line
       type(place_type) :: before, now, next
       type(stride_type) :: stride
@@ -130,6 +134,7 @@ contains
       if (.not. good) return
       before = now
       do while (net%steps < most_steps)
+         if (is_stopped(tally)) return
          stride%longest = 0.8_wp*line_spacing(net%lines, direction, now%point(size(now%point)))
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
@@ -223,29 +228,15 @@ contains
       type(curve_type), intent(in) :: line
       integer, intent(in) :: direction, node
       type(place_type), intent(in) :: now, next
-      type(place_type) :: found, best
-      type(condition_type) :: none(0)
-      real(wp) :: share, nearest, other, q(2)
+      type(place_type) :: best
+      real(wp) :: other, q(2)
       integer :: j, which
-      logical :: good, inside
+      logical :: inside
 
       inside = is_inside(now%conditions, now%values, line%active(1))
       if (inside .eqv. is_inside(next%conditions, next%values, line%active(1))) return
       if (net%n_borders == border_room) return
-      which = 0
-      best = now
-      nearest = huge(1.0_wp)
-      do j = 1, size(now%values)
-         if (.not. now%values(j)*next%values(j) < 0) cycle
-         if (now%conditions(j)%kind == edge .and. now%conditions(j)%index /= line%active(1)) cycle
-         call locate(line, none, now, next, j, found, share, good)
-         if (.not. good) cycle
-         if (.not. inside) share = 1 - share
-         if (share >= nearest) cycle
-         nearest = share
-         which = j
-         best = found
-      end do
+      call innermost_zero(line, now, next, inside, best, which)
       if (which == 0) return
       other = net%lines%axes(3 - direction)%at(net%lattice(3 - direction, node))
       net%n_borders = net%n_borders + 1

@@ -33,7 +33,7 @@ contains
       !> What the whole piece counts, and what of it has been told so far.
       integer, intent(in) :: work
       integer, intent(inout) :: told
-      integer, intent(inout), optional :: tally(2)
+      integer, intent(inout), optional :: tally(3)
       integer :: more
 
       if (.not. present(tally)) return

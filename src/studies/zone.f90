@@ -15,7 +15,7 @@ module vi_zone
    use vi_sheet, only: is_neutral, make_sheet, zone_request_type
    use vi_status, only: stat
    use vi_steps, only: stride_type
-   use vi_tally, only: tell_share
+   use vi_tally, only: is_stopped, tell_share
    implicit none (type, external)
    private
 
@@ -53,8 +53,8 @@ contains
       type(zone_type), intent(out) :: zone
       !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
-      !> Work done and work in sight, kept up to date for who looks at it meanwhile.
-      integer, intent(inout), optional :: tally(2)
+      !> As of vi_tally; a zone that is stopped has borders left untraced.
+      integer, intent(inout), optional :: tally(3)
       type(net_type) :: net
       real(wp) :: q(2)
       integer, allocatable :: unclosed(:)
@@ -75,7 +75,7 @@ contains
          q = ([seeds(1, i), log(seeds(2, i))] - zone%sheet%origin)/zone%sheet%scale
          call plant(net, q, part_of(zone%sheet%frame, seeds(3:, i)), nearest_lines(net%lines, q))
       end do
-      call cover(net, 1)
+      call cover(net, 1, tally)
       call search_window(request, net, told, tally)
       zone%nodes = net%n
       zone%steps = net%steps
@@ -83,18 +83,21 @@ contains
       allocate (unclosed(net%n_borders))
       n_unclosed = 0
       do i = 1, net%n_borders
-         call trace_border(net%borders(i), request%points, .false., zone, closed)
+         if (is_stopped(tally)) exit
+         call trace_border(net%borders(i), request%points, .false., zone, closed, tally)
          call tell_share(0.5_wp + 0.5_wp*i/net%n_borders, zone_work, told, tally)
          if (closed) cycle
          n_unclosed = n_unclosed + 1
          unclosed(n_unclosed) = i
       end do
       do i = 1, n_unclosed
-         call trace_border(net%borders(unclosed(i)), request%points, .true., zone, closed)
+         if (is_stopped(tally)) exit
+         call trace_border(net%borders(unclosed(i)), request%points, .true., zone, closed, tally)
       end do
       do i = 1, zone%n
          call settle(zone%sheet, zone%loops(i))
       end do
+      if (is_stopped(tally)) zone%untraced = zone%untraced + 1
       call tell_share(1.0_wp, zone_work, told, tally)
    end subroutine find_zone
 
@@ -106,7 +109,7 @@ contains
       type(zone_request_type), intent(in) :: request
       type(net_type), intent(inout) :: net
       integer, intent(inout) :: told
-      integer, intent(inout), optional :: tally(2)
+      integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: found(:, :)
       real(wp) :: q(2)
       integer :: i, j, k, first, guesses, pass, passes, skip
@@ -127,7 +130,8 @@ contains
                do k = 1, size(found, 2)
                   call plant(net, q, found(:, k), [i, j])
                end do
-               call cover(net, first)
+               call cover(net, first, tally)
+               if (is_stopped(tally)) return
             end do
             call tell_share(0.5_wp*(pass - 1 + j/real(size(net%head, 2), wp))/passes, zone_work, &
                told, tally)
@@ -167,7 +171,7 @@ contains
    end subroutine plant
 
    !> Traces the boundary from a place on it, unless it is on a loop already.
-   pure subroutine trace_border(border, most, keep_open, zone, closed)
+   subroutine trace_border(border, most, keep_open, zone, closed, tally)
       type(border_type), intent(in) :: border
       integer, intent(in) :: most
       !> Whether a curve that cannot be closed is kept.
@@ -175,6 +179,7 @@ contains
       type(zone_type), intent(inout) :: zone
       !> Whether the place lies on a closed loop.
       logical, intent(out) :: closed
+      integer, intent(inout), optional :: tally(3)
       type(loop_type) :: loop
       type(border_type) :: begin
 
@@ -185,7 +190,7 @@ contains
          return
       end if
       call trace_loop(zone%sheet, stride_type(longest=0.02_wp, turn=0.15_wp), border%point, &
-         border%condition, most, loop)
+         border%condition, most, loop, tally)
       zone%points = zone%points + loop%n
       closed = loop%closed
       if (.not. (closed .or. keep_open)) return

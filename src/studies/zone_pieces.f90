@@ -6,6 +6,7 @@ module vi_zone_pieces
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
    use vi_sheet, only: zone_request_type
+   use vi_tally, only: add_sight
    use vi_zone, only: find_zone, zone_type, zone_work
    implicit none (type, external)
    private
@@ -40,8 +41,8 @@ contains
       !> Whether symmetric motions and whether others are wanted.
       logical, intent(in) :: families(2)
       type(pieces_type), intent(out) :: found
-      !> Work done and work in sight, kept up to date for who looks at it meanwhile.
-      integer, intent(inout), optional :: tally(2)
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(zone_request_type) :: one
       type(zone_type) :: zone
       real(wp) :: none(2 + 2*size(request%pattern%sides), 0)
@@ -53,7 +54,7 @@ contains
       ! simulation finds a motion with rest only inside its zone, which may be narrow
       if (any(abs(one%pattern%sides) == 2)) one%lines = max(33, one%lines)
       wanted = families .and. [possible, .true.]
-      if (present(tally)) tally(2) = tally(2) + zone_work*count(wanted)
+      call add_sight(zone_work*count(wanted), tally)
       do i = 1, 2
          if (.not. wanted(i)) cycle
          one%symmetric = i == 1

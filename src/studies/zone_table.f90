@@ -8,6 +8,7 @@ module vi_zone_table
    use vi_rings, only: dense_ring, winding
    use vi_sheet, only: zone_request_type
    use vi_status, only: stat
+   use vi_tally, only: add_sight
    use vi_zone, only: find_zone, zone_type, zone_work
    implicit none (type, external)
    private
@@ -40,12 +41,12 @@ contains
       integer, intent(out) :: work(5)
       !> `stat%more_events` if there was no room for all.
       integer, intent(out) :: status
-      !> Work done (of `zone_work`) and work in sight.
-      integer, intent(inout), optional :: tally(2)
+      !> As of vi_tally, in units of `zone_work`.
+      integer, intent(inout), optional :: tally(3)
       type(zone_type) :: zone
       integer :: i
 
-      if (present(tally)) tally(2) = tally(2) + zone_work
+      call add_sight(zone_work, tally)
       vertices = 0
       unknowns = 0
       labels = 0

@@ -48,7 +48,7 @@ contains
       type(atlas_request_type) :: request
       type(atlas_type) :: one, two
       character(80) :: told
-      integer :: tally(2), i, j
+      integer :: tally(3), i, j
 
       request = atlas_request_type(oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.75_wp]), &
          [1.0_wp, 1.1_wp], [20.0_wp, 60.0_wp], max_impacts=3, survey=30, guesses=6)

@@ -1,5 +1,6 @@
 """The explorer without a page: its state, motions, zones and exports, and its command."""
 
+import json
 import signal
 import socket
 import subprocess
@@ -13,12 +14,13 @@ import vibroimpact as vi
 from vibroimpact.command import main
 from vibroimpact.commands.explore import EXAMPLE
 from vibroimpact.errors import MissingExtraError, ParameterError
-from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
+from vibroimpact.explorer.explorer import Explorer, diagram_of, settles_on, simulate_run
 from vibroimpact.explorer.export import as_namelist, as_python
 from vibroimpact.explorer.motions import fuller, quick
 from vibroimpact.explorer.process import start
 from vibroimpact.explorer.recipe import Recipe, recipe_of
 from vibroimpact.explorer.server import loopback, panel
+from vibroimpact.explorer.session import Session
 from vibroimpact.explorer.shapes import thinned, zone_shapes
 from vibroimpact.explorer.state import Run, State
 from vibroimpact.explorer.zones import COARSE, FINE, compute, families
@@ -142,6 +144,29 @@ def test_a_chosen_motion_is_followed():
         path.special_points[0].motion if path.clearance[0] < 37 else path.special_points[-1].motion
     )
     assert same(explorer.chosen.motion, end)
+
+
+def test_a_motion_that_has_gone_is_not_chosen():
+    """Nor is another one in its place: the table that was clicked was of a point before."""
+    told = []
+    session = Session("", lambda text, _: told.append(json.loads(text)), lambda work: work())
+    before = session.explorer.state
+    gone = {"kind": "choose", "number": 1, "motion": "RLL/1/phases/0.0,2.0,4.0"}
+    session.heard(gone)
+    assert (told[-1]["fault"], session.explorer.state) == ("", before)
+    last = told[-1]["table"][-1]["recipe"]
+    session.heard(gone | {"number": 2, "motion": last})
+    assert session.explorer.state == replace(before, motion=Recipe.read(last))
+    assert [row["chosen"] for row in told[-1]["table"]][-1]
+
+
+def test_a_run_settles_on_a_motion_of_the_table():
+    """By the name it has there, whichever impact came first."""
+    explorer = Explorer(State(R2=0.61, r=0.9, clearance=30.0))
+    for discard in (0.0, 0.4, 0.8):
+        run = explorer.let_run(replace(explorer.start(), discard=200.0 + discard))
+        stable = [item.label.partition(",")[0] for item in explorer.shown if item.motion.stable]
+        assert settles_on(run).removeprefix("settles on ") in stable
 
 
 def test_coarse_zones_are_nearly_the_fine_ones():
@@ -338,6 +363,42 @@ def test_missing_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "panel", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'vibroimpact\[explorer\]'"):
         panel()
+
+
+ENDS = """
+import threading
+from vibroimpact.explorer import background
+from vibroimpact.explorer.latest import Latest
+
+def job(current):
+    begun.set()
+    while current():
+        pass
+    print("ends by itself", flush=True)
+    raise RuntimeError
+
+begun = threading.Event()
+worker = Latest(print)
+worker.submit(job)
+begun.wait()
+worker.submit(lambda current: print("never"))
+worker.drop()
+begun.clear()
+worker.submit(job)
+begun.wait()
+# a search that waits for zones that never come
+background.PATIENCE = 10**6
+behind = background.Background(print, print)
+behind.motions(None, None, None)
+"""
+
+
+def test_threads_end_before_the_interpreter():
+    """What computes is told to end, and waited for: a thread that is stopped within C++ aborts the process."""
+    done = subprocess.run(
+        [sys.executable, "-c", ENDS], capture_output=True, text=True, timeout=100, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "ends by itself\n" * 2, "")
 
 
 def test_interrupt_ends_it():

@@ -74,6 +74,57 @@ def test_a_fault_in_a_thread_is_told(browser):
     assert "RuntimeError: broken on purpose" in err  # with its place in the program
 
 
+#: Zones that take minutes: a motion with rest over a window far larger than its zone.
+LONG = "R1=0.5&R2=0.5&r_min=0.05&r_max=5&clearance_min=0.01&clearance_max=1000&patterns="
+
+
+def test_newer_zones_replace_those_that_take_long(page):
+    """Also after a slider's moves; nothing of the old ones is shown, and what is asked for then is there soon."""
+    page.page.goto(f"{page.url}?{LONG}R*L*")
+    page.page.wait_for_function("document.getElementById('status').textContent === 'computing …'")
+    page.page.locator("[data-slider=xi]").focus()
+    for value in ("0.0115", "0.0116"):
+        page.page.keyboard.press("ArrowRight")
+        page.page.wait_for_function(f"location.search.includes('xi={value}')")
+    page.page.evaluate("document.querySelector('details').open = true")
+    page.page.fill("[data-field=patterns]", "RL")
+    page.page.keyboard.press("Enter")
+    page.page.wait_for_function(
+        "document.getElementById('families').textContent.includes('RL sym')"
+    )
+    assert page.text("families").split() == ["RL", "symmetric", "RL", "unsymmetric"]
+    assert page.text("status") in ("refining …", "")
+
+
+def test_zones_that_take_too_long_are_given_up(browser):
+    """It is said which; the others are there, and when other patterns are asked for all of them."""
+    process, url = start(
+        prelude="from vibroimpact.explorer import background as b; b.LIMITS[b.COARSE] = 5"
+    )
+    tab = browser.new_page()
+    page = Page(tab, url)
+    tab.goto(f"{url}?{LONG}RL,R*L*")
+    said = "R*L*: not there, given up after 5 s"
+    tab.wait_for_function(f"document.getElementById('status').textContent.startsWith('{said}')")
+    assert page.text("families").split() == ["RL", "symmetric", "RL", "unsymmetric"]
+    tab.evaluate("document.querySelector('details').open = true")
+    tab.fill("[data-field=patterns]", "RL")
+    tab.keyboard.press("Enter")
+    tab.wait_for_function("!document.getElementById('status').textContent.includes('given up')")
+    assert page.text("fault") == ""
+    tab.close()
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert (process.returncode, err) == (0, "")
+
+
+def test_no_zone_is_said(page):
+    """An empty chart has a reason."""
+    page.open("patterns=RRRRRRRL")
+    assert page.text("families") == ""
+    assert page.text("status") == "no motion has one here"
+
+
 def test_two_tabs_do_not_know_of_each_other(page, browser, server):
     """Both compute at once; what is changed in one changes nothing in the other, and both are right."""
     other = Page(browser.new_page(), server)

@@ -244,6 +244,13 @@ def test_unstable_motion_with_rest_is_found():
     assert not any(motion.pattern.has_rest for motion in without)
 
 
+def test_a_mirror_image_that_is_lost_ends_no_search():
+    """The motion whose image Newton's method loses, at the edge of what it can do, is there all the same."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    found = vi.find(osc, 1.0, 1e-4, guesses=0, releases=0, states=4)
+    assert any(motion.stable and motion.pattern.has_rest for motion in found)
+
+
 def test_progress_is_told():
     """Shares rise to the end, with the pattern that is searched; the motions are the same."""
     told = []

@@ -4,6 +4,7 @@ import math
 import signal
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import vibroimpact as vi
 from scipy.optimize import brentq
 from shared_systems import FIGURE6, RIG
 from shared_zones import WINDOW, distance, random_points
+from vibroimpact import _core
 
 
 @pytest.fixture(scope="module")
@@ -150,11 +152,34 @@ def test_budget_is_told():
 
 
 @pytest.mark.parametrize("lines", range(5, 13))
-def test_a_loop_that_cannot_go_on_ends(lines):
-    """A fold that leaves a pitchfork, where curves cross: the step that leaps over it was tried for ever."""
+def test_a_fold_that_leaves_a_pitchfork(lines):
+    """Where their curves cross hardly a step can be taken: one that leapt over it was tried for ever."""
     osc = vi.Oscillator(xi=0.0114, mu=1.0, restitution=0.75)
     zone = vi.zone(osc, vi.Pattern("RL"), *WINDOW, symmetric=False, lines=lines, guesses=4)
+    assert zone.closed
     assert {"flip", "fold", "pitchfork"} <= {piece.type for piece in zone.boundary}
+
+
+@pytest.mark.parametrize(
+    ("xi", "mu", "restitution", "sides"),
+    [
+        (0.05, 0.05, 0.37314990615573823, "RRLL"),
+        (0.05, 0.136, (0.46495562191567413, 0.8823162619170517), "RRRL"),
+        (0.05, 0.05, 0.6650252815457456, "RRRL"),
+        (
+            0.09529291238677699,
+            0.06261959410863326,
+            (0.8872562507394013, 0.43527391677197763),
+            "RRLL",
+        ),
+        (0.04122757228107617, 0.136, (0.5920468392409235, 0.688973467515279), "RRLL"),
+    ],
+)
+def test_all_loops_close(xi, mu, restitution, sides):
+    """Five of 318 random zones: folds of motions that were unstable before were taken for borders."""
+    zone = vi.zone(vi.Oscillator(xi, mu, restitution), vi.Pattern(sides), *WINDOW)
+    assert zone.closed
+    assert len(zone.boundary) > 3
 
 
 def test_plot_draws_the_pieces(equispaced):
@@ -212,6 +237,29 @@ def test_an_interrupt_is_heard_within_a_call():
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=60)
     assert said.splitlines()[-1] == "KeyboardInterrupt"
+
+
+def test_what_progress_raises_ends_the_search(monkeypatch):
+    """The core hears of it in the middle of a long call, and what it had by then is not called whole."""
+    core, ended, answers = _core.zone, threading.Event(), []
+
+    def watched(*arguments):
+        answers.append(core(*arguments))
+        ended.set()
+        return answers[-1]
+
+    def enough(*_):
+        raise RuntimeError("enough")
+
+    monkeypatch.setattr(_core, "zone", watched)
+    with pytest.raises(RuntimeError, match="enough"):
+        vi.zone(
+            vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.5), vi.Pattern("R*L*"), (0.5, 1.2),
+            (0.5, 10), lines=129, progress=enough,
+        )  # fmt: skip
+    assert ended.wait(60)
+    *_, work, _ = answers[0]
+    assert work[2] > 0
 
 
 @pytest.mark.parametrize("symmetric", ["yes", 2])

@@ -56,6 +56,12 @@ def run(options: argparse.Namespace) -> int:
             f"--sides {options.sides}: must go with --phases-over-pi, about the phases of its impacts; without "
             "both the equispaced motions RL are followed"
         )
+    walls: list[float] = options.restitution or []
+    if not (guessed or options.files) and len(walls) == 2 and walls[0] != walls[1]:
+        raise ParameterError(
+            f"--restitution {walls[0]:g} {walls[1]:g}: must be the same for both walls, or go with --sides and "
+            "--phases-over-pi; without them the equispaced motions are followed"
+        )
     groups = {
         "system": values(options, "xi", "mu", "restitution", "r"),
         "motion": {

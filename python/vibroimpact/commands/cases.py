@@ -80,7 +80,11 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
 
 def tables(options: argparse.Namespace, request: Request, folder: Path) -> int:
     """Leave all to the compiled program."""
-    with case_files(options, request) as (files, made), Progress(request.kind or "run") as bar:
+    with (
+        case_files(options, request) as (files, made),
+        ready(folder),
+        Progress(request.kind or "run") as bar,
+    ):
         written = Fresh(results_of(files, request.kind, folder))
 
         def show(share: float) -> None:
@@ -181,6 +185,12 @@ def finish(
             stopped = True
         except SingularError as error:
             record.fault(f"{case.name}: {singular(case, error)}")
+            return 1
+        except ParameterError as error:
+            if case.kind != "simulate":
+                raise
+            # no fault of the file: max_events was reached before there was anything to keep
+            record.fault(f"{case.name}: {error}")
             return 1
     if stopped:  # a large table takes its time
         said = f"vibroimpact {record.command}: interrupted; writing what is finished ..."

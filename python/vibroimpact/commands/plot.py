@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..errors import ParameterError, SingularError
+from ..errors import SingularError
 from ..plot.chart import draw_chart
 from ..progress import Progress
 from ..run import Case, read_namelist
-from . import PICTURES, add_files, add_folder, picture_writer
+from . import PICTURES, add_files, add_folder, picture_writer, ready
 
 HELP = "draw the cases of namelist files"
 DESCRIPTION = """Draw the cases of namelist files, in DIR/NAME.png or another format (NAME_1, NAME_2 if a
@@ -36,10 +35,17 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Draw all cases of all files; nothing is drawn unless every file is right."""
     save = picture_writer()
-    if not options.folder:
-        raise ParameterError("DIR = '': must name a folder")
     cases = [(file, case) for file in options.files for case in read_namelist(file)]
-    Path(options.folder).mkdir(parents=True, exist_ok=True)
+    with ready(Path(options.folder)):
+        return draw_all(options, cases, save)
+
+
+def draw_all(
+    options: argparse.Namespace,
+    cases: Sequence[tuple[str, Case]],
+    save: Callable[[Any, Path], Path],
+) -> int:
+    """Draw the cases, each with the name of its file."""
     status = 0
     drawn: set[Path] = set()
     for file, case in cases:
@@ -52,16 +58,15 @@ def run(options: argparse.Namespace) -> int:
         except SingularError as error:
             reason = str(error)
         if not drawings:
-            print(f"{case.name}: {reason}", file=sys.stderr)
+            options.record.fault(f"{case.name}: {reason}")
             status = max(status, 1)
         for i, draw in enumerate(drawings, start=1):
             name = case.name if len(drawings) == 1 else f"{case.name}_{i}"
             path = Path(options.folder) / f"{name}.{options.format}"
             if path in drawn:
-                print(
+                options.record.fault(
                     f"{file}: &output name = {case.name!r}: {path} is already the picture of another "
-                    "case; must be another",
-                    file=sys.stderr,
+                    "case; must be another"
                 )
                 status = 2
                 continue

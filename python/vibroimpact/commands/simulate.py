@@ -6,7 +6,7 @@ import argparse
 
 from . import ANIMATIONS
 from .cases import run_kind
-from .options import STATE, Request, add_case, add_state, values
+from .options import STATE, Request, add_case, add_numbers, add_state, values
 
 HELP = "simulate from an initial state"
 DESCRIPTION = """Simulate from an initial state, for the &simulate cases of namelist files or for the one
@@ -29,6 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--discard", type=float, metavar="N",
         help="load cycles simulated before those and not kept (default: 0)",
     )  # fmt: skip
+    add_numbers(parser, max_events="events after which it is cut short (default: 10000000)")
     add_state(parser, "where it starts")
     parser.add_argument(
         "--animate", choices=ANIMATIONS,
@@ -41,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     groups = {
         "system": values(options, "xi", "mu", "restitution", "r"),
         "simulate": {
-            **values(options, "clearance", "cycles", "discard"),
+            **values(options, "clearance", "cycles", "discard", "max_events"),
             **dict(zip(STATE, options.state or (), strict=False)),
         },
     }  # fmt: skip

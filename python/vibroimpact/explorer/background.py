@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Collection
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+from ..studies.zone import Zone
 from .explorer import diagram_of
 from .latest import Current, Latest, Stale
 from .motions import Shown, fuller
 from .shapes import zone_shapes
 from .state import State
-from .zones import COARSE, FINE, compute, families
+from .zones import COARSE, FINE, Family, compute, families
 
 __all__ = ["Background"]
 
@@ -23,6 +25,12 @@ REST = 0.3
 PAUSE = 0.1
 #: Seconds after which the search begins even if the zones are not there.
 PATIENCE = 10
+#: Seconds after which coarse zones give way to newer ones; those of a slider on its way are drawn till then.
+GRACE = 2.0
+#: Seconds after which all coarse zones, or one fine zone, are given up.
+LIMITS = {COARSE: 30.0, FINE: 120.0}
+#: How often in a second it looks meanwhile whether it still is wanted.
+LOOKS = 20
 
 
 class Background:
@@ -53,33 +61,49 @@ class Background:
         self.search, self.rest, self.sweep = worker("motions"), worker("rest"), worker("diagram")
         self.coarse_done = threading.Event()
 
-    def zones(self, state: State, show: Callable[[Any, Any, bool], None]) -> None:
-        """All zones coarsely, which is shown at once; finely afterwards. Shown: zones, shapes, whether fine."""
+    def zones(
+        self, state: State, show: Callable[[dict[Family, Zone], Any, bool, str], None]
+    ) -> None:
+        """All zones coarsely, which is shown at once; finely afterwards.
+
+        Shown: zones, shapes, whether that was all, and what was given up, in words.
+        """
         named = list(families(state.osc, state.patterns))
+
+        def one(family: Family, lines: int, look: Callable[..., None]) -> Zone | None:
+            try:
+                look()
+                return compute(state.osc, family, state.window, lines, look)
+            except TooLong:
+                return None
 
         def coarsely(current: Current) -> None:
             try:
+                look = watch(current, COARSE, GRACE)
                 with ThreadPoolExecutor(os.cpu_count()) as pool:
-                    found = pool.map(
-                        lambda item: compute(state.osc, item, state.window, COARSE), named
-                    )
-                    zones = dict(zip(named, found, strict=True))
+                    found = pool.map(lambda family: one(family, COARSE, look), named)
+                    every = dict(zip(named, found, strict=True))
+                zones = {family: zone for family, zone in every.items() if zone is not None}
                 shapes = zone_shapes(zones)
+                lacking = given_up(every.keys() - zones.keys(), COARSE)
                 # those of a slider on its way are shown too
-                self._later("zones", lambda: True, lambda: show(zones, shapes, False))
+                self._later("zones", lambda: True, lambda: show(zones, shapes, False, lacking))
                 threading.Event().wait(PAUSE)
             finally:
-                self.coarse_done.set()
+                if current():
+                    self.coarse_done.set()
             if current():
-                self.fine_zones.submit(finely)
+                self.fine_zones.submit(lambda current: finely(current, zones, lacking))
 
-        def finely(current: Current) -> None:
-            zones = {}
-            for family in named:  # a call of the core cannot be stopped
-                zones[family] = compute(state.osc, family, state.window, FINE)
-                stop(current)
+        def finely(current: Current, coarse: dict[Family, Zone], lacking: str) -> None:
+            found = {family: one(family, FINE, watch(current, FINE)) for family in coarse}
+            zones = {
+                family: coarse[family] if zone is None else zone for family, zone in found.items()
+            }
             shapes = zone_shapes(zones)
-            self._later("zones", current, lambda: show(zones, shapes, True))
+            rough = given_up([family for family, zone in found.items() if zone is None], FINE)
+            told = "; ".join(filter(None, (lacking, rough)))
+            self._later("zones", current, lambda: show(zones, shapes, True, told))
 
         self.fine_zones.drop()
         self.coarse_done.clear()
@@ -89,7 +113,11 @@ class Background:
         """The fuller search at the point, beside what is known there."""
 
         def search(current: Current) -> None:
-            self.coarse_done.wait(PATIENCE)  # zones first: they are what a slider is watched for
+            # zones first: they are what a slider is watched for
+            for _ in range(PATIENCE * LOOKS):
+                if self.coarse_done.wait(1 / LOOKS):
+                    break
+                stop(current)
             self._search("motions", current, state, kept, show)
 
         self.search.submit(search)
@@ -107,7 +135,7 @@ class Background:
         """The diagram along the line."""
 
         def sweep(current: Current) -> None:
-            diagram = diagram_of(state)
+            diagram = diagram_of(state, lambda *_: stop(current))
             self._later("diagram", current, lambda: show(diagram))
 
         self.sweep.submit(sweep)
@@ -131,6 +159,31 @@ class Background:
                 self.failed(kind, error)
 
         self.at_its_turn(turn)
+
+
+class TooLong(Exception):  # noqa: N818 (no error)
+    """Raised in a search for zones that is given up."""
+
+
+def watch(current: Current, lines: int, grace: float = 0.0) -> Callable[..., None]:
+    """What ends a search for zones from within: something newer is wanted, or it takes too long."""
+    begin = time.monotonic()
+
+    def look(*_: object) -> None:
+        taken = time.monotonic() - begin
+        if taken >= grace:
+            stop(current)
+        if taken > LIMITS[lines]:
+            raise TooLong
+
+    return look
+
+
+def given_up(families: Collection[Family], lines: int) -> str:
+    """What is not there, and why, in words."""
+    what = {COARSE: "not there", FINE: "only coarse"}[lines]
+    names = ", ".join(sorted(family.name for family in families))
+    return f"{names}: {what}, given up after {LIMITS[lines]:g} s" if names else ""
 
 
 def stop(current: Current) -> None:

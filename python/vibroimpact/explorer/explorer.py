@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -234,15 +235,18 @@ def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:
         period = last_period(later)
     except VibroimpactError:
         return f"no period of up to 16 cycles after {cycles} more cycles"
-    n, pattern = len(period.pattern), period.pattern
-    return f"settles on {n}/{pattern.cycles} {pattern.sides}"
+    letters, n = period.pattern.letters, len(period.pattern)
+    sides = "".join(max(letters[j:] + letters[:j] for j in range(n)))  # as in the table
+    return f"settles on {n}/{period.pattern.cycles} {sides}"
 
 
-def diagram_of(state: State) -> BifurcationDiagram:
-    """The bifurcation diagram along the line of a state that has one."""
+def diagram_of(
+    state: State, progress: Callable[[float, str], None] | None = None
+) -> BifurcationDiagram:
+    """The bifurcation diagram along the line of a state that has one; what `progress` raises ends it."""
     parameter, values, other = along(state)
     fixed: dict[str, Any] = {"clearance" if parameter == "r" else "r": other}
-    return bifurcation_diagram(state.osc, parameter, values, **fixed)
+    return bifurcation_diagram(state.osc, parameter, values, progress=progress, **fixed)
 
 
 def along(state: State) -> tuple[str, Any, Any]:

@@ -6,10 +6,11 @@ import os
 import sys
 import threading
 from collections.abc import Callable
+from functools import partial
 
 __all__ = ["Current", "Latest", "Stale"]
 
-#: Told to a job, so that it can end early: whether it still is the newest.
+#: Told to a job, so that it can end early: whether it still is the newest, and the interpreter does not end.
 Current = Callable[[], bool]
 
 
@@ -58,8 +59,8 @@ class Latest:
             if self.running:
                 return
             self.running = True
-        # a daemon: Ctrl-C does not wait for it
-        threading.Thread(target=self._run, daemon=True).start()
+        # no daemon: one that an ending interpreter stops within C++, as numpy has, aborts the process
+        threading.Thread(target=self._run).start()
 
     def drop(self) -> None:
         """The job that waits, if any, is not wanted any more, and the one that runs is told so."""
@@ -73,13 +74,22 @@ class Latest:
         while True:
             with self.lock:
                 job, mine, self.waiting = self.waiting, self.number, None
-                if job is None:
+                if job is None or _ending():
                     self.running = False
                     return
+            current = partial(self._newest, mine)
             try:
-                job(lambda number=mine: self.number == number)  # type: ignore[misc]
+                job(current)
             except Stale:
                 pass
             except Exception as error:
-                if self.number == mine:
+                if current():
                     self.failed(error)
+
+    def _newest(self, number: int) -> bool:
+        return self.number == number and not _ending()
+
+
+def _ending() -> bool:
+    """Whether the interpreter ends, and waits for its threads."""
+    return not threading.main_thread().is_alive()

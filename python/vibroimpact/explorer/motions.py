@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import SingularError
-from ..find import find, mirror, reduced, same, turned
+from ..find import find, images, same, turned
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact, newton
@@ -69,10 +69,7 @@ def ordered(motions: Iterable[Motion], kept: Iterable[Shown] = ()) -> list[Shown
     """Each once, with its mirror image where the walls are alike; the stable ones first."""
     shown = list(kept)
     for motion in motions:
-        images = [reduced(motion)]
-        if motion.osc.restitution[0] == motion.osc.restitution[1]:
-            images.append(mirror(turned(images[0])))
-        for image in images:
+        for image in images(motion):
             if any(same(image, other.motion) for other in shown):
                 continue
             made = recipe_of(turned(image))

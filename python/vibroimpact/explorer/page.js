@@ -75,15 +75,15 @@ export function render({ model }) {
     at("fault").hidden = !text
   }
   function table({ table, peek, run, running }) {
-    const lines = table.map((row, i) => line(i, row.chosen, row.stable === "stable" ? "" : "unstable", [
+    const lines = table.map((row) => line(row.recipe, row.chosen, row.stable === "stable" ? "" : "unstable", [
       row.label, (row.stable === "stable" ? "● " : "○ ") + row.stable, row.attenuation, row.multiplier], row.kind, peek))
-    if (run && !peek) lines.unshift(line(-1, running, "", ["the simulation", "", "", ""], "", peek))
+    if (run && !peek) lines.unshift(line(null, running, "", ["the simulation", "", "", ""], "", peek))
     const focused = document.activeElement && document.activeElement.name === "motion"
     at("table").replaceChildren(...lines)
     if (focused) at("table").querySelector("input:checked")?.focus()
     if (!lines.length) at("table").innerHTML = '<tr><td colspan="4">No motion with impacts was found here.</td></tr>'
   }
-  function line(i, chosen, kind, cells, note, peek) {
+  function line(motion, chosen, kind, cells, note, peek) {
     const row = document.createElement("tr")
     row.className = kind + (chosen ? " chosen" : "")
     cells.forEach((text, j) => {
@@ -91,7 +91,7 @@ export function render({ model }) {
       if (j === 0) {
         const label = document.createElement("label"), radio = document.createElement("input")
         Object.assign(radio, { type: "radio", name: "motion", checked: chosen, disabled: Boolean(peek) })
-        radio.addEventListener("change", () => ask("choose", { index: i }))
+        radio.addEventListener("change", () => ask("choose", { motion }))
         label.append(radio, " ", text)
         cell.append(label)
       } else cell.textContent = text
@@ -154,8 +154,11 @@ export function render({ model }) {
       setTimeout(() => URL.revokeObjectURL(file.href), 10000)
       said("explorer.nml saved")
     } else {
-      at("export").querySelector("textarea").value = text
+      const shown = at("export").querySelector("textarea")
+      shown.value = text
       at("export").showModal()
+      shown.setSelectionRange(0, 0)
+      shown.scrollTop = 0
       copied(text, "Python")
     }
   }
@@ -184,8 +187,8 @@ export function render({ model }) {
       fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
         + "its address holds what is shown.")
     },
-    settled: () => !busy && waiting.size === 0 && at("families").children.length > 0
-      && !at("status").textContent && /were searched.$/.test(at("searched").textContent),
+    settled: () => !busy && waiting.size === 0
+      && !/…$/.test(at("status").textContent) && /were searched.$/.test(at("searched").textContent),
   }
   // a finger has no place until it taps
   for (const event of ["pointerdown", "pointermove"]) {

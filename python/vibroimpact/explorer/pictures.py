@@ -87,7 +87,8 @@ def ends(values: ArrayLike, room: float = 0.06) -> dict[str, float]:
 
 def fit(values: ArrayLike, room: float = 0.06) -> tuple[float, float]:
     """The ends of an axis that shows some values, with some room beside them."""
-    low, high = (float(np.min(values)), float(np.max(values))) if np.size(values) else (0.0, 1.0)
+    shown = np.asarray(values, dtype=float)
+    low, high = (float(shown.min()), float(shown.max())) if shown.size else (0.0, 1.0)
     size = (high - low) or max(abs(high), 1.0)
     return low - room * size, high + room * size
 

@@ -155,12 +155,15 @@ class Session:
         return self.summary()
 
     def on_choose(self, message: dict[str, Any]) -> dict[str, Any]:
-        """A motion of the table, or the simulation below them."""
-        index = int(message["index"])
-        if index < 0:
+        """A motion of the table by its recipe, or the simulation above them.
+
+        The table may have changed since the browser got it: a motion that has gone is not chosen, nor another.
+        """
+        recipes = [item.recipe.text for item in self.explorer.shown]
+        if message["motion"] is None:
             self.explorer.set({"show": "run"})
-        else:
-            self.explorer.choose(index)
+        elif message["motion"] in recipes:
+            self.explorer.choose(recipes.index(message["motion"]))
         return self.summary()
 
     def on_run(self, message: dict[str, Any]) -> dict[str, Any]:
@@ -233,12 +236,17 @@ class Session:
             except VibroimpactError as error:
                 self.ran = str(error)
 
-    def show_zones(self, window: Any, zones: Any, shapes: Any, fine: bool) -> dict[str, Any]:
+    def show_zones(
+        self, window: Any, zones: Any, shapes: Any, done: bool, given_up: str
+    ) -> dict[str, Any]:
         """Draw zones that a thread has computed."""
         self.explorer.zones, self.rooms, self.marked = zones, shapes["rooms"], None
         self.changes |= pictures.zones(shapes, window)
         self.explorer.look()  # the zones may know of motions that were not found
-        status = "" if fine else "refining …"
+        if not done:
+            status = joined(filter(None, (given_up, "refining …")))
+        else:
+            status = given_up or ("" if any(zones.values()) else "no motion has one here")
         return {"zones": words.zones_legend(zones), "status": status, **self.summary()}
 
     def show_motions(self, found: list[Shown]) -> None:

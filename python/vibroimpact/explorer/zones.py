@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -61,6 +61,10 @@ def lines_of(zone: Zone) -> int:
     return int(re.findall(r"\blines = (\d+)", zone.case)[0])
 
 
-def compute(osc: Oscillator, family: Family, window: Window, lines: int) -> Zone:
-    """The zone of a family; what was computed lately is remembered."""
-    return zone(osc, family.pattern, *window, family.symmetric, lines, GUESSES[lines])
+def compute(
+    osc: Oscillator, family: Family, window: Window, lines: int,
+    progress: Callable[[float, str], None] | None = None,
+) -> Zone:  # fmt: skip
+    """The zone of a family; what `progress` raises ends the search for it."""
+    guesses = GUESSES[lines]
+    return zone(osc, family.pattern, *window, family.symmetric, lines, guesses, progress=progress)

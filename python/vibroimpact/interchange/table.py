@@ -181,7 +181,7 @@ def atlas_columns(atlas: Atlas) -> Columns:
 def chart_columns(data: Any) -> Columns:
     """One row a motion of a chart, all motions of a point together."""
     status = data["status"].values.T  # r, clearance, motion
-    i, j, k = np.nonzero(status != NO_MOTION)
+    i, j, k = np.nonzero((status != NO_MOTION) & (status != NOT_COMPUTED))
     table: Columns = {
         "r": data["r"].values[i].tolist(), "clearance": data["clearance"].values[j].tolist(),
         "slot": (k + 1).tolist(),

@@ -97,7 +97,15 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
         ax.set_xlabel(r"$r = \Omega/\omega$")
         ax.set_ylabel(r"$F_0/(dK)$" if inverse else r"$dK/F_0$")
         patches = [
-            Patch(facecolor=shade, hatch=hatch, edgecolor="black", lw=0.4, label=name)
+            Patch(
+                facecolor=shade,
+                hatch=hatch,
+                edgecolor="black",
+                lw=0.4,
+                label=name
+                if number or data.attrs.get("complete", 1)
+                else "not reached, or no motion",
+            )
             for number, shade, hatch, name in CLASSES
             if (kind == number).any() and not (color and number == 3)
         ]

@@ -96,7 +96,7 @@ def figure_3(folder: Path) -> list[Row]:
             f"at r = 1.00 it is {100 * ratio:.2f} % of dK/F₀ wide; max|λ| between {largest[0]:.4f} and "
             f"{largest[1]:.4f} in it", said(0 < ratio < 0.05)),
         Row("Figure 3", "equispaced motions go on past r = 1.04 on dK/F₀ = 37",
-            f"stable from r = {on.min():.4f} to {on.max():.4f}", said(on.max() > 1.04)),
+            f"stable from r = {on.min():.4f} to {on.max():.4f}", said(bool(on.max() > 1.04))),
         Row("Figure 3", "three impacts a cycle on dK/F₀ = 37 (Masri's one example)",
             f"stable for r from {', '.join(where)}", said(bool(where))),
     ]  # fmt: skip

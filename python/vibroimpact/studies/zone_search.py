@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .. import _core, checks
 from ..errors import ParameterError
 from ..interchange import namelist
-from ..interrupt import interruptible
+from ..interrupt import interruptible, new_tally
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..status import MORE_EVENTS
@@ -74,7 +74,7 @@ def zone(
     max_points : int
         Most vertices of a loop.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done.
+        Called a few times a second with the share done and what is being done; what it raises ends the search.
 
     Returns
     -------
@@ -136,8 +136,7 @@ def assemble(
     progress: Callable[[float, str], None] | None = None,
 ) -> Zone:  # fmt: skip
     """One zone from the symmetric and the other motions of a pattern; all arguments are checked."""
-    # the core keeps it up to date while it runs: work done and work in sight
-    tally = np.zeros(2, dtype=np.int32)
+    tally = new_tally()  # the core keeps it up to date while it runs
 
     def watch() -> None:
         if progress:
@@ -210,7 +209,7 @@ def one_family(
     lines = max(lines, 33) if pattern.has_rest else lines
     vertices, unknowns, labels, _, loops, inside, n_loops, work, status = interruptible(
         _core.zone, osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric,
-        *window, lines, guesses, max_points, seeds, tally, ROOM, LOOPS, watch=watch,
+        *window, lines, guesses, max_points, seeds, tally, ROOM, LOOPS, watch=watch, tally=tally,
     )  # fmt: skip
     mirrored = not symmetric and can_be_symmetric(osc, pattern)
     pieces: list[Piece] = []
