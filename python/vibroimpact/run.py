@@ -306,8 +306,8 @@ def run_namelists(
     ...     "&motion sides = 'RL', phases_over_pi = 0, 1.37 /\\n"
     ... )
     >>> log = vi.run_namelists([namelist], folder)
-    >>> log.status, log.lines
-    (0, [(False, 'pair: consistent, admissible, stable (max|lambda| = 0.9347, complex)')])
+    >>> log.status, log.lines[0]
+    (0, (False, 'pair: consistent, admissible, stable (max|lambda| = 0.9347, complex)'))
     >>> (folder / "pair.csv").exists()
     True
     """
@@ -318,7 +318,7 @@ def run_namelists(
     kind = "" if only is None else checks.choice(only, "only", KINDS)
     # a case takes at least 20 characters of namelist and says at most a few hundred
     size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
-    room = 4096 + (len(files) + size // 20) * (800 + 2 * len(target) + max(map(len, files)))
+    room = 4096 + (len(files) + size // 20) * (800 + 4 * len(target) + max(map(len, files)))
     # the core keeps it up to date while it runs: work done and work in sight
     tally = new_tally()
     arguments = (

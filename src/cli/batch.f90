@@ -41,7 +41,6 @@ contains
       !> As of vi_tally; of all but single motions.
       integer, intent(inout), optional :: tally(3)
       type(case_type), allocatable :: cases(:)
-      type(motion_type), allocatable :: motions(:)
       character(:), allocatable :: message
       logical :: written
       integer :: i
@@ -64,33 +63,51 @@ contains
          return
       end if
       do i = 1, size(cases)
-         select case (cases(i)%kind)
-         case ('simulate')
-            call run_simulation(cases(i), folder, log, written, tally)
-         case ('chart')
-            call run_chart(cases(i), folder, log, written, tally)
-         case ('zone')
-            call run_zone(cases(i), folder, log, written, tally)
-         case ('atlas')
-            call run_atlas(cases(i), folder, log, written, tally)
-         case ('lyapunov')
-            call run_lyapunov(cases(i), folder, log, written, tally)
-         case ('bifurcation')
-            call run_bifurcation(cases(i), folder, log, written, tally)
-         case ('basins')
-            call run_basins(cases(i), folder, log, written, tally)
-         case ('response')
-            call run_response(cases(i), folder, log, written, tally)
-         case ('branch')
-            call compute(cases(i), motions)
-            call run_branch(cases(i), motions, folder, log, written, tally)
-         case default
-            call compute(cases(i), motions)
-            call write_results(cases(i), motions, folder, log, written)
-         end select
+         call run_case(cases(i), folder, log, written, tally)
          if (.not. written) return                     ! the next one would not be written either
       end do
    end subroutine run_file
+
+   !> Runs one case, and names the table that it wrote.
+   subroutine run_case(case, folder, log, written, tally)
+      type(case_type), intent(in) :: case
+      character(*), intent(in) :: folder
+      type(log_type), intent(inout) :: log
+      !> False if a result could not be written.
+      logical, intent(out) :: written
+      integer, intent(inout), optional :: tally(3)
+      type(motion_type), allocatable :: motions(:)
+      integer :: i, known
+
+      known = size(log%results)
+      select case (case%kind)
+      case ('simulate')
+         call run_simulation(case, folder, log, written, tally)
+      case ('chart')
+         call run_chart(case, folder, log, written, tally)
+      case ('zone')
+         call run_zone(case, folder, log, written, tally)
+      case ('atlas')
+         call run_atlas(case, folder, log, written, tally)
+      case ('lyapunov')
+         call run_lyapunov(case, folder, log, written, tally)
+      case ('bifurcation')
+         call run_bifurcation(case, folder, log, written, tally)
+      case ('basins')
+         call run_basins(case, folder, log, written, tally)
+      case ('response')
+         call run_response(case, folder, log, written, tally)
+      case ('branch')
+         call compute(case, motions)
+         call run_branch(case, motions, folder, log, written, tally)
+      case default
+         call compute(case, motions)
+         call write_results(case, motions, folder, log, written)
+      end select
+      do i = known + 1, size(log%results)
+         call say(log, done, case%name//': '//log%results(i)%text)
+      end do
+   end subroutine run_case
 
    !> Keeps the cases of one kind, of which there has to be one.
    subroutine keep(path, only, cases, message)
@@ -277,6 +294,7 @@ contains
          if (motions(i)%status == stat%ok) call say(log, done, case%name//': '// &
             verdict_text(motions(i)))
       end do
+      if (case%format /= 'csv') call say(log, done, case%name//': '//path//'.txt')
    end subroutine write_results
 
 end module vi_batch

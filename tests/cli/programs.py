@@ -12,8 +12,8 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -61,12 +61,20 @@ WORDS = {True: "true", False: "false", None: "unknown"}
 BREAKDOWN = ("Fortran runtime", "Backtrace", "Sanitizer", "runtime error", "SIG", "Traceback")
 
 
-class Outcome(NamedTuple):
-    """Exit status, and what was said on the two channels."""
+#: A line that names a file that was written.
+WRITTEN = re.compile(
+    rb"^[\w.-]+: (.+\.(?:csv|txt|json|nc|mat|png|svg|pdf|gif|mp4))\n", re.MULTILINE
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Exit status, what was said on the two channels, and which files are told, wherever they are."""
 
     status: int
     out: bytes
     err: bytes
+    files: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def faults(self):
@@ -93,7 +101,8 @@ class Runner:
         said = done.stderr.decode(errors="replace")
         assert done.returncode in (0, 1, 2), f"exit status {done.returncode}: {said[:500]}"
         assert not any(word in said for word in BREAKDOWN), said[:500]
-        return Outcome(done.returncode, done.stdout, done.stderr)
+        files = tuple(map(os.fsdecode, WRITTEN.findall(done.stdout)))
+        return Outcome(done.returncode, WRITTEN.sub(b"", done.stdout), done.stderr, files)
 
     def case(self, text, *arguments, name="case.nml", **options):
         """Write a namelist file and run it."""

@@ -87,7 +87,7 @@ def test_table_of_motions(tool, found):
     """One row an impact, as `run` writes motions; the header tells the point and the search."""
     done = tool("find", *POINT, *LIMITS, "-o", "out")
     assert (done.status, done.err) == (0, b"")
-    assert done.out.endswith(b"find: out/find.csv\n")
+    assert done.files == ("out/find.csv",)
     assert list(contents(tool.cwd)) == ["out/find.csv"]
     table = motions(tool.cwd / "out/find.csv")
     assert len(table) == len(found)

@@ -61,7 +61,8 @@ def test_doctor_sees_threads(tool):
 
 def test_quiet(tool):
     """Nothing on standard output; faults are still told."""
-    assert tool("doctor", "--quiet")[:2] == (0, b"")
+    done = tool("doctor", "--quiet")
+    assert (done.status, done.out) == (0, b"")
     done = tool("run", "missing.nml", "--quiet")
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
 

@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pytest
 import vibroimpact as vi
-from programs import Runner, contents, find_command, write
+from programs import WRITTEN, Runner, contents, find_command, write
 from vibroimpact.command import main
 from vibroimpact.commands.init import kinds
 
@@ -25,6 +25,13 @@ def tool(tmp_path):
     return Runner([find_command()], tmp_path)
 
 
+def heard(capture):
+    """What was said on both channels but for the files that were written, and these."""
+    out, err = capture.readouterr()
+    files = sorted(map(os.fsdecode, WRITTEN.findall(out.encode())))
+    return (WRITTEN.sub(b"", out.encode()).decode(), err), files
+
+
 @pytest.mark.parametrize("kind", kinds())
 def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
     """The same words and status as of the table alone; files that hold the case's results, bit by bit."""
@@ -36,13 +43,14 @@ def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
     (case,) = vi.read_namelist(path)
     wanted = case.run()
     assert main(["run", "case.nml", "-o", "csv"]) == 0
-    words = capfd.readouterr()
+    words, files = heard(capfd)
+    assert files == ["csv/case.csv"]
     for form, suffix in SUFFIX.items():
         if kind == "atlas" and form != "json":
             continue
         assert main(["run", "case.nml", "--format", form, "-o", form]) == 0
-        assert capfd.readouterr() == words
         names = ["case"] if len(wanted) == 1 else [f"case_{i + 1}" for i in range(len(wanted))]
+        assert heard(capfd) == (words, [f"{form}/{name}.{suffix}" for name in names])
         assert sorted(contents(tool.cwd / form)) == [f"{name}.{suffix}" for name in names]
         for name, result in zip(names, wanted, strict=True):
             file = tool.cwd / form / f"{name}.{suffix}"
@@ -52,6 +60,7 @@ def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
                 same_chart(vi.load(file), result)
     assert main(["run", "case.nml", "--plot", "svg", "-o", "plot"]) == 0
     found = contents(tool.cwd / "plot")
+    assert heard(capfd) == (words, sorted(f"plot/{name}" for name in found))
     assert found.pop("case.csv") == (tool.cwd / "csv/case.csv").read_bytes()
     assert all(picture.startswith(b"<?xml") for picture in found.values())
     assert len(found) == len(wanted)
@@ -190,11 +199,11 @@ def test_faults_are_the_same_in_every_form(name, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "case.nml", text)
     assert main(["run", "case.nml", "-o", "plain"]) == 1
-    plain = capfd.readouterr()
+    plain, _ = heard(capfd)
     assert main(["run", "case.nml", "--format", "json", "-o", "json"]) == 1
-    assert capfd.readouterr() == plain
+    assert heard(capfd)[0] == plain
     assert main(["run", "case.nml", "--plot", "-o", "plot", "--quiet"]) == 1
-    assert capfd.readouterr() == ("", plain.err)
+    assert capfd.readouterr() == ("", plain[1])
     tables = contents(tmp_path / "plain")
     drawn = {key: item for key, item in contents(tmp_path / "plot").items() if key.endswith("csv")}
     assert drawn == tables
@@ -209,7 +218,8 @@ def test_the_document_holds_the_results(tool):
     document = json.loads(done.out)
     assert (document["command"], document["status"], document["faults"]) == ("run", 0, [])
     assert document["files"] == ["results/case.csv"]
-    assert len(document["said"]) == 2
+    assert len(document["said"]) == 3
+    assert document["said"][-1] == "case: results/case.csv"
     (case,) = vi.read_namelist(tool.cwd / "case.nml")
     assert list(document["results"].values()) == [motion.to_dict() for motion in case.run()]
     again = vi.Motion.from_dict(document["results"]["case_2"])
@@ -270,7 +280,7 @@ def test_a_file_for_two_motions(tool):
     """The files that were written instead are named; the folder that nothing came to is gone."""
     write(tool.cwd / "case.nml", kinds()["equispaced"])
     done = tool("run", "case.nml", "-o", "mine.json")
-    assert done.out.decode().splitlines()[-2:] == ["mine_1: mine_1.json", "mine_2: mine_2.json"]
+    assert done.files == ("mine_1.json", "mine_2.json")
     assert sorted(contents(tool.cwd)) == ["case.nml", "mine_1.json", "mine_2.json"]
     write(
         tool.cwd / "case.nml", kinds()["zone"].replace("clearance_min = 2 ", "clearance_min = 150 ")

@@ -51,6 +51,11 @@ class Record:
         self.faults.append(line)
         print(line, file=sys.stderr)
 
+    def wrote(self, name: str, path: Path) -> None:
+        """Say what was written."""
+        self.files.append(str(path))
+        print(f"{name}: {path}")
+
     def add(self, name: str, result: Any) -> None:
         """A result, as plain values or as one of the package's own objects; of one name, the latest."""
         self.results[name] = result

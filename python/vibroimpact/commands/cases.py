@@ -153,7 +153,8 @@ def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -
         with Progress(case.name) as bar:
             target = folder if options.format == "csv" else place
             log = run_namelists([source], target, progress=bar.show)
-    tell(log, options.record)
+    said = [line for line in log.lines if place not in line[1]]  # a table there is for nobody
+    tell(log._replace(lines=said), options.record)
     if options.format == "csv":
         options.record.files += map(str, log.results)
     results = []
@@ -227,29 +228,22 @@ def put(
     """Write the results of a case in the form that is wanted, all in one table, and draw them."""
     folder.mkdir(parents=True, exist_ok=True)
     if options.format == "csv" and case.kind in WORDS:
-        path = folder / f"{case.name}.csv"
-        write(results, case, path)
-        options.record.files.append(str(path))
+        options.record.wrote(case.name, write(results, case, folder / f"{case.name}.csv"))
     for i, result in enumerate(results, start=1):
         name = case.name if len(results) == 1 else f"{case.name}_{i}"
         options.record.add(name, chart_to_dict(result) if case.kind == "chart" else result)
         if options.format != "csv":
             path = folder / f"{name}.{FORMATS[options.format]}"
-            write([result], case, path)
-            options.record.files.append(str(path))
-            if options.stem and len(results) > 1:  # no file has the name that was asked for
-                print(f"{name}: {path}")
+            options.record.wrote(case.name, write([result], case, path))
         if save is not None and getattr(options, "animate", None):
-            film = result.animate(folder / f"{name}.{options.animate}")
-            options.record.files.append(str(film))
-            print(f"{case.name}: {film}")
+            film = folder / f"{name}.{options.animate}"
+            options.record.wrote(case.name, result.animate(film))
         if save is not None and options.plot:
             if getattr(result, "axes", ()) is None:
                 print(f"{case.name}: random states have no picture")
             elif getattr(result, "zones", True):  # an atlas may have none
-                path = save(picture(result, options), folder / f"{name}.{options.plot}")
-                options.record.files.append(str(path))
-                print(f"{case.name}: {path}")
+                drawn = folder / f"{name}.{options.plot}"
+                options.record.wrote(case.name, save(picture(result, options), drawn))
 
 
 def picture(result: Any, options: argparse.Namespace) -> Any:
@@ -263,8 +257,8 @@ def picture(result: Any, options: argparse.Namespace) -> Any:
     )
 
 
-def write(results: Sequence[Any], case: Case, path: Path) -> None:
-    """Results in the form that the name ends with; a table has the case in its header."""
+def write(results: Sequence[Any], case: Case, path: Path) -> Path:
+    """Results in the form that the name ends with, there; a table has the case in its header."""
     charted = case.kind == "chart"
     if path.suffix == ".csv":
         remarks = [note for i, one in enumerate(results, start=1) for note in notes(one, i)]
@@ -277,3 +271,4 @@ def write(results: Sequence[Any], case: Case, path: Path) -> None:
         save_chart(results[0], case.text, path)
     else:
         results[0].save(path)
+    return path

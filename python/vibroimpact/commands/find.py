@@ -94,18 +94,11 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
             folder.mkdir(parents=True, exist_ok=True)
             path = folder / f"{options.stem or name}.{FORMATS[options.format]}"
             result.save(path)
-            tell(options.record, name, path)
+            options.record.wrote(name, path)
             if save is not None:
-                tell(
-                    options.record, name, save(result.plot(), path.with_suffix(f".{options.plot}"))
-                )
+                drawn = save(result.plot(), path.with_suffix(f".{options.plot}"))
+                options.record.wrote(name, drawn)
     return status
-
-
-def tell(record: Record, name: str, path: Path) -> None:
-    """Say what was written."""
-    record.files.append(str(path))
-    print(f"{name}: {path}")
 
 
 def table(found: FoundMotions) -> str:

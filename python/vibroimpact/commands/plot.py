@@ -71,8 +71,7 @@ def draw_all(
                 status = 2
                 continue
             drawn.add(path)
-            print(f"{case.name}: {save(draw(), path)}")
-            options.record.files.append(str(path))
+            options.record.wrote(case.name, save(draw(), path))
     return status
 
 
