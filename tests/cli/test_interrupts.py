@@ -44,6 +44,16 @@ def test_whole_cases_are_named(form, tmp_path):
 
 
 @pytest.mark.parametrize("form", ["csv", "json"])
+def test_folders_that_stay_empty_go_again(form, tmp_path):
+    """Also those that the compiled program has made."""
+    write(tmp_path / "case.nml", EQUAL + LONG)
+    words = ["run", "case.nml", "-o", "out/sub", "--format", form]
+    status, faults = interrupted(tmp_path, words, "out/sub")
+    assert (status, faults) == (1, ["vibroimpact run: interrupted; nothing was finished"])
+    assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]
+
+
+@pytest.mark.parametrize("form", ["csv", "json"])
 @pytest.mark.parametrize("name", ["run", "simulate"])
 def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
     """Also where an earlier run has left a result of this name."""

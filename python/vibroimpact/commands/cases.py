@@ -28,7 +28,7 @@ from ..interrupt import interruptible
 from ..plot.animation import check_format
 from ..progress import Progress
 from ..run import Case, read_namelist, run_namelists
-from . import FORMATS, Fresh, picture_writer, ready
+from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .options import Request, case_files, in_options, read_cases
 from .run import tell
 from .words import ATTRACTORS, WORDS, singular
@@ -74,7 +74,7 @@ def tables(options: argparse.Namespace, request: Request, folder: Path) -> int:
     """Leave all to the compiled program."""
     with (
         case_files(options, request) as (files, made),
-        ready(folder),
+        not_left_empty(folder),
         Progress(request.kind or "run") as bar,
     ):
         written = Fresh(results_of(files, request.kind, folder))
@@ -160,12 +160,13 @@ def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -
     if options.format == "csv":
         options.record.files += map(str, log.results)
     results = []
-    if log.results:
+    if log.results and (save is not None or options.json or options.format != "csv"):
         with Progress(case.name) as bar:
             try:
                 results = interruptible(case.run, watch=partial(bar.show, 0.0))
             except MissingExtraError as error:
-                options.record.fault(f"{case.name}: no picture: {error}")
+                lost = "no result in this document" if save is None else "no picture"
+                options.record.fault(f"{case.name}: {lost}: {error}")
                 return max(log.status, 1)
     put(options, case, results, folder, save)
     return log.status
