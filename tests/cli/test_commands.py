@@ -209,7 +209,9 @@ def test_faults_of_plot_are_in_the_document(tool):
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_simulation_cut_short_in_what_is_discarded(form, tool):
     """The same status in every form, and the limit is an option."""
-    write(tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, discard = 90, cycles"))
+    write(
+        tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, discard = 90, cycles")
+    )
     done = tool("simulate", "case.nml", "--format", form)
     assert (done.status, len(done.faults)) == (1, 1)
     assert done.faults[0].startswith("case: ")

@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
             f"--sides {options.sides}: needs --phases-over-pi too, about the phases of its impacts; without both "
             "the equispaced motions RL are followed"
         )
-    walls = options.restitution or ()
+    walls: list[float] = options.restitution or []
     if not (guessed or options.files) and len(walls) == 2 and walls[0] != walls[1]:
         raise ParameterError(
             f"--restitution {walls[0]:g} {walls[1]:g}: must be the same for both walls, or go with --sides and "

@@ -41,7 +41,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def draw_all(
-    options: argparse.Namespace, cases: Sequence[tuple[str, Case]], save: Callable[[Any, Path], Path]
+    options: argparse.Namespace,
+    cases: Sequence[tuple[str, Case]],
+    save: Callable[[Any, Path], Path],
 ) -> int:
     """Draw the cases, each with the name of its file."""
     status = 0

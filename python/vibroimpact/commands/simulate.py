@@ -29,9 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--discard", type=float, metavar="N",
         help="load cycles simulated before those and not kept (default: 0)",
     )  # fmt: skip
-    add_numbers(
-        parser, max_events="events after which it is cut short (default: 10000000)"
-    )
+    add_numbers(parser, max_events="events after which it is cut short (default: 10000000)")
     add_state(parser, "where it starts")
     parser.add_argument(
         "--animate", choices=ANIMATIONS,
