@@ -71,8 +71,9 @@ class Search:
     releases: int
 
     def __str__(self) -> str:
+        s = "" if self.patterns == 1 else "s"
         return (
-            f"{self.patterns} patterns with {self.guesses} guesses (phases spread evenly, the rest from the "
+            f"{self.patterns} pattern{s} with {self.guesses} guesses (phases spread evenly, the rest from the "
             f"linear problem; {self.inadmissible} inadmissible solutions left out), {self.releases} releases "
             f"from rest, and {self.states} simulated states, of which {self.settled} settled on a periodic "
             "motion. A motion with a very small neighbourhood of convergence can have been missed, one with "

@@ -59,6 +59,7 @@ contains
          if (status(i) /= stat%ok) cycle
          motions(i)%residual = 0
          call complete_motion(motions(i), [x(i), -x(i)], forced(1, i), forced(2, i), clearance)
+         motions(i)%clearance = clearance           ! the given one, not what rounding left of it
       end do
    end subroutine solve_equispaced
 

@@ -212,6 +212,7 @@ def test_read_only_folder(batch):
     (batch.cwd / "results").chmod(0o755)
     assert (done.status, contents(batch.cwd / "results")) == (2, before)
     assert "ermission denied" in done.faults[0]
+    assert done.faults[0].startswith("results: ")  # the folder, before anything is computed
 
 
 def test_result_that_cannot_be_replaced(batch, command):

@@ -1,5 +1,6 @@
 """The commands simulate and plot: the real program, against the API and against `run`."""
 
+import json
 import sys
 
 import pytest
@@ -194,6 +195,30 @@ def test_plot_draws_every_case(tool):
     found = contents(tool.cwd / "out")
     assert {f"{name}.svg" for name in names} <= set(found)
     assert all(picture.startswith(MAGIC["svg"]) for picture in found.values())
+
+
+def test_faults_of_plot_are_in_the_document(tool):
+    """With --json too; a folder that stays empty goes again."""
+    write(tool.cwd / "case.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 200 /\n")
+    document = json.loads(tool("plot", "case.nml", "--json").out)
+    assert document["faults"] == ["case: there is no such motion for these parameters"]
+    assert (document["status"], document["files"]) == (1, [])
+    assert list(contents(tool.cwd)) == ["case.nml"]
+
+
+@pytest.mark.parametrize("form", ["csv", "json"])
+def test_simulation_cut_short_in_what_is_discarded(form, tool):
+    """The same status in every form, and the limit is an option."""
+    write(
+        tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, discard = 90, cycles")
+    )
+    done = tool("simulate", "case.nml", "--format", form)
+    assert (done.status, len(done.faults)) == (1, 1)
+    assert done.faults[0].startswith("case: ")
+    assert "max_events" in done.faults[0]
+    start = ["--cycles", "90", "--state", "3.5", "0", "0", "-2"]
+    assert tool("simulate", *POINT, *start, "--max-events", "9").status == 1
+    assert (tool.cwd / "results/simulate.csv").read_text().count(",impact,") == 9
 
 
 def test_plot_of_what_is_not_there(tool):

@@ -94,6 +94,20 @@ def test_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
     assert list(contents(tmp_path / "netcdf")) == []
 
 
+@pytest.mark.parametrize(("words", "lost"), [([], 0), (["--json"], 1)])
+def test_table_alone_without_xarray(words, lost, tmp_path, monkeypatch, capsys):
+    """A table under a name of its own lacks nothing; a document lacks the result, and says so."""
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "case.nml", kinds()["chart"])
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    assert main(["chart", "case.nml", "-o", "out/mine.csv", *words]) == lost
+    faults = capsys.readouterr().err.splitlines()
+    assert [line.partition(": charts need xarray")[0] for line in faults] == [
+        "mine: no result in this document"
+    ] * lost
+    assert list(contents(tmp_path / "out")) == ["mine.csv"]
+
+
 @pytest.mark.parametrize(("change", "said"), [
     ({"types": None}, "types"), ({"types": {}}, "missing"), ({"status": "text"}, "no whole chart"),
     ({"r": [1.0]}, "no whole chart"), ({"dimensions": []}, "missing"), ({"X": None}, "no whole chart"),
@@ -338,10 +352,11 @@ def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypa
         f"vibroimpact chart: interrupted; what was finished is kept: {tmp_path / 'out' / name}\n"
     )
     if form == "csv":
-        assert re.search(
-            r"\n# ! cut short: \d+ of 336 points were reached\n",
-            (tmp_path / "out" / name).read_text(),
-        )
+        table = (tmp_path / "out" / name).read_text()
+        assert re.search(r"\n# ! cut short: \d+ of 336 points were reached\n", table)
+        names, *rows = (line for line in table.splitlines() if line[0] != "#")
+        assert names.endswith(",status")
+        assert all(row.endswith(",0") for row in rows)  # motions, and no empty slots
         return
     status = np.array(json.loads((tmp_path / "out" / name).read_text())["status"])
     assert (status == 0).any()

@@ -1,6 +1,10 @@
 """Ctrl-C: what is finished is kept, and the message tells the truth of it."""
 
+import contextlib
 import importlib
+import os
+import pathlib
+import re
 import signal
 import subprocess
 import time
@@ -44,6 +48,16 @@ def test_whole_cases_are_named(form, tmp_path):
 
 
 @pytest.mark.parametrize("form", ["csv", "json"])
+def test_folders_that_stay_empty_go_again(form, tmp_path):
+    """Also those that the compiled program has made."""
+    write(tmp_path / "case.nml", EQUAL + LONG)
+    words = ["run", "case.nml", "-o", "out/sub", "--format", form]
+    status, faults = interrupted(tmp_path, words, "out/sub")
+    assert (status, faults) == (1, ["vibroimpact run: interrupted; nothing was finished"])
+    assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]
+
+
+@pytest.mark.parametrize("form", ["csv", "json"])
 @pytest.mark.parametrize("name", ["run", "simulate"])
 def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
     """Also where an earlier run has left a result of this name."""
@@ -60,6 +74,38 @@ def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
     assert main([name, "case.nml", "--format", form]) == 1
     assert capsys.readouterr().err == f"vibroimpact {name}: interrupted; nothing was finished\n"
     assert (tmp_path / "results/case.csv").read_text() == "old"
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="no /proc")
+def test_processes_that_just_start_are_not_interrupted(tmp_path):
+    """Ctrl-C on a terminal reaches all processes of `reproduce`; one line is said of it."""
+    pytest.importorskip("matplotlib")
+    with subprocess.Popen(
+        [find_command(), "reproduce", "figure4a", "figure4b", "-o", "out"],
+        cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:  # fmt: skip
+        while process.poll() is None and not (masks := masks_of_workers(process.pid)):
+            time.sleep(0.01)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert all(mask & 1 << (signal.SIGINT - 1) for mask in masks)
+    assert process.returncode == 1
+    assert said.startswith("vibroimpact reproduce: interrupted; ")
+    assert said.count("\n") == 1
+
+
+def masks_of_workers(parent):
+    """The signals that each process started by `spawn` holds back or ignores."""
+    masks = []
+    for number in pathlib.Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
+        with contextlib.suppress(OSError):
+            child = pathlib.Path(f"/proc/{number}")
+            if "spawn_main" in (child / "cmdline").read_text():
+                said = (child / "status").read_text()
+                blocked, ignored = re.findall(r"Sig(?:Blk|Ign):\s*(\w+)", said)
+                masks.append(int(blocked, 16) | int(ignored, 16))
+    return masks
 
 
 @pytest.mark.parametrize(("words", "left"), [

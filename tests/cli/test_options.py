@@ -80,6 +80,8 @@ def test_threads_of_an_atlas(threads):
     ("basins --r 1.04 --clearance 9 --plane x 0 1 2 y 1 0 2", "--plane x 0 1 2 y 1 0 2: must be NAME LOW HIGH N"),
     ("bifurcation --r 1 --parameter clearance --values 9 9 3", "--values 9 9 3: must be LOW HIGH N with LOW"),
     ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1", "--sides RRL: must go with --phases"),
+    ("branch --restitution .7 .6 --r .9 --clearance 9 --parameter r --bounds .8 1",
+     "--restitution 0.7 0.6: must be the same for both walls, or go with --sides and --phases-over-pi"),
 ])  # fmt: skip
 def test_options_that_do_not_go_together(words, said, tmp_path, monkeypatch, capsys):
     """They are refused in the words of the options, before anything is computed."""

@@ -5,6 +5,7 @@ very trajectory is later, even in transient chaos.
 """
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -147,6 +148,9 @@ def test_the_namelist_of_basins(start, tmp_path):
     np.testing.assert_array_equal(again.states, result.states)
     np.testing.assert_array_equal(again.labels, result.labels)
     assert again.case == result.case
+    # the same text in every process, in which sets have an order of their own
+    others = re.findall(r"^  (t|x|x_dot|y|z_dot) = ", result.case, re.MULTILINE)
+    assert others == ["x", "x_dot", "z_dot"] * ("plane" in start)
     given = vi.basins(FIGURE6, 1.04, 14.0, states=result.states.reshape(5, -1), probes=20)
     with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
         given.to_namelist()

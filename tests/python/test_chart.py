@@ -294,6 +294,12 @@ def test_interrupted_flood(monkeypatch):
         vi.chart(OSC, vi.Pattern("RRL"), R, D)
     part = caught.value.chart
     assert set(np.unique(part.status)) == {0, 12}
+    pytest.importorskip("matplotlib")
+    from vibroimpact.plot import draw_chart
+
+    (legend,) = [draw_chart(part).get_legend()]
+    names = [text.get_text() for text in legend.get_texts()]
+    assert names[-1] == "not reached, or no motion"
 
 
 def test_missing_xarray(monkeypatch):

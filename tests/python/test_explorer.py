@@ -62,8 +62,8 @@ def test_a_link_holds_the_whole_state(state):
     ("patterns=RL/x", "patterns = 'RL/x'"), ("patterns=", "patterns"), ("line=1,2,3", "line = '1,2,3'"),
     ("line=1,2,1,2", "line = (1.0, 2.0, 1.0, 2.0)"), ("run=1,2", "run = '1,2'"), ("show=all", "show = 'all'"),
     ("run=0,0,0,0,inf,1,0", "z_dot = 'inf'"), ("run=0,0,0,0,0,0,0", "cycles = 0.0"),
-    ("colour=red", "colour = 'red'"), ("motion=RL/1/phases/0", "motion = 'RL/1/phases/0'"), ("motion=RL/2/equispaced/0", "number 0 or 1"),
-    ("xi=0", "xi = 0")])  # fmt: skip
+    ("colour=red", "colour = 'red'"), ("motion=RL/1/phases/0", "motion = 'RL/1/phases/0'"),
+    ("motion=RL/2/equispaced/0", "number 0 or 1"), ("xi=0", "xi = 0")])  # fmt: skip
 def test_a_bad_part_of_a_link_is_named_and_the_rest_kept(query, word):
     """One fault for it, and every other part of the link as it was."""
     state, faults = State.read(

@@ -215,6 +215,16 @@ def test_motions_found_otherwise_come_back_within_rounding(tmp_path):
         np.testing.assert_allclose(nearest.phases, motion.phases, atol=1e-9)
 
 
+@pytest.mark.parametrize("clearance", [20.0, 25.0, 33.3, 70.0])
+def test_equispaced_motions_come_back_to_the_bit(clearance, tmp_path):
+    """Both have the clearance that was asked for, and not what rounding leaves of it."""
+    motions = vi.equispaced(FIGURE6, 1.04, clearance)
+    assert [motion.clearance for motion in motions] == [clearance] * 2
+    for motion in motions:
+        (case,) = vi.read_namelist(write(tmp_path / "case.nml", motion.to_namelist()))
+        assert [again.to_json() for again in case.run()] == [item.to_json() for item in motions]
+
+
 @pytest.mark.parametrize("acceptance", [0.0, 0.03, 1.0])
 def test_acceptance_is_kept(acceptance, tmp_path):
     """What counted as consistent does so again."""

@@ -136,20 +136,27 @@ class Fresh:
 
 
 @contextlib.contextmanager
-def ready(folder: Path) -> Iterator[None]:
-    """A folder that can be written to, before anything is computed; if it stays empty it goes again."""
+def not_left_empty(folder: Path) -> Iterator[None]:
+    """A folder, and those above it, that is not there yet goes again if it stays empty."""
     new = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
+        yield
+    finally:
+        for path in new:
+            with contextlib.suppress(OSError):
+                path.rmdir()
+
+
+@contextlib.contextmanager
+def ready(folder: Path) -> Iterator[None]:
+    """A folder that can be written to, before anything is computed; if it stays empty it goes again."""
+    with not_left_empty(folder):
         folder.mkdir(parents=True, exist_ok=True)
         try:
             tempfile.TemporaryFile(dir=folder).close()
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(folder)) from None
         yield
-    finally:
-        for path in new:
-            with contextlib.suppress(OSError):
-                path.rmdir()
 
 
 def name_file(options: argparse.Namespace) -> None:

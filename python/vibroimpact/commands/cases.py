@@ -36,7 +36,7 @@ from ..interrupt import interruptible
 from ..plot.animation import check_format
 from ..progress import Progress
 from ..run import Case, read_namelist, run_namelists
-from . import FORMATS, Fresh, picture_writer, ready
+from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .options import Request, case_files, in_options, read_cases
 from .run import tell
 from .words import PARTIAL, WORDS, singular
@@ -82,7 +82,7 @@ def tables(options: argparse.Namespace, request: Request, folder: Path) -> int:
     """Leave all to the compiled program."""
     with (
         case_files(options, request) as (files, made),
-        ready(folder),
+        not_left_empty(folder),
         Progress(request.kind or "run") as bar,
     ):
         written = Fresh(results_of(files, request.kind, folder))
@@ -158,7 +158,7 @@ def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -
     if options.format == "csv":
         options.record.files += map(str, log.results)
     results = []
-    if log.results:
+    if log.results and (save is not None or options.json or options.format != "csv"):
         with Progress(case.name) as bar:
             results = interruptible(case.run, watch=partial(bar.show, 0.0))
     put(options, case, results, folder, save)

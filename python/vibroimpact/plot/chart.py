@@ -96,15 +96,14 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
             style.log_scale(ax, "y")
         ax.set_xlabel(r"$r = \Omega/\omega$")
         ax.set_ylabel(r"$F_0/(dK)$" if inverse else r"$dK/F_0$")
+        none = CLASSES[-1][3] if data.attrs.get("complete", 1) else "not reached, or no motion"
         patches = [
             Patch(
                 facecolor=shade,
                 hatch=hatch,
                 edgecolor="black",
                 lw=0.4,
-                label=name
-                if number or data.attrs.get("complete", 1)
-                else "not reached, or no motion",
+                label=name if number else none,
             )
             for number, shade, hatch, name in CLASSES
             if (kind == number).any() and not (color and number == 3)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -121,9 +123,13 @@ def _perform_all(
             return name, future.result() if future else perform(
                 name, folder, resolution, missing[name]
             )
-        except (VibroimpactError, OSError) as error:
+        except VibroimpactError as error:
             failed.add(name)
             return name, str(error)
+        except OSError as error:
+            failed.add(name)
+            where = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+            return name, f"{where}; must be a folder and disk that can be written"
 
     def ready() -> Iterator[str]:
         for name in list(waiting):
@@ -156,7 +162,8 @@ def _perform_all(
                         bar.left.pop(name, None)
                         yield name, "left out: something that it needs failed"
                         continue
-                    future = pool.submit(perform, name, folder, resolution, missing[name])
+                    with _interrupt_waits():
+                        future = pool.submit(perform, name, folder, resolution, missing[name])
                     running[future] = name
                     running_names.add(name)
                 done, _ = wait(running, timeout=0.5, return_when=FIRST_COMPLETED)
@@ -168,6 +175,25 @@ def _perform_all(
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
+
+
+@contextlib.contextmanager
+def _interrupt_waits() -> Iterator[None]:
+    """Hold Ctrl-C back while a process is started, which inherits that: it is not yet ready to ignore it."""
+    if threading.current_thread() is not threading.main_thread() or os.name != "posix":
+        yield
+        return
+    came: list[int] = []
+    # the mask is for the new process: in this one a thread of a library may take the signal
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    handler = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        signal.signal(signal.SIGINT, handler)
+    if came:
+        raise KeyboardInterrupt
 
 
 def _ignore_interrupt() -> None:

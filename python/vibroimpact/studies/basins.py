@@ -332,7 +332,7 @@ def _axes(plane: Any) -> tuple[Axis, Axis]:
 
 def _others(fixed: Mapping[str, float] | None, axes: tuple[Axis, Axis]) -> dict[str, float]:
     """The coordinates that are no axes."""
-    values = dict.fromkeys(set(COORDINATES).difference(axis.name for axis in axes), 0.0)
+    values = {name: 0.0 for name in COORDINATES if name not in [axis.name for axis in axes]}
     for name, value in (fixed or {}).items():
         if checks.choice(name, "fixed", COORDINATES) not in values:
             raise ParameterError(f"fixed[{name!r}] = {value!r}: must be left out: it is an axis")
