@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import _core, checks
 from .chart import chart
-from .errors import ParameterError, SingularError
+from .errors import ParameterError, ParameterTypeError, SingularError
 from .interrupt import interruptible, new_tally
 from .model import Oscillator, Pattern
 from .motion import Motion
@@ -286,6 +286,8 @@ def run_namelists(
     >>> (folder / "pair.csv").exists()
     True
     """
+    if isinstance(paths, (str, bytes, os.PathLike)):
+        raise ParameterTypeError(f"paths = {paths!r}: must be a list of files")
     files = [_path(path) for path in paths]
     target = _path(folder)
     if not files:
