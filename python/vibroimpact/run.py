@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import _core, checks
 from .chart import ChartArrays, chart, chart_arrays
-from .errors import ParameterError, SingularError, StudyInterrupted
+from .errors import ParameterError, ParameterTypeError, SingularError, StudyInterrupted
 from .interrupt import interruptible, new_tally
 from .model import Oscillator, Pattern
 from .motion import Motion
@@ -311,6 +311,8 @@ def run_namelists(
     >>> (folder / "pair.csv").exists()
     True
     """
+    if isinstance(paths, (str, bytes, os.PathLike)):
+        raise ParameterTypeError(f"paths = {paths!r}: must be a list of files")
     files = [_path(path) for path in paths]
     target = _path(folder)
     if not files:

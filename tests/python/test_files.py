@@ -1,6 +1,7 @@
 """Results as netCDF, MATLAB and CSV files, labelled datasets and data frames."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -140,9 +141,40 @@ def test_files_of_another_kind_by_suffix(results, tmp_path):
     results["motion"].to_xarray().to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     write(tmp_path / "text.nc", "no netCDF")
     write(tmp_path / "text.mat", "no matrix, however long the text may be " * 9)
-    for name in ("other.mat", "other.nc", "text.nc", "text.mat", "none.nc", "none.mat"):
+    results["motion"].save(tmp_path / "whole.mat")
+    write(tmp_path / "short.mat", "MATLAB")
+    (tmp_path / "half.mat").write_bytes((tmp_path / "whole.mat").read_bytes()[:500])
+    for name in (
+        "short.mat",
+        "half.mat",
+        "other.mat",
+        "other.nc",
+        "text.nc",
+        "text.mat",
+        "none.nc",
+        "none.mat",
+    ):
         with pytest.raises(vi.errors.ParameterError, match=rf"{name}': must be a file that"):
             vi.load(tmp_path / name)
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".mat", ".json"])
+def test_broken_files_are_refused(suffix, results, tmp_path):
+    """Cut anywhere, or with a byte changed: refused by name or read, and nothing else."""
+    pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy", ".json": "json"}[suffix])
+    path = tmp_path / f"motion{suffix}"
+    results["motion"].save(path)
+    whole = path.read_bytes()
+    refused = 0
+    for i in range(0, len(whole), 1 + len(whole) // 30):
+        for broken in (whole[:i], whole[:i] + bytes([whole[i] ^ 0x55]) + whole[i + 1 :]):
+            path.write_bytes(broken)
+            try:
+                vi.load(path)
+            except vi.errors.ParameterError as error:
+                assert f"motion{suffix}" in str(error)  # noqa: PT017
+                refused += 1
+    assert refused >= 30
 
 
 def test_missing_libraries_are_named(results, tmp_path, monkeypatch):
@@ -167,3 +199,12 @@ def test_studies_of_attractors_come_back(name, suffix, attractors, tmp_path):
     path = tmp_path / f"result{suffix}"
     attractors[name].save(path)
     assert same(vi.load(path), attractors[name])
+
+
+@pytest.mark.parametrize("paths", ["case.nml", b"case.nml", Path("case.nml")])
+def test_one_name_is_no_list_of_files(paths):
+    """Its letters are no files either."""
+    with pytest.raises(
+        vi.errors.ParameterTypeError, match=r"paths = .*case.nml.*: must be a list of files"
+    ):
+        vi.run_namelists(paths)

@@ -350,7 +350,9 @@ def read_netcdf(path: Path) -> Any:
             if "record" not in data:
                 raise ParameterError("there is no variable 'record'")
             return bytes(data["record"].values.astype(np.uint8)).decode()
-    except OSError:
+    except ParameterError:
+        raise
+    except Exception:  # whatever h5py stumbles on in a file that is broken
         raise ParameterError("it is no netCDF file") from None
 
 

@@ -77,9 +77,12 @@ def write_struct(kind: str, fields: Mapping[str, Any], record: str, path: Path) 
 
 def read_matlab(path: Path) -> str:
     """The record of a file that `write_matlab` wrote."""
+    loadmat = scipy_io().loadmat
     try:
-        data = scipy_io().loadmat(path)
-    except (ValueError, TypeError, NotImplementedError) as error:
+        data = loadmat(path)
+    except OSError:
+        raise
+    except Exception as error:  # whatever scipy stumbles on in a file that is broken
         raise ParameterError(str(error)) from None
     for name, struct in data.items():
         if not name.startswith("__") and struct.dtype.names and "record" in struct.dtype.names:
