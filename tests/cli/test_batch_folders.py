@@ -192,7 +192,11 @@ def test_folder_that_cannot_be_made(folder, batch, command):
     assert done.faults == [f"{folder}: {reason}; {wanted}"]
     again = command("case.nml", "-o", folder)
     assert (again.status, again.out, len(again.faults)) == (2, b"", 1)
-    assert again == done or again.faults == [f"vibroimpact run: -o {done.faults[0]}"]
+    if again != done and below:
+        assert again.faults == [f"vibroimpact run: -o {done.faults[0]}"]
+    elif again != done:  # there the system says why
+        assert again.faults[0].startswith(f"vibroimpact run: {folder}: ")
+        assert again.faults[0].endswith(f"; {wanted}")
     assert sorted(contents(batch.cwd)) == ["case.nml", "file"]
     assert (batch.cwd / "file").read_bytes() == b"mine"
 
