@@ -156,4 +156,4 @@ WORDS: dict[str, Callable[..., Words]] = {
     "basins": basin_words, "response": response_words,
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.
-PARTIAL = ("branch", "lyapunov", "bifurcation", "basins", "response")
+PARTIAL = ("branch", "chart", "lyapunov", "bifurcation", "basins", "response")
