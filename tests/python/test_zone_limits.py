@@ -179,4 +179,4 @@ def test_a_closed_curve_between_the_lattice_lines_is_gone_round_once():
     osc = vi.Oscillator(xi=0.0202, mu=0.108, restitution=(0.79, 0.81))
     window = (0.4280966277871413, 2.7493171322070333), (2.0, 200.0)
     zones = [vi.zone(osc, vi.Pattern("RL"), *window, lines=n, guesses=4) for n in (5, 17)]
-    assert zones[0].area == pytest.approx(zones[1].area, rel=1e-2)
+    assert zones[0].area == pytest.approx(zones[1].area, rel=1e-7)
