@@ -4,6 +4,7 @@ from importlib.metadata import version as _version
 
 from . import errors
 from .bundle import Bundle, simulate_bundle
+from .case import Case, read_namelist
 from .chart import chart
 from .events import Sample
 from .find import FoundMotions, Search, find
@@ -13,7 +14,7 @@ from .interchange.result import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
 from .newton import exact
-from .run import Case, RunLog, read_namelist, run_namelists
+from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch
 from .status import status_text
 from .studies.atlas import Atlas, Attractor, atlas

@@ -3,7 +3,7 @@
 import re
 
 from programs import contents, rows
-from vibroimpact.run import read_namelist
+from vibroimpact.case import read_namelist
 
 TABLE = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
 EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
@@ -50,15 +50,6 @@ def case_of(batch):
     """The case of the file that was run."""
     (case,) = read_namelist(batch.cwd / "case.nml")
     return case
-
-
-def assert_refused(text, group, wanted, line, batch):
-    """One line with file, line, group, key, value and what is allowed; status 2; no result."""
-    done = batch.case(text)
-    assert (done.status, done.out, len(done.faults)) == (2, b"", 1), done
-    assert done.faults[0].startswith(f"case.nml:{line}: &{group} ")
-    assert wanted in done.faults[0]
-    assert list(contents(batch.cwd)) == ["case.nml"]
 
 
 def told(path):

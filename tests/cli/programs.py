@@ -289,3 +289,12 @@ def changed(line, text):
     lines = COMPLETE.splitlines()
     lines[line - 1] = text
     return "\n".join(lines) + "\n"
+
+
+def assert_refused(text, group, wanted, line, batch):
+    """One line with file, line, group, key, value and what is allowed; status 2; no result."""
+    done = batch.case(text)
+    assert (done.status, done.out, len(done.faults)) == (2, b"", 1), done
+    assert done.faults[0].startswith(f"case.nml:{line}: &{group} ")
+    assert wanted in done.faults[0]
+    assert list(contents(batch.cwd)) == ["case.nml"]

@@ -19,12 +19,11 @@ from attractors import (
     TABLE,
     WALLS,
     assert_both,
-    assert_refused,
     case_of,
     told,
 )
-from programs import ROOT, column, contents, rows, write
-from vibroimpact.run import read_namelist
+from programs import ROOT, assert_refused, column, contents, rows, write
+from vibroimpact.case import read_namelist
 
 
 def assert_diagram(table, result):

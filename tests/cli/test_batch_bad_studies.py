@@ -1,7 +1,7 @@
 """Wrong keys of branches, zones and atlases, and groups that do not go together: one clear error each."""
 
 import pytest
-from programs import PAIR, SYSTEM, contents
+from programs import PAIR, SYSTEM, assert_refused, contents
 
 from studies import ALONG, ATLAS, BRANCH, WALLS, ZONE
 
@@ -26,14 +26,9 @@ BAD_BRANCH = [
 
 @pytest.mark.parametrize(("old", "new", "wanted"), BAD_BRANCH)
 def test_bad_branch(old, new, wanted, batch):
-    """One line with file, line, group, key, value and what is allowed; status 2; no result."""
-    text = BRANCH.replace(old, new)
-    assert text != BRANCH
-    done = batch.case(text)
-    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
-    assert done.faults[0].startswith("case.nml:3: &branch ")
-    assert wanted in done.faults[0]
-    assert list(contents(batch.cwd)) == ["case.nml"]
+    """A key of the group on the third line."""
+    assert old in BRANCH
+    assert_refused(BRANCH.replace(old, new), "branch", wanted, 3, batch)
 
 
 BAD_ZONE = [
@@ -57,14 +52,8 @@ BAD_ZONE = [
 
 @pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_ZONE)
 def test_bad_zone(old, new, wanted, line, batch):
-    """As for &branch."""
-    text = ZONE.replace(old, new)
-    assert text != ZONE
-    done = batch.case(text)
-    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
-    assert done.faults[0].startswith(f"case.nml:{line}: &zone ")
-    assert wanted in done.faults[0]
-    assert list(contents(batch.cwd)) == ["case.nml"]
+    assert old in ZONE
+    assert_refused(ZONE.replace(old, new), "zone", wanted, line, batch)
 
 
 BAD_ATLAS = [
@@ -88,14 +77,8 @@ BAD_ATLAS = [
 
 @pytest.mark.parametrize(("old", "new", "wanted", "line"), BAD_ATLAS)
 def test_bad_atlas(old, new, wanted, line, batch):
-    """As for &branch."""
-    text = ATLAS.replace(old, new)
-    assert text != ATLAS
-    done = batch.case(text)
-    assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
-    assert done.faults[0].startswith(f"case.nml:{line}: &atlas ")
-    assert wanted in done.faults[0]
-    assert list(contents(batch.cwd)) == ["case.nml"]
+    assert old in ATLAS
+    assert_refused(ATLAS.replace(old, new), "atlas", wanted, line, batch)
 
 
 @pytest.mark.parametrize(("text", "message"), [

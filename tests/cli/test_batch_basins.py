@@ -13,11 +13,10 @@ from attractors import (
     TABLE,
     WALLS,
     assert_both,
-    assert_refused,
     case_of,
     told,
 )
-from programs import column, contents, rows
+from programs import assert_refused, column, contents, rows
 
 RATIOS = DIAGRAM.replace("values = 4", "values = 4, spacing = 'geometric'")
 EXPONENTS = f"""{EQUAL}&lyapunov parameter = 'clearance'

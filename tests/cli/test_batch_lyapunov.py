@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from attractors import EQUAL, FREE, LYAPUNOV, MOVING, WALLS, assert_both, assert_refused, case_of
-from programs import column, contents, rows
+from attractors import EQUAL, FREE, LYAPUNOV, MOVING, WALLS, assert_both, case_of
+from programs import assert_refused, column, contents, rows
 
 
 def assert_lyapunov(table, result):

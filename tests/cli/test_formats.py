@@ -170,7 +170,7 @@ def test_computed_once(kind, tmp_path, monkeypatch):
     """Table, picture and document from one computation; the table has the bytes of the compiled program."""
     path = write(tmp_path / "case.nml", kinds()[kind])
     assert vi.run_namelists([path], tmp_path / "core").status == 0
-    module = importlib.import_module("vibroimpact.run")
+    module = importlib.import_module("vibroimpact.case")
     calls = []
     function = {"bifurcation": "bifurcation_diagram", "chart": "chart_arrays"}.get(kind, kind)
     ours = getattr(module, function)
@@ -252,7 +252,7 @@ def test_attractors_in_other_forms(tool):
 
 def test_interrupted_cases_keep_what_is_finished(tmp_path, monkeypatch, capsys):
     """Ctrl-C in the second case: the first is written; status 1 and one line."""
-    module = importlib.import_module("vibroimpact.run")
+    module = importlib.import_module("vibroimpact.case")
     ours, calls = module.zone, []
 
     def zone(*arguments, **options):

@@ -6,8 +6,8 @@ import re
 import pytest
 import vibroimpact as vi
 from programs import Runner, contents, find_batch, find_command, write
+from vibroimpact.case import KINDS, read_namelist
 from vibroimpact.commands.init import kinds
-from vibroimpact.run import KINDS, read_namelist
 
 
 @pytest.fixture

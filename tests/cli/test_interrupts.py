@@ -70,7 +70,7 @@ def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("vibroimpact.commands.cases.run_namelists", stop)
-    monkeypatch.setattr(importlib.import_module("vibroimpact.run"), "simulate", stop)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.case"), "simulate", stop)
     assert main([name, "case.nml", "--format", form]) == 1
     assert capsys.readouterr().err == f"vibroimpact {name}: interrupted; nothing was finished\n"
     assert (tmp_path / "results/case.csv").read_text() == "old"

@@ -14,7 +14,7 @@ xarray = pytest.importorskip("xarray")
 
 #: The modules, where the package has functions of the same name.
 CHART = importlib.import_module("vibroimpact.chart")
-reduced = importlib.import_module("vibroimpact.find").reduced
+reduced = importlib.import_module("vibroimpact.likeness").reduced
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 RL = vi.Pattern("RL")

@@ -1,4 +1,4 @@
-"""The explorer without a page: its state, motions, zones and exports, and its command."""
+"""The explorer without a page: its state, motions and zones, and its command."""
 
 import json
 import signal
@@ -11,32 +11,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import vibroimpact as vi
+from shared_explorer_states import RUN, STATES
 from vibroimpact.command import main
 from vibroimpact.commands.explore import EXAMPLE
 from vibroimpact.errors import MissingExtraError, ParameterError
-from vibroimpact.explorer.explorer import Explorer, diagram_of, settles_on, simulate_run
-from vibroimpact.explorer.export import as_namelist, as_python
+from vibroimpact.explorer.explorer import Explorer, settles_on
 from vibroimpact.explorer.motions import fuller, quick
 from vibroimpact.explorer.process import start
-from vibroimpact.explorer.recipe import Recipe, recipe_of
+from vibroimpact.explorer.recipe import Recipe
 from vibroimpact.explorer.server import loopback, panel
 from vibroimpact.explorer.session import Session
 from vibroimpact.explorer.shapes import thinned, zone_shapes
 from vibroimpact.explorer.state import Run, State
 from vibroimpact.explorer.zones import COARSE, FINE, compute, families
-from vibroimpact.find import same
-from vibroimpact.run import read_namelist
+from vibroimpact.likeness import same
 from vibroimpact.studies.geometry import signed_area
-
-RUN = Run(0.1, 2.0, -3.0, 4.0, 5.5, 6.0, 2.0)
-#: One state with everything in it, at a point where there is rest, and one where there are many motions.
-STATES = {
-    "start": State(run=RUN, line=(1.04, 5.0, 1.04, 60.0)),
-    "rest": State(R2=0.61, r=0.9, clearance=6.0, run=RUN, line=(0.85, 3.0, 0.95, 9.0)),
-    "many": State(r=0.96, clearance=20.0, patterns=(vi.Pattern("RL"), vi.Pattern("RRL")),
-                  run=RUN, show="run", line=(0.96, 5.0, 0.96, 60.0)),
-}  # fmt: skip
-
 
 # -- the state and its link
 
@@ -251,101 +240,6 @@ def test_a_line_across_the_plane_is_the_same_both_ways():
             vi.bifurcation_diagram(osc, "r", r, clearance=wrong)
     with pytest.raises(ParameterError, match="rise"):
         vi.bifurcation_diagram(osc, "r", r[::-1], clearance=clearance)
-
-
-# -- exports
-
-
-def filled(state):
-    """An explorer with its fuller search and zones, as the page has it after a while."""
-    explorer = Explorer(state)
-    explorer.learn(fuller(state.osc, state.r, state.clearance, explorer.shown))
-    explorer.zones = {
-        family: compute(state.osc, family, state.window, FINE)
-        for family in families(state.osc, state.patterns[:2])
-    }
-    return explorer
-
-
-@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
-def test_python_gives_what_is_shown(state, capsys):
-    """Every number of the motions, the run, the diagram and the zones, to the last bit."""
-    explorer, names = filled(state), {}
-    exec(as_python(explorer), names)
-    assert len(capsys.readouterr().out.splitlines()) == len(explorer.shown)
-    for motion, item in zip(names["motions"], explorer.shown, strict=True):
-        assert motion.pattern == item.motion.pattern
-        for name in ("phases", "X", "X_dot_after", "Z_dot_after", "multipliers"):
-            assert getattr(motion, name).tolist() == getattr(item.motion, name).tolist()
-        assert (motion.stable, motion.attenuation) == (item.motion.stable, item.motion.attenuation)
-    assert names["run"].events.tolist() == simulate_run(state).events.tolist()
-    assert names["diagram"].points.tolist() == diagram_of(state).points.tolist()
-    for zone, shown in zip(names["zones"], explorer.zones.values(), strict=True):
-        assert [ring.tolist() for ring in zone.loops] == [ring.tolist() for ring in shown.loops]
-
-
-@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
-def test_namelist_gives_what_is_shown(state, tmp_path):
-    """The file's cases are the motions (with rest: their events), the run and the zones, bit for bit."""
-    explorer = filled(state)
-    (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
-    log = vi.run_namelists([tmp_path / "explorer.nml"], tmp_path)
-    assert log.status == 0 or all("no such" in line for fault, line in log.lines if fault)
-    cases = {case.name: case for case in read_namelist(tmp_path / "explorer.nml")}
-    found, rests = [], []
-    for name, case in cases.items():
-        if "motion" in name:
-            (rests if case.kind == "simulate" else found).extend(
-                [case.trajectory()] if case.kind == "simulate" else case.motions()
-            )
-    assert sum(motion.admissible for motion in found) + len(rests) == len(explorer.shown)
-    for item in explorer.shown:
-        if item.recipe.kind == "state":
-            assert any(
-                same(vi.exact(run.osc, run.r, run.clearance, run), item.motion) for run in rests
-            )
-            continue
-        assert item.motion.X.tolist() in [motion.X.tolist() for motion in found]
-    assert cases["explorer_run"].trajectory().events.tolist() == simulate_run(state).events.tolist()
-    for i, zone in enumerate(explorer.zones.values(), start=1):
-        rings = cases[f"explorer_zone_{i}"].zone().loops
-        assert [ring.tolist() for ring in rings] == [ring.tolist() for ring in zone.loops]
-
-
-@pytest.mark.parametrize("line", [
-    (1.04, 5.0, 1.04, 60.0), (1.01, 60.0, 1.01, 5.0), (0.96, 20.0, 1.06, 20.0),
-    (1.06, 7.0, 0.96, 7.0)])  # fmt: skip
-def test_the_batch_program_gives_the_diagram(line, tmp_path):
-    """A line along an axis is in the namelist; every impact is the one shown, also at another r."""
-    explorer = Explorer(State(line=line))
-    (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
-    program = [Path(sys.executable).with_name("vibroimpact-batch"), "explorer.nml", "-o", "out"]
-    subprocess.run(program, cwd=tmp_path, check=True, capture_output=True)
-    lines = (tmp_path / "out" / "explorer_diagram.csv").read_text().splitlines()
-    head, *rows = [row.split(",") for row in lines if not row.startswith("#")]
-    diagram = diagram_of(explorer.state)
-    assert head[1] == diagram.parameter
-    assert len(rows) == len(diagram.points) > 1000
-    for i, name in enumerate(head[4:], start=4):
-        assert [float(row[i]) for row in rows] == diagram.points[name].tolist()
-    assert [float(row[1]) for row in rows] == diagram.values[diagram.points["index"]].tolist()
-
-
-def test_an_oblique_line_is_left_to_python():
-    """It is said in one line of the file."""
-    text = as_namelist(Explorer(State(line=(0.9, 10.0, 1.1, 30.0))))
-    assert "\n&bifurcation" not in text
-    assert text.splitlines()[-1].startswith("! a line across both axes")
-
-
-def test_motions_without_phases_have_a_recipe():
-    """A motion with rest is computed from a state on it."""
-    osc = vi.Oscillator(0.0114, 0.028, (0.75, 0.61))
-    motion = vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
-    recipe, made = recipe_of(motion)
-    assert recipe.kind == "state"
-    assert made.pattern == motion.pattern
-    assert abs(made.multipliers[0]) == pytest.approx(abs(motion.multipliers[0]), rel=1e-9)
 
 
 # -- the command

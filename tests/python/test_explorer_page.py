@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import pytest
 import vibroimpact as vi
 from shared_explorer import numbers, shown_numbers
+from vibroimpact.case import read_namelist
 from vibroimpact.explorer.state import State
 from vibroimpact.explorer.zones import families
 from vibroimpact.plot.zone import LINES
-from vibroimpact.run import read_namelist
 
 
 def test_page_shows_what_the_library_computes(page):

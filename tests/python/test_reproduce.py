@@ -12,7 +12,7 @@ import time
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.find import mirror, turned
+from vibroimpact.likeness import mirror, turned
 from vibroimpact.reproduce import (
     appendix,
     captions,

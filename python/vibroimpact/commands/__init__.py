@@ -221,7 +221,7 @@ def need_extras(options: argparse.Namespace) -> None:
     """An error before anything is computed, if a library is missing by which the result is to be written."""
     form = getattr(options, "format", None)
     if form == "netcdf":
-        from ..interchange.dataset import need_netcdf
+        from ..interchange.netcdf import need_netcdf
 
         need_netcdf()
     if form == "matlab":

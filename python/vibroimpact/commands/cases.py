@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ..case import Case, read_namelist
 from ..errors import (
     ChartInterrupted,
     ParameterError,
@@ -20,22 +21,14 @@ from ..errors import (
     StudyInterrupted,
 )
 from ..files import write_text
-from ..interchange.dataset import chart_to_dict
+from ..interchange.chart_record import chart_to_dict
+from ..interchange.csv_file import cut_of, head_text, notes, rows_text
 from ..interchange.result import save_chart
-from ..interchange.table import (
-    branch_columns,
-    chart_columns,
-    columns,
-    cut_of,
-    head_text,
-    notes,
-    numbered,
-    rows_text,
-)
+from ..interchange.table import branch_columns, chart_columns, columns, numbered
 from ..interrupt import interruptible
 from ..plot.animation import check_format
 from ..progress import Progress
-from ..run import Case, read_namelist, run_namelists
+from ..run import run_namelists
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .options import Request, case_files, in_options, read_cases
 from .run import tell

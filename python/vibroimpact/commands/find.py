@@ -8,12 +8,12 @@ import re
 import textwrap
 from pathlib import Path
 
+from ..case import read_namelist
 from ..errors import ParameterError, SingularError
 from ..find import FoundMotions, Point, find
 from ..found import Findings
 from ..model import Oscillator
 from ..progress import Progress
-from ..run import read_namelist
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .options import add_numbers, add_system
 

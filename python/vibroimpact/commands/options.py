@@ -11,10 +11,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from ..case import Case, read_namelist
 from ..errors import ParameterError
 from ..interchange import namelist
 from ..interchange.namelist import Groups
-from ..run import Case, read_namelist
 from . import add_files, add_forms
 
 #: What every command has, or what is no part of a case.

@@ -8,10 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ..case import Case, read_namelist
 from ..errors import SingularError
 from ..plot.chart import draw_chart
 from ..progress import Progress
-from ..run import Case, read_namelist
 from . import PICTURES, add_files, add_folder, picture_writer, ready
 
 HELP = "draw the cases of namelist files"

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..case import Case
 from ..errors import SingularError
-from ..interchange.table import NOT_CLOSED, counted, tag
-from ..run import Case
+from ..interchange.csv_file import NOT_CLOSED, counted, tag
 from ..status import NO_MOTION, status_text
 from ..studies.branch import REASONS
 
@@ -110,12 +110,11 @@ def lyapunov_words(found: Any) -> Words:
 
 def bifurcation_words(diagram: Any) -> Words:
     """Runs, impacts and windows."""
-    faults, there = failed(diagram.status)
-    said = (
+    return simulated(
+        diagram.status,
         f"{counted(len(diagram.runs), 'run')} of {diagram.values.size} values, "
-        f"{counted(len(diagram.points), 'impact')}, {counted(len(diagram.windows), 'periodic window')}"
+        f"{counted(len(diagram.points), 'impact')}, {counted(len(diagram.windows), 'periodic window')}",
     )
-    return [said] if there else [], faults, there
 
 
 def basin_words(basins: Any) -> Words:
@@ -133,20 +132,20 @@ def basin_words(basins: Any) -> Words:
 
 def response_words(response: Any) -> Words:
     """The range of max|X|/A."""
-    faults, there = failed(response.status)
-    said = (
+    return simulated(
+        response.status,
         f"max|X|/A from {response.lowest.min():.4f} to {response.highest.max():.4f} at "
-        f"{counted(response.r.size, 'point')}"
+        f"{counted(response.r.size, 'point')}",
     )
-    return [said] if there else [], faults, there
 
 
-def failed(status: Any) -> tuple[list[str], bool]:
-    """What is said of simulations that failed, and whether any did not."""
+def simulated(status: Any, said: str) -> Words:
+    """What came out of simulations, if not all of them failed."""
     lost = int(np.count_nonzero(status))
     of = counted(status.size, "simulation")
     faults = [f"{lost} of {of} failed: {status_text(int(status.max()))}"] if lost else []
-    return faults, lost < status.size
+    there = lost < status.size
+    return [said] if there else [], faults, there
 
 
 #: The kinds that are computed once, in Python, for table, picture and document.

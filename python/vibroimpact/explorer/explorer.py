@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError, SingularError, VibroimpactError
-from ..find import same
+from ..likeness import same
 from ..motion import Motion
 from ..newton import exact, last_period
 from ..studies.bifurcation import BifurcationDiagram, bifurcation_diagram

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import SingularError
-from ..find import find, images, same, turned
+from ..find import find
+from ..likeness import images, same, turned
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact, newton

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from .. import checks
 from ..errors import ParameterError, SingularError
-from ..find import same
+from ..likeness import same
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import exact

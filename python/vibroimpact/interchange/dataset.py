@@ -1,21 +1,14 @@
-"""Results as xarray datasets and netCDF files: named dimensions; units, symbol and meaning of each variable."""
+"""Results as xarray datasets: named dimensions; units, symbol and meaning of each variable."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from importlib import import_module
-from io import BytesIO
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
-from ..files import write_bytes
-from .plain import encode
 
 if TYPE_CHECKING:
-    from ..chart import ChartArrays
     from ..found import Findings
     from ..motion import Motion
     from ..studies.atlas import Atlas
@@ -299,107 +292,3 @@ def zones(found: list[Zone]) -> dict[str, Any]:
         "ring_r": ("ring_vertex", points[:, 0]), "ring_clearance": ("ring_vertex", points[:, 1]),
         "ring": ("ring_vertex", np.repeat(range(len(rings)), [len(ring) for ring in rings])),
     }  # fmt: skip
-
-
-def write_netcdf(result: Any, path: Path) -> None:
-    """Write the dataset, and the record from which `load` makes the result again, whole or not at all."""
-    data = result.to_xarray()
-    if hasattr(result, "to_json"):
-        record = np.frombuffer(result.to_json().encode(), dtype=np.uint8)
-        data["record"] = ("byte", record, {"long_name": "the result as JSON, for vibroimpact.load"})
-    save_dataset(data, path)
-
-
-def need_netcdf() -> None:
-    """An error that says how to get them, if netCDF files cannot be written."""
-    xarray("netCDF files")
-    try:
-        import_module("h5netcdf")
-    except ImportError:
-        raise MissingExtraError(
-            "netCDF files need h5netcdf: pip install 'vibroimpact[data]'"
-        ) from None
-
-
-def save_dataset(data: Any, path: Path) -> None:
-    """Write a dataset under a temporary name and rename it."""
-    need_netcdf()
-    packed = {
-        name: {"zlib": True} for name, item in data.variables.items()
-        if item.dtype.kind in "fiu" and item.size > 100
-    }  # fmt: skip
-    # in memory first: HDF5 ends the interpreter some time after a disk was full; by the store, as
-    # to_netcdf does so only from xarray 2025.9 on, which Python 3.10 does not get
-    content = BytesIO()
-    store = import_module("xarray.backends").H5NetCDFStore(
-        import_module("h5netcdf").File(content, "w")
-    )
-    data.dump_to_store(store, encoding=packed)
-    store.close()
-    write_bytes(path, content.getvalue())
-
-
-def read_netcdf(path: Path) -> Any:
-    """The record of a file that `write_netcdf` wrote, as text; a chart is given whole."""
-    path.open("rb").close()  # an OSError that says why, rather than what h5py makes of it
-    need_netcdf()
-    try:
-        with xarray().open_dataset(path, engine="h5netcdf", decode_times=False) as data:
-            if data.attrs.get("result") == "Chart":
-                return chart_as_made(data.load())
-            if "record" not in data:
-                raise ParameterError("there is no variable 'record'")
-            return bytes(data["record"].values.astype(np.uint8)).decode()
-    except ParameterError:
-        raise
-    except Exception:  # whatever h5py stumbles on in a file that is broken
-        raise ParameterError("it is no netCDF file") from None
-
-
-def chart_as_made(data: Any) -> Any:
-    """A chart from a file as `vibroimpact.chart` gives it: without what files add, lists as lists."""
-    for name in ("case", "Conventions"):
-        data.attrs.pop(name, None)
-    data.attrs = {name: plain_attribute(value) for name, value in data.attrs.items()}
-    for item in data.variables.values():
-        item.attrs = {key: plain_attribute(value) for key, value in item.attrs.items()}
-        if "flag_values" in item.attrs:  # one alone comes as a number
-            item.attrs["flag_values"] = np.ravel(item.attrs["flag_values"]).tolist()
-        item.encoding = {}
-    return data.assign_coords(side=("impact", data["side"].values.astype("U1"), data["side"].attrs))
-
-
-def plain_attribute(value: Any) -> Any:
-    """A value without numpy's types."""
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
-
-
-def chart_to_dict(data: ChartArrays) -> dict[str, Any]:
-    """A chart as plain values, ready for JSON, with what the numbers are and mean."""
-    variables = data.variables
-    return {
-        "type": "Chart",
-        "attributes": {name: encode(value) for name, value in data.attrs.items()},
-        "dimensions": {name: list(item.dims) for name, item in variables.items()},
-        "labels": {name: encode(item.attrs) for name, item in variables.items()},
-        "types": {name: item.values.dtype.str for name, item in variables.items()},
-        "coordinates": data.coords,
-        **{name: encode(item.values) for name, item in variables.items()},
-    }
-
-
-def chart_from_dict(record: Mapping[str, Any]) -> Any:
-    """The inverse of `chart_to_dict`: the same to the last bit."""
-    keys = ("dimensions", "labels", "types", "coordinates", "attributes")
-    try:
-        dims, labels, types, coordinates, attributes = (record[name] for name in keys)
-        variables = {
-            name: (dims[name], np.array(record[name], dtype=np.dtype(types[name])), labels[name])
-            for name in dims
-        }
-        own = {name: variables.pop(name) for name in coordinates}
-        return xarray("charts").Dataset(variables, own, attributes)
-    except KeyError as error:
-        raise ParameterError(f"a chart must have {error}; it is missing") from None
-    except (ValueError, TypeError, AttributeError) as error:
-        raise ParameterError(f"it is no whole chart: {error}") from None

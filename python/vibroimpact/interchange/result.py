@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import ParameterError
 from ..files import write_text
-from . import dataset, matlab, namelist, page, plain, table
+from . import chart_record, csv_file, dataset, matlab, namelist, netcdf, page, plain, table
 
 if TYPE_CHECKING:
-    from ..chart import ChartArrays
+    from ..chart_arrays import ChartArrays
 
 Self = TypeVar("Self", bound="Result")
 
@@ -127,7 +127,7 @@ def load(path: str | Path) -> Any:
         data = json.loads(found)
         kind = plain.mapping(data, "").get("type")
         if kind == "Chart":
-            return dataset.chart_from_dict(data)
+            return chart_record.chart_from_dict(data)
         known = {item.__name__: item for item in Result.__subclasses__()}
         return known[plain.known(kind, known)].from_dict(data)
     except (OSError, ValueError) as error:
@@ -139,9 +139,9 @@ def save_chart(data: ChartArrays, case: str, path: Path) -> None:
     """Write a chart as .json, .nc or .mat, whole or not at all; the case goes with it in .nc."""
     if path.suffix == ".nc":
         labelled = data.dataset().assign_attrs(case=case, Conventions="CF-1.11")
-        dataset.save_dataset(labelled, path)
+        netcdf.save_dataset(labelled, path)
         return
-    record = json.dumps(dataset.chart_to_dict(data), allow_nan=False)
+    record = json.dumps(chart_record.chart_to_dict(data), allow_nan=False)
     if path.suffix == ".mat":
         fields = {name: item.values for name, item in data.variables.items()} | data.attrs
         matlab.write_struct("Chart", matlab.value_of(fields), record, path)
@@ -151,12 +151,12 @@ def save_chart(data: ChartArrays, case: str, path: Path) -> None:
 
 WRITERS: dict[str, Callable[[Any, Path], None]] = {
     ".json": lambda result, path: write_text(path, result.to_json()),
-    ".csv": table.write_csv,
-    ".nc": dataset.write_netcdf,
+    ".csv": csv_file.write_csv,
+    ".nc": netcdf.write_netcdf,
     ".mat": matlab.write_matlab,
 }
 READERS: dict[str, Callable[[Path], Any]] = {
     ".json": lambda path: path.read_text(encoding="utf-8"),
-    ".nc": dataset.read_netcdf,
+    ".nc": netcdf.read_netcdf,
     ".mat": matlab.read_matlab,
 }

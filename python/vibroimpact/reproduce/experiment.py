@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import ParameterError, VibroimpactError
 from ..files import write_text
-from ..find import mirror, turned
+from ..likeness import mirror, turned
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact, last_period

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..find import find, turned
+from ..find import find
+from ..likeness import turned
 from ..motion import Motion
 from . import canvas
 from .paper import MASRI, ratios

@@ -1,0 +1,336 @@
+"""The cases of a namelist file, read by the compiled reader and computed by Python."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .chart import chart, chart_arrays
+from .chart_arrays import ChartArrays
+from .errors import ParameterError, SingularError, StudyInterrupted
+from .model import Oscillator, Pattern
+from .motion import Motion
+from .newton import exact
+from .solve import equispaced, periodic
+from .status import NO_MOTION, status_text
+from .studies.atlas import Atlas, atlas
+from .studies.basins import Basins, basins
+from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
+from .studies.branch import Branch, branch
+from .studies.lyapunov import Lyapunov, lyapunov
+from .studies.response import Response, response
+from .studies.spacing import spaced
+from .studies.zone import Zone
+from .studies.zone_search import zone
+from .trajectory import Trajectory, simulate
+
+__all__ = ["Case", "read_namelist"]
+
+
+#: Kinds of cases.
+KINDS = (
+    "periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas", "lyapunov",
+    "bifurcation", "response", "basins",
+)  # fmt: skip
+
+
+class Case(NamedTuple):
+    """A case of a namelist file.
+
+    Attributes
+    ----------
+    name : str
+        Of the result.
+    kind : str
+        That of a &motion ("periodic", "equispaced", "exact"), else the name of the group.
+    osc : Oscillator
+    r : float or None
+        Of a case that has several, None.
+    keys : dict
+        All other keys of its groups, with the values of those that were missing; of a branch also
+        motion_kind, the kind of its &motion.
+    text : str
+        The complete case as a namelist, as the header of its result has it.
+    """
+
+    name: str
+    kind: str
+    osc: Oscillator
+    r: Any
+    keys: dict[str, Any]
+    text: str
+
+    @property
+    def motion_kind(self) -> str:
+        """The kind of the motion, also of that which a branch starts from."""
+        kind: str = self.keys.get("motion_kind", self.kind)
+        return kind
+
+    def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
+        """What the case asks for: its motions, branches, or one trajectory, zone, atlas or chart.
+
+        `progress` is as of `atlas`, and for all but motions and charts.
+        """
+        if self.kind in ("atlas", "zone", "lyapunov", "bifurcation", "response", "basins"):
+            return [getattr(self, self.kind)(progress)]
+        if self.kind == "simulate":
+            return [self.trajectory(progress)]
+        if self.kind in ("periodic", "equispaced", "exact"):
+            return list(self.motions())
+        if self.kind == "branch":
+            return self.branches(progress)
+        return [self.chart()]
+
+    def to_namelist(self) -> str:
+        """The case as a namelist, with what was missing filled in."""
+        return self.text
+
+    def motions(self) -> list[Motion]:
+        """The motions that a &motion asks for, none if there is no such motion."""
+        keys = self.keys
+        if self.motion_kind == "equispaced":
+            return equispaced(
+                self.osc, self.r, keys["clearance"], keys["cycles"], keys["precision"]
+            )
+        pattern = Pattern(keys["sides"], keys["cycles"])
+        motion = periodic(
+            self.osc, self.r, keys["phases"], pattern, keys.get("impact_restitution"),
+            keys["precision"], keys.get("acceptance", 1.0),
+        )  # fmt: skip
+        if self.motion_kind == "exact":
+            motion = exact(self.osc, self.r, keys["clearance"], motion)
+        return [motion]
+
+    def branches(
+        self, progress: Callable[[float, str], None] | None = None, lost: list[str] | None = None
+    ) -> list[Branch]:
+        """The branches that a &branch case asks for, one for each of its motions that can be followed.
+
+        Why others cannot is added to the list `lost`. After Ctrl-C the `result` of `StudyInterrupted` is the list
+        of the branches so far.
+        """
+        keys = self.keys
+        found: list[Branch] = []
+        reasons = [] if lost is None else lost
+        motions = self.motions()
+        if self.motion_kind == "equispaced" and len(motions) < 2:
+            reasons.append(status_text(NO_MOTION))
+        for i, motion in enumerate(motions):
+
+            def tell(share: float, what: str, done: int = i) -> None:
+                if progress is not None:
+                    progress((done + share) / len(motions), what)
+
+            try:
+                start = motion
+                if self.motion_kind != "exact":
+                    start = exact(self.osc, self.r, motion.clearance, motion)
+                found.append(
+                    branch(
+                        start, keys["parameter"], (keys["low"], keys["high"]), keys["longest_step"],
+                        keys["max_points"], tell if progress is not None else None,
+                    )
+                )  # fmt: skip
+            except SingularError as error:
+                reasons.append(str(error))
+            except StudyInterrupted as stop:
+                raise StudyInterrupted([*found, stop.result]) from None
+        return found
+
+    def chart(self) -> Any:
+        """The dataset of a chart that a &chart case asks for."""
+        return chart(**self._charted())
+
+    def chart_arrays(self) -> ChartArrays:
+        """The same as plain arrays, without xarray."""
+        return chart_arrays(**self._charted())
+
+    def _charted(self) -> dict[str, Any]:
+        """The system, the pattern, the grid and the search of a chart."""
+        keys = self.keys
+        names = ("clearance_min", "clearance_max", "clearance_points", "spacing")
+        return {
+            "osc": self.osc, "pattern": Pattern(keys["sides"], keys["cycles"]),
+            "r": spaced(keys["r_min"], keys["r_max"], keys["r_points"]),
+            "clearance": spaced(*(keys[name] for name in names)),
+            "symmetric": {"yes": True, "no": False, "both": None}[keys["symmetric"]],
+            **{name: keys[name] for name in ("room", "guesses", "seeds")},
+        }  # fmt: skip
+
+    def zone(self, progress: Callable[[float, str], None] | None = None) -> Zone:
+        """The zone that a &zone case asks for."""
+        keys = self.keys
+        return zone(
+            self.osc, Pattern(keys["sides"], keys["cycles"]), (keys["r_min"], keys["r_max"]),
+            (keys["clearance_min"], keys["clearance_max"]),
+            {"yes": True, "no": False, "both": None}[keys["symmetric"]], keys["lines"], keys["guesses"],
+            max_points=keys["max_points"], progress=progress,
+        )  # fmt: skip
+
+    def atlas(self, progress: Callable[[float, str], None] | None = None) -> Atlas:
+        """The atlas that an &atlas case asks for."""
+        keys = self.keys
+        limits = (
+            "max_impacts",
+            "max_cycles",
+            "survey",
+            "settling",
+            "lines",
+            "guesses",
+            "max_points",
+        )
+        return atlas(
+            self.osc, (keys["r_min"], keys["r_max"]), (keys["clearance_min"], keys["clearance_max"]),
+            **{name: keys[name] for name in limits}, progress=progress,
+        )  # fmt: skip
+
+    def lyapunov(self, progress: Callable[[float, str], None] | None = None) -> Lyapunov:
+        """The exponents that a &lyapunov case asks for."""
+        keys = self.keys
+        line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
+        return lyapunov(
+            self.osc, line["r"], line["clearance"], keys["cycles"], self._state(), keys["load"],
+            keys["discard"], keys["batches"], progress=progress,
+        )  # fmt: skip
+
+    def bifurcation(
+        self, progress: Callable[[float, str], None] | None = None
+    ) -> BifurcationDiagram:
+        """The diagram that a &bifurcation case asks for."""
+        keys = self.keys
+        line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
+        values = line[keys["parameter"]]
+        others = {name: line[name] for name in ("r", "clearance") if name != keys["parameter"]}
+        limits = ("sweep", "states", "load", "settling", "keep", "points")
+        return bifurcation_diagram(
+            self.osc, keys["parameter"], values, **others, state=self._state() if "t" in keys else None,
+            progress=progress, **{name: keys[name] for name in limits if name in keys},
+        )  # fmt: skip
+
+    def response(self, progress: Callable[[float, str], None] | None = None) -> Response:
+        """The response that a &response case asks for."""
+        keys = self.keys
+        names = ("clearance", "inverse_clearance", "states", "load", "settling", "keep")
+        line = spaced(keys["r_min"], keys["r_max"], keys["r_points"])
+        given = {name: keys[name] for name in names if name in keys}
+        return response(self.osc, line, **given, progress=progress)
+
+    def basins(self, progress: Callable[[float, str], None] | None = None) -> Basins:
+        """The basins that a &basins case asks for."""
+        keys = self.keys
+        limits = ("load", "cycles", "probes", "max_cycles", "states", "seed")
+        given = {name: keys[name] for name in limits if name in keys}
+        if "axes" in keys:
+            columns = (keys[name] for name in ("axes", "low", "high", "values"))
+            others = ("t", "x", "x_dot", "y", "z_dot")
+            given["plane"] = tuple(zip(*columns, strict=True))
+            given["fixed"] = {name: keys[name] for name in others if name in keys}
+        return basins(self.osc, self.r, keys["clearance"], **given, progress=progress)
+
+    def _values(self) -> dict[str, Any]:
+        """The parameter of a line of points, if there is one, with its values."""
+        keys = self.keys
+        if "parameter" not in keys:
+            return {}
+        values = spaced(keys["low"], keys["high"], keys["values"], keys["spacing"])
+        return {keys["parameter"]: values}
+
+    def _state(self) -> dict[str, float]:
+        """The initial state."""
+        return {name: self.keys[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
+
+    def trajectory(self, progress: Callable[[float, str], None] | None = None) -> Trajectory:
+        """The simulation that a &simulate case asks for."""
+        keys = self.keys
+        return simulate(
+            self.osc, self.r, keys["clearance"], keys["cycles"], self._state(), keys["load"],
+            keys["discard"], keys["max_events"], progress,
+        )  # fmt: skip
+
+
+def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
+    """The cases of a namelist file, read by the compiled reader, which also fills in what is missing.
+
+    Parameters
+    ----------
+    path : path
+        A file with the groups &system, &motion, … (see inputs/README.md), or an earlier result.
+
+    Returns
+    -------
+    list of Case
+        Each with `run`, which gives the motions, branches, trajectory, zone, atlas or chart with the
+        digits that `run_namelists` writes.
+
+    Raises
+    ------
+    ParameterError
+        If the file is wrong: file, line, key, value and what is allowed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "pair.nml"
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> _ = path.write_text(vi.equispaced(osc, r=0.94, clearance=37.0)[0].to_namelist())
+    >>> (case,) = vi.read_namelist(path)
+    >>> case.run()
+    [<Motion RL/1 at r = 0.94, ...unstable...>, <Motion RL/1 at r = 0.94, ...unstable...>]
+    """
+    name = path_bytes(path)
+    room = 65_536 + 40 * (Path(path).stat().st_size if os.path.isfile(path) else 0)
+    text, length, status = _core.read_namelist(characters(name), room)
+    if length > room:
+        text, length, status = _core.read_namelist(characters(name), length)
+    said = os.fsdecode(text[:length].tobytes())
+    if status:
+        raise ParameterError(said)
+    cases: list[dict[str, Any]] = []
+    # the reader gives each case as the header of its result has it: one `# key = value` a line
+    for line in said.split("\n"):
+        group, (key, equals, value) = line[2:3] == "&", line[2:].strip().partition(" = ")
+        if group and key == "&system":
+            cases.append({"text": ""})
+        elif group and key == "&branch":
+            cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
+        elif group and key != "&output":
+            cases[-1].setdefault("kind", key[1:])
+        elif equals and not key.startswith("!"):
+            cases[-1][key] = _value(value)
+        if cases and not line.startswith("# !"):
+            cases[-1]["text"] += line[2:] + "\n"
+    return [_case(keys) for keys in cases]
+
+
+def _case(keys: dict[str, Any]) -> Case:
+    name, kind, xi, mu, walls, r, text = (
+        keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r", "text")
+    )
+    return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys, text.strip("\n") + "\n")
+
+
+def _value(text: str) -> Any:
+    """A text, a number, or a list of texts or numbers."""
+    if text.startswith("'"):
+        words = text[1:-1].split("', '")
+        return words if len(words) > 1 else words[0]
+    numbers = [float(item) if "." in item else int(item) for item in text.split(", ")]
+    return numbers if len(numbers) > 1 else numbers[0]
+
+
+def path_bytes(path: str | os.PathLike[str]) -> bytes:
+    """A path as the compiled reader takes it."""
+    name = os.fsencode(path)
+    if not name or b"\n" in name or b"\0" in name:
+        raise ParameterError(f"path = {os.fsdecode(name)!r}: must not be empty or hold a line feed")
+    return name
+
+
+def characters(text: bytes) -> NDArray[np.bytes_]:
+    return np.frombuffer(text, "S1")

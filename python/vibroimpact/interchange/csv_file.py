@@ -1,0 +1,198 @@
+"""Tables as CSV files, with the case and what else there is to say in the header."""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import ParameterError
+from ..files import write_text
+from ..status import NOT_COMPUTED
+from .table import Columns, columns
+
+if TYPE_CHECKING:
+    from ..studies.basins import BasinAttractor, Basins
+
+#: Values of a column whose text is kept for when they come again.
+MOST_KNOWN = 10_000
+
+
+#: As the compiled program says it.
+NOT_CLOSED = "not closed: a boundary could not be followed until it closes"
+
+
+def notes(result: Any, number: int = 1) -> list[str]:
+    """What the header tells beside the case; first of all that a study was cut short."""
+    return [*cut_of(result), *remarks_of(result, number)]
+
+
+def cut_of(result: Any) -> list[str]:
+    """How far a study or a chart came that Ctrl-C cut short; nothing of any other result."""
+    cut = getattr(result, "cut", "")
+    if hasattr(result, "attrs") and not result.attrs.get("complete", 1):
+        reached = (result["status"].values != NOT_COMPUTED).any(axis=0)
+        cut = f"{reached.sum()} of {reached.size} points were reached"
+    return [f"cut short: {cut}"] if cut else []
+
+
+def remarks_of(result: Any, number: int) -> list[str]:
+    """What else it tells of a result, which has a number if there are several."""
+    name = type(result).__name__
+    if name == "Trajectory":
+        cut = [] if result.complete else ["cut short: max_events was reached"]
+        state = ", ".join(
+            exact(result.final_state[key]) for key in ("t", "x", "x_dot", "z", "z_dot")
+        )
+        return [*cut, f"final state: t, x, x_dot, z, z_dot = {state}"]
+    if name == "Branch":
+        return [f"branch {number}: first end: {result.ends[0]}; last end: {result.ends[1]}"]
+    if name == "Zone":
+        return [] if result.closed else [f"{NOT_CLOSED} (its loop is 0)"]
+    if name == "Atlas":
+        cut = [
+            f"{tag(zone)}: {NOT_CLOSED} (its loop is 0)" for zone in result.zones if not zone.closed
+        ]
+        return cut + [
+            f"in no zone of its pattern: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"
+            for item in result.unexplained
+        ]
+    if name == "BifurcationDiagram":
+        return [
+            f"{run}: {label} from {exact(low)} to {exact(high)}"
+            for run, low, high, label in result.windows
+        ] + [
+            f"{run}: {label} at least from {exact(low)} to {exact(high)}, beside what was not reached"
+            for run, low, high, label in result.cut_windows
+        ]
+    if name == "Findings":
+        osc = result.osc
+        values = (osc.xi, osc.mu, *osc.restitution, result.r, result.clearance, result.load)
+        names = "xi, mu, restitution (right, left), r, clearance, load"
+        return [f"at {names} = {', '.join(map(exact, values))}", f"searched: {result.search}"]
+    if name == "Basins":
+        shares = zip(result.attractors, result.fractions.tolist(), strict=True)
+        each = [f"{i}: {told(item, share)}" for i, (item, share) in enumerate(shares)]
+        return each + safety(result)
+    return []
+
+
+def told(attractor: BasinAttractor, share: float) -> str:
+    """What is known of an attractor."""
+    text = f"{attractor.name} ({attractor.kind}), share {exact(share)}"
+    if attractor.kind in ("periodic", "rest"):
+        text += f", greatest multiplier {exact(attractor.growth)}, radius {exact(attractor.radius)}"
+    elif attractor.kind in ("quasi-periodic", "chaotic"):
+        text += f", largest exponent per load cycle {exact(attractor.growth)}"
+    state = ", ".join(map(exact, attractor.state.values()))
+    return f"{text}; t, x, x_dot, z, z_dot = {state}"
+
+
+def safety(basins: Basins) -> list[str]:
+    """How sure the shares are, and of a plane how safe its states."""
+    lines = []
+    for i, error in enumerate(basins.standard_error.tolist()):
+        lines.append(f"{i}: standard error of the share {exact(error)}")
+        if basins.axes is not None and basins.complete:
+            radius, centre = basins.integrity(i)
+            names, place = (
+                ", ".join(axis.name for axis in basins.axes),
+                ", ".join(map(exact, centre)),
+            )
+            lines[-1] += f", radius of the largest disc {exact(radius)} about {names} = {place}"
+    if basins.axes is not None and basins.complete:
+        exponent = basins.uncertainty_exponent
+        lines += [] if np.isnan(exponent) else [f"uncertainty exponent {exact(exponent)}"]
+    return lines
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def tag(thing: Any) -> str:
+    """Short name of a pattern: RRL/1."""
+    return f"{thing.pattern.sides}/{thing.pattern.cycles}"
+
+
+def csv_text(result: Any, name: str) -> str:
+    """The bytes of the result that `vibroimpact run` writes for its case: an input again."""
+    try:
+        case = complete(result.to_namelist(), name)
+    except ParameterError:
+        case = []
+    table = columns(result)
+    head = head_text(case, notes(result))
+    return head + rows_text(table)
+
+
+def head_text(case: Sequence[str], remarks: Sequence[str] = ()) -> str:
+    """The header of a table: the lines of its case, and remarks."""
+    from .. import __version__
+
+    last = "this file is an input too" if case else "no namelist tells how it began"
+    title = (
+        f"! vibroimpact {__version__}; lengths in F0/K, time in 1/omega, angles in radians; {last}"
+    )
+    return "".join(f"# {line}\n" for line in (title, *case, *(f"! {note}" for note in remarks)))
+
+
+def complete(namelist: str, name: str) -> list[str]:
+    """The lines of a namelist as the compiled reader completes it."""
+    from ..case import read_namelist
+
+    clean = re.sub(r"[^\w.-]|^\.", "_", name, flags=re.ASCII)[:100] or "case"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "case.nml"
+        path.write_text(f"{namelist}&output\n  name = '{clean}'\n/\n", encoding="utf-8")
+        (case,) = read_namelist(path)
+    return case.text.splitlines()
+
+
+def rows_text(table: Columns) -> str:
+    """Names of columns and rows as CSV."""
+    lines = map(",".join, zip(*map(shown, table.values()), strict=True))
+    return "".join(f"{line}\n" for line in (",".join(table), *lines))
+
+
+def shown(column: Iterable[Any]) -> Iterable[str]:
+    """A column as text: 17 digits, true, false or unknown. What stands there often is made once."""
+    known: dict[Any, str] = {}
+    for item in column:
+        # 0.0 and -0.0 are equal, and so are 1, 1.0 and true
+        key = item if item and type(item) is float else (type(item), str(item))
+        text = known.get(key)
+        if text is None:
+            text = cell(item)
+            if len(known) < MOST_KNOWN:
+                known[key] = text
+        yield text
+
+
+def cell(item: Any) -> str:
+    """A value as text."""
+    if isinstance(item, float):
+        return exact(item)
+    if item is None or isinstance(item, bool):
+        return {True: "true", False: "false", None: "unknown"}[item]
+    text = str(item)
+    return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
+
+
+def exact(value: float) -> str:
+    """A number as the compiled program writes it."""
+    if not math.isfinite(value):
+        return "nan" if value != value else ("inf" if value > 0 else "-inf")
+    text = f"{value:.16E}"
+    return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"  # three digits of the exponent
+
+
+def write_csv(result: Any, path: Path) -> None:
+    """Write the table with its case in the header."""
+    write_text(path, csv_text(result, path.stem))
