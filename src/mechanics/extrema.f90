@@ -24,13 +24,15 @@ contains
    !! that of -x. A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest
    !! time scale, so that the error of the value, at most |x''| delta^2/2, is of the order of
    !! rounding.
-   pure subroutine relative_extrema(flight, lowest, highest, complete, lowest_at, highest_at)
+   pure subroutine relative_extrema(flight, lowest, highest, complete, lowest_at, highest_at, begin)
       type(flight_type), intent(in) :: flight
       real(wp), intent(out) :: lowest, highest
       !> False if the step budget ran out before the end of the flight.
       logical, intent(out) :: complete
       !> When they occur; -1 where there is none.
       real(wp), intent(out), optional :: lowest_at, highest_at
+      !> Where to begin, if there is none before; 0 by default.
+      real(wp), intent(in), optional :: begin
       real(wp) :: t, d(0:5), g, direction, before, bound, step, shortest, longest, relative
       real(wp) :: bounds(2), shrink
       integer :: n
@@ -44,6 +46,7 @@ contains
       longest = max(3/max(1.0_wp, flight%r), 2*shortest)
       bounds = derivative_bounds(flight, 5)
       t = 0
+      if (present(begin)) t = begin
       before = 0
       do n = 1, step_budget
          shrink = exp(-flight%decay*t)

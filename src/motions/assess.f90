@@ -1,22 +1,29 @@
 !> The verdicts on a motion: is it consistent, admissible, stable? No other module sets them.
 module vi_assess
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use vi_doubt, only: modulus_doubt
+   use vi_exact, only: exact_acceptance
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
    use vi_motion, only: flight_of, motion_type, no, unknown, yes
+   use vi_parting, only: in_contact, leaves_together, parting, uncertain
    use vi_stability, only: multipliers
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: admission, assess_flights, assess_linear, consistency, stability
+   public :: admission, assess_exact, assess_flights, assess_linear, consistency, stability
 
    !> The residual that the 1983 paper accepted for N > 2.
    real(wp), parameter, public :: paper_acceptance = 0.03_wp
 
    !> A leading multiplier this near to the unit circle is on it, as far as rounding can tell.
    real(wp), parameter :: neutral = 1000*epsilon(1.0_wp)
+
+   !> Of an exact motion with a leading multiplier this near to the unit circle, what rounding may
+   !! do to it is estimated, and `stable` is given where so many times it does not reach the circle.
+   real(wp), parameter :: near_circle = 1.0e-3_wp, reserve = 10.0_wp
 
 contains
 
@@ -37,16 +44,30 @@ contains
       end if
    end subroutine assess_linear
 
+   !> The verdicts of `assess_linear` on a motion that Newton's method has found.
+   pure subroutine assess_exact(motion)
+      type(motion_type), intent(inout) :: motion
+      real(wp) :: distance
+
+      call assess_linear(motion, exact_acceptance)
+      if (motion%stable == unknown) return
+      distance = abs(abs(motion%multipliers(1)) - 1)
+      if (distance > near_circle) return
+      if (.not. distance > reserve*modulus_doubt(motion)) motion%stable = unknown
+   end subroutine assess_exact
+
    !> `admissible`, and the extreme positions of the primary mass, from certified extrema.
    !!
    !! Admissible: at every impact the masses approach each other, s (z' - x') > 0 just before it,
-   !! and inside every flight the free mass stays strictly between the walls, |y| < d/2.
+   !! and inside every flight the free mass stays strictly between the walls, |y| < d/2. Masses that
+   !! leave an impact together (R = 0) must part: the gap's acceleration tells, and where rounding
+   !! hides its sign the verdict is `unknown`.
    pure subroutine assess_flights(motion)
       type(motion_type), intent(inout) :: motion
       type(flight_type) :: flight
-      real(wp) :: lowest, highest
+      real(wp) :: lowest, highest, begin
       logical :: approaches, inside, complete, complete_x
-      integer :: i
+      integer :: i, parts
 
       if (motion%status /= stat%ok) return
       approaches = all(motion%pattern%sides*(motion%z_dot_before - motion%x_dot_before) > 0)
@@ -56,7 +77,14 @@ contains
       motion%x_max = maxval(motion%x)
       do i = 1, size(motion%x)
          flight = flight_of(motion, i)
-         call relative_extrema(flight, lowest, highest, complete_x)
+         begin = 0
+         if (leaves_together(motion%x_dot_after(i), motion%z_dot_after(i), &
+            max(abs(motion%x_dot_before(i)), abs(motion%z_dot_before(i))))) then
+            call parting(flight, real(motion%pattern%sides(i), wp), parts, begin)
+            inside = inside .and. parts /= in_contact
+            complete = complete .and. parts /= uncertain
+         end if
+         call relative_extrema(flight, lowest, highest, complete_x, begin=begin)
          inside = inside .and. highest < 0.5_wp*motion%clearance .and. &
             lowest > -0.5_wp*motion%clearance
          complete = complete .and. complete_x

@@ -1,8 +1,8 @@
 !> From parameters to an assessed motion: the whole chain of the 1983 theory in one call.
 module vi_chain
-   use vi_assess, only: assess_flights, assess_linear
+   use vi_assess, only: assess_exact, assess_flights, assess_linear
    use vi_equispaced, only: solve_equispaced
-   use vi_exact, only: exact_acceptance, setting_type, solve_exact
+   use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_oscillator, only: oscillator_type
@@ -86,7 +86,7 @@ contains
       setting = setting_type(motion%osc, motion%r, 1.0_wp, clearance, motion%pattern, &
          motion%restitution)
       call solve_exact(setting, x, theta, most_iterations, none, motion, iterations)
-      call assess_linear(motion, exact_acceptance)
+      call assess_exact(motion)
       call assess_flights(motion)
    end subroutine refine
 

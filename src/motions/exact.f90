@@ -20,6 +20,11 @@ module vi_exact
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
+   !> A Newton step (of positions by the clearance, of phases) below which rounding may be reached,
+   !! one after which nothing is left to gain, and residuals, over lengths, that are rounding.
+   real(wp), parameter :: small = max(1.0e-7_wp, 100*epsilon(1.0_wp)), &
+      negligible = 4000*epsilon(1.0_wp), at_rounding = 200*epsilon(1.0_wp)
+
    !> Relative residual up to which an exact motion counts as consistent.
    real(wp), parameter, public :: exact_acceptance = 1.0e-9_wp
 
@@ -34,6 +39,10 @@ module vi_exact
 contains
 
    !> Newton's method from a guess; the motion is without verdicts.
+   !!
+   !! It ends at rounding: with a step that is negligible, or, once the steps or the residuals are
+   !! small, with one that is no shorter than the one before. Near a singular Jacobian, beside a
+   !! fold or a pitchfork, steps shrink slowly at first, and rounding moves the unknowns far.
    pure subroutine solve_exact(setting, x, theta, most, known, motion, iterations)
       type(setting_type), intent(in) :: setting
       !> In: guess of x_i and theta_i (N). Out: the last iterate.
@@ -44,10 +53,10 @@ contains
       real(wp), intent(in) :: known(:, :)
       type(motion_type), intent(inout) :: motion
       integer, intent(out) :: iterations
-      real(wp), allocatable :: jacobian(:, :), step(:), unknowns(:)
-      real(wp) :: size_step, share, scale
+      real(wp), allocatable :: jacobian(:, :), step(:), unknowns(:), best(:)
+      real(wp) :: size_step, size_before, residual, least, share, scale
       integer :: n, status
-      logical :: last
+      logical :: worse
 
       n = size(x)
       call start_motion(motion, setting%osc, setting%r, setting%pattern, setting%restitution, &
@@ -56,7 +65,9 @@ contains
       allocate (jacobian(2*n, 2*n), step(2*n), unknowns(2*n))
       unknowns = [x, theta]
       scale = setting%clearance
-      last = .false.
+      size_step = huge(1.0_wp)
+      least = huge(1.0_wp)
+      worse = .false.
       call newton_equations(setting, unknowns, step, jacobian)
       do iterations = 1, most
          call solve(jacobian, step, status)
@@ -70,13 +81,26 @@ contains
          unknowns = unknowns + share*step
          x = unknowns(:n)
          theta = unknowns(n + 1:)
-         if (last) exit
-         ! quadratic convergence: after a step of 1e-7 the next one ends at rounding
+         size_before = size_step
          size_step = max(maxval(abs(step(:n)))/scale, maxval(abs(step(n + 1:))))
-         last = size_step < 1.0e-7_wp
+         if (size_step < negligible) exit
          call newton_equations(setting, unknowns, step, jacobian)
+         residual = maxval(abs(step))/(scale + maxval(abs(x)))
+         if (size_step > 0.9_wp*size_before) then
+            if (size_step < small .or. residual < at_rounding) exit
+         end if
+         worse = residual >= least
+         if (.not. worse) then
+            least = residual
+            best = unknowns
+         end if
       end do
-      if (iterations > most) return
+      if (iterations > most) then
+         ! beside a singular Jacobian a last step may lead away
+         if (.not. (worse .and. least < at_rounding)) return
+         x = best(:n)
+         theta = best(n + 1:)
+      end if
       call finish(setting, x, theta, motion)
    end subroutine solve_exact
 

@@ -10,8 +10,8 @@
 !! - `marks` (2, keep, m, n): its rank, and the neighbour it came from (0 if none);
 !! - `counts` (2, m, n): motions at the point before the last sweep, and now.
 module vi_flood
-   use vi_assess, only: assess_flights, assess_linear
-   use vi_exact, only: exact_acceptance, setting_type, solve_exact
+   use vi_assess, only: assess_exact, assess_flights
+   use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_likeness, only: distance, is_repeated, is_symmetric, length_scale, same
    use vi_motion, only: motion_type, yes
@@ -178,7 +178,7 @@ contains
       if (symmetry /= 0) then
          if (is_symmetric(setting%pattern, scale, u) .neqv. symmetry > 0) return
       end if
-      call assess_linear(motion, exact_acceptance)
+      call assess_exact(motion)
       call assess_flights(motion)
       rank = solved
       if (motion%admissible == yes) rank = merge(admissible_stable, admissible, &

@@ -10,9 +10,9 @@
 !! What could not be computed is NaN.
 module vi_points
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_assess, only: assess_flights, assess_linear
+   use vi_assess, only: assess_exact, assess_flights
    use vi_chain, only: equispaced_chain, periodic_chain
-   use vi_exact, only: exact_acceptance, member, setting_type, solve_exact
+   use vi_exact, only: member, setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: oscillator_type
@@ -106,7 +106,7 @@ contains
       x_now = x
       theta_now = theta
       call solve_exact(setting, x_now, theta_now, most, none, motion, iterations)
-      call assess_linear(motion, exact_acceptance)
+      call assess_exact(motion)
       call assess_flights(motion)
       phases = motion%phases
       call store(motion, .true., impacts, scalars, multipliers, verdicts, status)
@@ -123,7 +123,7 @@ contains
       type(motion_type) :: motion
 
       call member(setting, x, theta, motion)
-      call assess_linear(motion, exact_acceptance)
+      call assess_exact(motion)
       call assess_flights(motion)
       phases = motion%phases
       call store(motion, .true., impacts, scalars, multipliers, verdicts, status)

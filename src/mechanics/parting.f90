@@ -1,0 +1,68 @@
+!> Whether two masses that leave an impact with one velocity part, or stay in contact.
+!!
+!! That happens with R = 0, and where the impact is too weak for its rebound to be seen. The gap
+!! between them then begins as a t^2/2 + j t^3/6: the sign of its acceleration decides, and if that
+!! is zero the sign of the next derivative.
+module vi_parting
+   use vi_flight, only: flight_type
+   use vi_kinds, only: wp
+   use vi_oscillation, only: derivative_bounds, derivatives
+   implicit none (type, external)
+   private
+
+   public :: leaves_together, parting
+
+   !> What rounding of the motion may do to a derivative, relative to the amplitude of its parts.
+   real(wp), parameter :: noise = 1.0e4_wp*epsilon(1.0_wp)
+
+   !> Answers of `parting`.
+   integer, parameter, public :: parted = 1, in_contact = 0, uncertain = -1
+
+contains
+
+   !> Whether the masses leave the impact at the start of a flight with one velocity, as far as
+   !! rounding can tell.
+   elemental logical function leaves_together(x_dot, z_dot, before)
+      !> Velocities after the impact, and the largest of those before it.
+      real(wp), intent(in) :: x_dot, z_dot, before
+
+      leaves_together = abs(x_dot - z_dot) <= 16*epsilon(1.0_wp)*max(abs(x_dot), abs(z_dot), &
+         abs(before))
+   end function leaves_together
+
+   !> Whether the gap opens after an impact on a wall that the masses leave together.
+   pure subroutine parting(flight, side, answer, until)
+      type(flight_type), intent(in) :: flight
+      !> +1 right, -1 left.
+      real(wp), intent(in) :: side
+      !> `parted`, `in_contact` or `uncertain`.
+      integer, intent(out) :: answer
+      !> Up to this time the gap grows, if it opens; after a doubtful opening it is open then.
+      real(wp), intent(out) :: until
+      real(wp) :: a, j, root, d(0:5), fourth, error(2)
+
+      d = derivatives(flight, 0.0_wp)
+      ! the gap is d/2 - side (z - x), and z has no acceleration
+      a = side*d(2)
+      j = side*d(3)
+      error = noise*[sum(derivative_bounds(flight, 2)), sum(derivative_bounds(flight, 3))]
+      fourth = max(sum(derivative_bounds(flight, 4)), tiny(1.0_wp))
+      until = 0
+      answer = uncertain
+      if (a < -error(1)) then
+         answer = in_contact
+      else if (j < -error(2) .and. 6*fourth*a < j**2) then
+         ! a > 0 or not: the gap closes again at about 3 a/|j|, before the next term matters
+         answer = in_contact
+      else if (abs(a) <= error(1)) then
+         ! from what may be a contact the next term leads away
+         until = max(1.5_wp*j/fourth, 0.0_wp)
+      else
+         answer = parted
+         ! the gap's velocity is at least a t + j t^2/2 - fourth t^3/6
+         root = sqrt((0.5_wp*j)**2 + 2*fourth*a/3)
+         until = merge((root + 0.5_wp*j)*3/fourth, 2*a/(root - 0.5_wp*j), j > 0)
+      end if
+   end subroutine parting
+
+end module vi_parting

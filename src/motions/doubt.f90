@@ -1,0 +1,126 @@
+!> What rounding may do to the leading multiplier of an exact motion.
+!!
+!! The unknowns x_i, theta_i solve the equations but for rounding. Beside a fold or a pitchfork the
+!! Jacobian of the equations is nearly singular, so that they are uncertain by far more than
+!! rounding, and the multipliers, which change with them, too.
+module vi_doubt
+   use vi_exact, only: member, newton_equations, setting_type
+   use vi_impact_map, only: impact_maps
+   use vi_kinds, only: wp
+   use vi_lapack, only: eigenvalues, solve
+   use vi_motion, only: motion_type
+   use vi_oscillator, only: gain
+   use vi_stability, only: multipliers
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: modulus_doubt
+
+   !> What a residual may be wrong by, over what is left of it and the last place of its terms.
+   real(wp), parameter :: caution = 4.0_wp
+
+contains
+
+   !> By how much the modulus of the leading multiplier may be wrong; huge where nothing is certain.
+   !!
+   !! Of all changes of the unknowns that rounding of the residuals may bring about, the one that
+   !! changes an unknown most is taken, forward and backward. Near a singular Jacobian all large
+   !! changes have its direction. To that comes the rounding of the multipliers themselves: the
+   !! product of the [P_i] may begin with any impact, and each order is rounded in another way.
+   pure real(wp) function modulus_doubt(motion) result(doubt)
+      !> An exact motion with its multipliers.
+      type(motion_type), intent(in) :: motion
+      type(setting_type) :: setting
+      type(motion_type) :: other
+      complex(wp) :: lambda(4)
+      real(wp), dimension(2*size(motion%x)) :: unknowns, change
+      real(wp) :: modulus
+      integer :: n, side, status
+      logical :: regular
+
+      n = size(motion%x)
+      modulus = abs(motion%multipliers(1))
+      setting = setting_type(motion%osc, motion%r, motion%amplitude/gain(motion%osc%xi, motion%r), &
+         motion%clearance, motion%pattern, motion%restitution)
+      unknowns = [motion%x, motion%phases + motion%tau]
+      call worst_change(setting, unknowns, motion%amplitude, change, regular)
+      doubt = huge(1.0_wp)
+      if (.not. regular) return
+      doubt = spread_of_orders(motion, modulus)
+      do side = -1, 1, 2
+         call member(setting, unknowns(:n) + side*change(:n), &
+            unknowns(n + 1:) + side*change(n + 1:), other)
+         call multipliers(other, lambda, status)
+         if (status /= stat%ok) then
+            doubt = huge(1.0_wp)
+            return
+         end if
+         doubt = max(doubt, abs(abs(lambda(1)) - modulus))
+      end do
+   end function modulus_doubt
+
+   !> The change of the unknowns, by rounding of the residuals, in which one unknown changes most.
+   pure subroutine worst_change(setting, unknowns, amplitude, change, regular)
+      type(setting_type), intent(in) :: setting
+      !> x_i, theta_i (2N), and the amplitude A of the forced motion.
+      real(wp), intent(in) :: unknowns(:), amplitude
+      !> (2N)
+      real(wp), intent(out) :: change(:)
+      !> False if the Jacobian is singular as far as rounding can tell.
+      logical, intent(out) :: regular
+      real(wp), dimension(size(unknowns), size(unknowns)) :: jacobian, factors, answers
+      real(wp), dimension(size(unknowns)) :: residual, rounding, total
+      integer :: i, j, n, status, worst
+
+      n = size(unknowns)
+      call newton_equations(setting, unknowns, residual, jacobian)
+      do i = 1, n
+         rounding(i) = caution*(epsilon(1.0_wp)*(dot_product(abs(jacobian(i, :)), abs(unknowns)) &
+            + amplitude*(1 + setting%r)) + abs(residual(i)))
+      end do
+      regular = .false.
+      change = 0
+      do j = 1, n
+         factors = jacobian
+         answers(:, j) = 0
+         answers(j, j) = rounding(j)
+         call solve(factors, answers(:, j), status)
+         if (status /= stat%ok) return
+      end do
+      do i = 1, n
+         total(i) = sum(abs(answers(i, :)))
+      end do
+      if (.not. all(total <= huge(1.0_wp))) return
+      total(:n/2) = total(:n/2)/setting%clearance
+      worst = maxloc(total, 1)
+      do j = 1, n
+         change = change + sign(1.0_wp, answers(worst, j))*answers(:, j)
+      end do
+      regular = .true.
+   end subroutine worst_change
+
+   !> By how much the modulus differs between the products of the [P_i] that begin with each impact.
+   pure real(wp) function spread_of_orders(motion, modulus) result(spread)
+      type(motion_type), intent(in) :: motion
+      !> That of the product which begins with the first one.
+      real(wp), intent(in) :: modulus
+      real(wp) :: p(4, 4, size(motion%x)), product(4, 4)
+      complex(wp) :: lambda(4)
+      integer :: i, j, n, status
+      logical :: regular
+
+      n = size(motion%x)
+      spread = 0
+      call impact_maps(motion, p, regular)
+      do j = 2, n
+         product = p(:, :, j)
+         do i = j + 1, j + n - 1
+            product = matmul(p(:, :, modulo(i - 1, n) + 1), product)
+         end do
+         call eigenvalues(product, lambda, status)
+         spread = max(spread, abs(maxval(abs(lambda)) - modulus))
+      end do
+   end function spread_of_orders
+
+end module vi_doubt

@@ -1,0 +1,130 @@
+"""Periodic motions of the vibroimpact oscillator with 50 digits, from Newton's law.
+
+A motion that the package has found is solved again: every flight has to end at the next impact,
+with the velocity that momentum and restitution ask for. Then the map from each impact to the next
+is differentiated, with steps of 1e-20, and the multipliers are the eigenvalues of the product.
+"""
+
+import mpmath as mp
+from mpmath import mpf
+
+DIGITS = 50
+STEP = mpf(10) ** -20
+
+
+def flight(xi, r, amplitude, theta, x, v, t):
+    """Position and velocity of M a time t after it was at x with velocity v; A sin(theta) forced."""
+    eta = mp.sqrt(1 - xi**2)
+    a, b = x - amplitude * mp.sin(theta), v - amplitude * r * mp.cos(theta)
+    shrink, sine, cosine = mp.exp(-xi * t), mp.sin(eta * t) / eta, mp.cos(eta * t)
+    end = theta + r * t
+    return (
+        shrink * (a * (cosine + xi * sine) + b * sine) + amplitude * mp.sin(end),
+        shrink * (b * (cosine - xi * sine) - a * sine) + amplitude * r * mp.cos(end),
+    )
+
+
+class ReferenceMotion:
+    """The exact motion near one of the package."""
+
+    def __init__(self, motion):
+        """Solve its equations."""
+        osc = motion.osc
+        self.xi, self.mu, self.r = mpf(osc.xi), mpf(osc.mu), mpf(motion.r)
+        self.rest = [mpf(float(value)) for value in motion.restitution]
+        self.half = [mpf(int(side)) * mpf(motion.clearance) / 2 for side in motion.pattern.signs]
+        self.turn = 2 * mp.pi * motion.pattern.cycles
+        self.n = len(self.half)
+        self.amplitude = mpf(motion.load) / mp.sqrt(
+            (1 - self.r**2) ** 2 + (2 * self.xi * self.r) ** 2
+        )
+        start = [*motion.X, *(motion.phases + motion.tau)]
+        self.u = self.solved([mpf(float(value)) for value in start])
+
+    def speeds(self, u):
+        """Durations, velocities of M before and after, of the free mass after, at each impact."""
+        n = self.n
+        x, theta = u[:n], u[n:]
+        z = [x[i] + self.half[i] for i in range(n)]
+        time = [
+            (theta[(i + 1) % n] - theta[i] + (self.turn if i == n - 1 else 0)) / self.r
+            for i in range(n)
+        ]
+        w = [(z[(i + 1) % n] - z[i]) / time[i] for i in range(n)]
+        before, after = [], []
+        for i in range(n):
+            # v' - v = mu (w_before - w_after),  v' - w_after = -R (v - w_before)
+            change = self.mu * (w[i - 1] - w[i])
+            v = (w[i] + self.rest[i] * w[i - 1] - change) / (1 + self.rest[i])
+            before.append(v)
+            after.append(v + change)
+        return time, before, after, w
+
+    def residual(self, u):
+        """What each flight ends with, less what the next impact asks for."""
+        n = self.n
+        time, before, after, _ = self.speeds(u)
+        place, speed = [], []
+        for i in range(n):
+            x, v = flight(self.xi, self.r, self.amplitude, u[n + i], u[i], after[i], time[i])
+            place.append(x - u[(i + 1) % n])
+            speed.append(v - before[(i + 1) % n])
+        return place + speed
+
+    def solved(self, u):
+        """Newton's method with differences of 50 digits."""
+        m = 2 * self.n
+        for _ in range(200):
+            f = self.residual(u)
+            jacobian = mp.matrix(m, m)
+            for j in range(m):
+                moved = [value + (STEP if i == j else 0) for i, value in enumerate(u)]
+                for i, value in enumerate(self.residual(moved)):
+                    jacobian[i, j] = (value - f[i]) / STEP
+            step = mp.lu_solve(jacobian, mp.matrix(f))
+            u = [value - step[i] for i, value in enumerate(u)]
+            if max(abs(value) for value in step) < mpf(10) ** -30:
+                return u
+        raise ArithmeticError("no motion here")
+
+    def following(self, i, state, time):
+        """State (x, v, w, theta) after impact i + 1 from the one after impact i."""
+        x, v, w, theta = state
+        j = (i + 1) % self.n
+        gap = self.half[j] - self.half[i]
+        for _ in range(60):
+            x1, v1 = flight(self.xi, self.r, self.amplitude, theta, x, v, time)
+            step = (w * time - (x1 - x) - gap) / (w - v1)
+            time -= step
+            if abs(step) < mpf(10) ** -45:
+                break
+        x1, v1 = flight(self.xi, self.r, self.amplitude, theta, x, v, time)
+        centre = (v1 + self.mu * w) / (1 + self.mu)
+        apart = -self.rest[j] * (v1 - w)
+        return [
+            x1,
+            centre + self.mu * apart / (1 + self.mu),
+            centre - apart / (1 + self.mu),
+            theta + self.r * time,
+        ]
+
+    def largest_multiplier(self):
+        """Largest modulus of a multiplier."""
+        time, _, after, w = self.speeds(self.u)
+        product = mp.eye(4)
+        for i in range(self.n):
+            state = [self.u[i], after[i], w[i], self.u[self.n + i]]
+            base = self.following(i, state, time[i])
+            part = mp.matrix(4, 4)
+            for j in range(4):
+                moved = [value + (STEP if k == j else 0) for k, value in enumerate(state)]
+                for k, value in enumerate(self.following(i, moved, time[i])):
+                    part[k, j] = (value - base[k]) / STEP
+            product = part * product
+        return max(abs(value) for value in mp.eig(product, left=False, right=False))
+
+
+def excess(motion):
+    """Largest modulus of a multiplier of the motion near one of the package, less 1."""
+    with mp.workdps(DIGITS):
+        return float(ReferenceMotion(motion).largest_multiplier() - 1)

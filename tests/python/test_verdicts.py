@@ -1,0 +1,109 @@
+"""Verdicts where rounding decides: beside bifurcations, and where masses leave an impact together."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from reference_motion import excess
+from shared_motions import after_impact
+from vibroimpact import _core
+from vibroimpact.newton import newton
+
+#: Oscillator, r and clearance beside which folds, pitchforks, flips and Neimark-Sacker points lie.
+PLACES = [
+    (vi.Oscillator(0.0114, 0.028, 0.75), 0.95, 30.0),
+    (vi.Oscillator(0.0025, 0.0405, (0.387, 0.562)), 0.7628, 4.0),
+    (vi.Oscillator(0.02, 0.1, (0.8, 0.5)), 1.1, 2.0),
+]
+TYPES = ("fold", "pitchfork", "flip", "neimark_sacker")
+#: Relative distance from a bifurcation beyond which there is always a verdict.
+CERTAIN = 5e-9
+
+
+def bifurcations(osc, r, clearance):
+    """The bifurcations along the first motions that a search finds, to three times the clearance."""
+    found = vi.find(
+        osc, r, clearance, max_impacts=3, max_cycles=1, guesses=24, states=4, releases=0
+    )
+    for motion in [motion for motion in found if not motion.pattern.has_rest][:3]:
+        line = vi.branch(motion, "clearance", (clearance / 2, 3 * clearance), max_points=300)
+        yield from (point for point in line.special_points if point.type in TYPES)
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_stable_is_true_or_none_beside_a_bifurcation(place):
+    """At relative distances of 1e-6 to 1e-14, on both sides; None only within 5e-9.
+
+    The truth is that of the motion solved again with 50 digits.
+    """
+    osc, r, _ = place
+    verdicts = none = 0
+    for point in bifurcations(*place):
+        for distance in 10.0 ** np.arange(-6, -14.5, -1):
+            for side in (1, -1):
+                try:
+                    motion = vi.exact(osc, r, point.clearance * (1 + side * distance), point.motion)
+                except vi.errors.SingularError:  # beyond a fold
+                    continue
+                if motion.stable is None:
+                    assert distance < CERTAIN
+                    none += 1
+                    continue
+                verdicts += 1
+                assert motion.stable == (excess(motion) < 0)
+    assert verdicts > 20
+    assert none > 0
+
+
+def test_stable_beside_a_pitchfork_of_equispaced_impacts():
+    """The symmetric motion is stable above the pitchfork and not below it, never the other way.
+
+    Found by an independent program; at 1.857e-11 below it the multiplier is 1 + 3.57e-10.
+    """
+    osc = vi.Oscillator(0.0005606787567717536, 0.014046975668913076, 0.8307133294500499)
+    r, place = 1.0112241944274716, 58.584229646340845
+    for distance in [1.857e-11, *10.0 ** np.arange(-6, -15, -0.5)]:
+        for side in (1, -1):
+            clearance = place * (1 + side * distance)
+            guess = vi.equispaced(osc, r, clearance)[0]
+            motion = vi.exact(osc, r, clearance, guess)
+            if motion.stable is None:
+                assert distance < CERTAIN
+            else:
+                assert motion.stable == (side > 0)
+                assert motion.stable == (excess(motion) < 0)
+
+
+def test_masses_that_leave_an_impact_together_must_part():
+    """R = 0 on the right: admissible is the sign of the gap's acceleration, None at rounding.
+
+    Found by an independent program: the acceleration passes through zero at this clearance.
+    """
+    osc = vi.Oscillator(0.012990423377549564, 1.1610183760956951, (0.0, 0.3767430040877141))
+    r, place, pattern = 0.9414722592567588, 6.916237727485273, vi.Pattern("RRL", 2)
+    columns, n, _ = _core.search_pattern(
+        osc.xi, osc.mu, osc.restitution, r, 1.0, 1.0001 * place, 2, pattern.signs, 200, 32
+    )
+    known = (newton(osc, r, 1.0001 * place, 1.0, pattern, c[:3], c[3:]) for c in columns[:, :n].T)
+    motion = next(motion for motion in known if motion.admissible and motion.stable)
+    none = 0
+    for distance in 10.0 ** np.arange(-3, -13.5, -0.5):
+        for side in (1, -1):
+            motion = vi.exact(osc, r, place * (1 + side * distance), motion)
+            start = after_impact(motion, int(np.argmin(separations(motion))))
+            load = np.sin(r * start["t"])
+            opening = load - 2 * osc.xi * start["x_dot"] - start["x"]
+            if motion.admissible is None:
+                assert distance < 1e-10
+                none += 1
+            else:
+                assert motion.admissible == (side > 0)
+                assert motion.admissible == (opening > 0)
+    assert none > 0
+
+
+def separations(motion):
+    """Speeds of separation after the impacts whose masses accelerate least; the others do not count."""
+    apart = motion.pattern.signs * (motion.X_dot_after - motion.Z_dot_after)
+    load = np.sin(motion.phases + motion.load_phase)
+    pull = load - 2 * motion.osc.xi * motion.X_dot_after - motion.X
+    return np.where(np.abs(apart) < 1e-12, np.abs(pull), np.inf)
