@@ -595,36 +595,48 @@ subroutine winding(n, m, ring, points, turns)
    turns = run(ring, points)
 end subroutine winding
 
-!> What simulations over a window settle on: letters in standard order, cycles (0: nothing).
-subroutine survey(m, most_letters, xi, mu, walls, r, clearance, settling, most_cycles, threads, &
-   points, letters, cycles, unknowns)
+!> An atlas: its zones one after the other, and what became of the points of its survey.
+!!
+!! Rows of `sheets`: cycles, symmetric, vertices, loops, then as `work` of `zone`; `vertices`,
+!! `unknowns`, `labels`, `loops` and `inside` as of `zone`; rows of `places`: r, D; of `outcomes`:
+!! outcome, cycles, letters, whether it lies in a zone of its pattern; `letters` those of the points
+!! with a pattern, one after the other; `sizes`: sheets, vertices, loops and letters in all.
+subroutine atlas(m, most_letters, sheet_room, room, loop_room, letter_room, xi, mu, walls, r, &
+   clearance, most_cycles, settling, lines, guesses, points, threads, tally, patterns, sheets, &
+   vertices, unknowns, labels, loops, inside, letters, places, outcomes, sizes, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_atlas, only: atlas_request_type
+   use vi_atlas_table, only: atlas_arrays
    use vi_oscillator, only: oscillator_type
-   use vi_survey, only: attractor_type, run => survey
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: m, most_letters, settling, most_cycles, threads
+   integer(c_int), intent(in) :: m, most_letters, sheet_room, room, loop_room, letter_room, &
+      most_cycles, settling, lines, guesses, points, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r(2), clearance(2)
-   real(c_double), intent(out) :: points(2, m), unknowns(2*most_letters, m)
-   integer(c_int), intent(out) :: letters(most_letters, m), cycles(m)
-   type(attractor_type), allocatable :: attractors(:)
-   integer :: i, n
+   integer(c_int), intent(inout) :: tally(3), patterns(most_letters, sheet_room), &
+      sheets(9, sheet_room), labels(4, room), loops(2, loop_room), letters(letter_room)
+   real(c_double), intent(inout) :: vertices(5, room), unknowns(2*most_letters, room), &
+      inside(2, loop_room)
+   real(c_double), intent(out) :: places(2, m)
+   integer(c_int), intent(out) :: outcomes(4, m), sizes(4), status
 
-   allocate (attractors(m))
-   call run(oscillator_type(xi, mu, walls), r, clearance, settling, most_letters, most_cycles, &
-      threads, attractors)
-   letters = 0
-   cycles = 0
-   unknowns = 0
-   do i = 1, m
-      points(:, i) = [attractors(i)%r, attractors(i)%clearance]
-      if (.not. attractors(i)%found) cycle
-      n = size(attractors(i)%letters)
-      letters(:n, i) = attractors(i)%letters
-      cycles(i) = attractors(i)%cycles
-      unknowns(:2*n, i) = attractors(i)%unknowns
-   end do
-end subroutine survey
+   call atlas_arrays(atlas_request_type(oscillator_type(xi, mu, walls), r, clearance, &
+      most_letters, most_cycles, m, settling, lines, guesses, points, threads), patterns, sheets, &
+      vertices, unknowns, labels, loops, inside, places, outcomes, letters, sizes, status, tally)
+end subroutine atlas
+
+!> The name of an outcome of a point of a survey; blank if there is none of this number.
+subroutine outcome_text(outcome, name)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int
+   use vi_survey_outcome, only: outcome_names
+   implicit none (type, external)
+   integer(c_int), intent(in) :: outcome
+   character(kind=c_char), intent(out) :: name(20)
+
+   name = ' '
+   if (outcome < 1 .or. outcome > size(outcome_names)) return
+   name = transfer(outcome_names(outcome), name)
+end subroutine outcome_text
 
 !> Lyapunov exponents (per unit of time) at m points, their standard errors, and Kaplan and Yorke's
 !! dimension.

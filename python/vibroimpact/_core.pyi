@@ -455,23 +455,42 @@ class _Winding(Protocol):
     ) -> _Integer: ...
 
 @type_check_only
-class _Survey(Protocol):
-    # points, letters, cycles, unknowns
+class _Atlas(Protocol):
+    # places, outcomes, sizes, status
     def __call__(
         self,
         m: int,
-        most_letters: int,
         xi: float,
         mu: float,
         walls: ArrayLike,
         r: ArrayLike,
         clearance: ArrayLike,
-        settling: int,
         most_cycles: int,
+        settling: int,
+        lines: int,
+        guesses: int,
+        points: int,
         threads: int,
-    ) -> tuple[_Real, _Integer, _Integer, _Real]: ...
+        tally: _Integer,
+        patterns: _Integer,
+        sheets: _Integer,
+        vertices: _Real,
+        unknowns: _Real,
+        labels: _Integer,
+        loops: _Integer,
+        inside: _Real,
+        letters: _Integer,
+        most_letters: int = ...,
+        sheet_room: int = ...,
+        room: int = ...,
+        loop_room: int = ...,
+        letter_room: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, int]: ...
 
-__f2py_numpy_version__: str
+@type_check_only
+class _OutcomeText(Protocol):
+    # name
+    def __call__(self, outcome: int) -> _Bytes: ...
 
 @type_check_only
 class _Lyapunov(Protocol):
@@ -618,7 +637,8 @@ sweep_flood: _SweepFlood
 finish_chart: _FinishChart
 dense_ring: _DenseRing
 winding: _Winding
-survey: _Survey
+atlas: _Atlas
+outcome_text: _OutcomeText
 lyapunov: _Lyapunov
 bifurcation: _Bifurcation
 periodic_windows: _PeriodicWindows

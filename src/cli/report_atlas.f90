@@ -1,16 +1,21 @@
 !> Atlases as CSV: one row a vertex.
 module vi_report_atlas
-   use vi_atlas, only: atlas_type
+   use vi_atlas, only: atlas_type, outcomes_of
    use vi_case_type, only: case_type
    use vi_echo, only: echo
    use vi_pattern, only: starred_letters
    use vi_report_zone, only: not_closed, truth
-   use vi_text, only: append, exact, line_type, whole
+   use vi_survey_outcome, only: beyond, outcome_names
+   use vi_text, only: append, counted, exact, line_type, whole
    use vi_zone_pieces, only: pieces_type
    implicit none (type, external)
    private
 
-   public :: atlas_lines, pattern_text
+   public :: atlas_lines, pattern_text, survey_text
+
+   !> Where the motion without impacts exists, in closed form: D > 2A.
+   character(*), parameter :: without_impacts = 'without impacts, the free mass at rest: where &
+      &clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)'
 
 contains
 
@@ -22,9 +27,13 @@ contains
       type(pieces_type), intent(in) :: found(:)
       type(line_type), allocatable, intent(out) :: lines(:)
       type(line_type), allocatable :: head(:)
+      character(:), allocatable :: said
       integer :: i, j, n
 
       call echo(case, head)
+      call survey_text(atlas, said)
+      call append(head, '# ! '//said)
+      call append(head, '# ! '//without_impacts)
       do j = 1, size(found)
          if (.not. found(j)%closed) call append(head, '# ! '// &
             pattern_text(atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//': '// &
@@ -35,6 +44,13 @@ contains
          associate (item => atlas%attractors(i))
             call append(head, '# ! in no zone of its pattern: '//pattern_text(item%letters, &
                item%cycles)//' at r = '//exact(item%r)//', clearance = '//exact(item%clearance))
+         end associate
+      end do
+      do i = 1, size(atlas%points)
+         associate (item => atlas%points(i))
+            if (item%outcome == beyond) call append(head, '# ! beyond the limits: '//pattern_text( &
+               item%letters, item%cycles)//' at r = '//exact(item%r)//', clearance = '// &
+               exact(item%clearance))
          end associate
       end do
       call append(head, 'sides,cycles,symmetric,loop,piece,type,detail,r,clearance,corner')
@@ -51,6 +67,21 @@ contains
          end associate
       end do
    end subroutine atlas_lines
+
+   !> What became of the points of the survey.
+   pure subroutine survey_text(atlas, text)
+      type(atlas_type), intent(in) :: atlas
+      character(:), allocatable, intent(out) :: text
+      integer :: counts(size(outcome_names)), i
+
+      counts = outcomes_of(atlas)
+      text = 'survey of '//counted(sum(counts), 'point')
+      do i = 1, size(counts)
+         if (counts(i) == 0) cycle
+         text = text//merge(': ', ', ', sum(counts(:i - 1)) == 0)//whole(counts(i))//' '// &
+            trim(outcome_names(i))
+      end do
+   end subroutine survey_text
 
    pure subroutine write_sheet(name, found, lines, n)
       !> What all rows begin with.

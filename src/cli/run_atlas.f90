@@ -4,7 +4,7 @@ module vi_run_atlas
    use vi_case_type, only: case_type
    use vi_family, only: can_be_symmetric
    use vi_log, only: done, failed, log_type, say, write_table
-   use vi_report_atlas, only: atlas_lines, pattern_text
+   use vi_report_atlas, only: atlas_lines, pattern_text, survey_text
    use vi_report_zone, only: not_closed
    use vi_text, only: counted, line_type, whole
    use vi_zone_pieces, only: add_pieces, pieces_type
@@ -15,7 +15,8 @@ module vi_run_atlas
 
 contains
 
-   !> Finds all zones in a window and writes their boundaries; says which attractors lie in none.
+   !> Finds all zones in a window and writes their boundaries; says what became of the points of the
+   !! survey, and which attractors lie in no zone.
    subroutine run_atlas(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
       character(*), intent(in) :: folder
@@ -27,6 +28,7 @@ contains
       type(atlas_type) :: atlas
       type(pieces_type), allocatable :: found(:)
       type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: said
       integer :: j, lost
 
       written = .true.
@@ -39,9 +41,10 @@ contains
          end associate
       end do
       lost = count(.not. atlas%explained)
+      call survey_text(atlas, said)
       if (all(found%n == 0) .and. all(found%closed) .and. lost == 0) then
          call say(log, failed, case%name//': no zone: neither search nor survey found a stable, &
-            &admissible motion within the limits in the window')
+            &admissible motion within the limits in the window; '//said)
          return
       end if
       call atlas_lines(case, atlas, found, lines)
@@ -50,6 +53,7 @@ contains
       call say(log, done, case%name//': '//counted(count(found%loops > 0), 'zone')//', '// &
          counted(sum(found%loops), 'loop')//', '//counted(size(atlas%explained), 'attractor')// &
          ' surveyed')
+      call say(log, done, case%name//': '//said)
       do j = 1, size(found)
          if (.not. found(j)%closed) call say(log, failed, case%name//': '//pattern_text( &
             atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//' '//not_closed)

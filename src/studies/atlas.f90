@@ -2,7 +2,8 @@
 !!
 !! Patterns are enumerated up to a number of impacts and cycles; those with rest come from a survey
 !! by simulation, whose attractors also are seeds of the zones. An attractor that lies in no zone of
-!! its pattern is sought once more on a finer lattice.
+!! its pattern is sought once more on a finer lattice. What became of the other points of the survey
+!! is kept beside the zones.
 module vi_atlas
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
@@ -11,13 +12,14 @@ module vi_atlas
    use vi_pattern, only: pattern_type
    use vi_sheet, only: zone_request_type
    use vi_survey, only: attractor_type, survey
+   use vi_survey_outcome, only: count_outcomes, outcome_names
    use vi_tally, only: add_sight
    use vi_zone, only: find_zone, zone_type, zone_work
    use vi_zone_table, only: count_zone
    implicit none (type, external)
    private
 
-   public :: find_atlas
+   public :: find_atlas, outcomes_of
 
    type, public :: atlas_request_type
       type(oscillator_type) :: osc
@@ -38,7 +40,8 @@ module vi_atlas
    !> The zones of all patterns in a window, and what the survey settled on.
    type, public :: atlas_type
       type(sheet_type), allocatable :: sheets(:)
-      type(attractor_type), allocatable :: attractors(:)
+      !> Every point of the survey, and those with a motion within the limits.
+      type(attractor_type), allocatable :: points(:), attractors(:)
       !> Whether each attractor lies in a zone of its pattern.
       logical, allocatable :: explained(:)
    end type atlas_type
@@ -52,11 +55,18 @@ contains
       !> As of vi_tally.
       integer, intent(inout), optional :: tally(3)
       logical, allocatable :: again(:)
-      integer :: i, j
+      integer :: i, j, announced
 
-      call survey_window(request, atlas%attractors)
+      ! the zones of patterns without rest are in sight before the survey begins
+      allocate (atlas%attractors(0))
+      call list_sheets(request, atlas)
+      announced = zone_work*size(atlas%sheets)
+      call add_sight(announced, tally)
+      call survey_window(request, atlas, tally)
+      deallocate (atlas%sheets)
       call list_sheets(request, atlas)
       allocate (again(size(atlas%sheets)), source=.true.)
+      call add_sight(zone_work*size(again) - announced, tally)
       call trace_sheets(request, atlas, again, 1, tally)
       call explain(request, atlas)
       again = .false.
@@ -67,26 +77,36 @@ contains
          end do
       end do
       if (.not. any(again)) return
+      call add_sight(zone_work*count(again), tally)
       call trace_sheets(request, atlas, again, 2, tally)
       call explain(request, atlas)
    end subroutine find_atlas
 
-   !> The attractors within the limits.
-   subroutine survey_window(request, attractors)
+   !> How many points of the survey there are of each outcome.
+   pure function outcomes_of(atlas) result(counts)
+      type(atlas_type), intent(in) :: atlas
+      integer :: counts(size(outcome_names))
+
+      counts = count_outcomes(atlas%points%outcome)
+   end function outcomes_of
+
+   !> What simulations settle on, and the attractors within the limits.
+   subroutine survey_window(request, atlas, tally)
       type(atlas_request_type), intent(in) :: request
-      type(attractor_type), allocatable, intent(out) :: attractors(:)
-      type(attractor_type), allocatable :: every(:)
+      type(atlas_type), intent(inout) :: atlas
+      integer, intent(inout), optional :: tally(3)
       integer :: i, n
 
-      allocate (every(request%survey))
+      allocate (atlas%points(request%survey))
       call survey(request%osc, request%r, request%clearance, request%settling, &
-         request%max_impacts, request%max_cycles, request%threads, every)
-      allocate (attractors(count(every%found)))
+         request%max_impacts, request%max_cycles, request%threads, atlas%points, tally)
+      deallocate (atlas%attractors)
+      allocate (atlas%attractors(count(atlas%points%found)))
       n = 0
-      do i = 1, size(every)
-         if (.not. every(i)%found) cycle
+      do i = 1, size(atlas%points)
+         if (.not. atlas%points(i)%found) cycle
          n = n + 1
-         attractors(n) = every(i)
+         atlas%attractors(n) = atlas%points(i)
       end do
    end subroutine survey_window
 
@@ -100,9 +120,9 @@ contains
       integer, intent(inout), optional :: tally(3)
       integer :: j, status
 
-      call add_sight(zone_work*count(wanted), tally)
+      ! patterns with rest and long ones take longest: they come first
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status)
-      do j = 1, size(atlas%sheets)
+      do j = size(atlas%sheets), 1, -1
          if (.not. wanted(j)) cycle
          ! a sheet without motions has an empty zone, whatever the status
          call find_zone(zone_request_type(request%osc, atlas%sheets(j)%pattern, &

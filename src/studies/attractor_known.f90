@@ -12,7 +12,7 @@ module vi_attractor_known
    implicit none (type, external)
    private
 
-   public :: alike, ball, identify, within
+   public :: alike, ball, exact_period, identify, within
 
    !> Kinds: periodic without and with rest, neither, a simulation that repeats itself but is no
    !! stable motion.
@@ -39,12 +39,28 @@ module vi_attractor_known
 
 contains
 
-   !> The stable periodic motion that a state of some period is on.
+   !> The stable periodic motion that a state of some period is on, and what is known to go there.
    subroutine identify(drive, end, cycles, threads, known, good)
       type(drive_type), intent(in) :: drive
       !> t, x, x', z, z'
       real(wp), intent(in) :: end(5)
       integer, intent(in) :: cycles, threads
+      type(known_type), intent(out) :: known
+      !> False if there is none.
+      logical, intent(out) :: good
+
+      call exact_period(drive, end, cycles, known, good)
+      if (good) call find_neighbourhoods(drive%osc, drive%r, drive%load, drive%clearance, &
+         known%targets, threads)
+   end subroutine identify
+
+   !> The stable periodic motion that a state of some period is on.
+   pure subroutine exact_period(drive, end, cycles, known, good)
+      type(drive_type), intent(in) :: drive
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: end(5)
+      integer, intent(in) :: cycles
+      !> Its targets have no neighbourhoods yet.
       type(known_type), intent(out) :: known
       !> False if there is none.
       logical, intent(out) :: good
@@ -83,9 +99,7 @@ contains
          n = n + findloc(events(n + 1:)%kind, merge(release_event, impact_event, target%release), 1)
          call start_target(events(n), cycles, known%targets(i))
       end do
-      call find_neighbourhoods(drive%osc, drive%r, drive%load, drive%clearance, known%targets, &
-         threads)
-   end subroutine identify
+   end subroutine exact_period
 
    !> A state with the free mass between the walls, which rounding may leave it outside of.
    pure function within(state, clearance) result(inside)

@@ -27,7 +27,7 @@ module vi_attractor_lyapunov
    implicit none (type, external)
    private
 
-   public :: lyapunov_points
+   public :: largest_exponent, lyapunov_points
 
    !> Directions at an event, and the sums so far.
    type :: tangent_type
@@ -83,6 +83,25 @@ contains
       end do
       !$omp end parallel do
    end subroutine lyapunov_points
+
+   !> The largest exponent per load cycle of one trajectory, and its standard error.
+   subroutine largest_exponent(drive, start, discard, cycles, batches, largest, deviation, status)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: start
+      !> Load cycles before the first batch, which is not counted, and in each.
+      integer, intent(in) :: discard, cycles
+      integer, intent(in) :: batches
+      real(wp), intent(out) :: largest, deviation
+      !> As in `lyapunov_points`.
+      integer, intent(out) :: status
+      real(wp) :: exponents(4), deviations(4), dimension, error
+      integer :: counts(2)
+
+      call exponents_of(drive, start, discard, cycles, batches, exponents, deviations, dimension, &
+         counts, error, status)
+      largest = exponents(1)*(two_pi/drive%r)
+      deviation = deviations(1)*(two_pi/drive%r)
+   end subroutine largest_exponent
 
    !> The exponents of one trajectory, and what its batches tell of them.
    subroutine exponents_of(drive, start, discard, cycles, batches, exponents, deviations, &

@@ -2,12 +2,11 @@
 module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_known, only: chaotic, known_type, quasi_periodic
-   use vi_attractor_lyapunov, only: lyapunov_points
+   use vi_attractor_lyapunov, only: largest_exponent
    use vi_drive, only: drive_type, event_type, impact_event, initial_state, state_type, two_pi
    use vi_kinds, only: wp
    use vi_simulate, only: simulate
    use vi_status, only: stat
-   use vi_trajectory, only: pack_state
    implicit none (type, external)
    private
 
@@ -112,18 +111,15 @@ contains
    subroutine find_kind(drive, known)
       type(drive_type), intent(in) :: drive
       type(known_type), intent(inout) :: known
-      real(wp) :: states(7, 1), exponents(4, 1), deviations(4, 1), dimensions(1), errors(1)
-      integer :: contacts(3, 1), counts(2, 1), status(1)
+      real(wp) :: deviation
+      integer :: status
 
       known%kind = 0
       known%cycles = 0
       if (allocated(known%letters)) deallocate (known%letters)
-      call pack_state(initial_state(drive, known%state), states(:, 1), contacts(:, 1))
-      call lyapunov_points(drive%osc, [drive%r], [drive%load], [drive%clearance], states, &
-         contacts, exponent_discard, exponent_cycles/batches, batches, 1, exponents, deviations, &
-         dimensions, counts, errors, status)
-      if (status(1) /= stat%ok) return                                     ! impacts die out
-      known%largest = exponents(1, 1)*(two_pi/drive%r)
+      call largest_exponent(drive, initial_state(drive, known%state), exponent_discard, &
+         exponent_cycles/batches, batches, known%largest, deviation, status)
+      if (status /= stat%ok) return                                     ! impacts die out
       ! below, it is a transient that has ended meanwhile
       if (known%largest > -least_chaos) known%kind = merge(chaotic, quasi_periodic, &
          known%largest > least_chaos)

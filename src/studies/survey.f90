@@ -1,11 +1,13 @@
-!> Which periodic motions simulations settle on, over a window.
+!> What simulations settle on, over a window.
 !!
 !! A simulation that repeats itself after some cycles gives a guess; Newton's method makes the
-!! motion exact, and only a stable, admissible one counts.
+!! motion exact, and only a stable, admissible one within the limits is an attractor for an atlas.
+!! What became of the others is told, too: see vi_survey_outcome.
 module vi_survey
-   use, intrinsic :: iso_fortran_env, only: int64
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type
+   use vi_event_window, only: read_window, reading_type, repeats, room, run, &
+      total_phase
    use vi_family, only: new_family
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_kinds, only: wp
@@ -14,21 +16,32 @@ module vi_survey
    use vi_oscillator, only: left, oscillator_type, right
    use vi_pattern, only: pattern_type
    use vi_rest_family, only: new_rest_family
-   use vi_simulate, only: drive_type, event_type, impact_event, new_drive, release_event, &
-      simulate, state_type, stick_event
+   use vi_simulate, only: drive_type, event_type, new_drive, release_event, state_type
    use vi_status, only: stat
+   use vi_survey_outcome, only: beyond, chaotic, event_limit, is_chaotic, is_free, no_impacts, &
+      not_confirmed, not_settled, periodic, stable_period
+   use vi_tally, only: add_sight, add_work, is_stopped
    implicit none (type, external)
    private
 
    public :: survey
 
-   !> Events kept of the end of a simulation.
-   integer, parameter :: room = 4000
+   !> What a point counts in a tally of work.
+   integer, parameter, public :: survey_work = 5
+   !> Longest period that is looked for at last, in load cycles, and how many times as long
+   !! as before a simulation then goes on first.
+   integer, parameter :: longest_period = 16, longer = 3
+   !> Load cycles of each of ten batches for a Lyapunov exponent, at first and at last.
+   integer, parameter :: short_batch = 20, long_batch = 200
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
-   !> A stable motion: its letters in standard order, and its unknowns.
+   !> What a simulation settled on. A stable periodic motion has its letters in standard order;
+   !! one within the limits also its unknowns.
    type, public :: attractor_type
+      !> Whether it is one within the limits.
       logical :: found = .false.
+      !> As in vi_survey_outcome.
+      integer :: outcome = not_settled
       real(wp) :: r = 0, clearance = 0
       integer :: cycles = 0
       integer, allocatable :: letters(:)
@@ -37,16 +50,16 @@ module vi_survey
       real(wp), allocatable :: unknowns(:)
    end type attractor_type
 
-   !> Letters of the events of some cycles, and the event that begins and that ends each.
-   type :: reading_type
-      integer :: n = 0
-      integer, dimension(room) :: letters, first, last
-   end type reading_type
+   !> The limits of the motions that an atlas is about.
+   type :: limits_type
+      integer :: letters, cycles
+   end type limits_type
 
 contains
 
    !> What simulations at points spread evenly over a window settle on.
-   subroutine survey(osc, r, clearance, settling, most_letters, most_cycles, threads, attractors)
+   subroutine survey(osc, r, clearance, settling, most_letters, most_cycles, threads, attractors, &
+      tally)
       type(oscillator_type), intent(in) :: osc
       !> The window.
       real(wp), intent(in) :: r(2), clearance(2)
@@ -56,9 +69,12 @@ contains
       integer, intent(in) :: most_letters, most_cycles
       integer, intent(in) :: threads
       type(attractor_type), intent(inout) :: attractors(:)
+      !> As of vi_tally, in units of `survey_work`; points after a stop are not settled.
+      integer, intent(inout), optional :: tally(3)
       real(wp) :: u(5), c(2), golden
       integer :: i, j
 
+      call add_sight(survey_work*size(attractors), tally)
       golden = 1
       do j = 1, 40
          golden = (1 + golden)**(1.0_wp/6)
@@ -67,138 +83,123 @@ contains
       do i = 1, size(attractors)
          u = [(modulo(0.5_wp + i/golden**j, 1.0_wp), j=1, 5)]
          c = [r(1) + (r(2) - r(1))*u(1), clearance(1)*(clearance(2)/clearance(1))**u(2)]
-         call settle(osc, c(1), c(2), u(3:5), settling, most_letters, most_cycles, attractors(i))
+         attractors(i) = attractor_type(r=c(1), clearance=c(2))
+         if (is_stopped(tally)) cycle
+         call settle(osc, u(3:5), settling, limits_type(most_letters, most_cycles), attractors(i))
+         call add_work(survey_work, tally)
       end do
       !$omp end parallel do
    end subroutine survey
 
-   !> The attractor of one simulation.
-   pure subroutine settle(osc, r, clearance, u, settling, most_letters, most_cycles, attractor)
+   !> What one simulation settles on.
+   !!
+   !! It is looked at after the cycles asked for. What is neither periodic then nor chaotic without
+   !! doubt is looked at once more, later and for longer periods.
+   subroutine settle(osc, u, settling, limits, attractor)
       type(oscillator_type), intent(in) :: osc
-      real(wp), intent(in) :: r, clearance
       !> Three numbers in [0, 1) for the initial state.
       real(wp), intent(in) :: u(3)
-      integer, intent(in) :: settling, most_letters, most_cycles
-      type(attractor_type), intent(out) :: attractor
+      integer, intent(in) :: settling
+      type(limits_type), intent(in) :: limits
+      !> In: the point.
+      type(attractor_type), intent(inout) :: attractor
       type(drive_type) :: drive
       type(state_type) :: state
-      type(event_type) :: events(room)
-      type(reading_type) :: now, before
-      real(wp) :: size_x, end_phase
-      integer :: n, k, last, status
+      real(wp) :: size_x
+      logical :: chaos
 
-      attractor%r = r
-      attractor%clearance = clearance
-      drive = new_drive(osc, r, 1.0_wp, clearance)
-      size_x = min(abs(drive%amplitude), 3*clearance)
+      drive = new_drive(osc, attractor%r, 1.0_wp, attractor%clearance)
+      size_x = min(abs(drive%amplitude), 3*attractor%clearance)
       state%x = size_x*(2*u(1) - 1)
       state%x_dot = size_x*(2*u(2) - 1)
-      state%z = state%x + 0.499_wp*clearance*(2*u(3) - 1)
+      state%z = state%x + 0.499_wp*attractor%clearance*(2*u(3) - 1)
+      call look(osc, drive, settling, limits%cycles, limits, state, attractor)
+      if (attractor%outcome /= not_settled .and. attractor%outcome /= not_confirmed) return
+      call is_chaotic(drive, state, short_batch, chaos)
+      if (.not. chaos) then
+         call look(osc, drive, longer*settling, longest_period, limits, state, attractor)
+         if (attractor%outcome /= not_settled) return
+         call is_chaotic(drive, state, long_batch, chaos)
+      end if
+      if (chaos) attractor%outcome = chaotic
+   end subroutine settle
+
+   !> Simulates, then looks at the cycles after that.
+   subroutine look(osc, drive, settling, longest, limits, state, attractor)
+      type(oscillator_type), intent(in) :: osc
+      type(drive_type), intent(in) :: drive
+      !> Load cycles simulated first, and of the longest period that is looked for.
+      integer, intent(in) :: settling, longest
+      type(limits_type), intent(in) :: limits
+      !> Out: that at the end.
+      type(state_type), intent(inout) :: state
+      type(attractor_type), intent(inout) :: attractor
+      type(event_type) :: events(room)
+      type(reading_type) :: now, before
+      integer, allocatable :: letters(:)
+      real(wp) :: end_phase
+      logical :: shorter
+      integer :: n, k, last, status
+
+      attractor%outcome = event_limit
       call run(drive, state, settling, events, n, status)
       if (status /= stat%ok) return
-      call run(drive, state, 2*most_cycles + 2, events, n, status)
+      call run(drive, state, 2*longest + 2, events, n, status)
       if (status /= stat%ok) return
+      attractor%outcome = not_settled
+      if (n == 0) then
+         if (is_free(drive, state)) attractor%outcome = no_impacts
+         return
+      end if
       ! a period ends with a release, if there is one
       last = findloc(events(:n)%kind, release_event, dim=1, back=.true.)
       if (last == 0) last = n
-      if (last == 0) return
-      do k = 1, most_cycles
+      do k = 1, longest
          ! a thousandth of a cycle: the event one period before belongs to the window before
          end_phase = total_phase(events(last)) + 1.0e-3_wp*two_pi
          call read_window(events(:last), end_phase - two_pi*k, end_phase, now)
          call read_window(events(:last), end_phase - 2*two_pi*k, end_phase - two_pi*k, before)
          if (.not. repeats(events, now, before, k)) cycle
-         if (now%n > most_letters) return
-         call identify(osc, drive, events, now, k, attractor)
+         attractor%outcome = not_confirmed
+         if (now%n <= limits%letters .and. k <= limits%cycles) then
+            call identify(osc, drive, events, now, k, attractor)
+            if (attractor%found) attractor%outcome = periodic
+            if (attractor%found) return
+         end if
+         call stable_period(drive, state, k, letters, shorter)
+         if (shorter) then
+            attractor%outcome = not_settled
+         else if (size(letters) > 0) then
+            call name_it(osc, letters, k, limits, attractor)
+         end if
          return
       end do
-   end subroutine settle
+   end subroutine look
 
-   !> Simulates some cycles from a state; out: the state there, and the last events.
-   pure subroutine run(drive, state, cycles, events, n, status)
-      type(drive_type), intent(in) :: drive
-      type(state_type), intent(inout) :: state
+   !> Notes the pattern of a stable motion that is beyond the limits, or else was read right though
+   !! the equations of its family do not confirm it.
+   pure subroutine name_it(osc, letters, cycles, limits, attractor)
+      type(oscillator_type), intent(in) :: osc
+      !> Of the period, from any of them on.
+      integer, intent(in) :: letters(:)
       integer, intent(in) :: cycles
-      type(event_type), intent(inout) :: events(:)
-      integer, intent(out) :: n, status
-      type(state_type) :: final
-      integer(int64) :: last_cycle
-      real(wp) :: last_phase
-      integer :: calls
+      type(limits_type), intent(in) :: limits
+      type(attractor_type), intent(inout) :: attractor
+      integer :: standard(size(letters)), shift
+      logical :: mirrored
 
-      last_cycle = state%cycle + cycles
-      last_phase = state%phase
-      do calls = 1, 1000
-         call simulate(drive, state, last_cycle, last_phase, events, n, final, status)
-         if (status /= stat%more_events) exit
-      end do
-      state = final
-   end subroutine run
-
-   pure real(wp) function total_phase(event)
-      type(event_type), intent(in) :: event
-
-      total_phase = two_pi*real(event%cycle, wp) + event%phase
-   end function total_phase
-
-   !> The letters of the events between two phases.
-   pure subroutine read_window(events, begin, finish, reading)
-      type(event_type), intent(in) :: events(:)
-      real(wp), intent(in) :: begin, finish
-      type(reading_type), intent(out) :: reading
-      integer :: i, run_length
-
-      run_length = 0
-      do i = 1, size(events)
-         if (total_phase(events(i)) <= begin .or. total_phase(events(i)) > finish) cycle
-         associate (n => reading%n)
-            select case (events(i)%kind)
-            case (impact_event)
-               run_length = merge(run_length + 1, 1, n > 0 .and. run_length > 0)
-               if (n > 0) then
-                  if (reading%letters(n) /= events(i)%side) run_length = 1
-               end if
-               n = n + 1
-               reading%letters(n) = events(i)%side
-               reading%first(n) = i
-               reading%last(n) = i
-            case (stick_event)
-               ! the run of impacts on this wall becomes one letter
-               if (run_length > 0) n = n - run_length + 1
-               if (run_length == 0) then
-                  n = n + 1
-                  reading%first(n) = i
-               end if
-               reading%letters(n) = 2*events(i)%side
-               reading%last(n) = i
-               run_length = 0
-            case default                                                      ! a release
-               if (n > 0) reading%last(n) = i
-               run_length = 0
-            end select
-         end associate
-      end do
-   end subroutine read_window
-
-   !> Whether two windows hold the same letters at the same phases, on both walls.
-   pure logical function repeats(events, now, before, cycles)
-      type(event_type), intent(in) :: events(:)
-      type(reading_type), intent(in) :: now, before
-      integer, intent(in) :: cycles
-      integer :: j
-
-      repeats = now%n > 1 .and. now%n == before%n
-      if (.not. repeats) return
-      associate (letters => now%letters(:now%n))
-         repeats = all(letters == before%letters(:now%n)) .and. any(letters > 0) .and. &
-            any(letters < 0)
-      end associate
-      do j = 1, now%n
-         if (.not. repeats) return
-         repeats = abs(total_phase(events(now%first(j))) - total_phase(events(before%first(j))) &
-            - two_pi*cycles) < 1.0e-3_wp
-      end do
-   end function repeats
+      call standard_letters(letters, abs(osc%restitution(1) - osc%restitution(2)) <= 0, standard, &
+         shift, mirrored)
+      if (size(letters) > limits%letters .or. cycles > limits%cycles) then
+         attractor%outcome = beyond
+         attractor%cycles = cycles
+         attractor%letters = standard
+      else if (allocated(attractor%letters)) then
+         if (size(letters) == size(attractor%letters)) attractor%found = &
+            all(standard == attractor%letters)
+         if (attractor%found) attractor%outcome = periodic
+      end if
+   end subroutine name_it
 
    !> The exact motion that a window is about, in standard order, if it is stable and admissible.
    pure subroutine identify(osc, drive, events, reading, cycles, attractor)
@@ -213,6 +214,7 @@ contains
       real(wp) :: theta(reading%n), x(reading%n)
 
       n = reading%n
+      if (allocated(attractor%letters)) deallocate (attractor%letters, attractor%unknowns)
       allocate (attractor%letters(n))
       call standard_letters(reading%letters(:n), abs(osc%restitution(1) - osc%restitution(2)) &
          <= 0, attractor%letters, shift, mirrored)

@@ -13,7 +13,7 @@ module vi_zone_table
    implicit none (type, external)
    private
 
-   public :: count_zone, zone_arrays
+   public :: append_zone, count_zone, zone_arrays
 
 contains
 
@@ -44,7 +44,6 @@ contains
       !> As of vi_tally, in units of `zone_work`.
       integer, intent(inout), optional :: tally(3)
       type(zone_type) :: zone
-      integer :: i
 
       call add_sight(zone_work, tally)
       vertices = 0
@@ -58,6 +57,27 @@ contains
       call find_zone(request, seeds, zone, status, tally)
       if (status /= stat%ok) return
       work = [zone%nodes, zone%steps, zone%untraced, zone%lines]
+      call append_zone(zone, vertices, unknowns, labels, n, loops, inside, n_loops, status)
+   end subroutine zone_arrays
+
+   !> Writes the loops of a zone after those that are there already; contents as of `zone_arrays`.
+   pure subroutine append_zone(zone, vertices, unknowns, labels, n, loops, inside, n_loops, status)
+      type(zone_type), intent(in) :: zone
+      real(wp), intent(inout) :: vertices(:, :)
+      !> As many rows as the pattern has unknowns, or more.
+      real(wp), intent(inout) :: unknowns(:, :)
+      integer, intent(inout) :: labels(:, :)
+      !> Vertices written so far.
+      integer, intent(inout) :: n
+      integer, intent(inout) :: loops(:, :)
+      real(wp), intent(inout) :: inside(:, :)
+      !> Loops written so far.
+      integer, intent(inout) :: n_loops
+      !> `stat%more_events` if there was no room for all.
+      integer, intent(out) :: status
+      integer :: i
+
+      status = stat%ok
       do i = 1, zone%n
          associate (loop => zone%loops(i), sheet => zone%sheet)
             if (n + loop%n > size(vertices, 2) .or. n_loops == size(loops, 2)) then
@@ -72,13 +92,14 @@ contains
             n = n + loop%n
          end associate
       end do
-   end subroutine zone_arrays
+   end subroutine append_zone
 
    pure subroutine write_loop(sheet, loop, vertices, unknowns, labels)
       type(curve_type), intent(in) :: sheet
       type(loop_type), intent(in) :: loop
       real(wp), intent(inout) :: vertices(:, :), unknowns(:, :)
       integer, intent(inout) :: labels(:, :)
+      real(wp), allocatable :: whole(:)
       integer :: j, m
 
       m = size(loop%points, 1) - 2
@@ -87,7 +108,8 @@ contains
          if (sheet%frame%resting) then
             unknowns(:m, j) = loop%points(:m, j)
          else
-            unknowns(:, j) = whole_unknowns(sheet%frame%family, loop%points(:m, j))
+            whole = whole_unknowns(sheet%frame%family, loop%points(:m, j))
+            unknowns(:size(whole), j) = whole
          end if
          labels(:, j) = [loop%conditions(j)%kind, loop%conditions(j)%index, &
             loop%conditions(j)%side, loop%corner(j)]

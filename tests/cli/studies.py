@@ -71,9 +71,14 @@ def assert_atlas(path, atlas):
         assert_zone(
             [row for row in table if (row["sides"], row["cycles"], row["symmetric"]) == name], zone
         )
-    lost = [line for line in path.read_text().split("\n") if "in no zone" in line]
-    assert len(lost) == len(atlas.unexplained)
-    for line, item in zip(lost, atlas.unexplained, strict=True):
+    head = path.read_text().split("\n")
+    assert f"# ! {atlas.survey}" in head
+    assert any(line.startswith("# ! without impacts") for line in head)
+    lost = [line for line in head if "in no zone" in line or "# ! beyond the limits" in line]
+    items = atlas.unexplained + atlas.beyond
+    assert len(lost) == len(items)
+    for line, item in zip(lost, items, strict=True):
+        assert ("in no zone" in line) == (item in atlas.unexplained)
         place = re.search(r": (\S+)/(\d+) at r = (\S+), clearance = (\S+)$", line).groups()
         assert (place[0], int(place[1])) == (item.pattern.sides, item.pattern.cycles)
         assert (float(place[2]), float(place[3])) == (item.r, item.clearance)

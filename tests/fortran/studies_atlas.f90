@@ -1,15 +1,17 @@
 !> Rings against the circle they follow; atlases against the laws of a survey and of threads.
 module studies_atlas
    use checks, only: check
-   use vi_atlas, only: atlas_request_type, atlas_type, find_atlas
+   use vi_atlas, only: atlas_request_type, atlas_type, find_atlas, outcomes_of
    use vi_kinds, only: wp
-   use vi_oscillator, only: oscillator_type
+   use vi_oscillator, only: gain, oscillator_type
    use vi_rings, only: dense_ring, winding
+   use vi_survey, only: attractor_type, survey, survey_work
+   use vi_survey_outcome, only: beyond, chaotic, count_outcomes, no_impacts, not_settled, periodic
    use vi_zone, only: zone_work
    implicit none (type, external)
    private
 
-   public :: test_atlas, test_rings
+   public :: test_atlas, test_outcomes, test_rings
 
 contains
 
@@ -54,8 +56,8 @@ contains
          [1.0_wp, 1.1_wp], [20.0_wp, 60.0_wp], max_impacts=3, survey=30, guesses=6)
       tally = 0
       call find_atlas(request, one, tally)
-      call check(tally(1) == zone_work*size(one%sheets) .and. tally(2) == tally(1), &
-         'all sheets are counted')
+      call check(tally(1) == survey_work*request%survey + zone_work*size(one%sheets) .and. &
+         tally(2) == tally(1), 'all points and sheets are counted')
       call check(size(one%attractors) > 10 .and. all(one%explained), 'attractors lie in zones')
       call check(size(one%sheets) == 3, 'up to three impacts: RL of two kinds, RRL')
       call check(one%sheets(1)%symmetric .and. .not. one%sheets(2)%symmetric, &
@@ -90,5 +92,61 @@ contains
       call find_atlas(request, two)
       call check(all(two%explained), 'attractors are seeds')
    end subroutine test_atlas
+
+   !> Every point of a survey is counted once, and what is said of it is a law of its motion.
+   subroutine test_outcomes()
+      real(wp), parameter :: window(2, 2) = reshape([0.8_wp, 1.2_wp, 2.0_wp, 200.0_wp], [2, 2])
+      type(oscillator_type) :: osc
+      type(attractor_type) :: points(60), same(60), wide(60)
+      type(atlas_request_type) :: request
+      type(atlas_type) :: stopped
+      integer :: counts(7), tally(3), i, n
+
+      osc = oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.61_wp])
+      call survey(osc, window(:, 1), window(:, 2), 400, 2, 1, 1, points)
+      counts = count_outcomes(points%outcome)
+      call check(sum(counts) == size(points), 'every point is counted once')
+      call check(counts(periodic) == count(points%found), 'periodic: within the limits')
+      call check(all(counts([periodic, beyond, no_impacts, chaotic]) > 0), &
+         'outcomes are told apart')
+      do i = 1, size(points)
+         associate (point => points(i))
+            if (point%outcome == no_impacts) call check(point%clearance > 2*gain(osc%xi, point%r), &
+               'without impacts only where D > 2A')
+            if (point%outcome == periodic) call check(size(point%letters) <= 2 .and. &
+               point%cycles == 1, 'within the limits')
+            if (point%outcome == beyond) call check(size(point%letters) > 2 .or. &
+               point%cycles > 1, 'beyond the limits')
+         end associate
+      end do
+      call survey(osc, window(:, 1), window(:, 2), 400, 2, 1, 2, same)
+      call check(all(same%outcome == points%outcome), 'outcomes do not depend on threads')
+      ! what is beyond the limits is within wider ones, and the same motion
+      call survey(osc, window(:, 1), window(:, 2), 400, 8, 4, 2, wide)
+      n = 0
+      do i = 1, size(points)
+         if (points(i)%outcome /= beyond) cycle
+         if (size(points(i)%letters) > 8 .or. points(i)%cycles > 4) cycle
+         n = n + 1
+         call check(wide(i)%outcome == periodic, 'wider limits hold what was beyond')
+         if (wide(i)%outcome /= periodic) cycle
+         call check(wide(i)%cycles == points(i)%cycles .and. &
+            same_letters(wide(i)%letters, points(i)%letters), 'as the same pattern')
+      end do
+      call check(n > 3, 'some are beyond the narrow limits alone')
+      ! a stop is heard, and what was not begun is not settled
+      request = atlas_request_type(osc, window(:, 1), window(:, 2), max_impacts=2, survey=60)
+      tally = [0, 0, 1]
+      call find_atlas(request, stopped, tally)
+      counts = outcomes_of(stopped)
+      call check(counts(not_settled) == 60, 'a stopped survey has settled nothing')
+   end subroutine test_outcomes
+
+   pure logical function same_letters(one, other)
+      integer, intent(in) :: one(:), other(:)
+
+      same_letters = size(one) == size(other)
+      if (same_letters) same_letters = all(one == other)
+   end function same_letters
 
 end module studies_atlas

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.newton import last_period
-from vibroimpact.studies.atlas import standard
+from vibroimpact.studies.atlas import OUTCOMES, standard
 
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 UNEQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
@@ -47,6 +47,102 @@ def test_survey_is_explained(atlas):
         assert item.pattern == standard(item.pattern, EQUAL)
 
 
+def test_every_point_of_the_survey_is_counted(atlas):
+    """The counts add up to the points, and each outcome is the one that its list has."""
+    counts, survey = atlas.counts, atlas.survey
+    assert list(counts) == list(OUTCOMES)
+    assert sum(counts.values()) == len(survey) == 60
+    assert counts["periodic"] == len(atlas.attractors)
+    assert counts["beyond the limits"] == len(atlas.beyond) > 0
+    assert all(len(item.pattern) > 4 or item.pattern.cycles > 1 for item in atlas.beyond)
+    places = set(zip(survey.r.tolist(), survey.clearance.tolist(), strict=True))
+    assert len(places) == 60
+    assert {item[:2] for item in atlas.attractors + atlas.beyond} <= places
+    assert ((atlas.r[0] <= survey.r) & (survey.r <= atlas.r[1])).all()
+    for name, number in counts.items():
+        assert (f"{number} {name}" in repr(atlas)) == (number > 0)
+    assert "survey of 60 points" in repr(atlas)
+
+
+def test_motions_beyond_the_limits_are_stable(atlas):
+    """Each is what a simulation of its own ends on, and what exact calls stable."""
+    confirmed = 0
+    for item in atlas.beyond:
+        random = np.random.default_rng(2)
+        for _ in range(30):
+            x, v, y = random.uniform(-1, 1, 3) * item.clearance / 2
+            state = {"t": 0, "x": x, "x_dot": v, "z": x + y, "z_dot": 0}
+            cycles = item.pattern.cycles
+            run = vi.simulate(
+                EQUAL, item.r, item.clearance, 2 * cycles + 2, state=state, discard=1500
+            )
+            try:
+                period = last_period(run, cycles)
+            except vi.errors.ParameterError:
+                continue
+            if period.mismatch < 1e-6 and standard(period.pattern, EQUAL) == item.pattern:
+                motion = vi.exact(EQUAL, item.r, item.clearance, run)
+                assert (motion.stable, motion.admissible) == (True, True)
+                assert standard(motion.pattern, EQUAL) == item.pattern
+                confirmed += 1
+                break
+    assert confirmed == len(atlas.beyond) > 0
+
+
+def test_motion_without_impacts():
+    """A free mass at rest is touched where D < 2A, wherever it is, and nowhere where D > 2A and |c| + A < D/2."""
+    window = ((0.8, 1.2), (2.0, 200.0))
+    where = vi.atlas(EQUAL, *window, max_impacts=2, survey=0, guesses=0).without_impacts
+    random = np.random.default_rng(9)
+    seen = set()
+    for _ in range(60):
+        r, factor, c = random.uniform(0.8, 1.2), random.uniform(0.7, 1.4), random.uniform(-1, 1)
+        # the steady motion by hand: x = A sin(rt - lag)
+        amplitude = 1 / abs(1 - r**2 + 2j * EQUAL.xi * r)
+        lag = np.angle(1 - r**2 + 2j * EQUAL.xi * r)
+        clearance = 2 * amplitude * factor
+        free = max(0.0, clearance / 2 - amplitude)
+        state = {
+            "t": 0, "x": -amplitude * np.sin(lag), "x_dot": r * amplitude * np.cos(lag),
+            "z": 0.999 * c * free, "z_dot": 0,
+        }  # fmt: skip
+        run = vi.simulate(EQUAL, r, clearance, 3, state=state)
+        inside = where.r[0] <= r <= where.r[1] and 2 <= clearance <= 200
+        assert bool(where.contains(r, clearance)) == (inside and factor > 1)
+        assert (len(run.events) == 0) == (factor > 1)
+        seen.add(factor > 1)
+    assert seen == {True, False}
+    r, least = where.boundary(41)
+    np.testing.assert_allclose(least, 2 / abs(1 - r**2 + 2j * EQUAL.xi * r), rtol=1e-14)
+    assert not where.contains(r, least * (1 - 1e-12)).any()
+    fits = (least > 2) & (least * (1 + 1e-12) < 200)
+    assert where.contains(r, least * (1 + 1e-12))[fits].all()
+    assert not where.contains([0.79, 1.0], [50.0, 201.0]).any()
+
+
+def test_points_without_impacts_are_where_that_motion_is():
+    """The survey counts a point as one without impacts only where D > 2A; above it there are such points."""
+    atlas = vi.atlas(EQUAL, (0.8, 1.2), (2, 200), max_impacts=2, survey=100, guesses=0)
+    survey = atlas.survey
+    free = survey.outcome == 1 + OUTCOMES.index("without impacts")
+    assert free.sum() == atlas.counts["without impacts"] > 10
+    assert atlas.without_impacts.contains(survey.r[free], survey.clearance[free]).all()
+
+
+def test_chaos_of_the_survey_has_a_positive_exponent():
+    """From the end of a long simulation a point called chaotic has one; transients of chaos may end meanwhile."""
+    window = (0.8, 1.2), (2.0, 8.0)
+    atlas = vi.atlas(EQUAL, *window, max_impacts=2, survey=60, guesses=0)
+    places = np.flatnonzero(atlas.survey.outcome == 1 + OUTCOMES.index("chaotic"))
+    assert len(places) > 10
+    positive = 0
+    for j in places:
+        r, clearance = atlas.survey.r[j], atlas.survey.clearance[j]
+        exponents = vi.lyapunov(EQUAL, r, clearance, cycles=2000, discard=400)
+        positive += bool(exponents.largest > 3 * exponents.standard_error[0])
+    assert positive > 0.8 * len(places)
+
+
 def test_patterns_of_the_paper_are_found(atlas):
     found = {(zone.pattern.sides, zone.symmetric) for zone in atlas.zones}
     assert {("RL", True), ("RL", False), ("RRL", False)} <= found
@@ -59,6 +155,9 @@ def test_file_gives_back_the_same_atlas(atlas, tmp_path):
     atlas.save(path)
     loaded = vi.Atlas.load(path)
     assert loaded.attractors == atlas.attractors
+    assert (loaded.beyond, loaded.counts) == (atlas.beyond, atlas.counts)
+    for name in ("r", "clearance", "outcome"):
+        np.testing.assert_array_equal(getattr(loaded.survey, name), getattr(atlas.survey, name))
     for ours, theirs in zip(atlas.zones, loaded.zones, strict=True):
         assert ours.to_dict() == theirs.to_dict()
         for ring, other in zip(ours.loops, theirs.loops, strict=True):
@@ -80,6 +179,31 @@ def test_threads_do_not_change_the_answer():
     one = vi.atlas(EQUAL, *window, max_impacts=3, survey=20, threads=1)
     two = vi.atlas(EQUAL, *window, max_impacts=3, survey=20, threads=2)
     assert [zone.to_dict() for zone in one.zones] == [zone.to_dict() for zone in two.zones]
+    np.testing.assert_array_equal(one.survey.outcome, two.survey.outcome)
+
+
+def test_file_without_counts_is_read(atlas, tmp_path):
+    """Files of atlases from before the survey was counted: no points, and nothing beyond."""
+    data = atlas.to_dict()
+    del data["survey"], data["beyond"]
+    path = tmp_path / "old.json"
+    path.write_text(json.dumps(data))
+    loaded = vi.Atlas.load(path)
+    assert (len(loaded.survey), loaded.beyond, sum(loaded.counts.values())) == (0, [], 0)
+    assert loaded.attractors == atlas.attractors
+
+
+def test_labelled_data_hold_the_survey(atlas):
+    """Dimensions, codes and their names of what became of each point."""
+    pytest.importorskip("xarray")
+    data = atlas.to_xarray()
+    assert data.sizes["survey_point"] == 60
+    names = data["outcome"].attrs["flag_meanings"].split()
+    for code, name in zip(data["outcome"].attrs["flag_values"], names, strict=True):
+        assert int((data["outcome"] == code).sum()) == atlas.counts[name.replace("_", " ")]
+    assert data["beyond_pattern"].values.tolist() == [
+        f"{item.pattern.sides}/{item.pattern.cycles}" for item in atlas.beyond
+    ]
 
 
 @pytest.mark.parametrize(

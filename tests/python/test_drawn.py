@@ -99,6 +99,23 @@ def test_shared_boundaries_are_drawn_once(results):
         assert covered(unit(piece.r, piece.clearance, atlas), drawn).all()
 
 
+def test_points_that_no_zone_explains_are_marked():
+    """One mark a point, each outcome with a shape of its own, and the number in the legend."""
+    atlas = vi.atlas(FIGURE6, (0.8, 1.2), (2, 200), max_impacts=2, survey=60, guesses=0)
+    ax = atlas.plot()
+    legend = [text.get_text() for text in ax.get_legend().get_texts()]
+    left_out = {"periodic", "without impacts"}
+    shapes = []
+    for name, number in atlas.counts.items():
+        if number and name not in left_out:
+            assert f"{name} ({number})" in legend
+            (marks,) = [item for item in ax.collections if item.get_label() == f"{name} ({number})"]
+            assert len(marks.get_offsets()) == number
+            shapes.append(marks.get_paths()[0].vertices.tobytes())
+    assert len(set(shapes)) == len(shapes) > 1
+    assert any(text.startswith("without impacts") for text in legend)
+
+
 def lines_of(ax):
     """Lines with points."""
     return [line for line in ax.get_lines() if len(line.get_xdata())]

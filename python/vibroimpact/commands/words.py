@@ -64,7 +64,7 @@ def zone_words(zone: Any) -> Words:
 
 
 def atlas_words(atlas: Any) -> Words:
-    """Zones, and attractors in none."""
+    """Zones, what became of the points of the survey, and attractors in no zone."""
     faults = [f"{tag(zone)} {NOT_CLOSED}" for zone in atlas.zones if not zone.closed]
     surveyed = counted(len(atlas.attractors), "attractor")
     if atlas.unexplained:
@@ -72,11 +72,12 @@ def atlas_words(atlas: Any) -> Words:
         faults.append(f"{len(atlas.unexplained)} of {surveyed} in no zone of the pattern: {lost}")
     if not (atlas.zones or faults):
         return [], [
-            "no zone: neither search nor survey found a stable, admissible motion within the limits in the window"
+            "no zone: neither search nor survey found a stable, admissible motion within the limits in the "
+            f"window; {atlas.survey}"
         ], False  # fmt: skip
     loops = [len(zone.loops) for zone in atlas.zones if zone]
     said = f"{counted(len(loops), 'zone')}, {counted(sum(loops), 'loop')}, {surveyed} surveyed"
-    return [said], faults, True
+    return [said, str(atlas.survey)], faults, True
 
 
 def chart_words(data: Any) -> Words:

@@ -25,6 +25,9 @@ MOST_KNOWN = 10_000
 
 #: As the compiled program says it.
 NOT_CLOSED = "not closed: a boundary could not be followed until it closes"
+WITHOUT_IMPACTS = (
+    "without impacts, the free mass at rest: where clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)"
+)
 
 
 def notes(result: Any, number: int = 1) -> list[str]:
@@ -58,9 +61,13 @@ def remarks_of(result: Any, number: int) -> list[str]:
         cut = [
             f"{tag(zone)}: {NOT_CLOSED} (its loop is 0)" for zone in result.zones if not zone.closed
         ]
-        return cut + [
-            f"in no zone of its pattern: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"
-            for item in result.unexplained
+        return [str(result.survey), WITHOUT_IMPACTS, *cut] + [
+            f"{what}: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"
+            for what, items in (
+                ("in no zone of its pattern", result.unexplained),
+                ("beyond the limits", result.beyond),
+            )
+            for item in items
         ]
     if name == "BifurcationDiagram":
         return [

@@ -55,6 +55,18 @@ VARIABLES = {
     "ring_clearance": ("1", "D", "clearance d K/F0 along the loops"),
     "zone": ("1", "", "zone that the piece belongs to"),
     "ring_zone": ("1", "", "zone that the point belongs to"),
+    **{
+        f"{name}_{key}": (unit, symbol, f"{meaning} {of}")
+        for name, of in (
+            ("survey", "of a point of the survey"),
+            ("unexplained", "of a motion in no zone of its pattern"),
+            ("beyond", "of a motion beyond the limits of impacts and cycles"),
+        )
+        for key, unit, symbol, meaning in (
+            ("r", "1", "r", "frequency ratio"), ("clearance", "1", "D", "clearance d K/F0"),
+            ("pattern", "", "", "pattern"),
+        )
+    },
     "sides": ("", "", "walls of the impacts in order"),
     "cycles": ("1", "k", "load cycles in a period"),
     **{
@@ -95,12 +107,25 @@ def to_xarray(result: Any) -> Any:
 
 def described(name: str) -> dict[str, Any]:
     """The attributes of a variable."""
+    if name == "outcome":
+        return outcome_attributes()
     if name in VERDICTS:
         flags = {"flag_values": np.array([1, 0, -1], np.int8), "flag_meanings": "yes no unknown"}
         return {"long_name": f"whether the motion is {name}", "units": "1", **flags}
     unit, symbol, meaning = VARIABLES[name]
     named = {"long_name": meaning, "units": unit, "symbol": symbol}
     return {key: text for key, text in named.items() if text}
+
+
+def outcome_attributes() -> dict[str, Any]:
+    """Of the codes of what became of the points of a survey."""
+    from ..studies.atlas import OUTCOMES
+
+    return {
+        "long_name": "what became of the point of the survey", "units": "1",
+        "flag_values": np.arange(1, len(OUTCOMES) + 1, dtype=np.int8),
+        "flag_meanings": " ".join(name.replace(" ", "_") for name in OUTCOMES),
+    }  # fmt: skip
 
 
 def common(result: Any) -> dict[str, Any]:
@@ -262,7 +287,25 @@ def of_atlas(atlas: Atlas) -> tuple[dict[str, Any], dict[str, Any]]:
         "zone_number",
         np.array([zone.pattern.cycles for zone in atlas.zones], dtype=np.int32),
     )
-    return data, {**system(atlas.osc), "r": list(atlas.r), "clearance": list(atlas.clearance)}
+    data["survey_r"] = ("survey_point", atlas.survey.r)
+    data["survey_clearance"] = ("survey_point", atlas.survey.clearance)
+    data["outcome"] = ("survey_point", np.asarray(atlas.survey.outcome, np.int8))
+    for name, items in (("unexplained", atlas.unexplained), ("beyond", atlas.beyond)):
+        data[f"{name}_r"] = (name, np.array([item.r for item in items], dtype=float))
+        data[f"{name}_clearance"] = (
+            name,
+            np.array([item.clearance for item in items], dtype=float),
+        )
+        data[f"{name}_pattern"] = (
+            name,
+            np.array(
+                [f"{item.pattern.sides}/{item.pattern.cycles}" for item in items], dtype=object
+            ),
+        )
+    return data, {
+        **system(atlas.osc), "r": list(atlas.r), "clearance": list(atlas.clearance), "survey": str(atlas.survey),
+        "without_impacts": "the free mass at rest, where clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)",
+    }  # fmt: skip
 
 
 def zones(found: list[Zone]) -> dict[str, Any]:

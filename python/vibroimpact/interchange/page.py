@@ -45,7 +45,9 @@ def facts(result: Any) -> dict[str, str]:
         return {**window(result), "pieces": counts}
     if name == "Atlas":
         zones = ", ".join(f"{zone.pattern.sides}/{zone.pattern.cycles}" for zone in result.zones)
-        return {**window(result), "zones": zones}
+        seen = {f"survey: {key}": str(points) for key, points in result.counts.items() if points}
+        free = {"without impacts, free mass at rest": "d K/F0 > 2A"}
+        return {**window(result), "zones": zones, **free, **seen}
     return {}
 
 
@@ -80,6 +82,9 @@ def picture(result: Any) -> str:
             style.log_scale(ax, "y")
         kind = {"kind": "history"} if type(result).__name__ in ("Motion", "Trajectory") else {}
         result.plot(ax=ax, **kind)
+        legend = ax.get_legend()
+        if type(result).__name__ == "Atlas" and legend:
+            legend.remove()  # it would be larger than so small a picture
         content = io.BytesIO()
         figure.savefig(content, format="png", dpi=110)
     data = base64.b64encode(content.getvalue()).decode()

@@ -42,6 +42,7 @@ DIMENSIONS: dict[str, dict[str, tuple[str, ...]]] = {
         "theta": ("unknown", "vertex"),
     },
     "Zone": {"loops": ("vertex", "coordinate")},
+    "Survey": dict.fromkeys(("r", "clearance", "outcome"), ("point",)),
 }  # fmt: skip
 #: Those that always have the same size.
 SIZES = {"multiplier": 4, "parameter": 6, "scalar": 6, "verdict": 3, "coordinate": 2}

@@ -23,6 +23,14 @@ LINES = {
 }  # fmt: skip
 
 
+#: Mark and colour of the points of a survey that no zone explains, by outcome: no two differ by colour alone.
+MARKS = {
+    "in no zone": ("*", "#000000"), "beyond the limits": ("^", style.PRIMARY), "chaotic": ("x", "0.45"),
+    "not settled": ("+", style.FREE), "not confirmed": ("D", style.IMPACT),
+    "event limit reached": ("s", style.REST),
+}  # fmt: skip
+
+
 def draw_zone(
     zone: Zone, ax: Any = None, inverse: bool = False, label: str | None = None, color: str | None = None,
     legend: bool = True, drawn: dict[str, list[Any]] | None = None,
@@ -73,7 +81,10 @@ def draw_zone(
 
 
 def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
-    """Draw all zones of an atlas, each filled in a colour and named."""
+    """Draw all zones of an atlas, each filled in a colour and named.
+
+    Hatched is where the motion without impacts exists; marks are the points of the survey that no zone explains.
+    """
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):
@@ -84,11 +95,53 @@ def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
     drawn: dict[str, list[Any]] = {}
     for i, zone in enumerate(sorted(atlas.zones, key=lambda item: -item.area)):
         draw_zone(zone, ax, inverse, None, colors[i % len(colors)], legend=False, drawn=drawn)
+    draw_without_impacts(atlas, ax, inverse)
+    draw_survey(atlas, ax, inverse)
     ax.set_xlim(*atlas.r)
     low, high = atlas.clearance
     ax.set_ylim(*((1 / high, 1 / low) if inverse else (low, high)))
-    ax.legend(**style.ABOVE | {"ncols": 6})
+    ax.legend(**style.ABOVE | {"ncols": 4})
     return ax
+
+
+def draw_without_impacts(atlas: Atlas, ax: Any, inverse: bool) -> None:
+    """Hatch where the free mass can rest untouched, and draw the boundary d K/F0 = 2A."""
+    low, high = atlas.clearance
+    r, least = atlas.without_impacts.boundary()
+    if not (least < high).any():
+        return
+    bounds = np.clip(least, low, high), np.full(len(r), high)
+    lower, upper = (1 / bounds[1], 1 / bounds[0]) if inverse else bounds
+    ax.fill_between(
+        r, lower, upper, where=least < high, facecolor="none", edgecolor="0.75", hatch="....", linewidth=0,
+        label="without impacts ($dK/F_0 > 2A$)", zorder=0,
+    )  # fmt: skip
+    inside = np.where((low <= least) & (least <= high), least, np.nan)
+    curve = np.c_[r, 1 / inside if inverse else inside]
+    from matplotlib.collections import LineCollection
+
+    ax.add_collection(
+        LineCollection([curve], colors="0.4", linestyles=[(0, (8, 2, 2, 2))], linewidths=1.0)
+    )
+
+
+def draw_survey(atlas: Atlas, ax: Any, inverse: bool) -> None:
+    """Mark the points of the survey that no zone explains, each outcome with a mark of its own."""
+    from ..studies.atlas import OUTCOMES
+
+    survey = atlas.survey
+    places = {
+        name: np.c_[survey.r, survey.clearance][survey.outcome == code]
+        for code, name in enumerate(OUTCOMES, start=1)
+    }
+    places["in no zone"] = np.array([item[:2] for item in atlas.unexplained]).reshape(-1, 2)
+    for name, (mark, color) in MARKS.items():
+        r, clearance = places[name].T
+        if r.size:
+            ax.scatter(
+                r, 1 / clearance if inverse else clearance, s=12, marker=mark, color=color, linewidths=0.7,
+                facecolors=None if mark in "x+" else "none", label=f"{name} ({r.size})", zorder=3,
+            )  # fmt: skip
 
 
 def scaled(zone: Zone, piece: Piece) -> NDArray[np.float64]:

@@ -3,31 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, checks
 from ..errors import ParameterError
-from ..find import side_patterns
 from ..interchange import namelist
 from ..interchange.result import Result, load
-from ..interrupt import interruptible
+from ..interrupt import interruptible, new_tally
 from ..model import Oscillator, Pattern
-from .conditions import can_be_symmetric
+from ..status import MORE_EVENTS
 from .settling import thread_count
-from .zone import Window, Zone, checked_window
-from .zone_search import ROOM, assemble
+from .zone import Window, Zone, ZoneSearch, checked_window
+from .zone_search import ROOM, named_pieces
 
-__all__ = ["Atlas", "Attractor", "atlas"]
+__all__ = ["Atlas", "Attractor", "Survey", "WithoutImpacts", "atlas"]
 
 _Array = NDArray[np.float64]
 #: The core's letters.
 LETTERS = {1: "R", -1: "L", 2: "R*", -2: "L*"}
+#: What can become of a point of a survey, in the order of the core's codes, which begin with 1.
+OUTCOMES = tuple(_core.outcome_text(code).tobytes().decode().strip() for code in range(1, 8))
+PERIODIC, BEYOND = 1, 2
 
 
 class Attractor(NamedTuple):
@@ -36,6 +37,102 @@ class Attractor(NamedTuple):
     r: float
     clearance: float
     pattern: Pattern
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Survey:
+    """What became of each point from which a simulation was left to settle.
+
+    Attributes
+    ----------
+    r, clearance : ndarray (N,)
+        The points.
+    outcome : ndarray of int (N,)
+        What became of each:
+
+        1. periodic: a stable periodic motion within the limits of impacts and cycles, which Newton's method
+           confirms;
+        2. beyond the limits: a stable periodic motion with more impacts, or more load cycles (up to 16), which
+           Newton's method confirms too;
+        3. without impacts: the free mass rests, and M, whose free vibration still decays, can no more reach it;
+        4. chaotic: the largest Lyapunov exponent is positive by more than four standard errors and 0.002 a load
+           cycle; a chaotic transient that lasts longer than the simulation counts as chaos;
+        5. not settled: none of these after four times the `settling` of the atlas: quasi-periodic motions, very
+           slow transients, a free mass that drifts for a long time between two impacts;
+        6. not confirmed: the simulation repeats itself, but Newton's method confirms no stable motion;
+        7. event limit reached: the simulation has too many events to be carried to its end.
+    """
+
+    r: _Array = field(default_factory=lambda: np.empty(0))
+    clearance: _Array = field(default_factory=lambda: np.empty(0))
+    outcome: NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many points there are of each outcome; their sum is the number of points."""
+        return {
+            name: int(np.count_nonzero(self.outcome == code))
+            for code, name in enumerate(OUTCOMES, start=1)
+        }
+
+    def __len__(self) -> int:
+        return len(self.outcome)
+
+    def __str__(self) -> str:
+        each = ", ".join(f"{number} {name}" for name, number in self.counts.items() if number)
+        points = f"survey of {len(self)} point{'' if len(self) == 1 else 's'}"
+        return f"{points}: {each}" if each else points
+
+    def __repr__(self) -> str:
+        return f"<{str(self).capitalize()}>"
+
+
+@dataclass(frozen=True)
+class WithoutImpacts:
+    """Where in a window the free mass can rest in the slot and never be touched: d K/F0 > 2A.
+
+    Without impacts M moves as A sin(rt - lag), A = 1/sqrt((1 - r^2)^2 + (2 xi r)^2), and a free mass at rest
+    stays where it is, at z = c. It is never touched if |c - x| < D/2 at all times, that is if |c| + A < D/2. Such
+    c exist where D > 2A, and then all of |c| < D/2 - A will do: the position of the free mass is neutral. Two
+    multipliers of this motion are those of M alone, exp((-xi +- i sqrt(1 - xi^2)) 2 pi/r); the other two are 1: a
+    displaced free mass stays displaced, and one with the slightest velocity drifts until it meets a wall. So the
+    motion is not asymptotically stable, no `Zone` holds it, and simulations reach it only with the free mass at
+    rest.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    r, clearance : (float, float)
+        The window.
+    """
+
+    osc: Oscillator
+    r: tuple[float, float]
+    clearance: tuple[float, float]
+
+    def least_clearance(self, r: ArrayLike) -> _Array:
+        """2A, the clearance above which the motion exists, by the closed form."""
+        r = checks.real_array(r, "r", "real numbers")
+        with np.errstate(divide="ignore"):
+            return np.asarray(2 / np.hypot((1 - r) * (1 + r), 2 * self.osc.xi * r))
+
+    def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the motion without impacts exists at points; False outside the window."""
+        r, clearance = np.broadcast_arrays(
+            checks.real_array(r, "r", "real numbers"),
+            checks.real_array(clearance, "clearance", "real numbers"),
+        )
+        inside = (self.r[0] <= r) & (r <= self.r[1])
+        inside &= (self.clearance[0] <= clearance) & (clearance <= self.clearance[1])
+        return np.asarray(inside & (clearance > self.least_clearance(r)))
+
+    def boundary(self, points: int = 401) -> tuple[_Array, _Array]:
+        """The curve (r, 2A) over the window's r; parts of it may lie below or above the window."""
+        r = np.linspace(*self.r, checks.integer(points, "points", 2, 10**6))
+        return r, self.least_clearance(r)
+
+    def __repr__(self) -> str:
+        return "<WithoutImpacts: where d K/F0 > 2A>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,6 +152,10 @@ class Atlas(Result):
         What the survey by simulation settled on, within the limits of impacts and cycles.
     unexplained : list of Attractor
         Those that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
+    beyond : list of Attractor
+        Stable periodic motions beyond the limits that the survey met.
+    survey : Survey
+        Every point of the survey and what became of it.
     case : str
         What was asked for as a namelist (see `to_namelist`).
     """
@@ -65,10 +166,25 @@ class Atlas(Result):
     zones: list[Zone]
     attractors: list[Attractor]
     unexplained: list[Attractor]
+    beyond: list[Attractor] = field(default_factory=list)
+    survey: Survey = field(default_factory=Survey)
     case: str = ""
 
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many points of the survey there are of each outcome (see `Survey`)."""
+        return self.survey.counts
+
+    @property
+    def without_impacts(self) -> WithoutImpacts:
+        """Where the motion without impacts exists: the free mass at rest, never touched."""
+        return WithoutImpacts(self.osc, self.r, self.clearance)
+
     def at(self, r: float, clearance: float) -> list[Zone]:
-        """The zones that contain a point: the stable motions there."""
+        """The zones that contain a point: the stable motions with impacts there.
+
+        Whether the motion without impacts exists there too is told by `without_impacts.contains`.
+        """
         return [zone for zone in self.zones if bool(zone.contains(r, clearance))]
 
     def explains(self, attractor: Attractor) -> bool:
@@ -86,16 +202,18 @@ class Atlas(Result):
         return atlas
 
     def plot(self, ax: Any = None, inverse: bool = False) -> Any:
-        """Draw all zones, each with its name; returns the Axes."""
+        """Draw all zones, each with its name, and the points of the survey that no zone explains.
+
+        Returns the Axes.
+        """
         from ..plot.zone import draw_atlas
 
         return draw_atlas(self, ax, inverse)
 
     def __repr__(self) -> str:
         gaps = f", {len(self.unexplained)} attractors unexplained" if self.unexplained else ""
-        return (
-            f"<Atlas of {len(self.zones)} zones, {len(self.attractors)} attractors surveyed{gaps}>"
-        )
+        seen = f"; {self.survey}" if len(self.survey) else ""
+        return f"<Atlas of {len(self.zones)} zones, {len(self.attractors)} attractors surveyed{gaps}{seen}>"
 
 
 def turns(pattern: Pattern) -> list[str]:
@@ -155,6 +273,7 @@ def atlas(
     R1 = R2) and from a survey by simulation over the window, which also finds those with rest. Each pattern's
     `zone` is traced; the surveyed attractors are seeds of it. Attractors that lie in no zone of their pattern
     afterwards are sought once more on a finer lattice, and listed as `unexplained` if that does not help.
+    Every point of the survey is counted by what became of it (`Atlas.counts`, see `Survey`).
 
     Parameters
     ----------
@@ -185,6 +304,10 @@ def atlas(
     >>> small = vi.atlas(osc, (1.0, 1.1), (20, 60), max_impacts=3, survey=20)
     >>> sorted({zone.pattern.sides for zone in small.zones})
     ['RL', 'RRL']
+    >>> sum(small.counts.values())
+    20
+    >>> small.without_impacts.contains(1.04, [20.0, 30.0]).tolist()
+    [False, True]
     """
     checks.instance(osc, "osc", Oscillator)
     window = checked_window(osc, r, clearance)
@@ -200,87 +323,96 @@ def atlas(
         **namelist.window(*window), "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey,
         "settling": settling, "lines": lines, "guesses": guesses, "max_points": max_points,
     })  # fmt: skip
-    tell = progress or (lambda share, what: None)
-    tell(0.0, "survey by simulation")
-    attractors, guesses_of = surveyed(
-        osc, window, survey, settling, max_impacts, max_cycles, workers
+    tally = new_tally()  # the core keeps it up to date while it runs
+
+    def watch() -> None:
+        if progress:
+            progress(float(tally[0] / max(1, tally[1])), "survey and zones")
+
+    arrays = core_arrays(
+        (survey, osc.xi, osc.mu, osc.restitution, *window, max_cycles, settling, lines, guesses, max_points,
+         workers),
+        max_impacts, tally, watch if progress else None,
+    )  # fmt: skip
+    points, attractors, lost, beyond = surveyed(arrays)
+    if progress:
+        progress(1.0, "done")
+    return Atlas(
+        osc, *window, zones_of(osc, window, arrays), attractors, lost, beyond, points, asked
     )
-    families = families_of(osc, attractors, max_impacts, max_cycles)
 
-    def trace(family: tuple[Pattern, bool], finer: int = 1) -> Zone:
-        pattern, symmetric = family
-        seeds = [
-            seed
-            for seed, item in zip(guesses_of, attractors, strict=True)
-            if item.pattern == pattern
-        ]
-        table = np.array(seeds).reshape(len(seeds), 2 + 2 * len(pattern)).T
-        lattice = min(129, finer * (lines - 1) + 1)
-        return assemble(
-            osc,
-            pattern,
-            window,
-            symmetric,
-            [symmetric],
-            lattice,
-            guesses,
-            np.asfortranarray(table),
-            max_points,
+
+def core_arrays(
+    arguments: tuple[Any, ...], max_impacts: int, tally: NDArray[np.int32],
+    watch: Callable[[], None] | None,
+) -> dict[str, NDArray[Any]]:  # fmt: skip
+    """The core's atlas, in arrays that have room for it: what is not written to takes no memory."""
+    rooms = (1000, 4 * ROOM, 4000, 100 * arguments[0] + 10_000)
+    while True:
+        sheets, vertices, loops, letters = rooms
+        room: dict[str, NDArray[Any]] = {
+            "patterns": np.empty((max_impacts, sheets), np.int32, order="F"),
+            "sheets": np.empty((9, sheets), np.int32, order="F"),
+            "vertices": np.empty((5, vertices), order="F"),
+            "unknowns": np.empty((2 * max_impacts, vertices), order="F"),
+            "labels": np.empty((4, vertices), np.int32, order="F"),
+            "loops": np.empty((2, loops), np.int32, order="F"),
+            "inside": np.empty((2, loops), order="F"),
+            "letters": np.empty(letters, np.int32),
+        }
+        places, outcomes, sizes, status = interruptible(
+            _core.atlas, *arguments, tally, *room.values(), watch=watch, tally=tally
         )
+        if int(status) != MORE_EVENTS:
+            room["sheets"] = room["sheets"][:, : sizes[0]]
+            return room | {"places": places, "outcomes": outcomes}
+        rooms = tuple(np.maximum(rooms, sizes).tolist())
+        tally[:] = 0
 
-    zones: dict[tuple[Pattern, bool], Zone] = {}
-    with ThreadPoolExecutor(workers) as pool:
-        for i, (family, zone) in enumerate(zip(families, pool.map(trace, families), strict=True)):
-            zones[family] = zone
-            tell((i + 1) / (len(families) + 1), f"zone of {family[0].sides}/{family[0].cycles}")
 
-    def result() -> Atlas:
-        found = [zone for zone in zones.values() if zone or not zone.closed]
-        return Atlas(
-            osc, *window, found, attractors, unexplained(osc, found, attractors), asked
+def zones_of(osc: Oscillator, window: Window, arrays: dict[str, NDArray[Any]]) -> list[Zone]:
+    """The zones in the core's arrays that have a boundary."""
+    zones = []
+    vertex = loop = 0
+    for j in range(arrays["sheets"].shape[1]):
+        cycles, symmetric, size, count, *work = arrays["sheets"][:, j].tolist()
+        pattern = pattern_of(arrays["patterns"][:, j], cycles)
+        here, own = slice(vertex, vertex + size), slice(loop, loop + count)
+        vertex, loop = vertex + size, loop + count
+        pieces, rings, closed = named_pieces(
+            osc, pattern, window, bool(symmetric), arrays["vertices"][:, here],
+            arrays["unknowns"][: 2 * len(pattern), here], arrays["labels"][:, here],
+            arrays["loops"][:, own], arrays["inside"][:, own],
         )  # fmt: skip
-
-    found = result()
-    again = [f for f in families if f[0] in {item.pattern for item in found.unexplained}]
-    if again:
-        with ThreadPoolExecutor(workers) as pool:
-            for family, zone in zip(again, pool.map(lambda f: trace(f, 2), again), strict=True):
-                zones[family] = zone
-        found = result()
-    tell(1.0, "done")
-    return found
-
-
-def families_of(
-    osc: Oscillator, attractors: list[Attractor], max_impacts: int, max_cycles: int
-) -> list[tuple[Pattern, bool]]:
-    """Patterns without rest up to a size and those with rest that were seen, each with its symmetry.
-
-    They come in the order of the core's find_atlas, which does the same for namelists.
-    """
-    mirrored = osc.restitution[0] == osc.restitution[1]
-    patterns = list(side_patterns(max_impacts, max_cycles, mirrored=mirrored))
-    patterns += [item.pattern for item in attractors if item.pattern.has_rest]
-    return [
-        (pattern, symmetric)
-        for pattern in dict.fromkeys(patterns)
-        for symmetric in ((True, False) if can_be_symmetric(osc, pattern) else (False,))
-    ]
+        closed = closed and work[2] == 0
+        search = ZoneSearch(work[0], work[1], work[2], (work[3], work[4]))
+        if rings or not closed:
+            zones.append(
+                Zone(osc, pattern, *window, bool(symmetric), pieces, rings, closed, search)
+            )
+    return zones
 
 
 def surveyed(
-    osc: Oscillator, window: Window, points: int, settling: int, max_impacts: int, max_cycles: int,
-    threads: int,
-) -> tuple[list[Attractor], list[_Array]]:  # fmt: skip
-    """What simulations over the window settle on, each with its unknowns as a seed of its zone."""
-    places, letters, cycles, unknowns = interruptible(
-        _core.survey, points, max_impacts, osc.xi, osc.mu, osc.restitution, *window, settling, max_cycles,
-        threads,
-    )  # fmt: skip
-    attractors, seeds = [], []
-    for j in np.flatnonzero(cycles).tolist():
-        codes = letters[:, j][letters[:, j] != 0].tolist()
-        pattern = Pattern("".join(LETTERS[code] for code in codes), int(cycles[j]))
-        attractors.append(Attractor(float(places[0, j]), float(places[1, j]), pattern))
-        seeds.append(np.r_[places[:, j], unknowns[: 2 * len(codes), j]])
-    return attractors, seeds
+    arrays: dict[str, NDArray[Any]],
+) -> tuple[Survey, list[Attractor], list[Attractor], list[Attractor]]:
+    """Every point of the survey; the attractors within the limits, those in no zone, and those beyond."""
+    places, outcomes = arrays["places"], arrays["outcomes"]
+    kept: dict[int, list[Attractor]] = {PERIODIC: [], BEYOND: []}
+    lost = []
+    last = 0
+    for j in np.flatnonzero(outcomes[2]).tolist():
+        outcome, cycles, size, explained = outcomes[:, j].tolist()
+        first, last = last, last + size
+        pattern = pattern_of(arrays["letters"][first:last], cycles)
+        item = Attractor(float(places[0, j]), float(places[1, j]), pattern)
+        kept[outcome].append(item)
+        if outcome == PERIODIC and not explained:
+            lost.append(item)
+    points = Survey(places[0].copy(), places[1].copy(), outcomes[0].copy())
+    return points, kept[PERIODIC], lost, kept[BEYOND]
+
+
+def pattern_of(codes: NDArray[np.int32], cycles: int) -> Pattern:
+    """The pattern of the core's letters; zeros after them are none."""
+    return Pattern("".join(LETTERS[code] for code in codes.tolist() if code), cycles)

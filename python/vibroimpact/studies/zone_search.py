@@ -211,12 +211,31 @@ def one_family(
         _core.zone, osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric,
         *window, lines, guesses, max_points, seeds, tally, ROOM, LOOPS, watch=watch, tally=tally,
     )  # fmt: skip
+    pieces, rings, all_closed = named_pieces(
+        osc,
+        pattern,
+        window,
+        symmetric,
+        vertices,
+        unknowns,
+        labels,
+        loops[:, : int(n_loops)],
+        inside,
+    )
+    return pieces, rings, all_closed and int(status) != MORE_EVENTS and int(work[2]) == 0, work
+
+
+def named_pieces(
+    osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool, vertices: _Array, unknowns: _Array,
+    labels: NDArray[np.int32], loops: NDArray[np.int32], inside: _Array,
+) -> tuple[list[Piece], list[_Array], bool]:  # fmt: skip
+    """Pieces, rings, and whether all are closed, of the loops that the core traced one after the other."""
     mirrored = not symmetric and can_be_symmetric(osc, pattern)
     pieces: list[Piece] = []
     rings: list[_Array] = []
-    all_closed = int(status) != MORE_EVENTS and int(work[2]) == 0
+    all_closed = True
     first = 0
-    for i in range(int(n_loops)):
+    for i in range(loops.shape[1]):
         count, closed = loops[:, i].tolist()
         here = slice(first, first + count)
         first += count
@@ -236,7 +255,7 @@ def one_family(
                 closed == 1,
             )
         )
-    return pieces, rings, all_closed, work
+    return pieces, rings, all_closed
 
 
 def letter_codes(pattern: Pattern) -> NDArray[np.int32]:

@@ -1,0 +1,117 @@
+!> What can become of a point of a survey, and how it is told apart.
+module vi_survey_outcome
+   use vi_attractor_known, only: exact_period, known_type
+   use vi_attractor_lyapunov, only: largest_exponent
+   use vi_drive, only: drive_type, state_type, two_pi
+   use vi_kinds, only: wp
+   use vi_oscillator, only: eta
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: count_outcomes, is_chaotic, is_free, stable_period
+
+   !> A stable periodic motion within the limits of letters and cycles; one beyond them; the free
+   !! mass at rest, never touched; a positive Lyapunov exponent; none of these so far; repeats
+   !! itself, but Newton's method confirms no stable motion; too many events.
+   integer, parameter, public :: periodic = 1, beyond = 2, no_impacts = 3, chaotic = 4, &
+      not_settled = 5, not_confirmed = 6, event_limit = 7
+   character(20), parameter, public :: outcome_names(7) = [character(20) :: 'periodic', &
+      'beyond the limits', 'without impacts', 'chaotic', 'not settled', 'not confirmed', &
+      'event limit reached']
+
+   !> Letters of a pattern at most.
+   integer, parameter :: most_letters = 1000
+   !> Least largest exponent of chaos per load cycle, and over its standard error.
+   real(wp), parameter :: least_chaos = 2.0e-3_wp, least_ratio = 4
+
+contains
+
+   !> How many points there are of each outcome.
+   pure function count_outcomes(outcomes) result(counts)
+      integer, intent(in) :: outcomes(:)
+      integer :: counts(size(outcome_names))
+      integer :: i
+
+      counts = [(count(outcomes == i), i=1, size(counts))]
+   end function count_outcomes
+
+   !> Whether the free mass is at rest and no wall ever reaches it.
+   !!
+   !! The primary mass moves as A sin(rt - lag) and a free vibration that decays from where it is
+   !! now: its sum of amplitudes bounds |x| from here on.
+   pure logical function is_free(drive, state)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      real(wp) :: x, x_dot, most
+
+      is_free = .false.
+      if (state%side /= 0 .or. state%resting .or. abs(state%z_dot) > 0) return
+      associate (osc => drive%osc, angle => state%phase - drive%lag)
+         x = state%x - drive%amplitude*sin(angle)
+         x_dot = state%x_dot - drive%r*drive%amplitude*cos(angle)
+         most = drive%amplitude + hypot(x, (x_dot + osc%xi*x)/eta(osc%xi))
+      end associate
+      is_free = abs(state%z) + most < 0.5_wp*drive%clearance
+   end function is_free
+
+   !> The letters of the stable periodic motion that a state is on, by Newton's method on the map
+   !! over the period; none if there is no such motion.
+   subroutine stable_period(drive, state, cycles, letters, shorter)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      !> Load cycles of the period.
+      integer, intent(in) :: cycles
+      integer, allocatable, intent(out) :: letters(:)
+      !> Its period is a part of the cycles: a simulation that nears it slowly can look like that.
+      logical, intent(out) :: shorter
+      type(known_type) :: known
+      logical :: good
+
+      call exact_period(drive, [state%phase/drive%r, state%x, state%x_dot, state%z, state%z_dot], &
+         cycles, known, good)
+      if (good) good = size(known%letters) <= most_letters
+      if (good) good = any(known%letters > 0) .and. any(known%letters < 0)
+      shorter = .false.
+      if (good) shorter = is_shorter(drive, known)
+      allocate (letters(0))
+      if (good) letters = known%letters
+   end subroutine stable_period
+
+   !> Whether a motion repeats itself after a part of its period already.
+   pure logical function is_shorter(drive, known)
+      type(drive_type), intent(in) :: drive
+      type(known_type), intent(in) :: known
+      real(wp) :: off(4)
+      integer :: parts, n
+
+      is_shorter = .false.
+      n = size(known%targets)
+      do parts = 2, known%cycles
+         if (modulo(known%cycles, parts) /= 0 .or. modulo(n, parts) /= 0) cycle
+         associate (one => known%targets(1), other => known%targets(1 + n/parts))
+            off = (one%middle - other%middle)/drive%clearance
+            off(one%n) = one%middle(one%n) - other%middle(one%n)
+            off(one%n) = off(one%n) - two_pi*anint(off(one%n)/two_pi)
+            is_shorter = one%side == other%side .and. all(abs(off) < 1.0e-6_wp)
+         end associate
+         if (is_shorter) return
+      end do
+   end function is_shorter
+
+   !> Whether the largest Lyapunov exponent from a state on is positive beyond doubt.
+   subroutine is_chaotic(drive, state, cycles, chaos)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(in) :: state
+      !> Load cycles of each of ten batches.
+      integer, intent(in) :: cycles
+      logical, intent(out) :: chaos
+      real(wp) :: largest, deviation
+      integer :: status
+
+      call largest_exponent(drive, state, 0, cycles, 10, largest, deviation, status)
+      chaos = status == stat%ok
+      if (chaos) chaos = largest > least_chaos .and. largest > least_ratio*deviation
+   end subroutine is_chaotic
+
+end module vi_survey_outcome
