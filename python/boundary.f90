@@ -333,8 +333,7 @@ end subroutine extreme_positions
 
 !> The periodic motion with rest near a release at (phase, v) on a wall; its events over one period.
 subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, room, point, &
-   multipliers, &
-      residual, values, labels, n_events, status)
+   multipliers, residual, values, labels, n_events, stable, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_oscillator, only: oscillator_type
    use vi_rest_motion, only: solve_rest_motion
@@ -346,15 +345,14 @@ subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, r
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, guess(2)
    real(c_double), intent(out) :: point(2), residual, values(7, room)
    complex(c_double_complex), intent(out) :: multipliers(4)
-   integer(c_int), intent(out) :: labels(2, room), n_events, status
+   integer(c_int), intent(out) :: labels(2, room), n_events, stable, status
    type(event_type), allocatable :: events(:)
 
    allocate (events(room))
    point = guess
    n_events = 0
    call solve_rest_motion(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), side, &
-      cycles, &
-      point, multipliers, residual, events, n_events, status)
+      cycles, point, multipliers, residual, events, n_events, status, stable)
    call store_events(events(:n_events), r, values, labels)
 end subroutine rest_motion
 

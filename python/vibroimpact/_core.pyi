@@ -234,7 +234,7 @@ class _ExtremePositions(Protocol):
 
 @type_check_only
 class _RestMotion(Protocol):
-    # point, multipliers, residual, values, labels, n_events, status
+    # point, multipliers, residual, values, labels, n_events, stable, status
     def __call__(
         self,
         xi: float,
@@ -247,7 +247,7 @@ class _RestMotion(Protocol):
         cycles: int,
         guess: ArrayLike,
         room: int,
-    ) -> tuple[_Real, _Complex, float, _Real, _Integer, int, int]: ...
+    ) -> tuple[_Real, _Complex, float, _Real, _Integer, int, int, int]: ...
 
 @type_check_only
 class _SearchPattern(Protocol):

@@ -177,7 +177,7 @@ def release_motion(
     guess: NDArray[np.float64],
 ) -> Motion:  # fmt: skip
     """Newton's method on the return map from a guess of (phase, v) at a release on a wall."""
-    _, multipliers, residual, numbers, labels, n, status = _core.rest_motion(
+    _, multipliers, residual, numbers, labels, n, stable, status = _core.rest_motion(
         osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, REST_EVENTS
     )
     raise_status(int(status))
@@ -200,7 +200,7 @@ def release_motion(
         osc, r, clearance, pattern, impact_restitution(osc, pattern, None), frozen(first["time"] * r),
         x, frozen(z), before, after, z_before, z_after, amplitude,
         math.remainder(float(first["phase"][0]) - lag(osc, r), TWO_PI), residual, multipliers,
-        residual < 1e-9, True, bool(np.all(np.abs(multipliers) < 1)), x_min if whole else math.nan,
+        residual < 1e-9, True, VERDICT[int(stable)], x_min if whole else math.nan,
         x_max if whole else math.nan, load=load, rest_events=table,
     )  # fmt: skip
 

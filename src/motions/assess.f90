@@ -13,7 +13,8 @@ module vi_assess
    implicit none (type, external)
    private
 
-   public :: admission, assess_exact, assess_flights, assess_linear, consistency, stability
+   public :: admission, assess_exact, assess_flights, assess_linear, consistency, plane_stability, &
+      stability
 
    !> The residual that the 1983 paper accepted for N > 2.
    real(wp), parameter, public :: paper_acceptance = 0.03_wp
@@ -112,6 +113,23 @@ contains
       stability = unknown
       if (abs(largest - 1) > neutral) stability = verdict(largest < 1)
    end function stability
+
+   !> `stable` from the derivative of a map of the plane: of a motion with rest.
+   !!
+   !! Both eigenvalues lie inside the unit circle if all three of Jury's conditions hold. An
+   !! accumulation of many impacts costs digits: the entries are right to about 1e-10 of the largest.
+   pure integer function plane_stability(j) result(stable)
+      real(wp), intent(in) :: j(2, 2)
+      real(wp) :: trace, determinant, conditions(3), doubt
+
+      trace = j(1, 1) + j(2, 2)
+      determinant = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
+      conditions = [1 - trace + determinant, 1 + trace + determinant, 1 - determinant]
+      doubt = 1.0e-9_wp*(1 + maxval(abs(j)))**2
+      stable = unknown
+      if (all(conditions > doubt)) stable = yes
+      if (any(conditions < -doubt)) stable = no
+   end function plane_stability
 
    !> `admissible` from whether all conditions hold, as far as the flights were examined.
    elemental integer function admission(holds, complete)

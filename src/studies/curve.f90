@@ -10,8 +10,8 @@ module vi_curve
    use vi_linear, only: eliminate, most
    use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, orbit_by_parameter, &
       orbit_slopes, orbit_type, set_orbit, span_of
-   use vi_rest_conditions, only: value_in_period
-   use vi_rest_family, only: rest_period, rest_period_type
+   use vi_rest_conditions, only: measure_in_period
+   use vi_rest_family, only: measure_type, rest_period, rest_period_type
    use vi_slopes, only: has_slope, value_and_slope
    implicit none (type, external)
    private
@@ -42,14 +42,13 @@ contains
       !! negligible, tells it as well.
       real(wp), intent(out), optional :: tangent(:)
       real(wp) :: a(most, most), b(2, most), start(most), moved, before, residual
-      logical :: regular, simulated
+      logical :: regular
       integer :: i, n
 
       n = size(point)
       start(:n) = point
       iterations = 0
       moved = huge(moved)
-      simulated = curve%frame%resting .and. any(conditions%kind <= neimark_sacker)
       do i = 1, most_iterations
          call equations(curve, conditions, point, b, a)
          if (present(normal)) then
@@ -62,10 +61,9 @@ contains
          moved = maxval(abs(b(1, :n)))
          if (.not. moved < 0.5_wp) return
          point = point - b(1, :n)
-         ! what is left after this step is below rounding; the multipliers of a simulated map are
-         ! differences, and so less sharp; and where a fold leaves a pitchfork the equations are met
-         ! to rounding before the place is known as well as that
-         if (moved < merge(1.0e-6_wp, 1.0e-8_wp, simulated) .or. (residual < rounding .and. &
+         ! what is left after this step is below rounding; and where a fold leaves a pitchfork the
+         ! equations are met to rounding before the place is known as well as that
+         if (moved < 1.0e-8_wp .or. (residual < rounding .and. &
             moved < 1.0e-4_wp .and. moved > 0.9_wp*before)) then
             if (in_order(curve, point)) iterations = i
             if (present(tangent)) tangent = b(2, :n)/norm2(b(2, :n))
@@ -122,28 +120,62 @@ contains
       end do
    end subroutine equations
 
-   !> The same for motions with rest, whose map is simulated: the derivatives are differences.
+   !> The same for motions with rest.
    pure subroutine rest_equations(curve, conditions, point, b, a)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       real(wp), intent(in) :: point(:)
       real(wp), intent(inout) :: b(2, most), a(most, most)
-      real(wp), parameter :: h = 1.0e-7_wp
-      real(wp) :: moved(size(point))
+      type(rest_period_type) :: period
+      type(measure_type) :: measure
+      real(wp) :: c(n_parameters)
       integer :: j, n
 
       n = 2 + size(conditions)
-      b(1, :n) = rest_values(curve, conditions, point)
-      do j = 1, size(point)
-         moved = point
-         moved(j) = point(j) + h
-         a(j, :n) = (rest_values(curve, conditions, moved) - b(1, :n))/h
+      b(1, :n) = at_fault
+      a(:size(point), :n) = 0
+      c = parameters_of(curve, point)
+      call rest_period(curve%frame%rest, point(:2), c, period)
+      if (.not. period%right) return
+      do j = 1, 2
+         b(1, j) = period%finish(j)%value - point(j)
+         a(:4, j) = period%finish(j)%by
+         a(j, j) = a(j, j) - 1
+      end do
+      do j = 1, size(conditions)
+         measure = measure_in_period(period, c, conditions(j))
+         b(1, 2 + j) = measure%value
+         a(:4, 2 + j) = measure%by
+      end do
+      do j = 1, n
+         call to_point(curve, a(:, j))
       end do
       do j = 1, size(conditions)
          if (conditions(j)%kind > neimark_sacker) cycle
-         call condition_slope(curve, conditions(j), point, b(1, 2 + j), a(:size(point), 2 + j))
+         call differences(curve, conditions(j), point, 1, a(:size(point), 2 + j))
       end do
+      if (any(curve%active > by_clearance)) call rest_differences(curve, conditions, point, a)
    end subroutine rest_equations
+
+   !> The derivatives of these equations by parameters other than r and log(D), by differences.
+   pure subroutine rest_differences(curve, conditions, point, a)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
+      real(wp), intent(in) :: point(:)
+      real(wp), intent(inout) :: a(most, most)
+      real(wp), parameter :: h = 1.0e-6_wp
+      real(wp) :: moved(size(point)), ahead(2 + size(conditions))
+      integer :: k
+
+      do k = 1, size(curve%active)
+         if (curve%active(k) <= by_clearance) cycle
+         moved = point
+         moved(2 + k) = point(2 + k) + h
+         ahead = rest_values(curve, conditions, moved)
+         moved(2 + k) = point(2 + k) - h
+         a(2 + k, :size(ahead)) = (ahead - rest_values(curve, conditions, moved))/(2*h)
+      end do
+   end subroutine rest_differences
 
    !> Residual of a period with rest, and the conditions that the same period gives.
    pure function rest_values(curve, conditions, point) result(values)
@@ -152,6 +184,7 @@ contains
       real(wp), intent(in) :: point(:)
       real(wp) :: values(2 + size(conditions))
       type(rest_period_type) :: period
+      type(measure_type) :: measure
       real(wp) :: c(n_parameters)
       integer :: j
 
@@ -159,9 +192,12 @@ contains
       c = parameters_of(curve, point)
       call rest_period(curve%frame%rest, point(:2), c, period)
       if (.not. period%right) return
-      values(:2) = period%finish - point(:2)
+      do j = 1, 2
+         values(j) = period%finish(j)%value - point(j)
+      end do
       do j = 1, size(conditions)
-         values(2 + j) = value_in_period(period, c, conditions(j))
+         measure = measure_in_period(period, c, conditions(j))
+         values(2 + j) = measure%value
       end do
    end function rest_values
 
@@ -176,14 +212,33 @@ contains
 
       c = parameters_of(curve, point)
       if (curve%frame%resting) then
-         value = condition_value(curve%frame, unknowns_of(curve, point), c, condition)
-         call differences(curve, condition, point, 1, slope)
+         call rest_slope(curve, condition, point, c, value, slope)
       else
          call set_orbit(curve%frame%family, unknowns_of(curve, point), c, o)
          call orbit_slope(curve, condition, point, c, o, value, whole)
          slope = whole(:size(slope))
       end if
    end subroutine condition_slope
+
+   !> The same for a motion with rest.
+   pure subroutine rest_slope(curve, condition, point, c, value, slope)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: condition
+      real(wp), intent(in) :: point(:), c(:)
+      real(wp), intent(out) :: value, slope(:)
+      type(rest_period_type) :: period
+      type(measure_type) :: measure
+      real(wp) :: whole(most)
+
+      call rest_period(curve%frame%rest, point(:2), c, period)
+      measure = measure_in_period(period, c, condition)
+      value = measure%value
+      whole(:4) = measure%by
+      call to_point(curve, whole)
+      slope = whole(:size(slope))
+      if (condition%kind <= neimark_sacker .or. any(curve%active > by_clearance)) &
+         call differences(curve, condition, point, 1, slope)
+   end subroutine rest_slope
 
    !> The same from the orbit of the point; what is not known in closed form, by differences.
    pure subroutine orbit_slope(curve, condition, point, c, o, value, slope)
@@ -214,22 +269,15 @@ contains
       integer, intent(in) :: first
       real(wp), intent(inout) :: slope(:)
       real(wp) :: moved(size(point)), h
-      integer :: i, j
+      integer :: j
 
       h = 1.0e-6_wp
-      if (curve%frame%resting) h = merge(1.0e-4_wp, 1.0e-7_wp, condition%kind <= neimark_sacker)
-      ! the derivative of a simulated map is a difference itself, and so less smooth; near the end
-      ! of a family with rest only a shorter step stays on its side
-      do i = 1, merge(3, 1, h > 1.0e-5_wp)
-         do j = first, size(point)
-            moved = point
-            moved(j) = point(j) + h
-            slope(j) = at(moved)
-            moved(j) = point(j) - h
-            slope(j) = (slope(j) - at(moved))/(2*h)
-         end do
-         if (all(abs(slope(first:)) <= huge(h))) return
-         h = 0.1_wp*h
+      do j = first, size(point)
+         moved = point
+         moved(j) = point(j) + h
+         slope(j) = at(moved)
+         moved(j) = point(j) - h
+         slope(j) = (slope(j) - at(moved))/(2*h)
       end do
    contains
       pure real(wp) function at(place)

@@ -198,7 +198,7 @@ contains
       least = huge(1.0_wp)
       do j = 1, size(next%values)
          ! two conditions that a symmetry makes one differ by rounding
-         if (.not. next%values(j) < -merge(1.0e-6_wp, 0.0_wp, curve%frame%resting)) cycle
+         if (.not. next%values(j) < -merge(1.0e-9_wp, 0.0_wp, curve%frame%resting)) cycle
          if (same_condition(active, next%conditions(j))) cycle
          call locate(curve, [active], now, next, j, found, share, good)
          if (.not. good) then

@@ -1,30 +1,36 @@
 !> Families of motions with rest: one period from a release on a wall to the next one.
 !!
-!! The unknowns are the load phase and the velocity over D at the release that ends the last letter.
-!! A letter is an impact, or all the impacts that accumulate on a wall and the rest there. The
-!! family ends where a rest vanishes, since then the accumulation is not completed, and where a wall
-!! is touched once more. On the far side of these conditions the map of the period is another one:
-!! they count as zero a little before.
+!! Where a rest ends both masses have one velocity v and the primary mass has no acceleration, so
+!! x = f sin(phase) - 2 xi v: the state at a release is two numbers. The unknowns are the load phase
+!! and v/D at the release that ends the last letter; the motion is a fixed point of the map of the
+!! period. A letter is an impact, or all the impacts that accumulate on a wall and the rest there.
+!!
+!! A period follows its letters whether or not the motion is possible: the other wall is passed
+!! through, a short touch of the same wall is too, and an accumulation that just fails to be completed is
+!! completed all the same. So the map and all that is measured on it are smooth across the ends of
+!! the family, which are zeros of these measures: the gap of a flight, an approach speed, and the
+!! rest that an accumulation leaves. Derivatives by the unknowns, r and log D are carried along
+!! (vi_variation).
 module vi_rest_family
+   use vi_contact, only: contact_type, departure_type, first_contact
+   use vi_drive, only: drive_type, event_type, new_drive, release_event, two_pi
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
+   use vi_hop, only: hop
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
-   use vi_oscillator, only: oscillator_type
-   use vi_rest_motion, only: release_state, return_map
-   use vi_simulate, only: drive_type, event_type, impact_event, new_drive, release_event, &
-      state_type, stick_event
-   use vi_status, only: stat
+   use vi_oscillation, only: derivatives, oscillation_type
+   use vi_oscillator, only: left, oscillator_type, right
+   use vi_rest, only: new_rest, release_time
+   use vi_variation, only: columns, gap_change, moment_type, release, through_contact, &
+      through_rest, through_stick, variation_type
    implicit none (type, external)
    private
 
-   public :: new_rest_family, rest_period, rest_derivative, last_release
+   public :: last_release, new_rest_family, rest_period
 
-   !> How far from zero the one-sided conditions count as zero: rest in time, gap and speed over D.
-   real(wp), parameter, public :: least_rest = 2.0e-3_wp, least_gap = 1.0e-4_wp
-
-   integer, parameter :: event_room = 1500
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+   !> Impacts of one accumulation that are followed.
+   integer, parameter :: most_hops = 20000
 
    type, public :: rest_family_type
       !> +1, -1 for an impact, +2, -2 for accumulation and rest; the last letter is one of these.
@@ -34,22 +40,44 @@ module vi_rest_family
       integer :: turned = 0
    end type rest_family_type
 
+   !> A number and its derivatives by the phase, v/D, r and log D at the start of the period.
+   type, public :: measure_type
+      real(wp) :: value = 0, by(columns) = 0
+   end type measure_type
+
    !> What happens in one period.
    type, public :: rest_period_type
       !> Phase (less 2 pi k) and velocity over D at the next release.
-      real(wp) :: finish(2) = 0
-      !> Of each letter: approach speed of its first impact over D, duration of the rest (of an
-      !> impact: 1), least gap over D in the flight after it.
-      real(wp), allocatable :: approach(:), rest(:), gap(:)
-      !> Whether the letters are those of the family.
+      type(measure_type) :: finish(2)
+      !> Of each letter: approach speed of its first impact over D; the rest that is left (1 for an
+      !! impact); least gap over D at a stationary point of its flights, to either wall.
+      type(measure_type), allocatable :: approach(:), rest(:), gap(:)
+      !> Where that gap is: the wall, and the flight (0 after the last event of the letter, 1, 2 ..
+      !! after its impacts) plus the share of its duration.
+      integer, allocatable :: touched(:)
+      real(wp), allocatable :: touched_at(:)
+      !> Whether the letters could be followed.
       logical :: right = .false.
    end type rest_period_type
+
+   !> A place on the way through a period: the state after an event, its changes, and the flight
+   !! that begins there.
+   type :: place_type
+      type(moment_type) :: at
+      type(variation_type) :: change
+      !> Speed at which the masses part.
+      real(wp) :: speed = 0
+      !> Whether a rest has just ended.
+      logical :: released = .false.
+   end type place_type
 
 contains
 
    !> The family of a pattern: its letters turned so that a rest is last.
    pure function new_rest_family(letters, cycles) result(family)
+      !> +1, -1, +2, -2
       integer, intent(in) :: letters(:)
+      !> Load cycles k of the period.
       integer, intent(in) :: cycles
       type(rest_family_type) :: family
 
@@ -59,6 +87,10 @@ contains
    end function new_rest_family
 
    !> One period from a release.
+   !!
+   !! A flight that dips into the wall of its next letter for a moment and comes back later reaches
+   !! that wall twice. Which of the two is the impact shows at the end of the period: the release
+   !! comes after k load cycles.
    pure subroutine rest_period(family, unknowns, c, period)
       type(rest_family_type), intent(in) :: family
       !> Phase and velocity over D.
@@ -66,180 +98,433 @@ contains
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       type(rest_period_type), intent(out) :: period
+      real(wp), parameter :: near = 0.1_wp
       type(drive_type) :: drive
-      type(event_type), allocatable :: events(:)
-      real(wp) :: finish(2)
-      integer :: first(size(family%letters)), last(size(family%letters)), n, status
-
-      drive = drive_of(c)
-      allocate (events(event_room))
-      call return_map(drive, sign(1, family%letters(size(family%letters))), family%cycles, &
-         [unknowns(1), unknowns(2)*drive%clearance], finish, events, n, status)
-      if (status /= stat%ok) return
-      period%finish = [finish(1), finish(2)/drive%clearance]
-      call read_letters(events(:n), family%letters, first, last, period%right)
-      if (period%right) call examine(drive, family, unknowns, events(:n), first, last, period)
-   end subroutine rest_period
-
-   pure function drive_of(c) result(drive)
-      real(wp), intent(in) :: c(:)
-      type(drive_type) :: drive
-
-      drive = new_drive(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
-         1.0_wp, exp(c(by_clearance)))
-   end function drive_of
-
-   !> Groups events into letters and compares them with those wanted.
-   pure subroutine read_letters(events, wanted, first, last, right)
-      type(event_type), intent(in) :: events(:)
-      integer, intent(in) :: wanted(:)
-      !> Events that begin and end each letter.
-      integer, intent(out) :: first(:), last(:)
-      logical, intent(out) :: right
-      integer :: i, j, letter
-
-      right = .false.
-      first = 0
-      last = 0
-      i = 1
-      do letter = 1, size(wanted)
-         if (i > size(events)) return
-         first(letter) = i
-         if (abs(wanted(letter)) == 2) then
-            ! impacts on one wall, a stick, a release
-            j = i
-            do while (j < size(events))
-               if (events(j)%side /= sign(1, wanted(letter))) return
-               if (events(j)%kind == stick_event) exit
-               if (events(j)%kind /= impact_event) return
-               j = j + 1
-            end do
-            if (j + 1 > size(events)) return
-            if (events(j + 1)%kind /= release_event) return
-            last(letter) = j + 1
-         else
-            if (events(i)%kind /= impact_event .or. events(i)%side /= wanted(letter)) return
-            last(letter) = i
-         end if
-         i = last(letter) + 1
-      end do
-      right = i == size(events) + 1
-   end subroutine read_letters
-
-   !> Speeds, rests and gaps of a period.
-   pure subroutine examine(drive, family, unknowns, events, first, last, period)
-      type(drive_type), intent(in) :: drive
-      type(rest_family_type), intent(in) :: family
-      real(wp), intent(in) :: unknowns(:)
-      type(event_type), intent(in) :: events(:)
-      integer, intent(in) :: first(:), last(:)
-      type(rest_period_type), intent(inout) :: period
-      type(state_type) :: start
-      type(event_type) :: begin
+      type(rest_period_type) :: other
+      logical :: dips(size(family%letters)), unused(size(family%letters))
       integer :: i, n
 
       n = size(family%letters)
-      allocate (period%approach(n), period%rest(n), period%gap(n))
-      period%rest = 1
+      drive = new_drive(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
+         1.0_wp, exp(c(by_clearance)))
+      call follow(drive, family, unknowns, 0, period, dips)
+      if (mismatch(period) < near) return
       do i = 1, n
-         associate (e => events(first(i)))
-            period%approach(i) = e%side*(e%z_dot_before - e%x_dot_before)/drive%clearance
-         end associate
-         if (abs(family%letters(i)) == 2) period%rest(i) = lapse(events(last(i) - 1), &
-            events(last(i)))/drive%r
-         if (i < n) then
-            period%gap(i) = flight_gap(drive, events(last(i)), events(last(i) + 1))
-         else
-            ! the flight after the release with which the period starts
-            start = release_state(drive, sign(1, family%letters(n)), [unknowns(1), &
-               unknowns(2)*drive%clearance])
-            begin = events(last(n))
-            begin%cycle = 0
-            begin%phase = start%phase
-            begin%x = start%x
-            begin%x_dot_after = start%x_dot
-            begin%z_dot_after = start%z_dot
-            period%gap(n) = flight_gap(drive, begin, events(1))
-         end if
+         if (.not. dips(i)) cycle
+         call follow(drive, family, unknowns, i, other, unused)
+         if (mismatch(other) < mismatch(period)) period = other
       end do
-   end subroutine examine
 
-   !> Load phase between two events.
-   pure real(wp) function lapse(a, b)
-      type(event_type), intent(in) :: a, b
+   contains
 
-      lapse = two_pi*real(b%cycle - a%cycle, wp) + b%phase - a%phase
-   end function lapse
+      !> How far from the phase at the start a period ends.
+      pure real(wp) function mismatch(period)
+         type(rest_period_type), intent(in) :: period
 
-   !> Least gap, over D, at a stationary point strictly inside the flight between two events.
-   !!
-   !! In a flight that returns to its wall the only stationary point may be the farthest from it:
-   !! the gap to the other wall is what counts then.
-   pure real(wp) function flight_gap(drive, a, b) result(gap)
+         mismatch = huge(1.0_wp)
+         if (period%right) mismatch = abs(period%finish(1)%value - unknowns(1))
+      end function mismatch
+
+   end subroutine rest_period
+
+   !> One period along the letters.
+   pure subroutine follow(drive, family, unknowns, dive, period, dips)
       type(drive_type), intent(in) :: drive
-      type(event_type), intent(in) :: a, b
-      real(wp), parameter :: early = 1.0e-3_wp
+      type(rest_family_type), intent(in) :: family
+      !> Phase and velocity over D.
+      real(wp), intent(in) :: unknowns(:)
+      !> The letter before which a first short touch of its wall is passed through; 0 for none.
+      integer, intent(in) :: dive
+      type(rest_period_type), intent(out) :: period
+      !> Whether the flight to a letter would leave its wall again after a moment.
+      logical, intent(out) :: dips(:)
+      type(place_type) :: here
+      real(wp) :: phase
+      logical :: good
+      integer :: i, n, before
+
+      n = size(family%letters)
+      allocate (period%approach(n), period%rest(n), period%gap(n), period%touched(n), &
+         period%touched_at(n))
+      period%rest%value = 1
+      period%gap%value = 0.5_wp
+      period%touched = 0
+      period%touched_at = 0
+      dips = .false.
+      here = start_of(drive, sign(1, family%letters(n)), unknowns)
+      phase = here%at%phase + 2*two_pi*family%cycles
+      do i = 1, n
+         before = modulo(i - 2, n) + 1
+         call reach(drive, sign(1, family%letters(i)), dive == i, phase, here, period%approach(i), &
+            period%gap(before), period%touched(before), period%touched_at(before), dips(i), good)
+         if (.not. good) return
+         if (abs(family%letters(i)) == 1) cycle
+         call accumulate(drive, phase, here, period%rest(i), period%gap(i), period%touched(i), &
+            period%touched_at(i), good)
+         if (.not. good) return
+      end do
+      period%finish(1) = measure_type(here%at%phase - two_pi*family%cycles, here%change%state(4, :))
+      associate (d => drive%clearance, v => here%at%x_dot)
+         period%finish(2) = measure_type(v/d, (here%change%state(2, :) &
+            - v/d*here%change%clearance)/d)
+      end associate
+      period%right = .true.
+   end subroutine follow
+
+   !> The release with which a period starts.
+   pure function start_of(drive, side, unknowns) result(start)
+      type(drive_type), intent(in) :: drive
+      integer, intent(in) :: side
+      real(wp), intent(in) :: unknowns(:)
+      type(place_type) :: start
+
+      associate (d => drive%clearance, f => drive%load, at => start%at, change => start%change)
+         at%phase = unknowns(1)
+         at%x_dot = unknowns(2)*d
+         at%z_dot = at%x_dot
+         at%x = f*sin(at%phase) - 2*drive%osc%xi*at%x_dot
+         at%side = side
+         change%r = [0, 0, 1, 0]
+         change%clearance = [0.0_wp, 0.0_wp, 0.0_wp, d]
+         change%state(4, :) = [1, 0, 0, 0]
+         change%state(2, :) = [0.0_wp, d, 0.0_wp, at%x_dot]
+         change%state(3, :) = change%state(2, :)
+         change%state(1, :) = f*cos(at%phase)*change%state(4, :) &
+            - 2*drive%osc%xi*change%state(2, :)
+      end associate
+      start%released = .true.
+   end function start_of
+
+   !> Flies to an impact on a wall and through it; the other wall is passed through.
+   pure subroutine reach(drive, side, dive, last, here, approach, gap, touched, touched_at, &
+      dips, good)
+      type(drive_type), intent(in) :: drive
+      integer, intent(in) :: side
+      !> Whether a first short touch of the wall is passed through too.
+      logical, intent(in) :: dive
+      !> Load phase after which nothing is looked for.
+      real(wp), intent(in) :: last
+      type(place_type), intent(inout) :: here
+      !> Approach speed over D.
+      type(measure_type), intent(out) :: approach
+      !> Least gap so far of the letter that the flight belongs to.
+      type(measure_type), intent(inout) :: gap
+      integer, intent(inout) :: touched
+      real(wp), intent(inout) :: touched_at
+      !> Whether the free mass would leave the wall again after a moment.
+      logical, intent(out) :: dips
+      logical, intent(out) :: good
+      !> How deep it may be in the wall then, over D.
+      real(wp), parameter :: depth = 0.02_wp
       type(flight_type) :: flight
-      real(wp) :: lowest, highest, x, x_dot, x_ddot
+      type(contact_type) :: contact
+      real(wp) :: time, limit, rise
+
+      dips = .false.
+      limit = (last - here%at%phase)/drive%r
+      flight = flight_from(drive, here%at, limit)
+      call next_contact(drive, flight, here, side, limit, 0.0_wp, contact, good)
+      if (.not. good) return
+      ! the wall runs away from the free mass
+      rise = side*contact%d(2)
+      if (rise > 0) dips = contact%speed**2 < 2*rise*depth*drive%clearance
+      if (dips .and. dive) then
+         time = way_out(flight, side, drive%clearance, contact%time + 2*contact%speed/rise)
+         call next_contact(drive, flight, here, side, limit, time, contact, good)
+         if (.not. good) return
+      end if
+      call note_gap(drive, here, contact%time, 0, gap, touched, touched_at)
+      call impact_at(drive, here, side, contact%time, contact%d(0), contact%d(1), contact%speed, &
+         approach, good)
+   end subroutine reach
+
+   !> The next contact with one wall.
+   pure subroutine next_contact(drive, flight, here, side, limit, from, contact, found)
+      type(drive_type), intent(in) :: drive
+      type(flight_type), intent(in) :: flight
+      type(place_type), intent(in) :: here
+      integer, intent(in) :: side
+      !> No contact is looked for before and after these times.
+      real(wp), intent(in) :: limit, from
+      type(contact_type), intent(out) :: contact
+      logical, intent(out) :: found
+      type(flight_type) :: moved
+      type(departure_type) :: departure
+      real(wp) :: beyond
+
+      ! the other wall is put so far away that a motion that reaches it is none
+      beyond = 2*drive%clearance
+      moved = flight
+      moved%z = moved%z + side*beyond
+      if (here%at%side == side .and. .not. from > 0) departure = departure_type(side, here%speed, &
+         here%released)
+      contact = first_contact(moved, 0.5_wp*drive%clearance + beyond, departure, limit, from)
+      found = contact%side == side
+   end subroutine next_contact
+
+   !> When a free mass that is a little in a wall is out of it again: a moment later.
+   pure real(wp) function way_out(flight, side, clearance, guess) result(time)
+      type(flight_type), intent(in) :: flight
+      integer, intent(in) :: side
+      real(wp), intent(in) :: clearance, guess
+      real(wp) :: d(0:5), gap, step
+      integer :: i
+
+      time = guess
+      do i = 1, 12
+         d = derivatives(flight, time)
+         gap = 0.5_wp*clearance - side*(flight_position(flight, time) - d(0))
+         if (gap > 0 .and. gap < 1.0e-3_wp*clearance) return
+         ! aims a little beyond the wall
+         step = (1.0e-4_wp*clearance - gap)/max(tiny(1.0_wp), side*(d(1) - flight%z_dot))
+         time = time + max(-0.05_wp, min(0.05_wp, step))
+      end do
+   end function way_out
+
+   !> Through an impact a given time after the beginning of a flight.
+   pure subroutine impact_at(drive, here, side, time, x, x_dot, speed, approach, good)
+      type(drive_type), intent(in) :: drive
+      type(place_type), intent(inout) :: here
+      integer, intent(in) :: side
+      real(wp), intent(in) :: time
+      !> The primary mass at the impact, and the speed at which the masses approach each other.
+      real(wp), intent(in) :: x, x_dot, speed
+      type(measure_type), intent(out) :: approach
+      logical, intent(out) :: good
+      real(wp) :: before(columns), restitution
+
+      associate (at => here%at, d => drive%clearance, mu => drive%osc%mu)
+         restitution = drive%osc%restitution(merge(right, left, side > 0))
+         call through_contact(drive, at, time, side, restitution, here%change, before, good)
+         approach = measure_type(speed/d, (side*before - speed/d*here%change%clearance)/d)
+         ! velocities from the approach speed, which keeps its relative accuracy
+         here%speed = restitution*speed
+         at%x = x
+         at%x_dot = x_dot + mu/(1 + mu)*(side*(speed + here%speed))
+         at%z_dot = at%x_dot - side*here%speed
+         at%phase = at%phase + drive%r*time
+         at%side = side
+      end associate
+      here%released = .false.
+   end subroutine impact_at
+
+   !> All impacts that accumulate on a wall, and the rest there, from the first impact on.
+   !!
+   !! The accumulation is cut off where this changes the state by less than rounding, or, if it is
+   !! not completed, where it comes nearest to that.
+   pure subroutine accumulate(drive, last, here, rest, gap, touched, touched_at, good)
+      type(drive_type), intent(in) :: drive
+      !> Load phase after which nothing is looked for.
+      real(wp), intent(in) :: last
+      type(place_type), intent(inout) :: here
+      !> The rest that is left.
+      type(measure_type), intent(out) :: rest
+      type(measure_type), intent(inout) :: gap
+      integer, intent(inout) :: touched
+      real(wp), intent(inout) :: touched_at
+      logical, intent(out) :: good
+      !> What cutting off may cost, relative to the motion: of a motion, and beyond its end.
+      real(wp), parameter :: fine = 1.0e-17_wp, coarse = 1.0e-6_wp
+      type(place_type) :: best
+      type(measure_type) :: unused
+      real(wp) :: restitution, cost, least, time, x, x_dot, speed, scale, closing
+      integer :: hops
+
+      restitution = drive%osc%restitution(merge(right, left, here%at%side > 0))
+      least = huge(1.0_wp)
+      do hops = 1, most_hops
+         closing = closing_acceleration(drive, here%at)
+         cost = huge(1.0_wp)
+         if (closing > 0) cost = here%speed**3/closing**2/max(1.0e-3_wp, 1 - restitution**3)
+         scale = drive%clearance + abs(here%at%x) + abs(here%at%x_dot)
+         if (cost < least) then
+            least = cost
+            best = here
+         end if
+         if (cost <= fine*scale) exit
+         ! it has come near to its end, and goes away from it again
+         if (least <= coarse*scale .and. cost > 1.0e3_wp*least) exit
+         call next_hop(drive, here, last, time, x, x_dot, speed)
+         if (.not. time > 0) exit
+         if (here%speed*time > 0.2_wp*drive%clearance) call note_gap(drive, here, time, hops, gap, &
+            touched, touched_at)
+         call impact_at(drive, here, here%at%side, time, x, x_dot, speed, unused, good)
+         if (.not. good) exit
+      end do
+      good = least <= coarse*(drive%clearance + abs(best%at%x) + abs(best%at%x_dot))
+      if (.not. good) return
+      here = best
+      call rest_on(drive, restitution, last, here, rest, good)
+   end subroutine accumulate
+
+   !> The acceleration that closes the gap after an impact.
+   pure real(wp) function closing_acceleration(drive, at) result(a)
+      type(drive_type), intent(in) :: drive
+      type(moment_type), intent(in) :: at
+
+      a = -at%side*(drive%load*sin(at%phase) - 2*drive%osc%xi*at%x_dot - at%x)
+   end function closing_acceleration
+
+   !> The next impact on the wall just left; a time of 0 if there is none.
+   pure subroutine next_hop(drive, here, last, time, x, x_dot, speed)
+      type(drive_type), intent(in) :: drive
+      type(place_type), intent(in) :: here
+      real(wp), intent(in) :: last
+      real(wp), intent(out) :: time, x, x_dot, speed
+      type(contact_type) :: contact
+      real(wp) :: limit
+      logical :: found
+
+      associate (at => here%at)
+         call hop(drive%transition, drive%load, sin(at%phase), cos(at%phase), at%x, at%x_dot, &
+            at%side, here%speed, 4*drive%clearance, time, speed)
+         if (time > 0) then
+            x = at%x + at%z_dot*time
+            x_dot = at%z_dot - at%side*speed
+            return
+         end if
+         limit = (last - at%phase)/drive%r
+         call next_contact(drive, flight_from(drive, at, limit), here, at%side, limit, 0.0_wp, &
+            contact, found)
+         if (.not. found) return
+         time = contact%time
+         x = contact%d(0)
+         x_dot = contact%d(1)
+         speed = contact%speed
+      end associate
+   end subroutine next_hop
+
+   !> The rest from the last impact that is followed to the release.
+   !!
+   !! What is left of it is measured so that it goes through zero about linearly where the accumulation
+   !! just fails to be completed (see `critical`).
+   pure subroutine rest_on(drive, restitution, last, here, rest, good)
+      type(drive_type), intent(in) :: drive
+      real(wp), intent(in) :: restitution, last
+      type(place_type), intent(inout) :: here
+      type(measure_type), intent(out) :: rest
+      logical, intent(out) :: good
+      type(oscillation_type) :: joint
+      real(wp), dimension(columns) :: closing_by, speed_by, instant
+      real(wp) :: closing, speed, time, d(0:5), limit, power, share
       logical :: complete
 
-      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, a%phase - drive%lag, a%x, &
-         a%x_dot_after, a%x + 0.5_wp*a%side*drive%clearance, a%z_dot_after, lapse(a, b)/drive%r)
-      if (a%kind == release_event .and. flight%duration > 2*early) then
+      associate (at => here%at, change => here%change, side => here%at%side, mu => drive%osc%mu)
+         closing = closing_acceleration(drive, at)
+         closing_by = -side*(drive%load*cos(at%phase)*change%state(4, :) &
+            - 2*drive%osc%xi*change%state(2, :) - change%state(1, :))
+         speed = here%speed
+         speed_by = side*(change%state(2, :) - change%state(3, :))
+         at%x_dot = at%x_dot - side*mu/(1 + mu)*speed
+         at%z_dot = at%x_dot
+         call through_stick(drive, change)
+         joint = new_rest(drive%osc%xi, mu, drive%r, drive%load, at%phase, at%x, at%x_dot)
+         call release_time(joint, side, (last - at%phase)/drive%r, time, complete)
+         good = complete .and. time <= (last - at%phase)/drive%r
+         if (.not. good) return
+         call through_rest(drive, at, time, change)
+         d = derivatives(joint, time)
+         at%x = d(0)
+         at%x_dot = d(1)
+         at%z_dot = d(1)
+         at%phase = at%phase + drive%r*time
+         call release(drive, at, change, instant, good)
+         here%speed = 0
+         here%released = .true.
+         call critical(restitution, limit, power)
+         rest%value = 0
+         if (.not. time > 0) return
+         share = 0
+         if (speed > 0) share = speed/(closing*time)/limit
+         rest%value = (1 - share)*time**power
+         rest%by = (power*(1 - share) + share)*time**(power - 1)*instant
+         if (speed > 0) rest%by = rest%by - share*time**power*(speed_by/speed - closing_by/closing)
+      end associate
+   end subroutine rest_on
+
+   !> Where an accumulation just is, or is not, completed before the gap's acceleration a turns.
+   !!
+   !! With a = j s, s being the time until it turns, the next impact comes after
+   !! t = 3/2 s (1 - sqrt(1 - 8/3 w)), w = u/(j s**2) = u/(a s). The step from w to the next one has a
+   !! fixed point, tau = t/s with (3 - tau) (1 - tau)**2 = R (3 - 2 tau): below it impacts accumulate
+   !! while there is time left, above it they do not. A distance from it grows by L from impact to
+   !! impact while s shrinks by 1 - tau, so that (1 - w/w_c) s**power with
+   !! (1 - tau)**power = 1/L is the same number at each of them.
+   pure subroutine critical(restitution, limit, power)
+      real(wp), intent(in) :: restitution
+      !> w_c and the power.
+      real(wp), intent(out) :: limit, power
+      real(wp) :: low, high, tau, growth
+      integer :: i
+
+      low = 0
+      high = 1
+      do i = 1, 60
+         tau = 0.5_wp*(low + high)
+         if ((3 - tau)*(1 - tau)**2 > restitution*(3 - 2*tau)) then
+            low = tau
+         else
+            high = tau
+         end if
+      end do
+      limit = tau*(0.5_wp - tau/6)
+      power = 1
+      growth = (3 - tau)**2/((1 - tau)*(3 - 2*tau)**2)
+      if (tau > 0 .and. tau < 1 - 1.0e-6_wp) power = log(growth)/(-log(1 - tau))
+   end subroutine critical
+
+   !> The flight that begins at a place.
+   pure function flight_from(drive, at, duration) result(flight)
+      type(drive_type), intent(in) :: drive
+      type(moment_type), intent(in) :: at
+      real(wp), intent(in) :: duration
+      type(flight_type) :: flight
+
+      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, at%phase - drive%lag, at%x, &
+         at%x_dot, at%x + 0.5_wp*at%side*drive%clearance, at%z_dot, duration)
+   end function flight_from
+
+   !> Takes the least gap at a stationary point inside a flight, if it is less than the one so far.
+   pure subroutine note_gap(drive, here, duration, flight_number, gap, touched, touched_at)
+      type(drive_type), intent(in) :: drive
+      type(place_type), intent(in) :: here
+      real(wp), intent(in) :: duration
+      integer, intent(in) :: flight_number
+      type(measure_type), intent(inout) :: gap
+      integer, intent(inout) :: touched
+      real(wp), intent(inout) :: touched_at
+      real(wp), parameter :: early = 1.0e-3_wp
+      type(flight_type) :: flight
+      real(wp) :: extreme(2), at(2), x, x_dot, x_ddot, least, begin, y, d(0:5)
+      logical :: complete
+      integer :: i, side
+
+      flight = flight_from(drive, here%at, duration)
+      begin = 0
+      if (here%released .and. duration > 2*early) then
          ! a release is a stationary point itself, and not one that touches the wall anew
+         begin = early
          call flight_state(flight, early, x, x_dot, x_ddot)
          flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, flight%phase &
             + drive%r*early, x, x_dot, flight_position(flight, early), flight%z_dot, &
-            flight%duration - early)
+            duration - early)
       end if
-      call relative_extrema(flight, lowest, highest, complete)
-      gap = 0.5_wp
-      if (a%side < 0 .or. b%side < 0) gap = min(gap, 0.5_wp - highest/drive%clearance)
-      if (a%side > 0 .or. b%side > 0) gap = min(gap, 0.5_wp + lowest/drive%clearance)
-   end function flight_gap
-
-   !> Trace and determinant of the derivative of the map, by central differences.
-   !!
-   !! Near an end of the family shorter differences are taken, which stay on its side.
-   pure subroutine rest_derivative(family, unknowns, c, trace, determinant, right)
-      type(rest_family_type), intent(in) :: family
-      real(wp), intent(in) :: unknowns(:), c(:)
-      real(wp), intent(out) :: trace, determinant
-      logical, intent(out) :: right
-      real(wp) :: j(2, 2), h
-      integer :: i
-
-      do i = 5, 7
-         h = 0.1_wp**i
-         call differences(family, unknowns, c, h, j, right)
-         if (right) exit
-      end do
-      trace = j(1, 1) + j(2, 2)
-      determinant = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
-   end subroutine rest_derivative
-
-   !> The derivative of the map by differences over a step h each way.
-   pure subroutine differences(family, unknowns, c, h, j, right)
-      type(rest_family_type), intent(in) :: family
-      real(wp), intent(in) :: unknowns(:), c(:), h
-      real(wp), intent(out) :: j(2, 2)
-      logical, intent(out) :: right
-      type(rest_period_type) :: period
-      real(wp) :: moved(2)
-      integer :: i, way
-
-      j = 0
+      call relative_extrema(flight, extreme(2), extreme(1), complete, at(2), at(1))
       do i = 1, 2
-         do way = -1, 1, 2
-            moved = unknowns
-            moved(i) = moved(i) + way*h
-            call rest_period(family, moved, c, period)
-            right = period%right
-            if (.not. right) return
-            j(:, i) = j(:, i) + way*period%finish/(2*h)
-         end do
+         if (at(i) < 0) cycle
+         side = 3 - 2*i
+         least = 0.5_wp - side*extreme(i)/drive%clearance
+         if (least >= gap%value) cycle
+         ! only where the free mass turns back from the wall
+         d = derivatives(flight, at(i))
+         if (.not. side*d(2) > 0) cycle
+         y = side*extreme(i)/drive%clearance
+         gap = measure_type(least, -(side*gap_change(drive, here%at, begin + at(i), here%change) &
+            - y*here%change%clearance)/drive%clearance)
+         touched = side
+         touched_at = flight_number + (begin + at(i))/duration
       end do
-   end subroutine differences
+   end subroutine note_gap
 
    !> The last release of the family among events, as unknowns; none gives found = .false.
    pure subroutine last_release(family, events, clearance, unknowns, found)

@@ -1,14 +1,21 @@
 !> Periodic motions in which impacts accumulate and the free mass comes to rest on a wall.
 !!
-!! Where the rest ends both masses have one velocity v and the primary mass has no acceleration, so
-!! x = f sin(phase) - 2 xi v: the state at a release is two numbers (phase, v), and the motion is a
-!! fixed point of a map of the plane. Its two eigenvalues and two zeros, which the accumulation
-!! brings, are the multipliers.
+!! A motion is a fixed point of the map from one release to the release k load cycles later, a map of
+!! the plane (phase, v). Its two eigenvalues and two zeros, which the accumulation brings, are the
+!! multipliers. What a simulation does in a period gives the letters; the map along these letters
+!! (vi_rest_family) is smooth where the simulated one is not, and its derivative is known in closed
+!! form. A solution counts if the simulation from it comes back to it.
 module vi_rest_motion
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_assess, only: plane_stability
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
-   use vi_simulate, only: drive_type, event_type, release_event, simulate, state_type
+   use vi_motion, only: unknown
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
+   use vi_oscillator, only: left, right
+   use vi_rest_family, only: new_rest_family, rest_family_type, rest_period, rest_period_type
+   use vi_simulate, only: drive_type, event_type, impact_event, release_event, simulate, &
+      state_type, stick_event
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -22,6 +29,7 @@ contains
    !> From one release on a wall to the release k load cycles later.
    pure subroutine return_map(drive, side, cycles, start, finish, events, n, status)
       type(drive_type), intent(in) :: drive
+      !> The wall, +1 or -1, and the load cycles k.
       integer, intent(in) :: side, cycles
       !> (phase, v) at the release; `finish` has the phase less 2 pi k.
       real(wp), intent(in) :: start(2)
@@ -62,7 +70,9 @@ contains
    !> The state at a release. The phase may lie a little outside [0, 2 pi).
    pure function release_state(drive, side, start) result(state)
       type(drive_type), intent(in) :: drive
+      !> The wall, +1 or -1.
       integer, intent(in) :: side
+      !> (phase, v)
       real(wp), intent(in) :: start(2)
       type(state_type) :: state
 
@@ -76,80 +86,166 @@ contains
    end function release_state
 
    !> Newton's method for a fixed point of the return map.
-   !!
-   !! The derivative is a difference quotient of order four with steps of 1e-4, which is right to
-   !! 1e-11: the map is smooth, since accumulations are completed and not cut off.
    pure subroutine solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, &
-      status)
+      status, stable)
       type(drive_type), intent(in) :: drive
+      !> The wall, +1 or -1, and the load cycles k.
       integer, intent(in) :: side, cycles
       !> In: a guess of (phase, v) at the release. Out: the fixed point.
       real(wp), intent(inout) :: point(2)
       !> Multipliers by falling modulus, the last two 0.
       complex(wp), intent(out) :: lambda(4)
-      !> Greatest change of phase and v/D over a period.
+      !> Greatest change of phase and v/D over a simulated period.
       real(wp), intent(out) :: residual
+      !> Events of the period (n of them), the last one the release.
       type(event_type), intent(inout) :: events(:)
       integer, intent(out) :: n
+      !> `stat%ok`, `stat%no_motion`, `stat%no_convergence`, or what the simulation says.
       integer, intent(out) :: status
-      integer, parameter :: most = 30
-      real(wp) :: image(2), jacobian(2, 2), matrix(2, 2), step(2), scale(2)
+      !> The verdict: `yes`, `no` or `unknown` of vi_motion.
+      integer, intent(out), optional :: stable
+      !> Newton steps in all, and times that letters are read again after they were held.
+      integer, parameter :: most = 40, most_rounds = 4
+      !> A simulated period that changes the state by less holds the letters of the motion.
+      real(wp), parameter :: close_by = 0.02_wp
+      type(rest_family_type) :: family
+      type(rest_period_type) :: period
+      real(wp) :: image(2), unknowns(2), c(n_parameters), matrix(2, 2), jacobian(2, 2), step(2)
       complex(wp) :: pair(2)
-      integer :: i
+      logical :: good
+      integer :: i, rounds
 
       lambda = 0
+      n = 0
+      if (present(stable)) stable = unknown
       residual = huge(1.0_wp)
-      scale = [1.0_wp, drive%clearance]
+      status = stat%no_motion
+      if (.not. drive%load > 0) return
+      c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [drive%r, &
+         log(drive%clearance/drive%load), drive%osc%xi, drive%osc%mu, drive%osc%restitution(right), &
+         drive%osc%restitution(left)]
+      unknowns = [point(1), point(2)/drive%clearance]
+      rounds = 0
       do i = 1, most
+         point = [unknowns(1), unknowns(2)*drive%clearance]
          call return_map(drive, side, cycles, point, image, events, n, status)
          if (status /= stat%ok) return
-         residual = maxval(abs(image - point)/scale)
-         call differentiate(drive, side, cycles, point, scale, jacobian, events, status)
-         if (status /= stat%ok) return
-         if (residual < 1.0e-12_wp) exit
-         matrix = -jacobian
+         residual = maxval(abs(image - point)/[1.0_wp, drive%clearance])
+         status = stat%no_convergence
+         call family_of(events(:n), cycles, family, good)
+         if (.not. good) return
+         if (residual < 1.0e-12_wp .and. rounds > 0) exit
+         if (residual < close_by .and. rounds < most_rounds) then
+            rounds = rounds + 1
+            call hold_letters(family, c, unknowns, good)
+            if (good) cycle
+         end if
+         if (rounds > 0 .and. residual < 1.0e-10_wp) exit
+         call rest_period(family, unknowns, c, period)
+         if (.not. period%right) return
+         matrix = -derivative_of(period)
          matrix(1, 1) = matrix(1, 1) + 1
          matrix(2, 2) = matrix(2, 2) + 1
-         step = image - point
+         step = [period%finish(1)%value, period%finish(2)%value] - unknowns
          call solve(matrix, step, status)
          if (status /= stat%ok) return
-         if (maxval(abs(step)/scale) < 1.0e-14_wp .and. residual < 1.0e-10_wp) exit
-         point = point + step*min(1.0_wp, 0.3_wp/maxval(abs(step)/scale))
+         unknowns = unknowns + step*min(1.0_wp, 0.3_wp/maxval(abs(step)))
       end do
       status = merge(stat%ok, stat%no_convergence, residual < 1.0e-10_wp)
       if (status /= stat%ok) return
-      point(1) = modulo(point(1), two_pi)
+      unknowns(1) = modulo(unknowns(1), two_pi)
+      point(1) = unknowns(1)
       call return_map(drive, side, cycles, point, image, events, n, status)
       if (status /= stat%ok) return
+      call rest_period(family, unknowns, c, period)
+      if (.not. period%right) then
+         status = stat%no_convergence
+         return
+      end if
+      jacobian = derivative_of(period)
+      if (present(stable)) stable = plane_stability(jacobian)
       call eigenvalues(jacobian, pair, status)
       if (abs(pair(2)) > abs(pair(1))) pair = pair([2, 1])
       lambda(:2) = pair
    end subroutine solve_rest_motion
 
-   !> The derivative of the return map, columns by phase and v.
-   pure subroutine differentiate(drive, side, cycles, point, scale, jacobian, events, status)
-      type(drive_type), intent(in) :: drive
-      integer, intent(in) :: side, cycles
-      real(wp), intent(in) :: point(2), scale(2)
-      real(wp), intent(out) :: jacobian(2, 2)
-      type(event_type), intent(inout) :: events(:)
-      integer, intent(out) :: status
-      real(wp), parameter :: h = 1.0e-4_wp
-      real(wp), parameter :: weight(4) = [1, -8, 8, -1]/12.0_wp
-      real(wp), parameter :: offset(4) = [-2, -1, 1, 2]*h
-      real(wp) :: moved(2), image(2)
-      integer :: i, j, n
+   !> Newton's method along given letters.
+   pure subroutine hold_letters(family, c, unknowns, good)
+      type(rest_family_type), intent(in) :: family
+      !> r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+      !> Phase and v/D at the release; as they were if it does not converge.
+      real(wp), intent(inout) :: unknowns(2)
+      logical, intent(out) :: good
+      integer, parameter :: most = 12
+      type(rest_period_type) :: period
+      real(wp) :: matrix(2, 2), step(2), here(2), moved, before
+      integer :: i, status
 
-      jacobian = 0
-      do j = 1, 2
-         do i = 1, 4
-            moved = point
-            moved(j) = moved(j) + offset(i)*scale(j)
-            call return_map(drive, side, cycles, moved, image, events, n, status)
-            if (status /= stat%ok) return
-            jacobian(:, j) = jacobian(:, j) + weight(i)*image/(h*scale(j))
-         end do
+      here = unknowns
+      moved = huge(1.0_wp)
+      good = .false.
+      do i = 1, most
+         call rest_period(family, here, c, period)
+         if (.not. period%right) return
+         matrix = -derivative_of(period)
+         matrix(1, 1) = matrix(1, 1) + 1
+         matrix(2, 2) = matrix(2, 2) + 1
+         step = [period%finish(1)%value, period%finish(2)%value] - here
+         call solve(matrix, step, status)
+         if (status /= stat%ok) return
+         before = moved
+         moved = maxval(abs(step))
+         if (.not. moved < 0.3_wp) return
+         here = here + step
+         ! the steps have come down to rounding
+         good = moved < 1.0e-14_wp .or. (moved < 1.0e-9_wp .and. moved > 0.3_wp*before)
+         if (good) exit
       end do
-   end subroutine differentiate
+      if (good) unknowns = here
+   end subroutine hold_letters
+
+   !> The derivative of the map of the period, by phase and v/D.
+   pure function derivative_of(period) result(j)
+      type(rest_period_type), intent(in) :: period
+      real(wp) :: j(2, 2)
+
+      j(1, :) = period%finish(1)%by(:2)
+      j(2, :) = period%finish(2)%by(:2)
+   end function derivative_of
+
+   !> The family whose letters the events of a period from a release to a release are.
+   pure subroutine family_of(events, cycles, family, good)
+      type(event_type), intent(in) :: events(:)
+      integer, intent(in) :: cycles
+      type(rest_family_type), intent(out) :: family
+      !> False if the last letter is none with rest.
+      logical, intent(out) :: good
+      integer :: letters(size(events)), i, n, run
+
+      n = 0
+      run = 0
+      do i = 1, size(events)
+         select case (events(i)%kind)
+         case (impact_event)
+            if (run > 0) then
+               if (letters(n) /= events(i)%side) run = 0
+            end if
+            run = run + 1
+            n = n + 1
+            letters(n) = events(i)%side
+         case (stick_event)
+            ! the impacts that accumulated become one letter
+            n = n + 1 - run
+            letters(n) = 2*events(i)%side
+            run = 0
+         case default
+            run = 0
+         end select
+      end do
+      good = n > 1
+      if (good) good = abs(letters(n)) == 2
+      if (good) family = new_rest_family(letters(:n), cycles)
+   end subroutine family_of
 
 end module vi_rest_motion
