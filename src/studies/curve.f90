@@ -272,6 +272,8 @@ contains
       integer :: j
 
       h = 1.0e-6_wp
+      ! the fold of a motion with rest can lie within 1e-6 of a grazing, and changes as fast
+      if (curve%frame%resting) h = 3.0e-8_wp
       do j = first, size(point)
          moved = point
          moved(j) = point(j) + h

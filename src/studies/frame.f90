@@ -40,7 +40,7 @@ module vi_frame
 
 contains
 
-   !> Number of unknowns of a motion: (u_i, theta_i), or (phase, v/D) at a release.
+   !> Number of unknowns of a motion: (u_i, theta_i), or (phase, asinh(v/D)) at a release.
    pure integer function unknown_count(frame)
       type(frame_type), intent(in) :: frame
 

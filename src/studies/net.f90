@@ -6,8 +6,8 @@
 module vi_net
    use vi_crossing, only: hidden_zero, innermost_zero
    use vi_curve, only: correct, curve_type
-   use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, unknown_count, &
-      wrap_phases, zero_approach
+   use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, rest_vanishes, &
+      unknown_count, wrap_phases, zero_approach
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, line_spacing
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
@@ -147,7 +147,7 @@ contains
          end if
          call note_border(net, line, direction, node, now, next)
          call note_nodes(net, line, direction, node, now, next, known)
-         if (known .or. leaves(next, line)) return
+         if (known .or. leaves(next, line, net%sheet%frame%resting)) return
          ! a closed curve between the lattice's lines comes back to a place of its own
          call pass(line, mark(size(mark)), now, next, point, passes)
          point = point - mark
@@ -187,14 +187,17 @@ contains
    end subroutine line_of
 
    !> Whether a line has left the window, or the motion is no longer physical by far.
-   pure logical function leaves(place, line)
+   pure logical function leaves(place, line, resting)
       type(place_type), intent(in) :: place
       type(curve_type), intent(in) :: line
+      !> Whether the motions have rest: without it their letters are others.
+      logical, intent(in) :: resting
 
       associate (v => place%values, kind => place%conditions%kind)
          leaves = any(v < 0 .and. (kind == zero_approach .or. kind == repetition)) .or. &
             any(v < 0 .and. kind == edge .and. place%conditions%index == line%active(1)) .or. &
-            any(v < -depth .and. kind == grazing)
+            any(v < -depth .and. kind == grazing) .or. &
+            (resting .and. any(v < 0 .and. kind == rest_vanishes))
       end associate
    end function leaves
 

@@ -15,7 +15,7 @@ contains
    !> The values of all conditions of a motion with rest; -1 where its letters cannot be followed.
    pure subroutine rest_conditions(frame, unknowns, c, values, found)
       type(frame_type), intent(in) :: frame
-      !> Phase and v/D at the release; r, log(D), xi, mu, R1, R2.
+      !> Phase and asinh(v/D) at the release; r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       real(wp), intent(out) :: values(:)
       type(condition_type), intent(out) :: found(:)
@@ -40,7 +40,7 @@ contains
    !> followed.
    pure real(wp) function rest_condition(frame, unknowns, c, condition) result(value)
       type(frame_type), intent(in) :: frame
-      !> Phase and v/D at the release; r, log(D), xi, mu, R1, R2.
+      !> Phase and asinh(v/D) at the release; r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       type(condition_type), intent(in) :: condition
       type(rest_period_type) :: period
@@ -54,12 +54,15 @@ contains
    end function rest_condition
 
    !> A condition in a period: its value, and its gradient but for those of stability.
+   !!
+   !! Those of stability are multiplied by the approach speeds of the letters, as a multiplier grows
+   !! like the inverse of such a speed.
    pure type(measure_type) function measure_in_period(period, c, condition) result(measure)
       type(rest_period_type), intent(in) :: period
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       type(condition_type), intent(in) :: condition
-      real(wp) :: trace, determinant
+      real(wp) :: trace, determinant, approaches
 
       associate (i => condition%index)
          if (condition%kind == edge) then
@@ -72,13 +75,14 @@ contains
          trace = period%finish(1)%by(1) + period%finish(2)%by(2)
          determinant = period%finish(1)%by(1)*period%finish(2)%by(2) &
             - period%finish(1)%by(2)*period%finish(2)%by(1)
+         approaches = product(period%approach%value)
          select case (condition%kind)
          case (fold)
-            measure%value = 1 - trace + determinant
+            measure%value = approaches*(1 - trace + determinant)
          case (flip)
-            measure%value = 1 + trace + determinant
+            measure%value = approaches*(1 + trace + determinant)
          case (neimark_sacker)
-            measure%value = 1 - determinant
+            measure%value = approaches*(1 - determinant)
          case (zero_approach)
             measure = period%approach(i)
          case (grazing)

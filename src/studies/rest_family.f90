@@ -2,8 +2,9 @@
 !!
 !! Where a rest ends both masses have one velocity v and the primary mass has no acceleration, so
 !! x = f sin(phase) - 2 xi v: the state at a release is two numbers. The unknowns are the load phase
-!! and v/D at the release that ends the last letter; the motion is a fixed point of the map of the
-!! period. A letter is an impact, or all the impacts that accumulate on a wall and the rest there.
+!! and asinh(v/D) at the release that ends the last letter (v/D grows without bound as D falls; its
+!! logarithm changes at the pace of log D). The motion is a fixed point of the map of the period. A
+!! letter is an impact, or all the impacts that accumulate on a wall and the rest there.
 !!
 !! A period follows its letters whether or not the motion is possible: the other wall is passed
 !! through, a short touch of the same wall is too, and an accumulation that just fails to be completed is
@@ -40,14 +41,14 @@ module vi_rest_family
       integer :: turned = 0
    end type rest_family_type
 
-   !> A number and its derivatives by the phase, v/D, r and log D at the start of the period.
+   !> A number and its derivatives by both unknowns at the start of the period, r and log D.
    type, public :: measure_type
       real(wp) :: value = 0, by(columns) = 0
    end type measure_type
 
    !> What happens in one period.
    type, public :: rest_period_type
-      !> Phase (less 2 pi k) and velocity over D at the next release.
+      !> The unknowns at the next release, the phase less 2 pi k.
       type(measure_type) :: finish(2)
       !> Of each letter: approach speed of its first impact over D; the rest that is left (1 for an
       !! impact); least gap over D at a stationary point of its flights, to either wall.
@@ -93,7 +94,7 @@ contains
    !! comes after k load cycles.
    pure subroutine rest_period(family, unknowns, c, period)
       type(rest_family_type), intent(in) :: family
-      !> Phase and velocity over D.
+      !> Phase and asinh(v/D).
       real(wp), intent(in) :: unknowns(:)
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
@@ -131,7 +132,7 @@ contains
    pure subroutine follow(drive, family, unknowns, dive, period, dips)
       type(drive_type), intent(in) :: drive
       type(rest_family_type), intent(in) :: family
-      !> Phase and velocity over D.
+      !> Phase and asinh(v/D).
       real(wp), intent(in) :: unknowns(:)
       !> The letter before which a first short touch of its wall is passed through; 0 for none.
       integer, intent(in) :: dive
@@ -165,8 +166,8 @@ contains
       end do
       period%finish(1) = measure_type(here%at%phase - two_pi*family%cycles, here%change%state(4, :))
       associate (d => drive%clearance, v => here%at%x_dot)
-         period%finish(2) = measure_type(v/d, (here%change%state(2, :) &
-            - v/d*here%change%clearance)/d)
+         period%finish(2) = measure_type(asinh(v/d), (here%change%state(2, :) &
+            - v/d*here%change%clearance)/hypot(v, d))
       end associate
       period%right = .true.
    end subroutine follow
@@ -174,20 +175,22 @@ contains
    !> The release with which a period starts.
    pure function start_of(drive, side, unknowns) result(start)
       type(drive_type), intent(in) :: drive
+      !> The wall, +1 or -1.
       integer, intent(in) :: side
+      !> Phase and asinh(v/D).
       real(wp), intent(in) :: unknowns(:)
       type(place_type) :: start
 
       associate (d => drive%clearance, f => drive%load, at => start%at, change => start%change)
          at%phase = unknowns(1)
-         at%x_dot = unknowns(2)*d
+         at%x_dot = sinh(unknowns(2))*d
          at%z_dot = at%x_dot
          at%x = f*sin(at%phase) - 2*drive%osc%xi*at%x_dot
          at%side = side
          change%r = [0, 0, 1, 0]
          change%clearance = [0.0_wp, 0.0_wp, 0.0_wp, d]
          change%state(4, :) = [1, 0, 0, 0]
-         change%state(2, :) = [0.0_wp, d, 0.0_wp, at%x_dot]
+         change%state(2, :) = [0.0_wp, hypot(at%x_dot, d), 0.0_wp, at%x_dot]
          change%state(3, :) = change%state(2, :)
          change%state(1, :) = f*cos(at%phase)*change%state(4, :) &
             - 2*drive%osc%xi*change%state(2, :)
@@ -541,7 +544,7 @@ contains
       do i = size(events), 1, -1
          found = events(i)%kind == release_event .and. events(i)%side == sign(1, family%letters(n))
          if (.not. found) cycle
-         unknowns = [events(i)%phase, events(i)%x_dot_after/clearance]
+         unknowns = [events(i)%phase, asinh(events(i)%x_dot_after/clearance)]
          return
       end do
    end subroutine last_release

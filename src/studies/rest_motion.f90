@@ -124,10 +124,10 @@ contains
       c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [drive%r, &
          log(drive%clearance/drive%load), drive%osc%xi, drive%osc%mu, drive%osc%restitution(right), &
          drive%osc%restitution(left)]
-      unknowns = [point(1), point(2)/drive%clearance]
+      unknowns = [point(1), asinh(point(2)/drive%clearance)]
       rounds = 0
       do i = 1, most
-         point = [unknowns(1), unknowns(2)*drive%clearance]
+         point = [unknowns(1), sinh(unknowns(2))*drive%clearance]
          call return_map(drive, side, cycles, point, image, events, n, status)
          if (status /= stat%ok) return
          residual = maxval(abs(image - point)/[1.0_wp, drive%clearance])
@@ -174,7 +174,7 @@ contains
       type(rest_family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Phase and v/D at the release; as they were if it does not converge.
+      !> Phase and asinh(v/D) at the release; as they were if it does not converge.
       real(wp), intent(inout) :: unknowns(2)
       logical, intent(out) :: good
       integer, parameter :: most = 12
@@ -205,7 +205,7 @@ contains
       if (good) unknowns = here
    end subroutine hold_letters
 
-   !> The derivative of the map of the period, by phase and v/D.
+   !> The derivative of the map of the period.
    pure function derivative_of(period) result(j)
       type(rest_period_type), intent(in) :: period
       real(wp) :: j(2, 2)

@@ -51,7 +51,7 @@ contains
       end do
    end subroutine motions_at
 
-   !> The unknowns of a family among those of the whole pattern.
+   !> The unknowns of a family among those of the whole pattern; with rest these are phase and v/D.
    pure function part_of(frame, whole) result(unknowns)
       type(frame_type), intent(in) :: frame
       real(wp), intent(in) :: whole(:)
@@ -61,7 +61,7 @@ contains
       n = size(unknowns)/2
       total = size(whole)/2
       if (frame%resting) then
-         unknowns = whole(:2)
+         unknowns = [whole(1), asinh(whole(2))]
       else
          unknowns = [whole(:n), whole(total + 1:total + n)]
       end if

@@ -273,12 +273,14 @@ contains
       n = unknown_count(sheet%frame)
       allocate (point(n + 2), source=0.0_wp)
       point(:n) = attractor%unknowns(:n)
+      if (resting) point(2) = asinh(point(2))
       call correct(sheet, fixed, point, iterations)
       if (iterations == 0) return
       allocate (values(condition_count(sheet%frame)), conditions(condition_count(sheet%frame)))
       call all_conditions(sheet%frame, point(:n), c, values, conditions)
       ! one that repeats itself is stable all the same
       if (any(values <= 0 .and. conditions%kind /= repetition)) return
+      if (resting) point(2) = sinh(point(2))
       attractor%unknowns(:n) = point(:n)
       attractor%found = .true.
    end subroutine polish

@@ -106,7 +106,7 @@ contains
       vertices = vertices_of(sheet, loop)
       do j = 1, loop%n
          if (sheet%frame%resting) then
-            unknowns(:m, j) = loop%points(:m, j)
+            unknowns(:2, j) = [loop%points(1, j), sinh(loop%points(2, j))]
          else
             whole = whole_unknowns(sheet%frame%family, loop%points(:m, j))
             unknowns(:size(whole), j) = whole
