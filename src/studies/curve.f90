@@ -129,30 +129,28 @@ contains
       type(rest_period_type) :: period
       type(measure_type) :: measure
       real(wp) :: c(n_parameters)
-      integer :: j, n
+      integer :: j, m, n
 
-      n = 2 + size(conditions)
+      m = unknown_count(curve%frame)
+      n = m + size(conditions)
       b(1, :n) = at_fault
       a(:size(point), :n) = 0
       c = parameters_of(curve, point)
-      call rest_period(curve%frame%rest, point(:2), c, period)
+      call rest_period(curve%frame%rest, point(:m), c, period)
       if (.not. period%right) return
-      do j = 1, 2
-         b(1, j) = period%finish(j)%value - point(j)
-         a(:4, j) = period%finish(j)%by
-         a(j, j) = a(j, j) - 1
-      end do
-      do j = 1, size(conditions)
-         measure = measure_in_period(period, c, conditions(j))
-         b(1, 2 + j) = measure%value
-         a(:4, 2 + j) = measure%by
-      end do
       do j = 1, n
+         if (j <= m) then
+            measure = period%equations(j)
+         else
+            measure = measure_in_period(period, c, conditions(j - m))
+         end if
+         b(1, j) = measure%value
+         a(:m + 2, j) = measure%by(:m + 2)
          call to_point(curve, a(:, j))
       end do
       do j = 1, size(conditions)
          if (conditions(j)%kind > neimark_sacker) cycle
-         call differences(curve, conditions(j), point, 1, a(:size(point), 2 + j))
+         call differences(curve, conditions(j), point, 1, a(:size(point), m + j))
       end do
       if (any(curve%active > by_clearance)) call rest_differences(curve, conditions, point, a)
    end subroutine rest_equations
@@ -164,16 +162,17 @@ contains
       real(wp), intent(in) :: point(:)
       real(wp), intent(inout) :: a(most, most)
       real(wp), parameter :: h = 1.0e-6_wp
-      real(wp) :: moved(size(point)), ahead(2 + size(conditions))
-      integer :: k
+      real(wp) :: moved(size(point)), ahead(unknown_count(curve%frame) + size(conditions))
+      integer :: k, m
 
+      m = unknown_count(curve%frame)
       do k = 1, size(curve%active)
          if (curve%active(k) <= by_clearance) cycle
          moved = point
-         moved(2 + k) = point(2 + k) + h
+         moved(m + k) = point(m + k) + h
          ahead = rest_values(curve, conditions, moved)
-         moved(2 + k) = point(2 + k) - h
-         a(2 + k, :size(ahead)) = (ahead - rest_values(curve, conditions, moved))/(2*h)
+         moved(m + k) = point(m + k) - h
+         a(m + k, :size(ahead)) = (ahead - rest_values(curve, conditions, moved))/(2*h)
       end do
    end subroutine rest_differences
 
@@ -182,22 +181,21 @@ contains
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       real(wp), intent(in) :: point(:)
-      real(wp) :: values(2 + size(conditions))
+      real(wp) :: values(unknown_count(curve%frame) + size(conditions))
       type(rest_period_type) :: period
       type(measure_type) :: measure
       real(wp) :: c(n_parameters)
-      integer :: j
+      integer :: j, m
 
+      m = unknown_count(curve%frame)
       values = at_fault
       c = parameters_of(curve, point)
-      call rest_period(curve%frame%rest, point(:2), c, period)
+      call rest_period(curve%frame%rest, point(:m), c, period)
       if (.not. period%right) return
-      do j = 1, 2
-         values(j) = period%finish(j)%value - point(j)
-      end do
+      values(:m) = period%equations%value
       do j = 1, size(conditions)
          measure = measure_in_period(period, c, conditions(j))
-         values(2 + j) = measure%value
+         values(m + j) = measure%value
       end do
    end function rest_values
 
@@ -229,11 +227,13 @@ contains
       type(rest_period_type) :: period
       type(measure_type) :: measure
       real(wp) :: whole(most)
+      integer :: m
 
-      call rest_period(curve%frame%rest, point(:2), c, period)
+      m = unknown_count(curve%frame)
+      call rest_period(curve%frame%rest, point(:m), c, period)
       measure = measure_in_period(period, c, condition)
       value = measure%value
-      whole(:4) = measure%by
+      whole(:m + 2) = measure%by(:m + 2)
       call to_point(curve, whole)
       slope = whole(:size(slope))
       if (condition%kind <= neimark_sacker .or. any(curve%active > by_clearance)) &
@@ -272,8 +272,6 @@ contains
       integer :: j
 
       h = 1.0e-6_wp
-      ! the fold of a motion with rest can lie within 1e-6 of a grazing, and changes as fast
-      if (curve%frame%resting) h = 3.0e-8_wp
       do j = first, size(point)
          moved = point
          moved(j) = point(j) + h

@@ -3,7 +3,7 @@ module vi_frame
    use vi_family, only: repetition_type
    use vi_kinds, only: wp
    use vi_orbit, only: family_type
-   use vi_rest_family, only: rest_family_type
+   use vi_rest_family, only: rest_family_type, rest_unknowns
    implicit none (type, external)
    private
 
@@ -40,12 +40,15 @@ module vi_frame
 
 contains
 
-   !> Number of unknowns of a motion: (u_i, theta_i), or (phase, asinh(v/D)) at a release.
+   !> Number of unknowns of a motion: (u_i, theta_i), or those of vi_rest_family.
    pure integer function unknown_count(frame)
       type(frame_type), intent(in) :: frame
 
-      unknown_count = 2
-      if (.not. frame%resting) unknown_count = 2*size(frame%family%sides)
+      if (frame%resting) then
+         unknown_count = rest_unknowns(frame%rest)
+      else
+         unknown_count = 2*size(frame%family%sides)
+      end if
    end function unknown_count
 
    !> Load phases that differ by whole cycles are the same: takes the common ones off a difference.
@@ -57,6 +60,8 @@ contains
       integer :: n
 
       if (frame%resting) then
+         n = size(frame%rest%letters)
+         offset(3:2 + n) = offset(3:2 + n) - two_pi*nint(offset(1)/two_pi)
          offset(1) = offset(1) - two_pi*nint(offset(1)/two_pi)
       else
          n = size(frame%family%sides)

@@ -4,7 +4,7 @@ module vi_rest_conditions
    use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
       neimark_sacker, rest_vanishes, zero_approach
    use vi_kinds, only: wp
-   use vi_rest_family, only: measure_type, rest_period, rest_period_type
+   use vi_rest_family, only: measure_type, rest_period, rest_period_type, rest_stability
    implicit none (type, external)
    private
 
@@ -15,7 +15,7 @@ contains
    !> The values of all conditions of a motion with rest; -1 where its letters cannot be followed.
    pure subroutine rest_conditions(frame, unknowns, c, values, found)
       type(frame_type), intent(in) :: frame
-      !> Phase and asinh(v/D) at the release; r, log(D), xi, mu, R1, R2.
+      !> Phase and asinh(v/D) at the release, phases of the first impacts; r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       real(wp), intent(out) :: values(:)
       type(condition_type), intent(out) :: found(:)
@@ -40,7 +40,7 @@ contains
    !> followed.
    pure real(wp) function rest_condition(frame, unknowns, c, condition) result(value)
       type(frame_type), intent(in) :: frame
-      !> Phase and asinh(v/D) at the release; r, log(D), xi, mu, R1, R2.
+      !> Phase and asinh(v/D) at the release, phases of the first impacts; r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       type(condition_type), intent(in) :: condition
       type(rest_period_type) :: period
@@ -54,35 +54,24 @@ contains
    end function rest_condition
 
    !> A condition in a period: its value, and its gradient but for those of stability.
-   !!
-   !! Those of stability are multiplied by the approach speeds of the letters, as a multiplier grows
-   !! like the inverse of such a speed.
    pure type(measure_type) function measure_in_period(period, c, condition) result(measure)
       type(rest_period_type), intent(in) :: period
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       type(condition_type), intent(in) :: condition
-      real(wp) :: trace, determinant, approaches
+      real(wp) :: stability(3)
 
       associate (i => condition%index)
          if (condition%kind == edge) then
             measure%value = condition%side*(c(i) - condition%bound)
-            if (i <= 2) measure%by(2 + i) = condition%side
+            if (i <= 2) measure%by(size(period%approach) + 2 + i) = condition%side
             return
          end if
          if (.not. period%right) return
-         ! [P] of the plane of releases; the other two multipliers are 0
-         trace = period%finish(1)%by(1) + period%finish(2)%by(2)
-         determinant = period%finish(1)%by(1)*period%finish(2)%by(2) &
-            - period%finish(1)%by(2)*period%finish(2)%by(1)
-         approaches = product(period%approach%value)
          select case (condition%kind)
-         case (fold)
-            measure%value = approaches*(1 - trace + determinant)
-         case (flip)
-            measure%value = approaches*(1 + trace + determinant)
-         case (neimark_sacker)
-            measure%value = approaches*(1 - determinant)
+         case (fold, flip, neimark_sacker)
+            stability = rest_stability(period)
+            measure%value = stability(condition%kind)
          case (zero_approach)
             measure = period%approach(i)
          case (grazing)

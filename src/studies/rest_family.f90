@@ -1,17 +1,17 @@
 !> Families of motions with rest: one period from a release on a wall to the next one.
 !!
 !! Where a rest ends both masses have one velocity v and the primary mass has no acceleration, so
-!! x = f sin(phase) - 2 xi v: the state at a release is two numbers. The unknowns are the load phase
-!! and asinh(v/D) at the release that ends the last letter (v/D grows without bound as D falls; its
-!! logarithm changes at the pace of log D). The motion is a fixed point of the map of the period. A
-!! letter is an impact, or all the impacts that accumulate on a wall and the rest there.
+!! x = f sin(phase) - 2 xi v: the state at a release is two numbers. A letter is an impact, or all
+!! the impacts that accumulate on a wall and the rest there. The unknowns are the load phase and
+!! asinh(v/D) at the release that ends the last letter (v/D grows without bound as D falls; its logarithm
+!! changes at the pace of log D), and the load phases of the first impacts of all letters. The
+!! equations say that the free mass is at the wall at each of these phases, and that the period
+!! ends as it began.
 !!
-!! A period follows its letters whether or not the motion is possible: the other wall is passed
-!! through, a short touch of the same wall is too, and an accumulation that just fails to be completed is
-!! completed all the same. So the map and all that is measured on it are smooth across the ends of
-!! the family, which are zeros of these measures: the gap of a flight, an approach speed, and the
-!! rest that an accumulation leaves. Derivatives by the unknowns, r and log D are carried along
-!! (vi_variation).
+!! So nothing happens where the free mass touches a wall on its way, or where an approach speed falls to
+!! zero, and an accumulation that just fails to be completed is completed all the same: the ends of
+!! the family are zeros of smooth measures, the gap of a flight, an approach speed, and the rest that an
+!! accumulation leaves. Derivatives by the unknowns, r and log D are carried along (vi_variation).
 module vi_rest_family
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_drive, only: drive_type, event_type, new_drive, release_event, two_pi
@@ -24,11 +24,12 @@ module vi_rest_family
    use vi_oscillator, only: left, oscillator_type, right
    use vi_rest, only: new_rest, release_time
    use vi_variation, only: columns, gap_change, moment_type, release, through_contact, &
-      through_rest, through_stick, variation_type
+      through_flight, through_rest, through_stick, variation_type
    implicit none (type, external)
    private
 
-   public :: last_release, new_rest_family, rest_period
+   public :: follow_letters, last_release, new_rest_family, plane_map, rest_period, &
+      rest_stability, rest_unknowns
 
    !> Impacts of one accumulation that are followed.
    integer, parameter :: most_hops = 20000
@@ -41,15 +42,17 @@ module vi_rest_family
       integer :: turned = 0
    end type rest_family_type
 
-   !> A number and its derivatives by both unknowns at the start of the period, r and log D.
+   !> A number and its derivatives by the unknowns, r and log D.
    type, public :: measure_type
       real(wp) :: value = 0, by(columns) = 0
    end type measure_type
 
    !> What happens in one period.
    type, public :: rest_period_type
-      !> The unknowns at the next release, the phase less 2 pi k.
-      type(measure_type) :: finish(2)
+      !> Of the equations: the unknowns at the next release, the phase less 2 pi k, less those at the
+      !! start; then how far beyond its wall, over D, the free mass is at the first impact of each
+      !! letter.
+      type(measure_type), allocatable :: equations(:)
       !> Of each letter: approach speed of its first impact over D; the rest that is left (1 for an
       !! impact); least gap over D at a stationary point of its flights, to either wall.
       type(measure_type), allocatable :: approach(:), rest(:), gap(:)
@@ -57,7 +60,7 @@ module vi_rest_family
       !! after its impacts) plus the share of its duration.
       integer, allocatable :: touched(:)
       real(wp), allocatable :: touched_at(:)
-      !> Whether the letters could be followed.
+      !> Whether all accumulations come to an end.
       logical :: right = .false.
    end type rest_period_type
 
@@ -87,98 +90,164 @@ contains
       family%cycles = cycles
    end function new_rest_family
 
+   !> Unknowns of a family: the release, and the first impact of each letter.
+   pure integer function rest_unknowns(family)
+      type(rest_family_type), intent(in) :: family
+
+      rest_unknowns = 2 + size(family%letters)
+   end function rest_unknowns
+
    !> One period from a release.
-   !!
-   !! A flight that dips into the wall of its next letter for a moment and comes back later reaches
-   !! that wall twice. Which of the two is the impact shows at the end of the period: the release
-   !! comes after k load cycles.
    pure subroutine rest_period(family, unknowns, c, period)
       type(rest_family_type), intent(in) :: family
-      !> Phase and asinh(v/D).
+      !> (2 + n) phase and asinh(v/D) at the release, phases of the first impacts.
       real(wp), intent(in) :: unknowns(:)
-      !> r, log(D), xi, mu, R1, R2
+      !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       type(rest_period_type), intent(out) :: period
-      real(wp), parameter :: near = 0.1_wp
       type(drive_type) :: drive
-      type(rest_period_type) :: other
-      logical :: dips(size(family%letters)), unused(size(family%letters))
-      integer :: i, n
-
-      n = size(family%letters)
-      drive = new_drive(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
-         1.0_wp, exp(c(by_clearance)))
-      call follow(drive, family, unknowns, 0, period, dips)
-      if (mismatch(period) < near) return
-      do i = 1, n
-         if (.not. dips(i)) cycle
-         call follow(drive, family, unknowns, i, other, unused)
-         if (mismatch(other) < mismatch(period)) period = other
-      end do
-
-   contains
-
-      !> How far from the phase at the start a period ends.
-      pure real(wp) function mismatch(period)
-         type(rest_period_type), intent(in) :: period
-
-         mismatch = huge(1.0_wp)
-         if (period%right) mismatch = abs(period%finish(1)%value - unknowns(1))
-      end function mismatch
-
-   end subroutine rest_period
-
-   !> One period along the letters.
-   pure subroutine follow(drive, family, unknowns, dive, period, dips)
-      type(drive_type), intent(in) :: drive
-      type(rest_family_type), intent(in) :: family
-      !> Phase and asinh(v/D).
-      real(wp), intent(in) :: unknowns(:)
-      !> The letter before which a first short touch of its wall is passed through; 0 for none.
-      integer, intent(in) :: dive
-      type(rest_period_type), intent(out) :: period
-      !> Whether the flight to a letter would leave its wall again after a moment.
-      logical, intent(out) :: dips(:)
       type(place_type) :: here
-      real(wp) :: phase
+      real(wp) :: last
       logical :: good
-      integer :: i, n, before
+      integer :: i, n, m, before
 
       n = size(family%letters)
-      allocate (period%approach(n), period%rest(n), period%gap(n), period%touched(n), &
-         period%touched_at(n))
+      m = rest_unknowns(family)
+      drive = drive_of(c)
+      allocate (period%equations(m), period%approach(n), period%rest(n), period%gap(n), &
+         period%touched(n), period%touched_at(n))
       period%rest%value = 1
       period%gap%value = 0.5_wp
       period%touched = 0
       period%touched_at = 0
-      dips = .false.
-      here = start_of(drive, sign(1, family%letters(n)), unknowns)
-      phase = here%at%phase + 2*two_pi*family%cycles
+      here = start_of(drive, sign(1, family%letters(n)), unknowns, m)
+      last = unknowns(1) + 2*two_pi*family%cycles
       do i = 1, n
          before = modulo(i - 2, n) + 1
-         call reach(drive, sign(1, family%letters(i)), dive == i, phase, here, period%approach(i), &
-            period%gap(before), period%touched(before), period%touched_at(before), dips(i), good)
-         if (.not. good) return
+         if (.not. unknowns(2 + i) > here%at%phase) return
+         call fly(drive, sign(1, family%letters(i)), 2 + i, unknowns(2 + i), here, &
+            period%equations(2 + i), period%approach(i), period%gap(before), &
+            period%touched(before), period%touched_at(before))
          if (abs(family%letters(i)) == 1) cycle
-         call accumulate(drive, phase, here, period%rest(i), period%gap(i), period%touched(i), &
+         call accumulate(drive, last, here, period%rest(i), period%gap(i), period%touched(i), &
             period%touched_at(i), good)
          if (.not. good) return
       end do
-      period%finish(1) = measure_type(here%at%phase - two_pi*family%cycles, here%change%state(4, :))
+      period%equations(1) = measure_type(here%at%phase - two_pi*family%cycles - unknowns(1), &
+         here%change%state(4, :))
       associate (d => drive%clearance, v => here%at%x_dot)
-         period%finish(2) = measure_type(asinh(v/d), (here%change%state(2, :) &
+         period%equations(2) = measure_type(asinh(v/d) - unknowns(2), (here%change%state(2, :) &
             - v/d*here%change%clearance)/hypot(v, d))
       end associate
+      do i = 1, 2
+         period%equations(i)%by(i) = period%equations(i)%by(i) - 1
+      end do
       period%right = .true.
-   end subroutine follow
+   end subroutine rest_period
+
+   !> The derivative of the map from release to release, the phases of the impacts eliminated.
+   pure function plane_map(period) result(j)
+      type(rest_period_type), intent(in) :: period
+      real(wp) :: j(2, 2)
+      real(wp) :: by(2, size(period%equations)), last(2, size(period%equations))
+      integer :: i, k, m
+
+      m = size(period%equations)
+      ! each phase by the release, from the equation that fixes it and the phases before
+      by = 0
+      do i = 3, m
+         associate (e => period%equations(i)%by)
+            by(:, i) = -e(:2)
+            do k = 3, i - 1
+               by(:, i) = by(:, i) - e(k)*by(:, k)
+            end do
+            by(:, i) = by(:, i)/e(i)
+         end associate
+      end do
+      do i = 1, 2
+         last(i, :) = period%equations(i)%by(:m)
+         last(i, i) = last(i, i) + 1
+         j(i, :) = last(i, :2)
+         do k = 3, m
+            j(i, :) = j(i, :) + last(i, k)*by(:, k)
+         end do
+      end do
+   end function plane_map
+
+   !> det(I - J), det(I + J) and 1 - det J of the map of the plane of releases, each times the
+   !! approach speeds: a multiplier grows like the inverse of such a speed.
+   pure function rest_stability(period) result(values)
+      type(rest_period_type), intent(in) :: period
+      real(wp) :: values(3)
+      real(wp), dimension(size(period%equations), size(period%equations)) :: a, b
+      real(wp) :: phases, plain
+      integer :: i, m
+
+      m = size(period%equations)
+      do i = 1, m
+         a(i, :) = period%equations(i)%by(:m)
+      end do
+      ! the determinant of the equations of the phases alone: approach speeds, each by r
+      phases = 1
+      do i = 3, m
+         phases = phases*(period%approach(i - 2)%value/a(i, i))
+      end do
+      values(1) = determinant(a)*phases
+      b = a
+      do i = 1, 2
+         b(i, i) = a(i, i) + 2
+      end do
+      values(2) = determinant(b)*phases
+      do i = 1, 2
+         b(i, i) = a(i, i) + 1
+      end do
+      plain = determinant(b)*phases
+      values(3) = product(period%approach%value) - plain
+   end function rest_stability
+
+   !> By elimination with partial pivoting.
+   pure real(wp) function determinant(matrix)
+      real(wp), intent(in) :: matrix(:, :)
+      real(wp) :: a(size(matrix, 1), size(matrix, 1)), row(size(matrix, 1))
+      integer :: i, k, n, pivot
+
+      a = matrix
+      n = size(a, 1)
+      determinant = 1
+      do k = 1, n
+         pivot = k - 1 + maxloc(abs(a(k:, k)), dim=1)
+         if (pivot /= k) then
+            row = a(k, :)
+            a(k, :) = a(pivot, :)
+            a(pivot, :) = row
+            determinant = -determinant
+         end if
+         determinant = determinant*a(k, k)
+         if (.not. abs(a(k, k)) > 0) return
+         do i = k + 1, n
+            a(i, k + 1:) = a(i, k + 1:) - a(i, k)/a(k, k)*a(k, k + 1:)
+         end do
+      end do
+   end function determinant
+
+   pure function drive_of(c) result(drive)
+      !> (6) r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+      type(drive_type) :: drive
+
+      drive = new_drive(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
+         1.0_wp, exp(c(by_clearance)))
+   end function drive_of
 
    !> The release with which a period starts.
-   pure function start_of(drive, side, unknowns) result(start)
+   pure function start_of(drive, side, unknowns, m) result(start)
       type(drive_type), intent(in) :: drive
       !> The wall, +1 or -1.
       integer, intent(in) :: side
       !> Phase and asinh(v/D).
       real(wp), intent(in) :: unknowns(:)
+      !> Unknowns in all.
+      integer, intent(in) :: m
       type(place_type) :: start
 
       associate (d => drive%clearance, f => drive%load, at => start%at, change => start%change)
@@ -187,10 +256,11 @@ contains
          at%z_dot = at%x_dot
          at%x = f*sin(at%phase) - 2*drive%osc%xi*at%x_dot
          at%side = side
-         change%r = [0, 0, 1, 0]
-         change%clearance = [0.0_wp, 0.0_wp, 0.0_wp, d]
-         change%state(4, :) = [1, 0, 0, 0]
-         change%state(2, :) = [0.0_wp, hypot(at%x_dot, d), 0.0_wp, at%x_dot]
+         change%n = m + 2
+         change%r(m + 1) = 1
+         change%clearance(m + 2) = d
+         change%state(4, 1) = 1
+         change%state(2, [2, m + 2]) = [hypot(at%x_dot, d), at%x_dot]
          change%state(3, :) = change%state(2, :)
          change%state(1, :) = f*cos(at%phase)*change%state(4, :) &
             - 2*drive%osc%xi*change%state(2, :)
@@ -198,57 +268,100 @@ contains
       start%released = .true.
    end function start_of
 
-   !> Flies to an impact on a wall and through it; the other wall is passed through.
-   pure subroutine reach(drive, side, dive, last, here, approach, gap, touched, touched_at, &
-      dips, good)
+   !> Flies to an impact at a given load phase, and through it.
+   pure subroutine fly(drive, side, column, phase, here, equation, approach, gap, touched, &
+      touched_at)
       type(drive_type), intent(in) :: drive
       integer, intent(in) :: side
-      !> Whether a first short touch of the wall is passed through too.
-      logical, intent(in) :: dive
-      !> Load phase after which nothing is looked for.
-      real(wp), intent(in) :: last
+      !> Which unknown the phase is.
+      integer, intent(in) :: column
+      real(wp), intent(in) :: phase
       type(place_type), intent(inout) :: here
-      !> Approach speed over D.
-      type(measure_type), intent(out) :: approach
+      !> How far beyond the wall the free mass is, and the approach speed, over D.
+      type(measure_type), intent(out) :: equation, approach
       !> Least gap so far of the letter that the flight belongs to.
       type(measure_type), intent(inout) :: gap
       integer, intent(inout) :: touched
       real(wp), intent(inout) :: touched_at
-      !> Whether the free mass would leave the wall again after a moment.
-      logical, intent(out) :: dips
-      logical, intent(out) :: good
-      !> How deep it may be in the wall then, over D.
-      real(wp), parameter :: depth = 0.02_wp
       type(flight_type) :: flight
-      type(contact_type) :: contact
-      real(wp) :: time, limit, rise
+      real(wp), dimension(columns) :: longer, y, before
+      real(wp) :: time, d(0:5), speed, restitution
+      integer :: n
 
-      dips = .false.
-      limit = (last - here%at%phase)/drive%r
-      flight = flight_from(drive, here%at, limit)
-      call next_contact(drive, flight, here, side, limit, 0.0_wp, contact, good)
-      if (.not. good) return
-      ! the wall runs away from the free mass
-      rise = side*contact%d(2)
-      if (rise > 0) dips = contact%speed**2 < 2*rise*depth*drive%clearance
-      if (dips .and. dive) then
-         time = way_out(flight, side, drive%clearance, contact%time + 2*contact%speed/rise)
-         call next_contact(drive, flight, here, side, limit, time, contact, good)
+      time = (phase - here%at%phase)/drive%r
+      flight = flight_from(drive, here%at, time)
+      d = derivatives(flight, time)
+      call note_gap(drive, here, time, 0, gap, touched, touched_at)
+      n = here%change%n
+      longer = 0
+      longer(:n) = -(here%change%state(4, :n) + time*here%change%r(:n))/drive%r
+      longer(column) = longer(column) + 1/drive%r
+      restitution = drive%osc%restitution(merge(right, left, side > 0))
+      call through_flight(drive, here%at, time, longer, restitution, here%change, y, before)
+      associate (at => here%at, clearance => drive%clearance, mu => drive%osc%mu)
+         equation%value = side*(flight_position(flight, time) - d(0))/clearance - 0.5_wp
+         equation%by = (side*y - (equation%value + 0.5_wp)*here%change%clearance)/clearance
+         speed = side*(at%z_dot - d(1))
+         approach = measure_type(speed/clearance, (side*before - speed/clearance &
+            *here%change%clearance)/clearance)
+         here%speed = restitution*speed
+         at%x = d(0)
+         at%x_dot = d(1) + mu/(1 + mu)*(side*(speed + here%speed))
+         at%z_dot = at%x_dot - side*here%speed
+         at%phase = phase
+         at%side = side
+      end associate
+      here%released = .false.
+   end subroutine fly
+
+   !> The unknowns that go with a release: the first impacts of the letters follow from it.
+   pure subroutine follow_letters(family, release, c, unknowns, good)
+      type(rest_family_type), intent(in) :: family
+      !> Phase and asinh(v/D).
+      real(wp), intent(in) :: release(2)
+      !> (6) r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+      !> (2 + n)
+      real(wp), intent(out) :: unknowns(:)
+      logical, intent(out) :: good
+      type(drive_type) :: drive
+      type(place_type) :: here
+      type(contact_type) :: contact
+      type(measure_type) :: rest, gap
+      real(wp) :: limit, touched_at
+      integer :: i, touched
+
+      drive = drive_of(c)
+      unknowns = 0
+      unknowns(:2) = release
+      here = start_of(drive, sign(1, family%letters(size(family%letters))), release, 2)
+      touched = 0
+      touched_at = 0
+      do i = 1, size(family%letters)
+         associate (side => sign(1, family%letters(i)))
+            limit = (release(1) + 2*two_pi*family%cycles - here%at%phase)/drive%r
+            call next_contact(drive, flight_from(drive, here%at, limit), here, side, limit, &
+               contact, good)
+            if (good) call impact_at(drive, here, side, contact%time, contact%d(0), contact%d(1), &
+               contact%speed, good)
+            if (.not. good) return
+         end associate
+         unknowns(2 + i) = here%at%phase
+         if (abs(family%letters(i)) == 1) cycle
+         call accumulate(drive, release(1) + 2*two_pi*family%cycles, here, rest, gap, touched, &
+            touched_at, good)
          if (.not. good) return
-      end if
-      call note_gap(drive, here, contact%time, 0, gap, touched, touched_at)
-      call impact_at(drive, here, side, contact%time, contact%d(0), contact%d(1), contact%speed, &
-         approach, good)
-   end subroutine reach
+      end do
+   end subroutine follow_letters
 
    !> The next contact with one wall.
-   pure subroutine next_contact(drive, flight, here, side, limit, from, contact, found)
+   pure subroutine next_contact(drive, flight, here, side, limit, contact, found)
       type(drive_type), intent(in) :: drive
       type(flight_type), intent(in) :: flight
       type(place_type), intent(in) :: here
       integer, intent(in) :: side
-      !> No contact is looked for before and after these times.
-      real(wp), intent(in) :: limit, from
+      !> No contact is looked for after this time.
+      real(wp), intent(in) :: limit
       type(contact_type), intent(out) :: contact
       logical, intent(out) :: found
       type(flight_type) :: moved
@@ -259,47 +372,25 @@ contains
       beyond = 2*drive%clearance
       moved = flight
       moved%z = moved%z + side*beyond
-      if (here%at%side == side .and. .not. from > 0) departure = departure_type(side, here%speed, &
-         here%released)
-      contact = first_contact(moved, 0.5_wp*drive%clearance + beyond, departure, limit, from)
+      if (here%at%side == side) departure = departure_type(side, here%speed, here%released)
+      contact = first_contact(moved, 0.5_wp*drive%clearance + beyond, departure, limit)
       found = contact%side == side
    end subroutine next_contact
 
-   !> When a free mass that is a little in a wall is out of it again: a moment later.
-   pure real(wp) function way_out(flight, side, clearance, guess) result(time)
-      type(flight_type), intent(in) :: flight
-      integer, intent(in) :: side
-      real(wp), intent(in) :: clearance, guess
-      real(wp) :: d(0:5), gap, step
-      integer :: i
-
-      time = guess
-      do i = 1, 12
-         d = derivatives(flight, time)
-         gap = 0.5_wp*clearance - side*(flight_position(flight, time) - d(0))
-         if (gap > 0 .and. gap < 1.0e-3_wp*clearance) return
-         ! aims a little beyond the wall
-         step = (1.0e-4_wp*clearance - gap)/max(tiny(1.0_wp), side*(d(1) - flight%z_dot))
-         time = time + max(-0.05_wp, min(0.05_wp, step))
-      end do
-   end function way_out
-
    !> Through an impact a given time after the beginning of a flight.
-   pure subroutine impact_at(drive, here, side, time, x, x_dot, speed, approach, good)
+   pure subroutine impact_at(drive, here, side, time, x, x_dot, speed, good)
       type(drive_type), intent(in) :: drive
       type(place_type), intent(inout) :: here
       integer, intent(in) :: side
       real(wp), intent(in) :: time
       !> The primary mass at the impact, and the speed at which the masses approach each other.
       real(wp), intent(in) :: x, x_dot, speed
-      type(measure_type), intent(out) :: approach
       logical, intent(out) :: good
       real(wp) :: before(columns), restitution
 
-      associate (at => here%at, d => drive%clearance, mu => drive%osc%mu)
+      associate (at => here%at, mu => drive%osc%mu)
          restitution = drive%osc%restitution(merge(right, left, side > 0))
          call through_contact(drive, at, time, side, restitution, here%change, before, good)
-         approach = measure_type(speed/d, (side*before - speed/d*here%change%clearance)/d)
          ! velocities from the approach speed, which keeps its relative accuracy
          here%speed = restitution*speed
          at%x = x
@@ -329,12 +420,13 @@ contains
       !> What cutting off may cost, relative to the motion: of a motion, and beyond its end.
       real(wp), parameter :: fine = 1.0e-17_wp, coarse = 1.0e-6_wp
       type(place_type) :: best
-      type(measure_type) :: unused
       real(wp) :: restitution, cost, least, time, x, x_dot, speed, scale, closing
       integer :: hops
 
       restitution = drive%osc%restitution(merge(right, left, here%at%side > 0))
       least = huge(1.0_wp)
+      good = here%speed >= 0
+      if (.not. good) return
       do hops = 1, most_hops
          closing = closing_acceleration(drive, here%at)
          cost = huge(1.0_wp)
@@ -351,7 +443,7 @@ contains
          if (.not. time > 0) exit
          if (here%speed*time > 0.2_wp*drive%clearance) call note_gap(drive, here, time, hops, gap, &
             touched, touched_at)
-         call impact_at(drive, here, here%at%side, time, x, x_dot, speed, unused, good)
+         call impact_at(drive, here, here%at%side, time, x, x_dot, speed, good)
          if (.not. good) exit
       end do
       good = least <= coarse*(drive%clearance + abs(best%at%x) + abs(best%at%x_dot))
@@ -386,8 +478,10 @@ contains
             x_dot = at%z_dot - at%side*speed
             return
          end if
+         x = at%x
+         x_dot = at%x_dot
          limit = (last - at%phase)/drive%r
-         call next_contact(drive, flight_from(drive, at, limit), here, at%side, limit, 0.0_wp, &
+         call next_contact(drive, flight_from(drive, at, limit), here, at%side, limit, &
             contact, found)
          if (.not. found) return
          time = contact%time

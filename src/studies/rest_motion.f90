@@ -11,9 +11,11 @@ module vi_rest_motion
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
    use vi_motion, only: unknown
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, most_impacts, &
+      n_parameters
    use vi_oscillator, only: left, right
-   use vi_rest_family, only: new_rest_family, rest_family_type, rest_period, rest_period_type
+   use vi_rest_family, only: new_rest_family, plane_map, rest_family_type, rest_period, &
+      rest_period_type
    use vi_simulate, only: drive_type, event_type, impact_event, release_event, simulate, &
       state_type, stick_event
    use vi_status, only: stat
@@ -104,13 +106,14 @@ contains
       integer, intent(out) :: status
       !> The verdict: `yes`, `no` or `unknown` of vi_motion.
       integer, intent(out), optional :: stable
-      !> Newton steps in all, and times that letters are read again after they were held.
+      !> Newton steps in all, and times that letters are held.
       integer, parameter :: most = 40, most_rounds = 4
       !> A simulated period that changes the state by less holds the letters of the motion.
       real(wp), parameter :: close_by = 0.02_wp
       type(rest_family_type) :: family
       type(rest_period_type) :: period
-      real(wp) :: image(2), unknowns(2), c(n_parameters), matrix(2, 2), jacobian(2, 2), step(2)
+      real(wp), allocatable :: unknowns(:)
+      real(wp) :: c(n_parameters), matrix(2, 2), step(2), image(2)
       complex(wp) :: pair(2)
       logical :: good
       integer :: i, rounds
@@ -124,63 +127,89 @@ contains
       c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [drive%r, &
          log(drive%clearance/drive%load), drive%osc%xi, drive%osc%mu, drive%osc%restitution(right), &
          drive%osc%restitution(left)]
-      unknowns = [point(1), asinh(point(2)/drive%clearance)]
       rounds = 0
       do i = 1, most
-         point = [unknowns(1), sinh(unknowns(2))*drive%clearance]
-         call return_map(drive, side, cycles, point, image, events, n, status)
+         call simulate_period(drive, side, cycles, point, image, residual, events, n, family, &
+            unknowns, status)
          if (status /= stat%ok) return
-         residual = maxval(abs(image - point)/[1.0_wp, drive%clearance])
-         status = stat%no_convergence
-         call family_of(events(:n), cycles, family, good)
-         if (.not. good) return
-         if (residual < 1.0e-12_wp .and. rounds > 0) exit
+         if (rounds > 0 .and. residual < 1.0e-11_wp) exit
          if (residual < close_by .and. rounds < most_rounds) then
             rounds = rounds + 1
             call hold_letters(family, c, unknowns, good)
-            if (good) cycle
+            if (good) then
+               point = [unknowns(1), sinh(unknowns(2))*drive%clearance]
+               cycle
+            end if
          end if
-         if (rounds > 0 .and. residual < 1.0e-10_wp) exit
          call rest_period(family, unknowns, c, period)
+         status = stat%no_convergence
          if (.not. period%right) return
-         matrix = -derivative_of(period)
+         matrix = -plane_map(period)
          matrix(1, 1) = matrix(1, 1) + 1
          matrix(2, 2) = matrix(2, 2) + 1
-         step = [period%finish(1)%value, period%finish(2)%value] - unknowns
+         step = [image(1), asinh(image(2)/drive%clearance)] - unknowns(:2)
          call solve(matrix, step, status)
          if (status /= stat%ok) return
-         unknowns = unknowns + step*min(1.0_wp, 0.3_wp/maxval(abs(step)))
+         step = unknowns(:2) + step*min(1.0_wp, 0.3_wp/maxval(abs(step)))
+         point = [step(1), sinh(step(2))*drive%clearance]
       end do
       status = merge(stat%ok, stat%no_convergence, residual < 1.0e-10_wp)
       if (status /= stat%ok) return
-      unknowns(1) = modulo(unknowns(1), two_pi)
-      point(1) = unknowns(1)
-      call return_map(drive, side, cycles, point, image, events, n, status)
+      point(1) = modulo(point(1), two_pi)
+      call simulate_period(drive, side, cycles, point, image, residual, events, n, family, &
+         unknowns, status)
       if (status /= stat%ok) return
+      status = stat%no_convergence
       call rest_period(family, unknowns, c, period)
-      if (.not. period%right) then
-         status = stat%no_convergence
-         return
-      end if
-      jacobian = derivative_of(period)
-      if (present(stable)) stable = plane_stability(jacobian)
-      call eigenvalues(jacobian, pair, status)
+      if (.not. period%right) return
+      matrix = plane_map(period)
+      if (present(stable)) stable = plane_stability(matrix)
+      call eigenvalues(matrix, pair, status)
       if (abs(pair(2)) > abs(pair(1))) pair = pair([2, 1])
       lambda(:2) = pair
    end subroutine solve_rest_motion
+
+   !> A simulated period: where it ends, its events, letters and unknowns.
+   pure subroutine simulate_period(drive, side, cycles, point, image, residual, events, n, family, &
+      unknowns, status)
+      type(drive_type), intent(in) :: drive
+      !> The wall, +1 or -1, and the load cycles k.
+      integer, intent(in) :: side, cycles
+      !> (phase, v) at the release, and at the release k load cycles later.
+      real(wp), intent(in) :: point(2)
+      real(wp), intent(out) :: image(2)
+      !> Greatest change of phase and v/D.
+      real(wp), intent(out) :: residual
+      type(event_type), intent(inout) :: events(:)
+      integer, intent(out) :: n
+      type(rest_family_type), intent(out) :: family
+      real(wp), allocatable, intent(out) :: unknowns(:)
+      !> `stat%ok`, `stat%no_motion`, or what the simulation says.
+      integer, intent(out) :: status
+      logical :: good
+
+      residual = huge(1.0_wp)
+      call return_map(drive, side, cycles, point, image, events, n, status)
+      if (status /= stat%ok) return
+      residual = maxval(abs(image - point)/[1.0_wp, drive%clearance])
+      call read_period(events(:n), cycles, [point(1), asinh(point(2)/drive%clearance)], family, &
+         unknowns, good)
+      if (.not. good) status = stat%no_motion
+   end subroutine simulate_period
 
    !> Newton's method along given letters.
    pure subroutine hold_letters(family, c, unknowns, good)
       type(rest_family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Phase and asinh(v/D) at the release; as they were if it does not converge.
-      real(wp), intent(inout) :: unknowns(2)
+      !> Those of vi_rest_family; as they were if it does not converge.
+      real(wp), intent(inout) :: unknowns(:)
       logical, intent(out) :: good
       integer, parameter :: most = 12
       type(rest_period_type) :: period
-      real(wp) :: matrix(2, 2), step(2), here(2), moved, before
-      integer :: i, status
+      real(wp) :: matrix(size(unknowns), size(unknowns)), step(size(unknowns)), moved, before
+      real(wp) :: here(size(unknowns))
+      integer :: i, j, status
 
       here = unknowns
       moved = huge(1.0_wp)
@@ -188,10 +217,10 @@ contains
       do i = 1, most
          call rest_period(family, here, c, period)
          if (.not. period%right) return
-         matrix = -derivative_of(period)
-         matrix(1, 1) = matrix(1, 1) + 1
-         matrix(2, 2) = matrix(2, 2) + 1
-         step = [period%finish(1)%value, period%finish(2)%value] - here
+         do j = 1, size(here)
+            matrix(j, :) = -period%equations(j)%by(:size(here))
+         end do
+         step = period%equations%value
          call solve(matrix, step, status)
          if (status /= stat%ok) return
          before = moved
@@ -205,23 +234,19 @@ contains
       if (good) unknowns = here
    end subroutine hold_letters
 
-   !> The derivative of the map of the period.
-   pure function derivative_of(period) result(j)
-      type(rest_period_type), intent(in) :: period
-      real(wp) :: j(2, 2)
-
-      j(1, :) = period%finish(1)%by(:2)
-      j(2, :) = period%finish(2)%by(:2)
-   end function derivative_of
-
-   !> The family whose letters the events of a period from a release to a release are.
-   pure subroutine family_of(events, cycles, family, good)
+   !> The family whose letters the events of a period from a release to a release are, and the
+   !! unknowns that go with them.
+   pure subroutine read_period(events, cycles, start, family, unknowns, good)
       type(event_type), intent(in) :: events(:)
       integer, intent(in) :: cycles
+      !> Phase and asinh(v/D) at the first release.
+      real(wp), intent(in) :: start(2)
       type(rest_family_type), intent(out) :: family
-      !> False if the last letter is none with rest.
+      real(wp), allocatable, intent(out) :: unknowns(:)
+      !> False if the last letter is none with rest, or if there are too many.
       logical, intent(out) :: good
       integer :: letters(size(events)), i, n, run
+      real(wp) :: phases(size(events))
 
       n = 0
       run = 0
@@ -234,8 +259,11 @@ contains
             run = run + 1
             n = n + 1
             letters(n) = events(i)%side
+            phases(n) = two_pi*real(events(i)%cycle, wp) + events(i)%phase
          case (stick_event)
-            ! the impacts that accumulated become one letter
+            ! the impacts that accumulated become one letter; there is one at least
+            good = run > 0
+            if (.not. good) return
             n = n + 1 - run
             letters(n) = 2*events(i)%side
             run = 0
@@ -243,9 +271,11 @@ contains
             run = 0
          end select
       end do
-      good = n > 1
+      good = n > 1 .and. n <= most_impacts
       if (good) good = abs(letters(n)) == 2
-      if (good) family = new_rest_family(letters(:n), cycles)
-   end subroutine family_of
+      if (.not. good) return
+      family = new_rest_family(letters(:n), cycles)
+      unknowns = [start, phases(:n)]
+   end subroutine read_period
 
 end module vi_rest_motion

@@ -7,7 +7,7 @@ module vi_seeds
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, pattern_type
-   use vi_rest_family, only: last_release
+   use vi_rest_family, only: follow_letters, last_release
    use vi_search, only: search_pattern
    use vi_simulate, only: drive_type, event_type, new_drive, simulate, state_type
    use vi_status, only: stat
@@ -47,21 +47,25 @@ contains
       allocate (found(unknown_count(frame), n))
       do k = 1, n
          whole(:size(pattern%sides), k) = whole(:size(pattern%sides), k)/setting%clearance
-         found(:, k) = part_of(frame, whole(:, k))
+         found(:, k) = part_of(frame, c, whole(:, k))
       end do
    end subroutine motions_at
 
    !> The unknowns of a family among those of the whole pattern; with rest these are phase and v/D.
-   pure function part_of(frame, whole) result(unknowns)
+   pure function part_of(frame, c, whole) result(unknowns)
       type(frame_type), intent(in) :: frame
+      !> r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
       real(wp), intent(in) :: whole(:)
       real(wp) :: unknowns(unknown_count(frame))
       integer :: n, total
+      logical :: good
 
       n = size(unknowns)/2
       total = size(whole)/2
       if (frame%resting) then
-         unknowns = [whole(1), asinh(whole(2))]
+         call follow_letters(frame%rest, [whole(1), asinh(whole(2))], c, unknowns, good)
+         if (.not. good) unknowns(3:) = unknowns(1)
       else
          unknowns = [whole(:n), whole(total + 1:total + n)]
       end if
@@ -77,7 +81,7 @@ contains
       type(drive_type) :: drive
       type(state_type) :: state, final
       type(event_type), allocatable :: events(:)
-      real(wp) :: release(2), list(2, starts)
+      real(wp) :: release(2), list(unknown_count(frame), starts)
       integer :: k, n, kept, status, calls
       logical :: there
 
@@ -97,9 +101,8 @@ contains
          end do
          if (status /= stat%ok) cycle
          call last_release(frame%rest, events(:n), drive%clearance, release, there)
-         if (.not. there) cycle
-         kept = kept + 1
-         list(:, kept) = release
+         if (there) call follow_letters(frame%rest, release, c, list(:, kept + 1), there)
+         if (there) kept = kept + 1
       end do
       found = list(:, :kept)
    end subroutine releases_at

@@ -15,7 +15,7 @@ module vi_survey
    use vi_orbit, only: by_clearance, by_r, most_impacts, n_parameters
    use vi_oscillator, only: left, oscillator_type, right
    use vi_pattern, only: pattern_type
-   use vi_rest_family, only: new_rest_family
+   use vi_rest_family, only: follow_letters, new_rest_family
    use vi_simulate, only: drive_type, event_type, new_drive, release_event, state_type
    use vi_status, only: stat
    use vi_survey_outcome, only: beyond, chaotic, event_limit, is_chaotic, is_free, no_impacts, &
@@ -272,16 +272,23 @@ contains
          condition_type(edge, by_clearance, 1, bound=c(2))]
       n = unknown_count(sheet%frame)
       allocate (point(n + 2), source=0.0_wp)
-      point(:n) = attractor%unknowns(:n)
-      if (resting) point(2) = asinh(point(2))
+      point(:min(n, size(attractor%unknowns))) = &
+         attractor%unknowns(:min(n, size(attractor%unknowns)))
+      if (resting) then
+         call follow_letters(sheet%frame%rest, [point(1), asinh(point(2))], c, point(:n), possible)
+         if (.not. possible) return
+      end if
       call correct(sheet, fixed, point, iterations)
       if (iterations == 0) return
       allocate (values(condition_count(sheet%frame)), conditions(condition_count(sheet%frame)))
       call all_conditions(sheet%frame, point(:n), c, values, conditions)
       ! one that repeats itself is stable all the same
       if (any(values <= 0 .and. conditions%kind /= repetition)) return
-      if (resting) point(2) = sinh(point(2))
-      attractor%unknowns(:n) = point(:n)
+      if (resting) then
+         attractor%unknowns(:2) = [point(1), sinh(point(2))]
+      else
+         attractor%unknowns(:n) = point(:n)
+      end if
       attractor%found = .true.
    end subroutine polish
 

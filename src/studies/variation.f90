@@ -19,13 +19,15 @@ module vi_variation
    implicit none (type, external)
    private
 
-   public :: gap_change, new_variation, release, through_contact, through_rest, through_stick
+   public :: gap_change, new_variation, release, through_contact, through_flight, through_rest, &
+      through_stick
 
-   !> Quantities that are varied.
-   integer, parameter, public :: columns = 4
+   !> Most quantities that are varied.
+   integer, parameter, public :: columns = 28
 
-   !> The changes of a state and of two parameters, by each of the quantities that are varied.
+   !> The changes of a state and of two parameters, by each of the first n quantities.
    type, public :: variation_type
+      integer :: n = 0
       !> Changes of x, x', z' and alpha.
       real(wp) :: state(4, columns) = 0
       !> Changes of r and of the clearance.
@@ -49,6 +51,7 @@ contains
       type(variation_type) :: change
       integer :: i
 
+      change%n = 4
       do i = 1, 4
          change%state(i, i) = 1
       end do
@@ -72,36 +75,67 @@ contains
       logical, intent(out) :: regular
       type(oscillation_type) :: o
       real(wp) :: d(0:5), rate
-      real(wp), dimension(columns) :: x, x_dot, instant
+      real(wp), dimension(columns) :: y, instant
+      integer :: n
 
-      associate (mu => drive%osc%mu, state => change%state)
-         o = flight_oscillation(drive, from)
-         d = derivatives(o, time)
-         rate = from%z_dot - d(1)
-         before = 0
-         regular = abs(rate) > 8*epsilon(rate)*(abs(from%z_dot) + abs(d(1)))
-         if (.not. regular) return
-         call flow(o, 1.0_wp, drive%osc%xi, time, change, x, x_dot)
-         ! z - x is where the wall is
-         instant = (0.5_wp*(side - from%side)*change%clearance - (state(1, :) - x) &
-            - time*state(3, :))/rate
-         x_dot = x_dot + d(2)*instant
-         before = state(3, :) - x_dot
-         state(1, :) = x + d(1)*instant
-         state(2, :) = ((1 - mu*restitution)*x_dot + mu*(1 + restitution)*state(3, :))/(1 + mu) ! (11)
-         state(3, :) = ((1 + restitution)*x_dot + (mu - restitution)*state(3, :))/(1 + mu)      ! (12)
-         state(4, :) = state(4, :) + time*change%r + drive%r*instant
-      end associate
+      n = change%n
+      o = flight_oscillation(drive, from)
+      d = derivatives(o, time)
+      rate = from%z_dot - d(1)
+      before = 0
+      regular = abs(rate) > 8*epsilon(rate)*(abs(from%z_dot) + abs(d(1)))
+      if (.not. regular) return
+      ! z - x is where the wall is
+      y = gap_change(drive, from, time, change)
+      instant(:n) = (0.5_wp*side*change%clearance(:n) - y(:n))/rate
+      call through_flight(drive, from, time, instant, restitution, change, y, before)
    end subroutine through_contact
+
+   !> A flight of given duration that ends with an impact.
+   pure subroutine through_flight(drive, from, time, longer, restitution, change, y, before)
+      type(drive_type), intent(in) :: drive
+      !> The state with which the flight begins.
+      type(moment_type), intent(in) :: from
+      !> Duration of the flight in 1/omega, and its changes.
+      real(wp), intent(in) :: time, longer(columns)
+      !> Of the wall of the impact.
+      real(wp), intent(in) :: restitution
+      !> In: just after the event that begins the flight. Out: just after the impact.
+      type(variation_type), intent(inout) :: change
+      !> Changes of z - x at the end, and of z' - x' just before the impact.
+      real(wp), dimension(columns), intent(out) :: y, before
+      type(oscillation_type) :: o
+      real(wp) :: d(0:5)
+      real(wp), dimension(columns) :: x, x_dot
+      integer :: n
+
+      n = change%n
+      o = flight_oscillation(drive, from)
+      d = derivatives(o, time)
+      y = 0
+      before = 0
+      associate (mu => drive%osc%mu, z_dot => change%state(3, :n), t => longer(:n))
+         call flow(o, 1.0_wp, drive%osc%xi, time, change, x, x_dot)
+         y(:n) = change%state(1, :n) + 0.5_wp*from%side*change%clearance(:n) + time*z_dot - x(:n) &
+            + (from%z_dot - d(1))*t
+         x_dot(:n) = x_dot(:n) + d(2)*t
+         before(:n) = z_dot - x_dot(:n)
+         change%state(1, :n) = x(:n) + d(1)*t
+         change%state(2, :n) = ((1 - mu*restitution)*x_dot(:n) &
+            + mu*(1 + restitution)*z_dot)/(1 + mu)                                        ! (11)
+         z_dot = ((1 + restitution)*x_dot(:n) + (mu - restitution)*z_dot)/(1 + mu)        ! (12)
+         change%state(4, :n) = change%state(4, :n) + time*change%r(:n) + drive%r*t
+      end associate
+   end subroutine through_flight
 
    !> Both masses take the velocity of their centre of mass.
    pure subroutine through_stick(drive, change)
       type(drive_type), intent(in) :: drive
       type(variation_type), intent(inout) :: change
 
-      associate (mu => drive%osc%mu, state => change%state)
-         state(2, :) = (state(2, :) + mu*state(3, :))/(1 + mu)
-         state(3, :) = state(2, :)
+      associate (mu => drive%osc%mu, state => change%state, n => change%n)
+         state(2, :n) = (state(2, :n) + mu*state(3, :n))/(1 + mu)
+         state(3, :n) = state(2, :n)
       end associate
    end subroutine through_stick
 
@@ -115,14 +149,14 @@ contains
       type(oscillation_type) :: o
       real(wp), dimension(columns) :: x, x_dot
 
-      associate (state => change%state)
+      associate (state => change%state, n => change%n)
          o = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, from%phase, from%x, &
             from%x_dot)
          call flow(o, 1 + drive%osc%mu, drive%osc%xi, time, change, x, x_dot)
-         state(1, :) = x
-         state(2, :) = x_dot
-         state(3, :) = x_dot
-         state(4, :) = state(4, :) + time*change%r
+         state(1, :n) = x(:n)
+         state(2, :n) = x_dot(:n)
+         state(3, :n) = x_dot(:n)
+         state(4, :n) = state(4, :n) + time*change%r(:n)
       end associate
    end subroutine through_rest
 
@@ -139,16 +173,16 @@ contains
       logical, intent(out) :: regular
       real(wp) :: rate
 
-      associate (state => change%state)
+      associate (state => change%state, n => change%n)
          ! (1 + mu) x'' = f sin(alpha) - 2 xi x' - x, and its derivative by time
          rate = drive%load*drive%r*cos(at%phase) - at%x_dot
          instant = 0
          regular = abs(rate) > 8*epsilon(rate)*(drive%load*drive%r + abs(at%x_dot))
          if (.not. regular) return
-         instant = -(drive%load*cos(at%phase)*state(4, :) - 2*drive%osc%xi*state(2, :) &
-            - state(1, :))/rate
-         state(1, :) = state(1, :) + at%x_dot*instant
-         state(4, :) = state(4, :) + drive%r*instant
+         instant(:n) = -(drive%load*cos(at%phase)*state(4, :n) - 2*drive%osc%xi*state(2, :n) &
+            - state(1, :n))/rate
+         state(1, :n) = state(1, :n) + at%x_dot*instant(:n)
+         state(4, :n) = state(4, :n) + drive%r*instant(:n)
       end associate
    end subroutine release
 
@@ -160,9 +194,13 @@ contains
       type(variation_type), intent(in) :: change
       real(wp) :: y(columns)
       real(wp), dimension(columns) :: x, x_dot
+      integer :: n
 
+      n = change%n
       call flow(flight_oscillation(drive, from), 1.0_wp, drive%osc%xi, time, change, x, x_dot)
-      y = change%state(1, :) + 0.5_wp*from%side*change%clearance + time*change%state(3, :) - x
+      y = 0
+      y(:n) = change%state(1, :n) + 0.5_wp*from%side*change%clearance(:n) &
+         + time*change%state(3, :n) - x(:n)
    end function gap_change
 
    !> The primary mass in the flight that begins at an event.
@@ -183,8 +221,10 @@ contains
       real(wp), intent(in) :: time
       !> At the start.
       type(variation_type), intent(in) :: change
-      real(wp), dimension(columns), intent(out) :: x, x_dot
+      !> Of the first n quantities; the others are left undefined.
+      real(wp), dimension(columns), intent(inout) :: x, x_dot
       real(wp) :: s(4), first(0:2), last(0:2), growth, lag, elastic, viscous, by(2), by_r(2)
+      integer :: n
 
       s(2) = exp(-o%decay*time)*sin(o%frequency*time)/o%frequency
       s(1) = exp(-o%decay*time)*cos(o%frequency*time)
@@ -195,9 +235,10 @@ contains
       last = forced(time)
       ! by the phase of the load
       by = [last(1) - s(1)*first(1) - s(2)*first(2), last(2) - s(3)*first(1) - s(4)*first(2)]/o%r
-      x = s(1)*change%state(1, :) + s(2)*change%state(2, :) + by(1)*change%state(4, :)
-      x_dot = s(3)*change%state(1, :) + s(4)*change%state(2, :) + by(2)*change%state(4, :)
-      if (.not. any(abs(change%r) > 0)) return
+      n = change%n
+      x(:n) = s(1)*change%state(1, :n) + s(2)*change%state(2, :n) + by(1)*change%state(4, :n)
+      x_dot(:n) = s(3)*change%state(1, :n) + s(4)*change%state(2, :n) + by(2)*change%state(4, :n)
+      if (.not. any(abs(change%r(:n)) > 0)) return
       ! by r: logarithmic derivative of the amplitude, derivative of the lag
       elastic = 1 - mass*o%r**2
       viscous = 2*xi*o%r
@@ -206,8 +247,8 @@ contains
       by = [growth*first(0) - lag*first(1)/o%r, (growth + 1/o%r)*first(1) - lag*first(2)/o%r]
       by_r = [growth*last(0) + (time - lag)*last(1)/o%r, &
          (growth + 1/o%r)*last(1) + (time - lag)*last(2)/o%r]
-      x = x + (by_r(1) - s(1)*by(1) - s(2)*by(2))*change%r
-      x_dot = x_dot + (by_r(2) - s(3)*by(1) - s(4)*by(2))*change%r
+      x(:n) = x(:n) + (by_r(1) - s(1)*by(1) - s(2)*by(2))*change%r(:n)
+      x_dot(:n) = x_dot(:n) + (by_r(2) - s(3)*by(1) - s(4)*by(2))*change%r(:n)
 
    contains
 

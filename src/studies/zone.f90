@@ -5,7 +5,7 @@
 module vi_zone
    use vi_curve, only: correct, curve_type, parameters_of
    use vi_family, only: image_of, kinship
-   use vi_frame, only: condition_type, edge, frame_type, wrap_phases
+   use vi_frame, only: condition_type, edge, frame_type, unknown_count, wrap_phases
    use vi_kinds, only: wp
    use vi_lattice, only: nearest_lines, new_lattice
    use vi_loop, only: loop_type, trace_loop
@@ -59,7 +59,7 @@ contains
       real(wp) :: q(2)
       integer, allocatable :: unclosed(:)
       logical :: closed
-      integer :: i, n_unclosed, told
+      integer :: i, k, n_unclosed, told
 
       call make_sheet(request, zone%sheet, status)
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
@@ -73,7 +73,9 @@ contains
       zone%lines = shape(net%head)
       do i = 1, size(seeds, 2)
          q = ([seeds(1, i), log(seeds(2, i))] - zone%sheet%origin)/zone%sheet%scale
-         call plant(net, q, part_of(zone%sheet%frame, seeds(3:, i)), nearest_lines(net%lines, q))
+         call plant(net, q, part_of(zone%sheet%frame, parameters_of(zone%sheet, &
+            [(0.0_wp, k=1, unknown_count(zone%sheet%frame)), q]), seeds(3:, i)), &
+            nearest_lines(net%lines, q))
       end do
       call cover(net, 1, tally)
       call search_window(request, net, told, tally)
