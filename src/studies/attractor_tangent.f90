@@ -6,11 +6,10 @@
 !! and both masses have one velocity.
 module vi_attractor_tangent
    use vi_drive, only: drive_type, event_type, impact_event, stick_event, two_pi
-   use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
-   use vi_oscillation, only: derivatives
-   use vi_oscillator, only: eta, left, right
-   use vi_rest, only: new_rest
+   use vi_oscillator, only: left, right
+   use vi_variation, only: columns, moment_type, new_variation, release, through_contact, &
+      through_rest, through_stick, variation_type
    implicit none (type, external)
    private
 
@@ -25,97 +24,39 @@ contains
       real(wp), intent(out) :: p(4, 4)
       !> False if there is no derivative: an impact or a release at which nothing approaches.
       logical, intent(out) :: regular
+      type(variation_type) :: change
+      type(moment_type) :: from
+      real(wp), dimension(columns) :: unused
+      real(wp) :: time
 
+      change = new_variation()
+      from = moment_of(before)
+      time = lapse(drive, before, after)
+      regular = .true.
       select case (after%kind)
       case (impact_event)
-         call flight_derivative(drive, before, after, p, regular)
+         call through_contact(drive, from, time, after%side, restitution_at(drive, after), change, &
+            unused, regular)
       case (stick_event)
-         call accumulation_derivative(drive, before, p, regular)
+         ! the common motion begins with the last impact, as far as its derivative goes
+         call through_stick(drive, change)
+         from%x_dot = (from%x_dot + drive%osc%mu*from%z_dot)/(1 + drive%osc%mu)
+         from%z_dot = from%x_dot
+         call through_rest(drive, from, time, change)
       case default
-         call rest_derivative(drive, before, after, p, regular)
+         call through_rest(drive, from, time, change)
+         call release(drive, moment_of(after), change, unused, regular)
       end select
+      p = change%state(:, :4)
    end subroutine event_derivative
 
-   !> [P_i] of the flight from one event to an impact.
-   pure subroutine flight_derivative(drive, before, after, p, regular)
-      type(drive_type), intent(in) :: drive
-      type(event_type), intent(in) :: before, after
-      real(wp), intent(out) :: p(4, 4)
-      logical, intent(out) :: regular
-      real(wp) :: t, shrink, theta(2)
+   !> The state just after an event.
+   pure function moment_of(event) result(moment)
+      type(event_type), intent(in) :: event
+      type(moment_type) :: moment
 
-      t = lapse(drive, before, after)
-      shrink = exp(-drive%osc%xi*t)
-      theta = [before%phase, after%phase] - drive%lag
-      call impact_map(drive%osc%xi, drive%osc%mu, drive%r, restitution_at(drive, after), &
-         t*drive%r, shrink*sin(eta(drive%osc%xi)*t), shrink*cos(eta(drive%osc%xi)*t), &
-         drive%amplitude*sin(theta), drive%amplitude*cos(theta), before%x, before%x_dot_after, &
-         before%z_dot_after, p, regular)
-   end subroutine flight_derivative
-
-   !> The end of an accumulation: what vi_simulate does in one step, differentiated.
-   !!
-   !! It takes T = 2 u/(a (1 - R)), u being the departure speed and a = -s x''.
-   pure subroutine accumulation_derivative(drive, before, p, regular)
-      type(drive_type), intent(in) :: drive
-      !> The last impact.
-      type(event_type), intent(in) :: before
-      real(wp), intent(out) :: p(4, 4)
-      logical, intent(out) :: regular
-      real(wp), dimension(4) :: velocity, x_ddot, duration
-      real(wp) :: time, lost, mass, acceleration
-      integer :: i
-
-      associate (osc => drive%osc, side => before%side)
-         mass = 1 + osc%mu
-         acceleration = drive%load*sin(before%phase) - 2*osc%xi*before%x_dot_after - before%x
-         lost = -side*acceleration*(1 - restitution_at(drive, before))
-         regular = abs(lost) > 0
-         if (.not. regular) lost = 1
-         time = 2*departure_speed(before)/lost
-         velocity = [0.0_wp, 1.0_wp, osc%mu, 0.0_wp]/mass
-         x_ddot = [-1.0_wp, -2*osc%xi, 0.0_wp, drive%load*cos(before%phase)]
-         duration = [0.0_wp, 2.0_wp, -2.0_wp, 0.0_wp]*(side/lost)
-         if (abs(acceleration) > 0) duration = duration - time/acceleration*x_ddot
-         p = reshape([(merge(1.0_wp, 0.0_wp, modulo(i, 5) == 0), i=0, 15)], [4, 4])
-         p(1, :) = p(1, :) + time*velocity + duration* &
-            ((before%x_dot_after + osc%mu*before%z_dot_after)/mass)
-         p(2, :) = velocity + (acceleration/mass)*duration + (time/mass)*x_ddot
-         p(3, :) = p(2, :)
-         p(4, :) = p(4, :) + drive%r*duration
-      end associate
-   end subroutine accumulation_derivative
-
-   !> Rest on a wall, up to the release.
-   pure subroutine rest_derivative(drive, before, after, p, regular)
-      type(drive_type), intent(in) :: drive
-      type(event_type), intent(in) :: before, after
-      real(wp), intent(out) :: p(4, 4)
-      logical, intent(out) :: regular
-      real(wp) :: t, d(0:5), force(4), rate
-
-      t = lapse(drive, before, after)
-      p = 0
-      associate (osc => drive%osc)
-         d = derivatives(new_rest(osc%xi, osc%mu, drive%r, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp), t)
-         p(:2, 1) = d(:1)
-         d = derivatives(new_rest(osc%xi, osc%mu, drive%r, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp), t)
-         p(:2, 2) = d(:1)
-         ! a change of the phase adds a load a quarter of a cycle ahead
-         d = derivatives(new_rest(osc%xi, osc%mu, drive%r, drive%load, &
-            before%phase + 0.25_wp*two_pi, 0.0_wp, 0.0_wp), t)
-         p(:2, 4) = d(:1)
-         p(4, 4) = 1
-         ! the release is where f sin(alpha) - 2 xi x' - x, which is (1 + mu) x'', rises through 0
-         force = drive%load*cos(after%phase)*p(4, :) - 2*osc%xi*p(2, :) - p(1, :)
-         rate = drive%load*drive%r*cos(after%phase) - after%x_dot_after
-         regular = abs(rate) > 8*epsilon(1.0_wp)*(drive%load*drive%r + abs(after%x_dot_after))
-         if (.not. regular) return
-         p(1, :) = p(1, :) - (after%x_dot_after/rate)*force
-         p(3, :) = p(2, :)
-         p(4, :) = p(4, :) - (drive%r/rate)*force
-      end associate
-   end subroutine rest_derivative
+      moment = moment_type(event%x, event%x_dot_after, event%z_dot_after, event%phase, event%side)
+   end function moment_of
 
    !> Time from one event to a later one.
    pure real(wp) function lapse(drive, before, after)
