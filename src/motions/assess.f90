@@ -117,7 +117,8 @@ contains
    !> `stable` from the derivative of a map of the plane: of a motion with rest.
    !!
    !! Both eigenvalues lie inside the unit circle if all three of Jury's conditions hold. An
-   !! accumulation of many impacts costs digits: the entries are right to about 1e-10 of the largest.
+   !! accumulation of many impacts costs digits: the entries are right to about 1e-10 of the
+   !! largest.
    pure integer function plane_stability(j) result(stable)
       real(wp), intent(in) :: j(2, 2)
       real(wp) :: trace, determinant, conditions(3), doubt

@@ -64,6 +64,7 @@ contains
       motion%status = stat%no_convergence
       allocate (jacobian(2*n, 2*n), step(2*n), unknowns(2*n))
       unknowns = [x, theta]
+      best = unknowns
       scale = setting%clearance
       size_step = huge(1.0_wp)
       least = huge(1.0_wp)

@@ -15,7 +15,8 @@ contains
    !> The values of all conditions of a motion with rest; -1 where its letters cannot be followed.
    pure subroutine rest_conditions(frame, unknowns, c, values, found)
       type(frame_type), intent(in) :: frame
-      !> Phase and asinh(v/D) at the release, phases of the first impacts; r, log(D), xi, mu, R1, R2.
+      !> Phase and asinh(v/D) at the release, phases of the first impacts; r, log(D), xi, mu, R1,
+      !! R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       real(wp), intent(out) :: values(:)
       type(condition_type), intent(out) :: found(:)
@@ -40,7 +41,8 @@ contains
    !> followed.
    pure real(wp) function rest_condition(frame, unknowns, c, condition) result(value)
       type(frame_type), intent(in) :: frame
-      !> Phase and asinh(v/D) at the release, phases of the first impacts; r, log(D), xi, mu, R1, R2.
+      !> Phase and asinh(v/D) at the release, phases of the first impacts; r, log(D), xi, mu, R1,
+      !! R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       type(condition_type), intent(in) :: condition
       type(rest_period_type) :: period

@@ -1,17 +1,18 @@
 !> Families of motions with rest: one period from a release on a wall to the next one.
 !!
-!! Where a rest ends both masses have one velocity v and the primary mass has no acceleration, so
-!! x = f sin(phase) - 2 xi v: the state at a release is two numbers. A letter is an impact, or all
+!! Where a rest ends both masses have one velocity v and the primary mass has no acceleration, so x
+!! = f sin(phase) - 2 xi v: the state at a release is two numbers. A letter is an impact, or all
 !! the impacts that accumulate on a wall and the rest there. The unknowns are the load phase and
-!! asinh(v/D) at the release that ends the last letter (v/D grows without bound as D falls; its logarithm
-!! changes at the pace of log D), and the load phases of the first impacts of all letters. The
-!! equations say that the free mass is at the wall at each of these phases, and that the period
-!! ends as it began.
+!! asinh(v/D) at the release that ends the last letter (v/D grows without bound as D falls; its
+!! logarithm changes at the pace of log D), and the load phases of the first impacts of all
+!! letters. The equations say that the free mass is at the wall at each of these phases, and that
+!! the period ends as it began.
 !!
-!! So nothing happens where the free mass touches a wall on its way, or where an approach speed falls to
-!! zero, and an accumulation that just fails to be completed is completed all the same: the ends of
-!! the family are zeros of smooth measures, the gap of a flight, an approach speed, and the rest that an
-!! accumulation leaves. Derivatives by the unknowns, r and log D are carried along (vi_variation).
+!! The equations stay smooth where the free mass touches a wall during a flight and where an
+!! approach speed falls to zero, and an accumulation that just fails to be completed is completed
+!! all the same: the ends of the family are zeros of smooth measures, the gap of a flight, an
+!! approach speed, and the rest that an accumulation leaves. Derivatives by the unknowns, r and log
+!! D are carried along (vi_variation).
 module vi_rest_family
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_drive, only: drive_type, event_type, new_drive, release_event, two_pi
@@ -49,9 +50,9 @@ module vi_rest_family
 
    !> What happens in one period.
    type, public :: rest_period_type
-      !> Of the equations: the unknowns at the next release, the phase less 2 pi k, less those at the
-      !! start; then how far beyond its wall, over D, the free mass is at the first impact of each
-      !! letter.
+      !> Of the equations: the unknowns at the next release, the phase less 2 pi k, less those at
+      !! the start; then how far beyond its wall, over D, the free mass is at the first impact of
+      !! each letter.
       type(measure_type), allocatable :: equations(:)
       !> Of each letter: approach speed of its first impact over D; the rest that is left (1 for an
       !! impact); least gap over D at a stationary point of its flights, to either wall.
@@ -493,8 +494,8 @@ contains
 
    !> The rest from the last impact that is followed to the release.
    !!
-   !! What is left of it is measured so that it goes through zero about linearly where the accumulation
-   !! just fails to be completed (see `critical`).
+   !! What is left of it is measured so that it goes through zero about linearly where the
+   !! accumulation just fails to be completed (see `critical`).
    pure subroutine rest_on(drive, restitution, last, here, rest, good)
       type(drive_type), intent(in) :: drive
       real(wp), intent(in) :: restitution, last
@@ -541,12 +542,12 @@ contains
 
    !> Where an accumulation just is, or is not, completed before the gap's acceleration a turns.
    !!
-   !! With a = j s, s being the time until it turns, the next impact comes after
-   !! t = 3/2 s (1 - sqrt(1 - 8/3 w)), w = u/(j s**2) = u/(a s). The step from w to the next one has a
-   !! fixed point, tau = t/s with (3 - tau) (1 - tau)**2 = R (3 - 2 tau): below it impacts accumulate
+   !! With a = j s, s being the time until it turns, the next impact comes after t = 3/2 s (1 -
+   !! sqrt(1 - 8/3 w)), w = u/(j s**2) = u/(a s). The step from w to the next one has a fixed
+   !! point, tau = t/s with (3 - tau) (1 - tau)**2 = R (3 - 2 tau): below it impacts accumulate
    !! while there is time left, above it they do not. A distance from it grows by L from impact to
-   !! impact while s shrinks by 1 - tau, so that (1 - w/w_c) s**power with
-   !! (1 - tau)**power = 1/L is the same number at each of them.
+   !! impact while s shrinks by 1 - tau, so that (1 - w/w_c) s**power with (1 - tau)**power = 1/L
+   !! is the same number at each of them.
    pure subroutine critical(restitution, limit, power)
       real(wp), intent(in) :: restitution
       !> w_c and the power.

@@ -1,10 +1,10 @@
 !> Periodic motions in which impacts accumulate and the free mass comes to rest on a wall.
 !!
-!! A motion is a fixed point of the map from one release to the release k load cycles later, a map of
-!! the plane (phase, v). Its two eigenvalues and two zeros, which the accumulation brings, are the
-!! multipliers. What a simulation does in a period gives the letters; the map along these letters
-!! (vi_rest_family) is smooth where the simulated one is not, and its derivative is known in closed
-!! form. A solution counts if the simulation from it comes back to it.
+!! A motion is a fixed point of the map from one release to the release k load cycles later, a map
+!! of the plane (phase, v). Its two eigenvalues and two zeros, which the accumulation brings, are
+!! the multipliers. What a simulation does in a period gives the letters; the map along these
+!! letters (vi_rest_family) is smooth where the simulated one is not, and its derivative is known
+!! in closed form. A solution counts if the simulation from it comes back to it.
 module vi_rest_motion
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_assess, only: plane_stability
@@ -125,8 +125,8 @@ contains
       status = stat%no_motion
       if (.not. drive%load > 0) return
       c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [drive%r, &
-         log(drive%clearance/drive%load), drive%osc%xi, drive%osc%mu, drive%osc%restitution(right), &
-         drive%osc%restitution(left)]
+         log(drive%clearance/drive%load), drive%osc%xi, drive%osc%mu, &
+         drive%osc%restitution([right, left])]
       rounds = 0
       do i = 1, most
          call simulate_period(drive, side, cycles, point, image, residual, events, n, family, &

@@ -1,8 +1,8 @@
 !> First variations: how small changes of a state and of the parameters grow from event to event.
 !!
 !! The state of an event is (x, x', z', alpha) just after it, the free mass being on a wall and
-!! alpha the load phase. Everything between events is known in closed form, and so is its derivative;
-!! the instant of an event follows from the condition that ends the flight or the rest.
+!! alpha the load phase. Everything between events is known in closed form, and so is its
+!! derivative; the instant of an event follows from the condition that ends the flight or the rest.
 !!
 !! An accumulation of impacts is cut off after an impact with departure speed u: there both masses
 !! take the velocity of their common centre of mass, and move on as one. The gap that is neglected
