@@ -252,13 +252,13 @@ contains
       logical :: possible
       integer :: n, iterations
 
+      if (size(attractor%letters) > most_impacts) return
       allocate (sheet%frame%edges(0))
       sheet%frame%resting = resting
       if (resting) then
          sheet%frame%rest = new_rest_family(attractor%letters, attractor%cycles)
          allocate (sheet%frame%repetitions(0))
       else
-         if (size(attractor%letters) > most_impacts) return
          call new_family(pattern_type(attractor%letters, attractor%cycles), .false., .true., &
             sheet%frame%family, sheet%frame%repetitions, possible)
       end if
