@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,8 +16,13 @@ def write_text(path: Path, text: str) -> None:
 
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a file under a temporary name and rename it; the old file is kept if that fails."""
-    with replacing(path, path.with_name(f"{path.name}.{os.getpid()}.part")) as temporary:
+    with replacing(path, path.with_name(f"{path.name}.{writer_name()}.part")) as temporary:
         temporary.write_bytes(content)
+
+
+def writer_name() -> str:
+    """Part of a temporary name that no other process or thread uses."""
+    return f"{os.getpid()}-{threading.get_ident()}"
 
 
 @contextlib.contextmanager

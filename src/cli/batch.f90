@@ -9,7 +9,7 @@ module vi_batch
    use vi_pattern, only: side_letters
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
-   use vi_report, only: csv_lines, event_lines, table_lines, verdict_text
+   use vi_report, only: csv_lines, describe_verdicts, event_lines, table_lines
    use vi_report_chart, only: chart_lines
    use vi_run_atlas, only: run_atlas
    use vi_run_basins, only: run_basins
@@ -20,7 +20,8 @@ module vi_batch
    use vi_run_zone, only: run_zone
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
-   use vi_text, only: append, counted, is_result, line_type, lower, whole
+   use vi_read_file, only: is_result
+   use vi_text, only: append, counted, line_type, lower, whole
    use vi_trajectory, only: simulate_case
    use vi_window, only: chart_window, map_type
    implicit none (type, external)
@@ -48,7 +49,7 @@ contains
       if (.not. allocated(log%lines)) allocate (log%lines(0), log%names(0), log%places(0), &
          log%results(0))
       message = ''
-      if (ends_blank(path)) message = path// &
+      if (len_trim(path) < len(path) .or. len(path) == 0) message = path// &
          ': cannot be read: a path must not end with a blank'
       if (len(message) == 0) call read_cases(path, cases, message)
       if (len(message) == 0 .and. present(only)) call keep(path, only, cases, message)
@@ -129,12 +130,6 @@ contains
       end do
       call move_alloc(kept, cases)
    end subroutine keep
-
-   pure logical function ends_blank(path)
-      character(*), intent(in) :: path
-
-      ends_blank = len_trim(path) < len(path) .or. len(path) == 0
-   end function ends_blank
 
    !> Reserves the names of the results; two cases with one name would overwrite each other.
    subroutine take_names(path, folder, cases, log, message)
@@ -267,7 +262,7 @@ contains
       !> False if a result could not be written.
       logical, intent(out) :: written
       type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: message, path
+      character(:), allocatable :: message, path, text
       integer :: i
 
       message = ''
@@ -291,8 +286,9 @@ contains
       if (all(motions%status /= stat%ok)) call say(log, failed, case%name//': '// &
          status_text(motions(1)%status))
       do i = 1, size(motions)
-         if (motions(i)%status == stat%ok) call say(log, done, case%name//': '// &
-            verdict_text(motions(i)))
+         if (motions(i)%status /= stat%ok) cycle
+         call describe_verdicts(motions(i), text)
+         call say(log, done, case%name//': '//text)
       end do
       if (case%format /= 'csv') call say(log, done, case%name//': '//path//'.txt')
    end subroutine write_results

@@ -20,7 +20,7 @@ module vi_case
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
    use vi_raw, only: blank, is_blank, raw_type
-   use vi_text, only: brief, lower, whole
+   use vi_text, only: brief, lower, whole, whole_width
    implicit none (type, external)
    private
 
@@ -197,7 +197,7 @@ contains
    pure function place(path, line) result(text)
       character(*), intent(in) :: path
       integer, intent(in) :: line
-      character(:), allocatable :: text
+      character(len(path) + 2 + merge(1 + whole_width(line), 0, line > 0)) :: text
 
       text = path//': '
       if (line > 0) text = path//':'//whole(line)//': '
@@ -267,7 +267,7 @@ contains
             return
          end if
       else
-         case%name = default_name(path, number, total)
+         call find_name(path, number, total, case%name)
       end if
       if (case%format /= 'csv' .and. case%format /= 'table' .and. case%format /= 'both') then
          call complain(group, 'format', line, message)
@@ -275,10 +275,11 @@ contains
    end subroutine take_output
 
    !> The name of a result from that of the file, numbered if it holds several cases.
-   pure function default_name(path, number, total) result(name)
+   pure subroutine find_name(path, number, total, name)
       character(*), intent(in) :: path
       integer, intent(in) :: number, total
-      character(:), allocatable :: name, suffix
+      character(:), allocatable, intent(out) :: name
+      character(:), allocatable :: suffix
       integer :: i
 
       name = path(index(path, '/', back=.true.) + 1:)
@@ -292,6 +293,6 @@ contains
       end do
       if (index(name, '.') == 1) name(1:1) = '_'
       if (len(name) == 0) name = 'case'
-   end function default_name
+   end subroutine find_name
 
 end module vi_case

@@ -122,12 +122,21 @@ contains
    pure function limits(place, start) result(text)
       integer, intent(in) :: place
       real(wp), intent(in) :: start(2)
-      character(:), allocatable :: text
+      character(len_trim(padded_limits(place, start))) :: text
 
-      text = trim(ranges(place))
-      if (start(1) <= start(2)) text = text//', and the motion has '//trim( &
-         parameters(place))//' = '//shown(start(1), 'g0.10')
+      text = padded_limits(place, start)
    end function limits
+
+   !> The same with blanks behind it.
+   pure function padded_limits(place, start) result(text)
+      integer, intent(in) :: place
+      real(wp), intent(in) :: start(2)
+      character(120) :: text
+
+      text = ranges(place)
+      if (start(1) <= start(2)) text = trim(text)//', and the motion has '//trim( &
+         parameters(place))//' = '//shown(start(1), 'g0.10')
+   end function padded_limits
 
    !> Where the parameter starts: at least and at most.
    function start_value(case, place) result(value)

@@ -43,7 +43,7 @@ contains
       i = 0
       do while (i < command_argument_count())
          i = i + 1
-         item = argument(i)
+         call get_argument(i, item)
          if ((item == '-h' .or. item == '--help') .and. .not. files_only) then
             call tell(help, status)
             return
@@ -52,7 +52,7 @@ contains
             return
          else if (item == '-o' .and. .not. files_only) then
             i = i + 1
-            folder = argument(i)
+            call get_argument(i, folder)
             call check_folder(folder, status)
          else if (item == '--' .and. .not. files_only) then
             files_only = .true.
@@ -87,16 +87,16 @@ contains
    end subroutine run_command
 
    !> An argument of the command; empty if there are not so many.
-   function argument(i) result(text)
+   subroutine get_argument(i, text)
       integer, intent(in) :: i
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: length
 
       length = 0
       if (i <= command_argument_count()) call get_command_argument(i, length=length)
       allocate (character(length) :: text)
       if (length > 0) call get_command_argument(i, text)
-   end function argument
+   end subroutine get_argument
 
    !> Prints what was asked for, in place of running anything.
    subroutine tell(lines, status)

@@ -4,7 +4,7 @@ module vi_echo
    use vi_echo_attractors, only: echo_attractor
    use vi_kinds, only: wp
    use vi_pattern, only: side_letters, starred_letters
-   use vi_text, only: append, exact, line_type, whole
+   use vi_text, only: append, exact, exact_width, line_type, whole
    use vi_version, only: version
    implicit none (type, external)
    private
@@ -178,13 +178,23 @@ contains
    !> Numbers with all their digits, as a list.
    pure function list(values) result(text)
       real(wp), intent(in) :: values(:)
-      character(:), allocatable :: text
-      integer :: i
+      character(list_width(values)) :: text
+      integer :: i, last
 
       text = exact(values(1))
+      last = exact_width(values(1))
       do i = 2, size(values)
-         text = text//', '//exact(values(i))
+         text(last + 1:) = ', '//exact(values(i))
+         last = last + 2 + exact_width(values(i))
       end do
    end function list
+
+   !> Letters of `list`.
+   pure integer function list_width(values) result(width)
+      real(wp), intent(in) :: values(:)
+      integer :: i
+
+      width = sum([(exact_width(values(i)) + 2, i=1, size(values))]) - 2
+   end function list_width
 
 end module vi_echo

@@ -1,9 +1,9 @@
 !> Files that are there whole or not at all: written under a temporary name, then renamed.
 module vi_files
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_new_line, &
-      c_null_char, c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_intptr_t, &
+      c_new_line, c_null_char, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_text, only: last_part, line_type, whole
+   use vi_text, only: last_part, line_type
    implicit none (type, external)
    private
 
@@ -30,6 +30,11 @@ module vi_files
          import :: c_int
          implicit none (type, external)
       end function c_getpid
+      ! its result is a number or a pointer, of this size
+      integer(c_intptr_t) function c_thread() bind(c, name='pthread_self')
+         import :: c_intptr_t
+         implicit none (type, external)
+      end function c_thread
       type(c_ptr) function c_realpath(path, buffer) bind(c, name='realpath')
          import :: c_char, c_ptr
          implicit none (type, external)
@@ -164,18 +169,21 @@ contains
       ignored = c_remove(temporary//c_null_char)
    end subroutine write_file
 
-   !> Opens a new file beside the wanted one; its name is free, also of other processes and threads.
+   !> Opens a new file beside the wanted one, under a name that no other process or thread uses: a
+   !! file of that name was left behind, and stays while the next name is tried.
    subroutine open_temporary(path, unit, temporary, message)
       character(*), intent(in) :: path
       integer, intent(out) :: unit
       character(:), allocatable, intent(out) :: temporary
       character(:), allocatable, intent(inout) :: message
       character(len(path) + 300) :: reason
+      character(64) :: owner
       integer :: status, i
       logical :: taken
 
       do i = 1, 1000
-         temporary = path//'.'//whole(int(c_getpid()))//'-'//whole(i)//'.part'
+         write (owner, '(i0, 2("-", i0))') c_getpid(), c_thread(), i
+         temporary = path//'.'//trim(owner)//'.part'
          open (newunit=unit, file=temporary, status='new', action='write', iostat=status, &
             iomsg=reason)
          if (status == 0) return
@@ -190,16 +198,16 @@ contains
       character(*), intent(in) :: one, other
       character(:), allocatable :: a, b
 
-      a = resolved(one)
-      b = resolved(other)
+      call resolve(one, a)
+      call resolve(other, b)
       same_file = len(a) > 0 .and. len(a) == len(b)
       if (same_file) same_file = a == b
    end function same_file
 
    !> The absolute path without links; empty if there is no such file.
-   function resolved(path) result(absolute)
+   subroutine resolve(path, absolute)
       character(*), intent(in) :: path
-      character(:), allocatable :: absolute
+      character(:), allocatable, intent(out) :: absolute
       character(kind=c_char), pointer :: text(:)
       type(c_ptr) :: address
       integer :: i, n
@@ -214,6 +222,6 @@ contains
          absolute(i:i) = text(i)
       end do
       call c_free(address)
-   end function resolved
+   end subroutine resolve
 
 end module vi_files

@@ -1,7 +1,7 @@
 !> The keys of the namelist groups: what each takes, and reading them one at a time.
 module vi_keys
-   use vi_keys_attractors, only: attractor_keys, wanted_of_attractor
-   use vi_keys_studies, only: study_keys, wanted_of_study
+   use vi_keys_attractors, only: list_attractor_keys, wanted_of_attractor
+   use vi_keys_studies, only: list_study_keys, wanted_of_chart, wanted_of_study
    use vi_namelist, only: group_type
    use vi_raw, only: blank, blank_motion, most_letters, raw_type, read_value
    use vi_text, only: lower, whole
@@ -17,14 +17,22 @@ module vi_keys
 contains
 
    !> What a key of a group takes; empty if the group has no such key.
-   pure function wanted(group, key) result(text)
+   pure subroutine wanted(group, key, text)
       character(*), intent(in) :: group, key
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       select case (group//' '//key)
       case default
-         text = wanted_of_study(group, key)//wanted_of_attractor(group, key)
-         if (group == 'chart') text = wanted_of_chart(key)
+         select case (group)
+         case ('chart')
+            call wanted_of_chart(key, text)
+         case ('branch', 'zone', 'atlas')
+            call wanted_of_study(group, key, text)
+         case default
+            call list_attractor_keys(group, text)
+            if (index(', '//text//',', ', '//key//',') == 0) text = ''
+            if (len(text) > 0) call wanted_of_attractor(group, key, text)
+         end select
       case ('system xi')
          text = 'a number with 0 <= xi < 1'
       case ('system mu')
@@ -46,14 +54,12 @@ contains
          text = 'one number an impact, increasing from 0 to below 2 cycles'
       case ('motion impact_restitution')
          text = 'one number an impact, each with 0 <= R <= 1'
-      case ('motion clearance')
+      case ('motion clearance', 'simulate clearance')
          text = 'a number with 1e-12 <= clearance <= 1e12'
       case ('motion precision')
          text = '''double'' or ''single'''
       case ('motion acceptance')
          text = 'a number with 0 <= acceptance <= 1'
-      case ('simulate clearance')
-         text = 'a number with 1e-12 <= clearance <= 1e12'
       case ('simulate cycles')
          text = 'a number of load cycles with 0 <= cycles <= 1e9'
       case ('simulate discard')
@@ -69,37 +75,7 @@ contains
       case ('output format')
          text = '''csv'', ''table'' or ''both'''
       end select
-   end function wanted
-
-   !> What a key of &chart takes; empty if there is no such key.
-   pure function wanted_of_chart(key) result(text)
-      character(*), intent(in) :: key
-      character(:), allocatable :: text
-
-      select case (key)
-      case default
-         text = ''
-      case ('sides')
-         text = 'letters R and L, one an impact, 2 to 12 of them, each wall at least once'
-      case ('cycles')
-         text = 'a whole number with 1 <= cycles <= 10000'
-      case ('r_min', 'r_max')
-         text = 'a number with 1e-6 <= '//key//' <= 1e6, and r_min below r_max'
-      case ('clearance_min', 'clearance_max')
-         text = 'a number with 1e-12 <= '//key//' <= 1e12, and clearance_min below clearance_max'
-      case ('r_points', 'clearance_points')
-         text = 'a whole number of at least 2, with r_points x clearance_points <= 1000000'
-      case ('spacing')
-         text = '''linear'' or ''geometric'' (of the clearances)'
-      case ('symmetric')
-         text = '''yes'' (only motions that are their own mirror image), ''no'' (only others) or &
-            &''both'''
-      case ('room')
-         text = 'a whole number with 1 <= room <= 32'
-      case ('guesses', 'seeds')
-         text = 'a whole number with 1 <= '//key//' <= 10000'
-      end select
-   end function wanted_of_chart
+   end subroutine wanted
 
    !> Whether a group of this name asks for a result.
    pure logical function makes_case(name)
@@ -126,25 +102,33 @@ contains
    !> These groups for messages, without some: '&motion, &simulate or ...'.
    pure function group_list(without) result(text)
       character(*), intent(in) :: without
-      character(:), allocatable :: text
+      character(len_trim(padded_list(without))) :: text
+
+      text = padded_list(without)
+   end function group_list
+
+   !> The same with blanks behind it.
+   pure function padded_list(without) result(text)
+      character(*), intent(in) :: without
+      character(15*size(case_groups)) :: text
       integer :: i
 
       text = ''
       do i = 1, size(case_groups)
          if (index(' '//without//' ', ' '//trim(case_groups(i))//' ') > 0) cycle
          if (i == size(case_groups)) then
-            text = text//' or '
-         else if (len(text) > 0) then
-            text = text//', '
+            text = trim(text)//' or'
+         else if (len_trim(text) > 0) then
+            text = trim(text)//','
          end if
-         text = text//'&'//trim(case_groups(i))
+         text = adjustl(trim(text)//' &'//case_groups(i))
       end do
-   end function group_list
+   end function padded_list
 
    !> The keys of a group, for messages.
-   pure function keys(group) result(text)
+   pure subroutine list_keys(group, text)
       character(*), intent(in) :: group
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       select case (group)
       case ('system')
@@ -154,17 +138,14 @@ contains
             &precision, acceptance'
       case ('simulate')
          text = 'clearance, cycles, discard, load, t, x, x_dot, z, z_dot, max_events'
-      case ('chart')
-         text = 'sides, cycles, r_min, r_max, r_points, clearance_min, clearance_max, &
-            &clearance_points, spacing, symmetric, room, guesses, seeds'
-      case ('branch', 'zone', 'atlas')
-         text = study_keys(group)
+      case ('chart', 'branch', 'zone', 'atlas')
+         call list_study_keys(group, text)
       case ('output')
          text = 'name, format'
       case default
-         text = attractor_keys(group)
+         call list_attractor_keys(group, text)
       end select
-   end function keys
+   end subroutine list_keys
 
    !> Reads the assignments of a group one at a time, so that a fault has a line and a key.
    subroutine read_group(group, raw, line, message)
@@ -172,6 +153,7 @@ contains
       type(raw_type), intent(inout) :: raw
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
+      character(:), allocatable :: text
       integer :: i, j, status
 
       if (makes_case(group%name)) call blank_motion(raw, group%name)
@@ -179,10 +161,11 @@ contains
       do i = 1, size(group%items)
          associate (item => group%items(i))
             line = item%line
-            if (len(wanted(group%name, item%key)) == 0) then
+            call wanted(group%name, item%key, text)
+            if (len(text) == 0) then
+               call list_keys(group%name, text)
                message = '&'//group%name//' '//item%key//' = '//item%value &
-                  //': is not a key of &'// &
-                  group%name//'; must be one of '//keys(group%name)
+                  //': is not a key of &'//group%name//'; must be one of '//text
                return
             end if
             do j = 1, i - 1
@@ -249,9 +232,11 @@ contains
       character(*), intent(in), optional :: why
       !> Which of several assignments to the key is meant; the first unless given.
       integer, intent(in), optional :: at
+      character(:), allocatable :: text
       integer :: i
 
-      message = '&'//group%name//' '//key//': is missing; must be '//wanted(group%name, key)
+      call wanted(group%name, key, text)
+      message = '&'//group%name//' '//key//': is missing; must be '//text
       do i = 1, size(group%items)
          if (group%items(i)%key /= key) cycle
          if (present(at)) then
@@ -259,7 +244,7 @@ contains
          end if
          line = group%items(i)%line
          message = '&'//group%name//' '//group%items(i)%target//' = '//group%items(i)%value// &
-            ': must be '//wanted(group%name, key)
+            ': must be '//text
          exit
       end do
       if (present(why)) message = message//'; '//why

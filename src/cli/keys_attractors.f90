@@ -3,17 +3,15 @@ module vi_keys_attractors
    implicit none (type, external)
    private
 
-   public :: attractor_keys, wanted_of_attractor
+   public :: list_attractor_keys, wanted_of_attractor
 
 contains
 
-   !> What a key takes; empty if the group has no such key.
-   pure function wanted_of_attractor(group, key) result(text)
+   !> What one of the keys of a group takes.
+   pure subroutine wanted_of_attractor(group, key, text)
       character(*), intent(in) :: group, key
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
-      text = ''
-      if (index(', '//attractor_keys(group)//',', ', '//key//',') == 0) return
       select case (key)
       case ('parameter')
          text = '''r'', ''clearance'', ''xi'', ''mu'', ''R1'', ''R2'' or ''restitution'' (both &
@@ -67,12 +65,12 @@ contains
       case default                                                            ! max_cycles
          text = 'a whole number with 1 <= max_cycles <= 100'
       end select
-   end function wanted_of_attractor
+   end subroutine wanted_of_attractor
 
    !> The keys of a group, for messages; empty for other groups.
-   pure function attractor_keys(group) result(text)
+   pure subroutine list_attractor_keys(group, text)
       character(*), intent(in) :: group
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       select case (group)
       case ('lyapunov')
@@ -89,6 +87,6 @@ contains
       case default
          text = ''
       end select
-   end function attractor_keys
+   end subroutine list_attractor_keys
 
 end module vi_keys_attractors

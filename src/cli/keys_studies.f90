@@ -1,16 +1,16 @@
-!> The keys of &branch, &zone and &atlas: what each takes.
+!> The keys of &chart, &branch, &zone and &atlas: what each takes.
 module vi_keys_studies
    implicit none (type, external)
    private
 
-   public :: study_keys, wanted_of_study
+   public :: list_study_keys, wanted_of_chart, wanted_of_study
 
 contains
 
    !> What a key takes; empty if the group has no such key.
-   pure function wanted_of_study(group, key) result(text)
+   pure subroutine wanted_of_study(group, key, text)
       character(*), intent(in) :: group, key
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       select case (group//' '//key)
       case default
@@ -54,14 +54,47 @@ contains
       case ('atlas settling')
          text = 'a whole number with 1 <= settling <= 1000000'
       end select
-   end function wanted_of_study
+   end subroutine wanted_of_study
+
+   !> What a key of &chart takes; empty if there is no such key.
+   pure subroutine wanted_of_chart(key, text)
+      character(*), intent(in) :: key
+      character(:), allocatable, intent(out) :: text
+
+      select case (key)
+      case default
+         text = ''
+      case ('sides')
+         text = 'letters R and L, one an impact, 2 to 12 of them, each wall at least once'
+      case ('cycles')
+         text = 'a whole number with 1 <= cycles <= 10000'
+      case ('r_min', 'r_max')
+         text = 'a number with 1e-6 <= '//key//' <= 1e6, and r_min below r_max'
+      case ('clearance_min', 'clearance_max')
+         text = 'a number with 1e-12 <= '//key//' <= 1e12, and clearance_min below clearance_max'
+      case ('r_points', 'clearance_points')
+         text = 'a whole number of at least 2, with r_points x clearance_points <= 1000000'
+      case ('spacing')
+         text = '''linear'' or ''geometric'' (of the clearances)'
+      case ('symmetric')
+         text = '''yes'' (only motions that are their own mirror image), ''no'' (only others) or &
+            &''both'''
+      case ('room')
+         text = 'a whole number with 1 <= room <= 32'
+      case ('guesses', 'seeds')
+         text = 'a whole number with 1 <= '//key//' <= 10000'
+      end select
+   end subroutine wanted_of_chart
 
    !> The keys of a group, for messages; empty for other groups.
-   pure function study_keys(group) result(text)
+   pure subroutine list_study_keys(group, text)
       character(*), intent(in) :: group
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       select case (group)
+      case ('chart')
+         text = 'sides, cycles, r_min, r_max, r_points, clearance_min, clearance_max, &
+            &clearance_points, spacing, symmetric, room, guesses, seeds'
       case ('branch')
          text = 'parameter, low, high, longest_step, max_points'
       case ('zone')
@@ -73,6 +106,6 @@ contains
       case default
          text = ''
       end select
-   end function study_keys
+   end subroutine list_study_keys
 
 end module vi_keys_studies

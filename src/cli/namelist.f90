@@ -6,7 +6,8 @@
 !! `#` is a result of ours: only the lines with a `#` in front are read, without it, so that every
 !! table is an input that reproduces it.
 module vi_namelist
-   use vi_text, only: detab, line_type, lower, read_lines, whole
+   use vi_read_file, only: read_lines
+   use vi_text, only: detab, line_type, lower, whole
    implicit none (type, external)
    private
 
@@ -183,17 +184,19 @@ contains
       end do
    end subroutine collect_body
 
-   !> The text without its blanks.
-   pure function squeezed(text) result(short)
-      character(*), intent(in) :: text
-      character(:), allocatable :: short
-      integer :: i
+   !> Takes the blanks out of a text.
+   pure subroutine squeeze(text)
+      character(:), allocatable, intent(inout) :: text
+      integer :: i, n
 
-      short = ''
+      n = 0
       do i = 1, len(text)
-         if (text(i:i) /= ' ') short = short//text(i:i)
+         if (text(i:i) == ' ') cycle
+         n = n + 1
+         text(n:n) = text(i:i)
       end do
-   end function squeezed
+      text = text(:n)
+   end subroutine squeeze
 
    pure subroutine extend(body, text, line)
       type(body_type), intent(inout) :: body
@@ -234,7 +237,8 @@ contains
          if (next > 0) next_start = target_start(body%text, next)
          line = body%line(min(start, size(body%line)))
          item%line = line
-         item%target = squeezed(lower(body%text(start:equals - 1)))
+         item%target = lower(body%text(start:equals - 1))
+         call squeeze(item%target)
          if (len(item%target) == 0) line = body%line(equals)
          item%key = item%target
          if (index(item%key, '(') > 0) item%key = trim(item%key(:index(item%key, '(') - 1))

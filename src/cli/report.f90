@@ -14,7 +14,7 @@ module vi_report
    implicit none (type, external)
    private
 
-   public :: csv_lines, event_lines, table_lines, verdict_text, verdict_word
+   public :: csv_lines, describe_verdicts, event_lines, table_lines, verdict_word
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -28,6 +28,7 @@ contains
       type(case_type), intent(in) :: case
       type(motion_type), intent(in) :: motions(:)
       type(line_type), allocatable, intent(out) :: lines(:)
+      character(:), allocatable :: text
       integer :: i, j
 
       call echo(case, lines)
@@ -43,8 +44,10 @@ contains
       do i = 1, size(motions)
          if (motions(i)%status /= stat%ok) cycle
          do j = 1, size(motions(i)%x)
-            call append(lines, whole(i)//','//whole(j)//impact_columns(motions(i), j) &
-               //motion_columns(motions(i)))
+            text = whole(i)//','//whole(j)
+            call add_impact(motions(i), j, text)
+            call add_motion(motions(i), text)
+            call append(lines, text)
          end do
       end do
    end subroutine csv_lines
@@ -86,24 +89,26 @@ contains
       none = all(motions%status /= stat%ok)
    end function none
 
-   pure function impact_columns(motion, j) result(text)
+   !> Adds the columns of one impact.
+   pure subroutine add_impact(motion, j, text)
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: j
-      character(:), allocatable :: text
+      character(:), allocatable, intent(inout) :: text
 
-      text = ','//side_letters(motion%pattern%sides(j:j))//columns([motion%restitution(j), &
+      text = text//','//side_letters(motion%pattern%sides(j:j))//columns([motion%restitution(j), &
          motion%phases(j), motion%x(j), motion%z(j), motion%x_dot_before(j), &
          motion%x_dot_after(j), &
          motion%z_dot_before(j), motion%z_dot_after(j)])
-   end function impact_columns
+   end subroutine add_impact
 
-   !> What all impacts of a motion share.
-   pure function motion_columns(motion) result(text)
+   !> Adds the columns that all impacts of a motion share.
+   pure subroutine add_motion(motion, text)
       type(motion_type), intent(in) :: motion
-      character(:), allocatable :: text
+      character(:), allocatable, intent(inout) :: text
       integer :: i
 
-      text = columns([motion%r, motion%clearance, motion%amplitude, motion%tau, motion%residual])
+      text = text//columns([motion%r, motion%clearance, motion%amplitude, motion%tau, &
+         motion%residual])
       text = text//','//verdict_word(motion%consistent)//','//verdict_word(motion%admissible) &
          //','// &
          verdict_word(motion%stable)
@@ -115,18 +120,14 @@ contains
             text = text//columns([motion%multipliers(i)%re, motion%multipliers(i)%im])
          end if
       end do
-   end function motion_columns
+   end subroutine add_motion
 
    !> A verdict as true, false or unknown.
    pure function verdict_word(verdict) result(word)
       integer, intent(in) :: verdict
-      character(:), allocatable :: word
+      character(merge(7, merge(4, 5, verdict == yes), verdict == unknown)) :: word
 
-      if (verdict == unknown) then
-         word = 'unknown'
-      else
-         word = trim(merge('true ', 'false', verdict == yes))
-      end if
+      word = merge('unknown', merge('true   ', 'false  ', verdict == yes), verdict == unknown)
    end function verdict_word
 
    pure real(wp) function attenuation(motion)
@@ -136,13 +137,12 @@ contains
    end function attenuation
 
    !> The verdicts of a motion in words.
-   pure function verdict_text(motion) result(text)
+   pure subroutine describe_verdicts(motion, text)
       type(motion_type), intent(in) :: motion
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       text = said(motion%consistent, 'consistent')//', '//said(motion%admissible, 'admissible') &
-         //', '
-      text = text//trim(merge('stable?  ', merge('stable   ', 'unstable ', motion%stable == yes), &
+         //', '//trim(merge('stable?  ', merge('stable   ', 'unstable ', motion%stable == yes), &
          motion%stable == unknown))
       if (ieee_is_nan(motion%multipliers(1)%re)) then
          text = text//' (no multipliers)'
@@ -150,12 +150,12 @@ contains
          text = text//' (max|lambda| = '//shown(abs(motion%multipliers(1)), 'g0.4')// &
             ', '//trim(leading_kind(motion%multipliers))//')'
       end if
-   end function verdict_text
+   end subroutine describe_verdicts
 
    pure function said(verdict, word) result(text)
       integer, intent(in) :: verdict
       character(*), intent(in) :: word
-      character(:), allocatable :: text
+      character(len(word) + merge(0, merge(1, 4, verdict == unknown), verdict == yes)) :: text
 
       text = word
       if (verdict == unknown) text = word//'?'
@@ -191,6 +191,8 @@ contains
    pure subroutine table_of(motion, lines)
       type(motion_type), intent(in) :: motion
       type(line_type), allocatable, intent(inout) :: lines(:)
+      character(:), allocatable :: text
+
       call append(lines, whole(size(motion%x))//' impacts in '//whole(motion%pattern%cycles) &
          //' cycle(s), sides '// &
          side_letters(motion%pattern%sides))
@@ -208,23 +210,20 @@ contains
       call append(lines, row('X_max/A', [attenuation(motion)], 'f12.4'))
       call append(lines, row('|eigenvalues|', abs(motion%multipliers), 'f12.4'))
       call append(lines, row('residual', [motion%residual], 'es12.2'))
-      call append(lines, verdict_text(motion))
+      call describe_verdicts(motion, text)
+      call append(lines, text)
    end subroutine table_of
 
    !> A row of the printout: its name, then its numbers.
    pure function row(name, values, format) result(text)
       character(*), intent(in) :: name, format
       real(wp), intent(in) :: values(:)
-      character(:), allocatable :: text
-      character(16) :: label
-      character(12) :: number
+      character(16 + 12*size(values)) :: text
       integer :: i
 
-      label = name
-      text = label
+      text = name
       do i = 1, size(values)
-         write (number, '('//format//')') values(i)
-         text = text//number
+         write (text(12*i + 5:12*i + 16), '('//format//')') values(i)
       end do
    end function row
 

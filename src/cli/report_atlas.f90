@@ -6,7 +6,7 @@ module vi_report_atlas
    use vi_pattern, only: starred_letters
    use vi_report_zone, only: not_closed, truth
    use vi_survey_outcome, only: beyond, outcome_names
-   use vi_text, only: append, counted, exact, line_type, whole
+   use vi_text, only: append, counted, exact, line_type, whole, whole_width
    use vi_zone_pieces, only: pieces_type
    implicit none (type, external)
    private
@@ -108,7 +108,7 @@ contains
    !> Short name of a pattern: RRL/1.
    pure function pattern_text(sides, cycles) result(text)
       integer, intent(in) :: sides(:), cycles
-      character(:), allocatable :: text
+      character(size(sides) + count(abs(sides) > 1) + 1 + whole_width(cycles)) :: text
 
       text = starred_letters(sides)//'/'//whole(cycles)
    end function pattern_text

@@ -4,7 +4,7 @@ module vi_report_branch
       end_stopped
    use vi_branch_of, only: points_type
    use vi_case_type, only: case_type
-   use vi_condition_names, only: condition_detail, condition_name
+   use vi_condition_names, only: condition_detail, condition_name, name_length
    use vi_echo, only: echo
    use vi_kinds, only: wp
    use vi_report, only: verdict_word
@@ -22,7 +22,7 @@ contains
       type(points_type), intent(in) :: branches(:)
       type(line_type), allocatable, intent(out) :: lines(:)
       type(line_type), allocatable :: head(:)
-      character(:), allocatable :: header
+      character(:), allocatable :: header, text
       integer :: i, j, k, n
 
       call echo(case, head)
@@ -48,45 +48,55 @@ contains
       do i = 1, size(branches)
          do k = 1, branches(i)%n
             n = n + 1
-            lines(n)%text = whole(i)//','//whole(k)//row(branches(i), k)
+            text = whole(i)//','//whole(k)
+            call add_point(branches(i), k, text)
+            call move_alloc(text, lines(n)%text)
          end do
       end do
    end subroutine branch_lines
 
-   !> The columns of one point.
-   pure function row(branch, k) result(text)
+   !> Adds the columns of one point.
+   pure subroutine add_point(branch, k, text)
       type(points_type), intent(in) :: branch
       integer, intent(in) :: k
-      character(:), allocatable :: text
+      character(:), allocatable, intent(inout) :: text
       integer :: i
 
-      text = columns(branch%parameters(:, k))
+      text = text//columns(branch%parameters(:, k))
       do i = 1, 3
          text = text//','//verdict_word(branch%verdicts(i, k))
       end do
       associate (s => branch%scalars(:, k), special => branch%special(:, k))
          text = text//columns(abs(branch%multipliers(:, k)))//columns(s(2:))// &
             columns([max(-s(5), s(6))/s(2)])//columns(branch%phases(:, k))// &
-            columns(branch%impacts(:, 1, k))//','//special_name(branch, k)//','// &
+            columns(branch%impacts(:, 1, k))//','//trim(special_name(branch, k))//','// &
             trim(condition_detail(special(1), special(2), special(3)))
       end associate
-   end function row
+   end subroutine add_point
 
-   !> The type of a special point; empty for another point.
+   !> The type of a special point; blank for another point.
    pure function special_name(branch, k) result(name)
       type(points_type), intent(in) :: branch
       integer, intent(in) :: k
-      character(:), allocatable :: name
+      character(name_length) :: name
 
       name = ''
-      if (branch%special(1, k) > 0) name = trim(condition_name( &
-         branch%special(1, k), branch%special(2, k), branch%symmetric, branch%mirrored))
+      if (branch%special(1, k) > 0) name = condition_name(branch%special(1, k), &
+         branch%special(2, k), branch%symmetric, branch%mirrored)
    end function special_name
 
    !> Why a branch ends.
    pure function end_text(reason) result(text)
       integer, intent(in) :: reason
-      character(:), allocatable :: text
+      character(len_trim(padded_end(reason))) :: text
+
+      text = padded_end(reason)
+   end function end_text
+
+   !> The same with blanks behind it.
+   pure function padded_end(reason) result(text)
+      integer, intent(in) :: reason
+      character(40) :: text
 
       select case (reason)
       case (end_bound)
@@ -102,6 +112,6 @@ contains
       case default
          text = 'cannot be followed'
       end select
-   end function end_text
+   end function padded_end
 
 end module vi_report_branch

@@ -47,9 +47,9 @@ contains
    !> A logical value as true or false.
    pure function truth(value) result(word)
       logical, intent(in) :: value
-      character(:), allocatable :: word
+      character(merge(4, 5, value)) :: word
 
-      word = trim(merge('true ', 'false', value))
+      word = merge('true ', 'false', value)
    end function truth
 
 end module vi_report_zone

@@ -28,7 +28,7 @@ contains
       type(atlas_type) :: atlas
       type(pieces_type), allocatable :: found(:)
       type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: said
+      character(:), allocatable :: said, patterns
       integer :: j, lost
 
       written = .true.
@@ -58,14 +58,17 @@ contains
          if (.not. found(j)%closed) call say(log, failed, case%name//': '//pattern_text( &
             atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//' '//not_closed)
       end do
-      if (lost > 0) call say(log, failed, case%name//': '//whole(lost)//' of '//counted( &
-         size(atlas%explained), 'attractor')//' in no zone of the pattern:'//names(atlas))
+      if (lost == 0) return
+      call list_patterns(atlas, patterns)
+      call say(log, failed, case%name//': '//whole(lost)//' of '//counted(size(atlas%explained), &
+         'attractor')//' in no zone of the pattern:'//patterns)
    end subroutine run_atlas
 
    !> The patterns of attractors in no zone, each once.
-   pure function names(atlas) result(text)
+   pure subroutine list_patterns(atlas, text)
       type(atlas_type), intent(in) :: atlas
-      character(:), allocatable :: text, name
+      character(:), allocatable, intent(out) :: text
+      character(:), allocatable :: name
       integer :: i
 
       text = ''
@@ -75,6 +78,6 @@ contains
          if (index(text//',', name//',') > 0) cycle
          text = text//trim(merge(',', ' ', len(text) > 0))//name
       end do
-   end function names
+   end subroutine list_patterns
 
 end module vi_run_atlas

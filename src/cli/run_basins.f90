@@ -81,9 +81,10 @@ contains
 
       call echo(case, lines)
       do i = 1, catalogue%n
-         call append(lines, '# ! '//whole(i - 1)//': '//names(i)%text//' ('//trim(kinds( &
-            catalogue%known(i)%kind))//'), share '//exact(share(labels, i))//details( &
-            catalogue%known(i)))
+         text = '# ! '//whole(i - 1)//': '//names(i)%text//' ('//trim(kinds( &
+            catalogue%known(i)%kind))//'), share '//exact(share(labels, i))
+         call add_details(catalogue%known(i), text)
+         call append(lines, text)
       end do
       call append_safety(case, catalogue%n, labels, lines)
       call append(lines, 't,x,x_dot,z,z_dot,label,attractor')
@@ -127,7 +128,7 @@ contains
          do i = 1, n
             text = '# ! '//whole(i - 1)//': standard error of the share '//exact(standard_error( &
                labels, i))
-            if (a%states == 0) text = text//disc(case, plane, i)
+            if (a%states == 0) call add_disc(case, plane, i, text)
             call append(lines, text)
          end do
       end associate
@@ -137,12 +138,12 @@ contains
          exponent))
    end subroutine append_safety
 
-   !> The largest disc of the plane inside a basin.
-   pure function disc(case, plane, i) result(text)
+   !> Adds the largest disc of the plane inside a basin.
+   pure subroutine add_disc(case, plane, i, text)
       type(case_type), intent(in) :: case
       !> (second axis, first axis)
       integer, intent(in) :: plane(:, :), i
-      character(:), allocatable :: text
+      character(:), allocatable, intent(inout) :: text
       real(wp) :: cells(2), radius, first(size(plane, 2)), second(size(plane, 1))
       integer :: place(2)
 
@@ -151,28 +152,29 @@ contains
          second = even(a%low(2), a%high(2), a%values(2))
          cells = (a%high(2:1:-1) - a%low(2:1:-1))/(a%values(2:1:-1) - 1)
          call largest_disc(plane, i, cells, radius, place)
-         text = ', radius of the largest disc '//exact(radius)//' about '//trim(a%axes(1))//', '// &
-            trim(a%axes(2))//' = '//exact(first(place(2)))//', '//exact(second(place(1)))
+         text = text//', radius of the largest disc '//exact(radius)//' about '// &
+            trim(a%axes(1))//', '//trim(a%axes(2))//' = '//exact(first(place(2)))//', '// &
+            exact(second(place(1)))
       end associate
-   end function disc
+   end subroutine add_disc
 
-   !> What else is known of an attractor.
-   pure function details(known) result(text)
+   !> Adds what else is known of an attractor.
+   pure subroutine add_details(known, text)
       type(known_type), intent(in) :: known
-      character(:), allocatable :: text
+      character(:), allocatable, intent(inout) :: text
       real(wp) :: numbers(2)
 
       select case (known%kind)
       case (periodic, resting)
          numbers = ball(known)
-         text = ', greatest multiplier '//exact(known%largest)//', radius '//exact(numbers(1))
+         text = text//', greatest multiplier '//exact(known%largest)//', radius '// &
+            exact(numbers(1))
       case (no_impacts, repeating)
-         text = ''
       case default
-         text = ', largest exponent per load cycle '//exact(known%largest)
+         text = text//', largest exponent per load cycle '//exact(known%largest)
       end select
       text = text//'; t, x, x_dot, z, z_dot = '//list(known%state)
-   end function details
+   end subroutine add_details
 
    !> Sides and load cycles, or the kind; a number tells those of one name apart.
    pure subroutine find_names(catalogue, names)

@@ -9,7 +9,7 @@ module vi_run_bifurcation
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_pattern, only: side_letters
    use vi_status, only: stat, status_text
-   use vi_text, only: append, columns, counted, exact, lengthen, line_type, whole
+   use vi_text, only: append, columns, counted, exact, lengthen, line_type, whole, whole_width
    implicit none (type, external)
    private
 
@@ -124,7 +124,15 @@ contains
 
    pure function run_name(directions, j) result(text)
       integer, intent(in) :: directions(:), j
-      character(:), allocatable :: text
+      character(len_trim(padded_name(directions, j))) :: text
+
+      text = padded_name(directions, j)
+   end function run_name
+
+   !> The same with blanks behind it.
+   pure function padded_name(directions, j) result(text)
+      integer, intent(in) :: directions(:), j
+      character(20) :: text
 
       select case (directions(j))
       case (1)
@@ -134,15 +142,15 @@ contains
       case default
          text = 'state '//whole(j)
       end select
-   end function run_name
+   end function padded_name
 
    !> N/k; empty where no period was seen.
    pure function label(period) result(text)
       !> Load cycles, letters, impacts, rests.
       integer, intent(in) :: period(4)
-      character(:), allocatable :: text
+      character(merge(whole_width(period(1)) + whole_width(period(2)) + 1, 0, &
+         period(1) > 0)) :: text
 
-      text = ''
       if (period(1) > 0) text = whole(period(2))//'/'//whole(period(1))
    end function label
 

@@ -33,6 +33,7 @@ contains
       type(points_type), allocatable :: branches(:)
       type(line_type), allocatable :: lines(:)
       type(motion_type) :: start
+      character(:), allocatable :: text
       integer :: i, n, place
       logical :: tied
 
@@ -67,7 +68,8 @@ contains
       call write_table(folder//'/'//case%name//'.csv', lines, log, written)
       if (.not. written) return
       do i = 1, n
-         call say(log, done, case%name//': '//summary(branches(i)))
+         call summarize(branches(i), text)
+         call say(log, done, case%name//': '//text)
          if (any(branches(i)%reasons == end_full)) then
             call say(log, failed, case%name//': cut short, max_points was reached')
          else if (any(branches(i)%reasons == end_stuck)) then
@@ -77,9 +79,9 @@ contains
    end subroutine run_branch
 
    !> Points, special points and ends in words.
-   pure function summary(branch) result(text)
+   pure subroutine summarize(branch, text)
       type(points_type), intent(in) :: branch
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       character(14), parameter :: names(6) = [character(14) :: 'fold', 'pitchfork', 'flip', &
          'neimark_sacker', 'grazing', 'zero_approach']
       integer :: i, k, count
@@ -93,6 +95,6 @@ contains
          if (count > 0) text = text//', '//whole(count)//' '//trim(names(i))
       end do
       text = text//'; ends: '//end_text(branch%reasons(1))//', '//end_text(branch%reasons(2))
-   end function summary
+   end subroutine summarize
 
 end module vi_run_branch

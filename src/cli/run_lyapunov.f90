@@ -35,6 +35,7 @@ contains
       integer, intent(inout), optional :: tally(3)
       type(spectra_type) :: found
       type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: reason
       integer :: j, lost
 
       written = .true.
@@ -49,8 +50,13 @@ contains
       end if
       if (lost == 0) return
       j = findloc(found%status /= stat%ok, .true., 1)
+      if (found%status(j) == stat%no_motion) then
+         reason = 'no impacts in a batch'
+      else
+         reason = status_text(found%status(j))
+      end if
       call say(log, failed, case%name//': no exponents at '//whole(lost)//' of '//counted( &
-         size(found%r), 'point')//': '//reason(found%status(j)))
+         size(found%r), 'point')//': '//reason)
    end subroutine run_lyapunov
 
    subroutine compute(case, found, tally)
@@ -101,17 +107,5 @@ contains
             whole(found%counts(2, j))
       end do
    end subroutine spectra_lines
-
-   !> Why a point has no exponents.
-   pure function reason(status) result(text)
-      integer, intent(in) :: status
-      character(:), allocatable :: text
-
-      if (status == stat%no_motion) then
-         text = 'no impacts in a batch'
-      else
-         text = status_text(status)
-      end if
-   end function reason
 
 end module vi_run_lyapunov

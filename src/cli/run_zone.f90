@@ -24,7 +24,7 @@ contains
       integer, intent(inout), optional :: tally(3)
       type(pieces_type) :: found
       type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: what
+      character(:), allocatable :: what, types
 
       written = .true.
       what = starred_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
@@ -41,15 +41,16 @@ contains
       call zone_lines(case, found, lines)
       call write_table(folder//'/'//case%name//'.csv', lines, log, written)
       if (.not. written) return
+      call list_types(found, types)
       call say(log, done, case%name//': '//what//', '//counted(found%loops, 'loop')//' in '// &
-         counted(found%n, 'piece')//kinds(found))
+         counted(found%n, 'piece')//types)
       if (.not. found%closed) call say(log, failed, case%name//': '//not_closed)
    end subroutine run_zone
 
    !> The types of the pieces, each once.
-   pure function kinds(found) result(text)
+   pure subroutine list_types(found, text)
       type(pieces_type), intent(in) :: found
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: i
 
       text = ''
@@ -59,6 +60,6 @@ contains
             text = text//trim(merge(':', ',', len(text) == 0))//' '//name
          end associate
       end do
-   end function kinds
+   end subroutine list_types
 
 end module vi_run_zone

@@ -1,20 +1,23 @@
 !> Small text helpers of the command-line side.
+!!
+!! The length of each result follows from the arguments: gfortran keeps the length of a result that
+!! is `character(:), allocatable` in a static variable of the caller, which threads share.
 module vi_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: append, brief, columns, counted, detab, exact, is_result, join, last_part, lengthen, &
-      lower, printable, read_lines, shown, split, whole
+   public :: append, brief, columns, counted, detab, exact, exact_width, join, last_part, &
+      lengthen, lower, printable, shown, split, whole, whole_width
 
    !> A line of text.
    type, public :: line_type
       character(:), allocatable :: text
    end type line_type
 
-   !> Bytes that a namelist file may have.
-   integer, parameter :: largest = 64*1024*1024
+   !> Letters that `brief` keeps at each end of a message.
+   integer, parameter :: kept = 300
 
 contains
 
@@ -88,11 +91,10 @@ contains
    !> A message without the middle of a value of thousands of letters, which would fill screens.
    pure function brief(text) result(short)
       character(*), intent(in) :: text
-      character(:), allocatable :: short
-      integer, parameter :: kept = 300
+      character(min(len(text), 2*kept + 5)) :: short
 
       short = text
-      if (len(text) > 2*kept + 5) short = text(:kept)//' ... '//text(len(text) - kept + 1:)
+      if (len(text) > len(short)) short = text(:kept)//' ... '//text(len(text) - kept + 1:)
    end function brief
 
    !> The text in lower case (ASCII).
@@ -110,52 +112,105 @@ contains
    !> A number with all its digits (17), so that reading it back gives the same bits.
    pure function exact(value) result(text)
       real(wp), intent(in) :: value
-      character(:), allocatable :: text
+      character(exact_width(value)) :: text
       character(24) :: buffer
 
       write (buffer, '(es24.16e3)') value
-      text = trim(adjustl(buffer))
+      text = adjustl(buffer)
    end function exact
+
+   !> Letters of `exact`.
+   pure integer function exact_width(value) result(width)
+      real(wp), intent(in) :: value
+      character(24) :: buffer
+
+      if (ieee_is_finite(value)) then
+         width = merge(24, 23, sign(1.0_wp, value) < 0)
+      else
+         write (buffer, '(es24.16e3)') value
+         width = len_trim(adjustl(buffer))
+      end if
+   end function exact_width
 
    !> Numbers as columns of a table, each behind a comma; what is not finite as Python reads it.
    pure function columns(values) result(text)
       real(wp), intent(in) :: values(:)
-      character(:), allocatable :: text
-      integer :: i
+      character(columns_width(values)) :: text
+      integer :: i, last
 
-      text = ''
+      last = 0
       do i = 1, size(values)
-         if (ieee_is_finite(values(i))) then
-            text = text//','//exact(values(i))
-         else if (ieee_is_nan(values(i))) then
-            text = text//',nan'
-         else
-            text = text//trim(merge(',inf ', ',-inf', values(i) > 0))
-         end if
+         associate (cell => text(last + 1:last + column_width(values(i))))
+            if (ieee_is_finite(values(i))) then
+               cell = ','//exact(values(i))
+            else if (ieee_is_nan(values(i))) then
+               cell = ',nan'
+            else
+               cell = merge(',inf ', ',-inf', values(i) > 0)
+            end if
+         end associate
+         last = last + column_width(values(i))
       end do
    end function columns
+
+   !> Letters of `columns`.
+   pure integer function columns_width(values) result(width)
+      real(wp), intent(in) :: values(:)
+
+      width = sum(column_width(values))
+   end function columns_width
+
+   !> Letters of one column with its comma.
+   elemental integer function column_width(value) result(width)
+      real(wp), intent(in) :: value
+
+      if (ieee_is_finite(value)) then
+         width = 1 + exact_width(value)
+      else
+         width = merge(5, 4, value < 0)
+      end if
+   end function column_width
 
    !> A number with a few digits, for messages and printed tables.
    pure function shown(value, format) result(text)
       real(wp), intent(in) :: value
       !> An edit descriptor such as f10.4.
       character(*), intent(in) :: format
-      character(:), allocatable :: text
-      character(40) :: buffer
+      character(len_trim(formatted(value, format))) :: text
 
-      write (buffer, '('//format//')') value
-      text = trim(adjustl(buffer))
+      text = formatted(value, format)
    end function shown
+
+   !> The same with blanks behind it.
+   pure function formatted(value, format) result(text)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: format
+      character(40) :: text
+
+      write (text, '('//format//')') value
+      text = adjustl(text)
+   end function formatted
 
    !> A whole number.
    pure function whole(value) result(text)
       integer, intent(in) :: value
-      character(:), allocatable :: text
-      character(12) :: buffer
+      character(whole_width(value)) :: text
 
-      write (buffer, '(i0)') value
-      text = trim(buffer)
+      write (text, '(i0)') value
    end function whole
+
+   !> Letters of a whole number.
+   pure integer function whole_width(value) result(width)
+      integer, intent(in) :: value
+      integer :: rest
+
+      width = merge(2, 1, value < 0)
+      rest = value/10
+      do while (rest /= 0)
+         width = width + 1
+         rest = rest/10
+      end do
+   end function whole_width
 
    !> The parts of a text between single separators.
    pure function split(text, separator) result(parts)
@@ -178,10 +233,9 @@ contains
    pure function join(lines, separator) result(text)
       type(line_type), intent(in) :: lines(:)
       character, intent(in) :: separator
-      character(:), allocatable :: text
+      character(joined_width(lines)) :: text
       integer :: i, length
 
-      allocate (character(max(0, sum([(len(lines(i)%text) + 1, i=1, size(lines))]) - 1)) :: text)
       length = 0
       do i = 1, size(lines)
          text(length + 1:length + len(lines(i)%text)) = lines(i)%text
@@ -190,103 +244,29 @@ contains
       end do
    end function join
 
+   !> Letters of lines that are joined.
+   pure integer function joined_width(lines) result(width)
+      type(line_type), intent(in) :: lines(:)
+      integer :: i
+
+      width = max(0, sum([(len(lines(i)%text) + 1, i=1, size(lines))]) - 1)
+   end function joined_width
+
    !> A number of things: "1 impact", "2 impacts".
    pure function counted(number, thing) result(text)
       integer, intent(in) :: number
       character(*), intent(in) :: thing
-      character(:), allocatable :: text
+      character(whole_width(number) + len(thing) + merge(1, 2, number == 1)) :: text
 
-      text = whole(number)//' '//thing
-      if (number /= 1) text = text//'s'
+      text = whole(number)//' '//thing//'s'                        ! of one thing the s is cut off
    end function counted
-
-   !> All lines of a text file or pipe; `message` is empty if that went well.
-   subroutine read_lines(path, lines, message)
-      character(*), intent(in) :: path
-      type(line_type), allocatable, intent(out) :: lines(:)
-      character(:), allocatable, intent(out) :: message
-      character(:), allocatable :: content
-      integer :: i
-
-      call read_text(path, content, message)
-      if (len(content) >= 3) then                                 ! a byte order mark is no text
-         if (content(:3) == char(239)//char(187)//char(191)) content = content(4:)
-      end if
-      lines = split(content, achar(10))
-      do i = 1, size(lines)
-         associate (length => len(lines(i)%text))
-            if (length > 0) then
-               if (lines(i)%text(length:length) == achar(13)) lines(i)%text = &
-                  lines(i)%text(:length - 1)
-            end if
-         end associate
-      end do
-   end subroutine read_lines
-
-   !> Whether a file is a result of ours, which starts with #.
-   logical function is_result(path)
-      character(*), intent(in) :: path
-      type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: message
-
-      call read_lines(path, lines, message)
-      is_result = .false.
-      if (size(lines) > 0) is_result = index(lines(1)%text, '#') == 1
-   end function is_result
-
-   !> The content of a text file or pipe, line feeds between its lines.
-   subroutine read_text(path, content, message)
-      character(*), intent(in) :: path
-      character(:), allocatable, intent(out) :: content, message
-      character(len(path) + 300) :: reason
-      character(65536) :: part
-      character(:), allocatable :: longer
-      integer :: unit, status, n, length
-      logical :: folder
-
-      message = ''
-      content = ''
-      inquire (file=path//'/.', exist=folder)
-      if (folder) then
-         message = 'Is a directory'
-         return
-      end if
-      open (newunit=unit, file=path, status='old', action='read', iostat=status, iomsg=reason)
-      if (status /= 0) then
-         message = last_part(reason)
-         return
-      end if
-      length = 0
-      do
-         read (unit, '(a)', advance='no', size=n, iostat=status, iomsg=reason) part
-         if (status /= 0 .and. .not. is_iostat_eor(status)) exit
-         if (length + n + 1 > len(content)) then
-            allocate (character(2*(length + n + 1)) :: longer)
-            longer(:length) = content(:length)
-            call move_alloc(longer, content)
-         end if
-         content(length + 1:length + n) = part(:n)
-         length = length + n
-         if (is_iostat_eor(status)) then
-            length = length + 1
-            content(length:length) = achar(10)
-         end if
-         if (length > largest) then
-            message = 'is larger than 64 MB'
-            exit
-         end if
-      end do
-      if (len(message) == 0 .and. .not. is_iostat_end(status)) message = last_part(reason)
-      close (unit)
-      content = content(:length)
-   end subroutine read_text
 
    !> What a message of the runtime says after the path that it repeats.
    pure function last_part(reason) result(text)
       character(*), intent(in) :: reason
-      character(:), allocatable :: text
+      character(len_trim(adjustl(reason(index(reason, ': ', back=.true.) + 1:)))) :: text
 
-      text = trim(adjustl(reason(index(reason, ': ', back=.true.) + 1:)))
+      text = adjustl(reason(index(reason, ': ', back=.true.) + 1:))
    end function last_part
 
 end module vi_text

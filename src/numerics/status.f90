@@ -44,7 +44,15 @@ contains
    !> The sentence for a status code.
    pure function status_text(code) result(text)
       integer, intent(in) :: code
-      character(:), allocatable :: text
+      character(len_trim(sentence(code))) :: text
+
+      text = sentence(code)
+   end function status_text
+
+   !> The same with blanks behind it.
+   pure function sentence(code) result(text)
+      integer, intent(in) :: code
+      character(160) :: text
 
       select case (code)
       case (stat%ok)
@@ -78,6 +86,6 @@ contains
       case default
          text = 'unknown status code'
       end select
-   end function status_text
+   end function sentence
 
 end module vi_status

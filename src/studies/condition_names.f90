@@ -9,7 +9,7 @@ module vi_condition_names
 
    !> Their lengths are fixed: gfortran keeps the length of a result of deferred length in one place
    !! for all threads.
-   integer, parameter :: name_length = 14, detail_length = 24
+   integer, parameter, public :: name_length = 14, detail_length = 24
 
    !> The parameters in their order in the core.
    character(6), parameter :: parameters(6) = [character(6) :: 'r', 'd K/F0', 'xi', 'mu', 'R1', &

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError
-from ..files import replacing
+from ..files import replacing, writer_name
 from ..progress import Progress
 from . import style
 from .history import KINDS, History, history
@@ -91,7 +91,7 @@ def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer
     from matplotlib.animation import writers
 
     # the writer knows the format by the ending
-    temporary = target.with_name(f"{target.stem}.{os.getpid()}.part{target.suffix}")
+    temporary = target.with_name(f"{target.stem}.{writer_name()}.part{target.suffix}")
     with style.pyplot().rc_context(_program(writer)):
         film = writers[writer](fps=RATE)
         with (

@@ -1,0 +1,12 @@
+/* Why the last call of the C library failed, as text of at most `room` bytes with the null behind it. Fortran
+   cannot read errno, which is a macro. */
+#define _POSIX_C_SOURCE 200112L
+#include <errno.h>
+#include <string.h>
+
+void vibroimpact_last_error(char *text, size_t room)
+{
+    int code = errno;
+    if (strerror_r(code, text, room) != 0)
+        strncpy(text, "unknown error", room);
+}

@@ -1,0 +1,156 @@
+!> Reads text files, also one file in several threads.
+!!
+!! Fortran connects a file to one unit at a time, and a second thread that opens it is refused; the
+!! streams of the C library are independent.
+module vi_read_file
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_ptr, c_size_t
+   use vi_text, only: line_type, split
+   implicit none (type, external)
+   private
+
+   public :: is_result, read_lines
+
+   interface
+      type(c_ptr) function c_fopen(path, mode) bind(c, name='fopen')
+         import :: c_char, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*), mode(*)
+      end function c_fopen
+      integer(c_size_t) function c_fread(bytes, width, number, stream) bind(c, name='fread')
+         import :: c_char, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_size_t), value :: width, number
+         character(kind=c_char), intent(out) :: bytes(width*number)
+         type(c_ptr), value :: stream
+      end function c_fread
+      integer(c_int) function c_ferror(stream) bind(c, name='ferror')
+         import :: c_int, c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: stream
+      end function c_ferror
+      integer(c_int) function c_fclose(stream) bind(c, name='fclose')
+         import :: c_int, c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: stream
+      end function c_fclose
+      subroutine last_error(text, room) bind(c, name='vibroimpact_last_error')
+         import :: c_char, c_size_t
+         implicit none (type, external)
+         integer(c_size_t), value :: room
+         character(kind=c_char), intent(out) :: text(room)
+      end subroutine last_error
+   end interface
+
+   !> Bytes that a namelist file may have.
+   integer, parameter :: largest = 64*1024*1024
+
+contains
+
+   !> All lines of a text file or pipe; `message` is empty if that went well.
+   subroutine read_lines(path, lines, message)
+      !> The file.
+      character(*), intent(in) :: path
+      !> Without the ends of the lines; what stands behind the last end is a line too.
+      type(line_type), allocatable, intent(out) :: lines(:)
+      !> Why it cannot be read.
+      character(:), allocatable, intent(out) :: message
+      character(:), allocatable :: content
+
+      call read_bytes(path, content, message)
+      call use_line_feeds(content)
+      if (len(content) >= 3) then                                 ! a byte order mark is no text
+         if (content(:3) == char(239)//char(187)//char(191)) content = content(4:)
+      end if
+      lines = split(content, achar(10))
+   end subroutine read_lines
+
+   !> Whether a file is a result of ours, which starts with #.
+   logical function is_result(path)
+      !> The file.
+      character(*), intent(in) :: path
+      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: message
+
+      call read_lines(path, lines, message)
+      is_result = .false.
+      if (size(lines) > 0) is_result = index(lines(1)%text, '#') == 1
+   end function is_result
+
+   !> The content of a file or pipe.
+   subroutine read_bytes(path, content, message)
+      !> The file.
+      character(*), intent(in) :: path
+      !> Its bytes.
+      character(:), allocatable, intent(out) :: content
+      !> Why it cannot be read; empty if it can.
+      character(:), allocatable, intent(out) :: message
+      character(65536) :: part
+      character(:), allocatable :: longer
+      type(c_ptr) :: stream
+      integer(c_int) :: ignored
+      integer :: n, length
+      logical :: folder
+
+      message = ''
+      content = ''
+      inquire (file=path//'/.', exist=folder)
+      if (folder) then
+         message = 'Is a directory'
+         return
+      end if
+      stream = c_fopen(path//c_null_char, 'r'//c_null_char)
+      if (.not. c_associated(stream)) then
+         call explain(message)
+         return
+      end if
+      length = 0
+      do
+         n = int(c_fread(part, 1_c_size_t, len(part, c_size_t), stream))
+         if (c_ferror(stream) /= 0) call explain(message)
+         if (length + n > len(content)) then
+            allocate (character(2*(length + n)) :: longer)
+            longer(:length) = content(:length)
+            call move_alloc(longer, content)
+         end if
+         content(length + 1:length + n) = part(:n)
+         length = length + n
+         if (length > largest) message = 'is larger than 64 MB'
+         if (n < len(part) .or. len(message) > 0) exit
+      end do
+      ignored = c_fclose(stream)
+      content = content(:length)
+   end subroutine read_bytes
+
+   !> Why the last call of the C library failed.
+   subroutine explain(message)
+      !> In the words of the operating system.
+      character(:), allocatable, intent(out) :: message
+      character(200) :: text
+
+      call last_error(text, len(text, c_size_t))
+      message = text(:index(text, c_null_char) - 1)
+   end subroutine explain
+
+   !> One line feed for each end of a line: a line feed, a carriage return, or the two together.
+   pure subroutine use_line_feeds(text)
+      !> The bytes of a file.
+      character(:), allocatable, intent(inout) :: text
+      character(*), parameter :: line_feed = achar(10), carriage_return = achar(13)
+      character :: this, before
+      integer :: i, n
+
+      if (index(text, carriage_return) == 0) return
+      n = 0
+      before = ' '
+      do i = 1, len(text)
+         this = text(i:i)
+         if (this /= line_feed .or. before /= carriage_return) then
+            n = n + 1
+            text(n:n) = merge(line_feed, this, this == carriage_return)
+         end if
+         before = this
+      end do
+      text = text(:n)
+   end subroutine use_line_feeds
+
+end module vi_read_file

@@ -1,0 +1,111 @@
+"""Eight threads that read and run namelist files: each gets what one thread gets."""
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+import vibroimpact as vi
+
+FILES = sorted((Path(__file__).parents[2] / "inputs").glob("*.nml"))
+THREADS = 8
+ROUNDS = 25
+#: Kinds of cases that take seconds.
+LONG = {"atlas", "basins", "chart", "zone"}
+WRONG = """
+&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /
+&motion sides = 'RL', phases_over_pi = 0, 1.37, clearance = 37 /
+"""
+
+
+def together(work):
+    """What `work(i)` answers in each of the threads, which begin at the same time."""
+    start = threading.Barrier(THREADS)
+
+    def begin(i):
+        start.wait()
+        return work(i)
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(begin, range(THREADS)))
+
+
+def answer(path):
+    """The cases of a file, or why it is refused."""
+    try:
+        return vi.read_namelist(path)
+    except vi.errors.ParameterError as error:
+        return str(error)
+
+
+def run(paths, folder):
+    """What is said about the files, and the bytes of the results."""
+    log = vi.run_namelists(paths, folder)
+    said = [(fault, line.replace(str(folder), "FOLDER")) for fault, line in log.lines]
+    return said, log.status, {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+@pytest.fixture
+def files(tmp_path):
+    """All inputs, a file that is refused, and one that is not there."""
+    wrong = tmp_path / "wrong.nml"
+    wrong.write_text(WRONG)
+    return [*FILES, wrong, tmp_path / "missing.nml"]
+
+
+def test_reading(files):
+    """Each thread begins with another file; every file is read by several threads at a time."""
+    alone = [answer(path) for path in files]
+    assert "must be left out" in alone[-2]
+    assert "No such file" in alone[-1]
+
+    def read(i):
+        order = [(i * len(files) // THREADS + j) % len(files) for j in range(ROUNDS * len(files))]
+        return [(files[j].name, got) for j in order if (got := answer(files[j])) != alone[j]]
+
+    different = [item for found in together(read) for item in found]
+    assert not different, f"{len(different)} answers differ, such as {different[0]}"
+
+
+def test_reading_one_file(files):
+    """A file that all threads read at once is read by all."""
+    alone = answer(files[0])
+    found = together(lambda i: [answer(files[0]) for _ in range(5 * ROUNDS)])
+    assert all(got == alone for each in found for got in each)
+
+
+def test_running(tmp_path):
+    """Each thread writes into a folder of its own."""
+    short = [path for path in FILES if not {case.kind for case in vi.read_namelist(path)} & LONG]
+    assert len(short) > len(FILES) / 2
+    alone = run(short, tmp_path / "alone")
+    assert alone[1] == 0
+
+    for i, found in enumerate(together(lambda i: run(short, tmp_path / str(i)))):
+        assert found == alone, i
+
+
+def test_running_into_one_folder(tmp_path):
+    """Threads that write one result replace it whole, and none of them is refused."""
+    paths = [Path(__file__).parents[2] / "inputs/table1.nml"]
+    alone = run(paths, tmp_path / "alone")
+    folder = tmp_path / "all"
+
+    def several(_):
+        return [vi.run_namelists(paths, folder) for _ in range(ROUNDS)]
+
+    for log in (log for logs in together(several) for log in logs):
+        assert (log.status, len(log.lines)) == (0, len(alone[0])), log.lines
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == alone[2]
+
+
+@pytest.mark.parametrize("suffix", ["csv", "json"])
+def test_saving_one_file(suffix, tmp_path):
+    """Threads that save a motion under one name replace it whole."""
+    path = tmp_path / f"motion.{suffix}"
+    motion = vi.equispaced(vi.Oscillator(0.005, 0.042, 0.75), r=0.94, clearance=37.0)[0]
+    motion.save(path)
+    alone = path.read_bytes()
+    together(lambda _: [motion.save(path) for _ in range(ROUNDS)])
+    assert [item.name for item in tmp_path.iterdir()] == [path.name]
+    assert path.read_bytes() == alone
