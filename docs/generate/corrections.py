@@ -13,15 +13,16 @@ def pages():
         f"| ${formula(right)}$ |"
         for where, printed, right in CORRECTIONS.values()
     ]
-    lines += ["", "| motion | printed are | max\\|λ\\| | $\\det [P]$ | by the law | largest error of a $[P_i]$ |",
-              "|---|---|---|---|---|---|"]  # fmt: skip
+    lines += ["", "| motion | printed are | max\\|λ\\| | in another unit | $\\det [P]$ | by the law "
+              "| largest error of a $[P_i]$ |", "|---|---|---|---|---|---|---|"]  # fmt: skip
     for row in study():
         printed = [formula(CORRECTIONS[name][0].split(" in ")[0])
                    for name in CORRECTIONS if name not in row["corrected"]]  # fmt: skip
         left = "all three" if len(printed) == 3 else ", ".join(f"${name}$" for name in printed)
         lines.append(
             f"| {row['motion']} | {left or 'none'} | {row['multipliers'][0]:.4f} "
-            f"| {number(row['determinant'])} | {row['law']:.4f} | {power(row['largest_error'])} |"
+            f"| {row['largest_in_table_1']:.4f} | {number(row['determinant'])} | {row['law']:.4f} "
+            f"| {power(row['largest_error'])} |"
         )
     return {"corrections.md": "\n".join(lines) + "\n"}
 

@@ -16,6 +16,7 @@ from vibroimpact.likeness import mirror, turned
 from vibroimpact.reproduce import (
     appendix,
     captions,
+    damper,
     experiment,
     reading,
     run,
@@ -160,6 +161,20 @@ def test_appendix(row):
     else:
         assert row["largest_error"] > 0.1
         assert row["determinant"] != pytest.approx(row["law"], rel=0.1)
+
+
+@pytest.mark.parametrize("unit", [1.0, 3.7, 0.02])
+def test_unit_of_length(unit):
+    """Multipliers have no unit: they depend on that of the lengths only with S_6i in P_ia(3,1), as printed."""
+    motion = vi.periodic(MASRI, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
+    for left in appendix.CORRECTIONS:
+        chosen = set(appendix.CORRECTIONS) - {left}
+        here, there = (
+            appendix.largest(motion, chosen, x) for x in (motion.clearance, motion.clearance / unit)
+        )
+        assert (there == pytest.approx(here, rel=1e-9)) == (left != "P31" or unit == 1)
+    whole = appendix.largest(motion, appendix.CORRECTIONS, motion.clearance / unit)
+    assert whole == pytest.approx(abs(motion.multipliers[0]), rel=1e-9)
 
 
 def test_phases_read_without_error_are_consistent():
@@ -339,6 +354,38 @@ def test_everything_is_there(whole):
     assert not list(whole.rglob("*.part"))
 
 
+def statements_of(folder):
+    """The rows of the statements."""
+    return json.loads((folder / "data" / "statements.json").read_text(encoding="utf-8"))
+
+
+def test_unit_of_the_printed_multiplier(whole):
+    """The multiplier by the formulas as transcribed is given with its unit of length, in two units."""
+    (row,) = (row for row in statements_of(whole) if row["where"] == "(A6), (A7)")
+    motion = vi.periodic(MASRI, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
+    units = {
+        "as transcribed with lengths in F₀/K": motion.clearance,
+        "with Table 1's unit (d = 37)": 37.0,
+    }
+    for unit, clearance in units.items():
+        assert f"{appendix.largest(motion, (), clearance):.1f} {unit}" in row["found"]
+
+
+@pytest.mark.parametrize(("name", "osc"), [("a", EQUAL), ("b", UNEQUAL)])
+def test_two_readings_of_figure_10(name, osc, whole):
+    """Its words are quoted; at r = 0.98 they differ if read as at every load, and agree if as at some loads."""
+    rows = [
+        row for row in statements_of(whole)
+        if row["where"] == f"Figure 10{name}" and "“amplifications always occur”" in row["statement"]
+    ]  # fmt: skip
+    extremes = np.sort(damper.curve(osc, 0.98).attenuation)[[0, -1]]
+    assert extremes[0] < 1 < extremes[1]
+    assert [row["verdict"] for row in rows] == ["differs", "agrees"]
+    for row, loads, extreme in zip(rows, ("every load", "some loads"), extremes, strict=True):
+        assert row["statement"].endswith(loads)
+        assert f"X_max/A: {extreme:.3f} at r = 0.98" in row["found"]
+
+
 def test_report_stands_alone(whole):
     """The page refers to nothing outside itself, and holds every figure and statement."""
     text = (whole / "report.html").read_text(encoding="utf-8")
@@ -347,7 +394,7 @@ def test_report_stands_alone(whole):
     assert not re.search(r"https?://|<script|@import", text)
     assert text.count("<img ") == sum(name.startswith("figure") for name in tasks.NAMES)
     assert text.count('src="data:image/svg+xml;base64,') == text.count("<img ")
-    for row in json.loads((whole / "data" / "statements.json").read_text(encoding="utf-8")):
+    for row in statements_of(whole):
         assert row["verdict"] in ("agrees", "differs", "cannot be checked")
         assert row["found"]
     assert text.count("<section") == text.count("</section>")

@@ -19,6 +19,8 @@ from ..solve import periodic
 from ..trajectory import simulate
 from .paper import MASRI, UNEQUAL
 
+#: The clearance d in the unit of length of Table 1.
+TABLE_1 = 37.0
 #: The corrections: where, what is printed, what it has to be.
 CORRECTIONS = {
     "S5": ("S_5i in (A6), first term", "X'_ia/Omega", "Z'_ia/Omega"),
@@ -27,8 +29,11 @@ CORRECTIONS = {
 }
 
 
-def maps(motion: Motion, corrected: Collection[str]) -> NDArray[np.float64]:
-    """The matrices [P_ia] of a motion by (A5)-(A7), (N, 4, 4), with some of the corrections."""
+def maps(motion: Motion, corrected: Collection[str], unit: float = 1.0) -> NDArray[np.float64]:
+    """The matrices [P_ia] of a motion by (A5)-(A7), (N, 4, 4), with some of the corrections.
+
+    Lengths are measured in units of so many F0/K.
+    """
     xi, mu, r, n = motion.osc.xi, motion.osc.mu, motion.r, len(motion.pattern)
     eta, turn = math.sqrt(1 - xi * xi), 2 * math.pi * motion.pattern.cycles
     alpha = np.append(motion.phases, turn)
@@ -43,8 +48,10 @@ def maps(motion: Motion, corrected: Collection[str]) -> NDArray[np.float64]:
         decay = math.exp(-xi * step / r)
         c1, c2 = decay * math.sin(eta * step / r), decay * math.cos(eta * step / r)  # (9), (10)
         c3, c4 = eta * c2 - xi * c1, -(eta * c1 + xi * c2)  # (A4)
-        a, x_dot, z_dot = motion.A, float(motion.X_dot_after[i]), float(motion.Z_dot_after[i])
-        b = float(motion.X[i]) - a * math.sin(here)  # (6)
+        a, x_dot, z_dot = (
+            float(x) / unit for x in (motion.A, motion.X_dot_after[i], motion.Z_dot_after[i])
+        )
+        b = float(motion.X[i]) / unit - a * math.sin(here)  # (6)
         u = x_dot - a * r * math.cos(here)
         k1, k2 = (1 - mu * after) / (1 + mu), mu * (1 + after) / (1 + mu)  # (A5)
         k3, k4 = (1 + after) / (1 + mu), (mu - after) / (1 + mu)
@@ -70,16 +77,32 @@ def maps(motion: Motion, corrected: Collection[str]) -> NDArray[np.float64]:
     return result
 
 
-def row(name: str, motion: Motion, corrected: Collection[str]) -> dict[str, Any]:
-    """How (A5)-(A7) with some corrections do for a motion."""
+def over_a_period(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """[P], the product of the matrices."""
     product = np.eye(4)
-    found = maps(motion, corrected)
-    for matrix in found:
+    for matrix in matrices:
         product = matrix @ product
+    return product
+
+
+def largest(motion: Motion, corrected: Collection[str], clearance: float) -> float:
+    """max|lambda| with the unit of length that gives the clearance d this value.
+
+    S_6i is a length and S_3i is a number: with S_6i in P_ia(3,1), as printed, the multipliers depend on the unit.
+    """
+    product = over_a_period(maps(motion, corrected, motion.clearance / clearance))
+    return float(np.abs(np.linalg.eigvals(product)).max())
+
+
+def row(name: str, motion: Motion, corrected: Collection[str]) -> dict[str, Any]:
+    """How (A5)-(A7) with some corrections do for a motion, lengths in F0/K, and max|lambda| in Table 1's unit."""
+    found = maps(motion, corrected)
+    product = over_a_period(found)
     law = math.exp(-4 * math.pi * motion.osc.xi * motion.pattern.cycles / motion.r)
     return {
         "motion": name, "corrected": sorted(corrected),
         "multipliers": sorted(np.abs(np.linalg.eigvals(product)).tolist(), reverse=True),
+        "largest_in_table_1": largest(motion, corrected, TABLE_1),
         "determinant": float(np.linalg.det(product)),
         "law": law * float(np.prod(motion.restitution**2)),
         "largest_error": float(np.abs(found - motion.impact_maps()).max() / np.abs(found).max()),

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files import write_text
-from .appendix import CORRECTIONS
+from .appendix import CORRECTIONS, TABLE_1
 from .captions import CAPTIONS, INTRODUCTION, READING
 from .table1 import MISPRINTS
 from .tasks import NAMES, SWEEPS, seconds
@@ -125,9 +125,10 @@ def corrections(folder: Path) -> str:
         said = "all three corrected" if not left else pretty(f"{', '.join(left)} as printed")
         moduli = ", ".join(f"{x:.4g}" if x > 1e-12 else "0" for x in row["multipliers"])
         determinant = row["determinant"] if abs(row["determinant"]) > 1e-12 else 0.0
-        lines.append((whole(row["motion"]), said, moduli, f"{determinant:.6g}", f"{row['law']:.6g}",
-                      f"{row['largest_error']:.0e}"))  # fmt: skip
-    header = ("Motion", "", "|λ|", "det[P]", "law", "error of P<sub>i</sub>")
+        lines.append((whole(row["motion"]), said, moduli, f"{row['largest_in_table_1']:.4g}", f"{determinant:.6g}",
+                      f"{row['law']:.6g}", f"{row['largest_error']:.0e}"))  # fmt: skip
+    header = ("Motion", "", "|λ|, lengths in F₀/K", f"max|λ|, unit with d = {TABLE_1:g}", "det[P]", "law",
+              "error of P<sub>i</sub>")  # fmt: skip
     return what + grid(header, lines, numbers=2)
 
 
