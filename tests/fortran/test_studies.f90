@@ -8,6 +8,7 @@ program test_studies
    use studies_atlas, only: test_atlas, test_outcomes, test_rings
    use studies_attractors, only: test_attractors
    use studies_conditions, only: test_conditions
+   use studies_rest, only: test_rest
    use studies_rows, only: test_rows
    use vi_assess, only: paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
@@ -41,6 +42,7 @@ program test_studies
    call test_atlas()
    call test_outcomes()
    call test_conditions()
+   call test_rest()
    call test_rows()
    call test_attractors()
    call finish()

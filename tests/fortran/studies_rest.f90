@@ -1,0 +1,130 @@
+!> Motions with rest: the gradients of the equations and of all measures of a period.
+module studies_rest
+   use checks, only: check, check_close
+   use random_numbers, only: fill, random_type
+   use vi_kinds, only: wp
+   use vi_rest_family, only: follow_letters, measure_type, new_rest_family, plane_map, &
+      rest_family_type, rest_period, rest_period_type, rest_stability, rest_unknowns
+   implicit none (type, external)
+   private
+
+   public :: test_rest
+
+   !> Measures of a period of n letters: equations, approaches, rests, gaps.
+   integer, parameter :: most = 40
+   type(random_type) :: random
+
+contains
+
+   subroutine test_rest()
+      type(rest_family_type) :: family
+      real(wp) :: u(8), c(6)
+      integer :: i, followed
+
+      followed = 0
+      do i = 1, 8000
+         call fill(random, 0.0_wp, 1.0_wp, u)
+         c = [0.5_wp + u(1), log(1 + 9*u(2)), 0.1_wp*u(3), 0.3_wp*u(4), 0.3_wp + 0.5_wp*u(5), &
+            0.3_wp + 0.5_wp*u(6)]
+         select case (mod(i, 3))
+         case (0)
+            family = new_rest_family([1, -2], 1)
+         case (1)
+            family = new_rest_family([1, 1, -2], 1)
+         case default
+            family = new_rest_family([2, -2], 1)
+         end select
+         call check_period(family, [6.283_wp*u(7), asinh(3*(u(8) - 0.5_wp))], c, followed)
+      end do
+      call check(followed > 30, 'rest: periods that could be followed')
+   end subroutine test_rest
+
+   !> Derivatives of one period against differences, and the map of the plane against its letters.
+   subroutine check_period(family, release, c, followed)
+      type(rest_family_type), intent(in) :: family
+      !> Phase and asinh(v/D) at the release.
+      real(wp), intent(in) :: release(2)
+      !> r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(6)
+      integer, intent(inout) :: followed
+      real(wp), parameter :: h = 2.0e-5_wp, weight(4) = [1, -8, 8, -1]/12.0_wp
+      type(rest_period_type) :: period
+      real(wp) :: unknowns(rest_unknowns(family)), point(rest_unknowns(family) + 2), moved(6)
+      real(wp) :: values(most, 4), slopes(most, size(point)), base(most), slope
+      logical :: good(4)
+      integer :: i, j, k, n, m
+
+      m = size(unknowns)
+      call follow_letters(family, release, c, unknowns, good(1))
+      if (.not. good(1)) return
+      call rest_period(family, unknowns, c, period)
+      call check(period%right, 'rest: what was followed is a period')
+      if (.not. period%right .or. .not. is_generic(period)) return
+      followed = followed + 1
+      call check_stability(period)
+      call list(period, base, n, slopes)
+      do j = 1, m + 2
+         do i = 1, 4
+            point = [unknowns, c(:2)]
+            point(j) = point(j) + h*merge(i - 3, i - 2, i < 3)
+            moved = c
+            moved(:2) = point(m + 1:)
+            call rest_period(family, point(:m), moved, period)
+            good(i) = period%right
+            if (good(i)) call list(period, values(:, i), k)
+         end do
+         if (.not. all(good)) cycle
+         do k = 1, n
+            slope = dot_product(weight, values(k, :))/h
+            call check_close(slopes(k, j), slope, 2.0e-7_wp*(1 + maxval(abs(slopes(k, :m + 2))) &
+               + maxval(abs(base(:n)))), 'rest: a derivative by '//achar(48 + j)//' of ' &
+               //achar(48 + k))
+         end do
+      end do
+   end subroutine check_period
+
+   !> Jury's conditions from determinants of all equations, and from the map of the plane.
+   subroutine check_stability(period)
+      type(rest_period_type), intent(in) :: period
+      real(wp) :: j(2, 2), trace, determinant, conditions(3)
+      integer :: i
+
+      j = plane_map(period)
+      trace = j(1, 1) + j(2, 2)
+      determinant = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
+      conditions = product(period%approach%value)*[1 - trace + determinant, &
+         1 + trace + determinant, 1 - determinant]
+      associate (values => rest_stability(period))
+         do i = 1, 3
+            call check_close(values(i), conditions(i), 1.0e-9_wp*(1 + maxval(abs(j))**2 &
+               *product(period%approach%value)), 'rest: a condition of stability')
+         end do
+      end associate
+   end subroutine check_stability
+
+   !> Whether nothing in the period is about to end: differences would cross the end.
+   pure logical function is_generic(period)
+      type(rest_period_type), intent(in) :: period
+
+      is_generic = all(period%approach%value > 1.0e-2_wp) .and. all(period%rest%value > 1.0e-2_wp)
+   end function is_generic
+
+   !> Equations, approach speeds, rests and gaps in a row, with their derivatives.
+   subroutine list(period, values, n, slopes)
+      type(rest_period_type), intent(in) :: period
+      real(wp), intent(out) :: values(:)
+      integer, intent(out) :: n
+      real(wp), intent(out), optional :: slopes(:, :)
+      type(measure_type) :: measures(size(period%equations) + 3*size(period%rest))
+      integer :: i
+
+      measures = [period%equations, period%approach, period%rest, period%gap]
+      n = size(measures)
+      values(:n) = measures%value
+      if (.not. present(slopes)) return
+      do i = 1, n
+         slopes(i, :) = measures(i)%by(:size(slopes, 2))
+      end do
+   end subroutine list
+
+end module studies_rest
