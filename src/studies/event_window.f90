@@ -6,6 +6,7 @@ module vi_event_window
    use vi_kinds, only: wp
    use vi_simulate, only: simulate
    use vi_status, only: stat
+   use vi_tally, only: is_stopped
    implicit none (type, external)
    private
 
@@ -13,6 +14,9 @@ module vi_event_window
 
    !> Events kept of the end of a simulation.
    integer, parameter, public :: room = 4000
+   !> Times that so many events are simulated at most, and load cycles between two looks at whether
+   !! to stop.
+   integer, parameter :: most_calls = 1000, between_looks = 10000
 
    !> Letters of the events of some cycles, and the event that begins and that ends each.
    type, public :: reading_type
@@ -23,22 +27,36 @@ module vi_event_window
 contains
 
    !> Simulates some cycles from a state; out: the state there, and the last events.
-   pure subroutine run(drive, state, cycles, events, n, status)
+   subroutine run(drive, state, cycles, events, n, status, tally)
       type(drive_type), intent(in) :: drive
       type(state_type), intent(inout) :: state
       integer, intent(in) :: cycles
       type(event_type), intent(inout) :: events(:)
+      !> Status `stat%more_events` if there are too many, `stat%not_computed` if it was stopped.
       integer, intent(out) :: n, status
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
       type(state_type) :: final
-      integer(int64) :: last_cycle
+      integer(int64) :: last_cycle, cycle
       real(wp) :: last_phase
       integer :: calls
 
       last_cycle = state%cycle + cycles
       last_phase = state%phase
-      do calls = 1, 1000
-         call simulate(drive, state, last_cycle, last_phase, events, n, final, status)
-         if (status /= stat%more_events) exit
+      cycle = state%cycle
+      calls = 0
+      do
+         cycle = min(last_cycle, cycle + between_looks)
+         do
+            calls = calls + 1
+            call simulate(drive, state, cycle, last_phase, events, n, final, status)
+            if (status /= stat%more_events .or. calls == most_calls) exit
+         end do
+         if (status /= stat%ok .or. cycle == last_cycle) exit
+         if (is_stopped(tally)) then
+            status = stat%not_computed
+            exit
+         end if
       end do
       state = final
    end subroutine run

@@ -85,7 +85,8 @@ contains
          c = [r(1) + (r(2) - r(1))*u(1), clearance(1)*(clearance(2)/clearance(1))**u(2)]
          attractors(i) = attractor_type(r=c(1), clearance=c(2))
          if (is_stopped(tally)) cycle
-         call settle(osc, u(3:5), settling, limits_type(most_letters, most_cycles), attractors(i))
+         call settle(osc, u(3:5), settling, limits_type(most_letters, most_cycles), attractors(i), &
+            tally)
          call add_work(survey_work, tally)
       end do
       !$omp end parallel do
@@ -95,7 +96,7 @@ contains
    !!
    !! It is looked at after the cycles asked for. What is neither periodic then nor chaotic without
    !! doubt is looked at once more, later and for longer periods.
-   subroutine settle(osc, u, settling, limits, attractor)
+   subroutine settle(osc, u, settling, limits, attractor, tally)
       type(oscillator_type), intent(in) :: osc
       !> Three numbers in [0, 1) for the initial state.
       real(wp), intent(in) :: u(3)
@@ -103,6 +104,7 @@ contains
       type(limits_type), intent(in) :: limits
       !> In: the point.
       type(attractor_type), intent(inout) :: attractor
+      integer, intent(inout), optional :: tally(3)
       type(drive_type) :: drive
       type(state_type) :: state
       real(wp) :: size_x
@@ -113,11 +115,12 @@ contains
       state%x = size_x*(2*u(1) - 1)
       state%x_dot = size_x*(2*u(2) - 1)
       state%z = state%x + 0.499_wp*attractor%clearance*(2*u(3) - 1)
-      call look(osc, drive, settling, limits%cycles, limits, state, attractor)
+      call look(osc, drive, settling, limits%cycles, limits, state, attractor, tally)
       if (attractor%outcome /= not_settled .and. attractor%outcome /= not_confirmed) return
+      if (is_stopped(tally)) return
       call is_chaotic(drive, state, short_batch, chaos)
       if (.not. chaos) then
-         call look(osc, drive, longer*settling, longest_period, limits, state, attractor)
+         call look(osc, drive, longer*settling, longest_period, limits, state, attractor, tally)
          if (attractor%outcome /= not_settled) return
          call is_chaotic(drive, state, long_batch, chaos)
       end if
@@ -125,7 +128,7 @@ contains
    end subroutine settle
 
    !> Simulates, then looks at the cycles after that.
-   subroutine look(osc, drive, settling, longest, limits, state, attractor)
+   subroutine look(osc, drive, settling, longest, limits, state, attractor, tally)
       type(oscillator_type), intent(in) :: osc
       type(drive_type), intent(in) :: drive
       !> Load cycles simulated first, and of the longest period that is looked for.
@@ -134,6 +137,7 @@ contains
       !> Out: that at the end.
       type(state_type), intent(inout) :: state
       type(attractor_type), intent(inout) :: attractor
+      integer, intent(inout), optional :: tally(3)
       type(event_type) :: events(room)
       type(reading_type) :: now, before
       integer, allocatable :: letters(:)
@@ -141,12 +145,13 @@ contains
       logical :: shorter
       integer :: n, k, last, status
 
-      attractor%outcome = event_limit
-      call run(drive, state, settling, events, n, status)
-      if (status /= stat%ok) return
-      call run(drive, state, 2*longest + 2, events, n, status)
-      if (status /= stat%ok) return
       attractor%outcome = not_settled
+      call run(drive, state, settling, events, n, status, tally)
+      if (status == stat%ok) call run(drive, state, 2*longest + 2, events, n, status, tally)
+      if (status /= stat%ok) then
+         if (status /= stat%not_computed) attractor%outcome = event_limit
+         return
+      end if
       if (n == 0) then
          if (is_free(drive, state)) attractor%outcome = no_impacts
          return

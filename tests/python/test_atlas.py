@@ -1,6 +1,7 @@
 """Atlas and zones with rest: against simulation, which knows nothing of sheets and boundaries."""
 
 import json
+import threading
 
 import numpy as np
 import pytest
@@ -180,6 +181,37 @@ def test_threads_do_not_change_the_answer():
     two = vi.atlas(EQUAL, *window, max_impacts=3, survey=20, threads=2)
     assert [zone.to_dict() for zone in one.zones] == [zone.to_dict() for zone in two.zones]
     np.testing.assert_array_equal(one.survey.outcome, two.survey.outcome)
+
+
+def test_progress_is_told():
+    """From nothing to all, and the answer is the same."""
+    window = ((1.0, 1.1), (20, 60))
+    shares = []
+    told = vi.atlas(
+        EQUAL,
+        *window,
+        max_impacts=3,
+        survey=20,
+        progress=lambda share, what: shares.append(share),
+    )
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] <= shares[-1] == 1
+    assert told.to_dict() == vi.atlas(EQUAL, *window, max_impacts=3, survey=20).to_dict()
+
+
+def test_survey_hears_a_stop(monkeypatch):
+    """What progress raises ends a survey that would take hours; its threads end, too."""
+    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    before = set(threading.enumerate())
+
+    def progress(share, what):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        vi.atlas(EQUAL, (0.9, 1.1), (5, 8), survey=10**6, settling=10**6, progress=progress)
+    for thread in set(threading.enumerate()) - before:
+        thread.join(60)
+        assert not thread.is_alive()
 
 
 def test_file_without_counts_is_read(atlas, tmp_path):

@@ -325,9 +325,14 @@ def atlas(
     })  # fmt: skip
     tally = new_tally()  # the core keeps it up to date while it runs
 
+    told = 0.0
+
     def watch() -> None:
+        nonlocal told
+        # more work can come in sight: patterns with rest, and zones that are sought once more
+        told = max(told, float(tally[0] / max(1, tally[1])))
         if progress:
-            progress(float(tally[0] / max(1, tally[1])), "survey and zones")
+            progress(told, "survey and zones")
 
     arrays = core_arrays(
         (survey, osc.xi, osc.mu, osc.restitution, *window, max_cycles, settling, lines, guesses, max_points,
