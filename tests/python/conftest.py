@@ -13,6 +13,14 @@ from shared_systems import FIGURE6, TABLE  # noqa: E402
 START = {"t": 0, "x": 3.5, "x_dot": 0, "z": 0, "z_dot": -2}
 
 
+def pytest_addoption(parser):
+    """How large the audit is."""
+    group = parser.getgroup("audit", "random systems against an independent simulation")
+    group.addoption("--audit-systems", type=int, default=3, help="systems (3)")
+    group.addoption("--audit-points", type=int, default=40, help="points of each system (40)")
+    group.addoption("--audit-seed", type=int, default=1, help="seed of the systems and points (1)")
+
+
 @pytest.fixture(scope="session")
 def results():
     """One result of each kind, and of the kinds within them."""
