@@ -17,7 +17,7 @@ def pytest_addoption(parser):
     """How large the audit is."""
     group = parser.getgroup("audit", "random systems against an independent simulation")
     group.addoption("--audit-systems", type=int, default=3, help="systems (3)")
-    group.addoption("--audit-points", type=int, default=40, help="points of each system (40)")
+    group.addoption("--audit-points", type=int, default=12, help="points of each system (12)")
     group.addoption("--audit-seed", type=int, default=1, help="seed of the systems and points (1)")
 
 

@@ -286,7 +286,10 @@ def strobe_matrix(systems, cell, cycles, state):
         same = np.array([
             all(names[j * todo.size + i] == names[i] for j in range(m)) for i in range(todo.size)
         ])  # fmt: skip
+        rough = np.moveaxis(np.abs(fine - wide), 0, 2).max((1, 2))
         good = same & np.isfinite(new).all((1, 2))
+        if size > 3e-7:
+            good &= rough <= 3e-4 * np.abs(new).max((1, 2))
         matrix[todo[good]], smooth[todo[good]] = new[good], True
     return matrix, smooth
 
@@ -458,7 +461,7 @@ class Audit:
                 self.verdict(motion, values[np.argsort(-np.abs(values))], "claimed")
         self.perturbed(motions, systems, cell, cycles, state)
 
-    def perturbed(self, motions, systems, cell, cycles, state, turns=200):
+    def perturbed(self, motions, systems, cell, cycles, state, turns=100):
         """(d) A change of 1e-6 dies out where a motion is stable, and grows where it is not."""
         size = 1e-6 * scale_of(systems)
         draw = np.random.default_rng(0).normal(size=state.shape)
@@ -471,12 +474,13 @@ class Audit:
             off = np.abs(lanes.state() - state).max(1) / size
             most = np.fmax(most, off)
         for i, motion in enumerate(motions):
-            place, value = (motion.osc, motion.r, motion.clearance), abs(motion.multipliers[0])
-            if motion.stable and value**turns < 1e-3:
+            place = motion.osc, motion.r, motion.clearance
+            growth = turns * np.log(abs(motion.multipliers[0]))
+            if motion.stable and growth < -7:
                 self.note(
                     "stays", off[i] < 0.1, *place, f"{motion!r}: {off[i]:.3g} of a change left"
                 )
-            if motion.stable is False and value**turns > 1e4:
+            if motion.stable is False and growth > 9:
                 self.note("leaves", most[i] > 10, *place, f"{motion!r}: {most[i]:.3g} of a change")
 
     def table(self):
