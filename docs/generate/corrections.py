@@ -14,7 +14,8 @@ def pages():
         for where, printed, right in CORRECTIONS.values()
     ]
     lines += ["", "| motion | printed are | max\\|λ\\|, lengths in $F_0/K$ | with $d = 37$ "
-              "| $\\det [P]$ | by the law | largest error of a $[P_i]$ |", "|---|---|---|---|---|---|---|"]  # fmt: skip
+              "| $\\det [P]$ | by the law | largest error of a $[P_i]$ |",
+              "|---|---|---|---|---|---|---|"]  # fmt: skip
     for row in study():
         printed = [formula(CORRECTIONS[name][0].split(" in ")[0])
                    for name in CORRECTIONS if name not in row["corrected"]]  # fmt: skip
