@@ -236,8 +236,9 @@ contains
       whole(:m + 2) = measure%by(:m + 2)
       call to_point(curve, whole)
       slope = whole(:size(slope))
-      if (condition%kind <= neimark_sacker .or. any(curve%active > by_clearance)) &
+      if (condition%kind <= neimark_sacker .or. any(curve%active > by_clearance)) then
          call differences(curve, condition, point, 1, slope)
+      end if
    end subroutine rest_slope
 
    !> The same from the orbit of the point; what is not known in closed form, by differences.

@@ -80,6 +80,8 @@ contains
             measure = period%gap(i)
          case (rest_vanishes)
             measure = period%rest(i)
+         case default
+            measure%value = 0
          end select
       end associate
    end function measure_in_period

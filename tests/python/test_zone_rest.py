@@ -36,18 +36,12 @@ def stroboscopic_multipliers(motion, size):
     release = motion.events[motion.events["kind"] == "release"][0]
     shift = 0.05
     h = motion.sample(float(np.mod(release["time"] + shift, motion.period)))
-    base = state(
-        (release["phase"] + shift * motion.r) / motion.r, *(float(h[i]) for i in range(4))
-    )
-    values = np.linalg.eigvals(
-        strobe_matrix(motion.osc, motion.r, motion.clearance, base, size)
-    )
+    base = state((release["phase"] + shift * motion.r) / motion.r, *(float(h[i]) for i in range(4)))
+    values = np.linalg.eigvals(strobe_matrix(motion.osc, motion.r, motion.clearance, base, size))
     return values[np.argsort(-np.abs(values))]
 
 
-@pytest.mark.parametrize(
-    ("r", "clearance"), [(0.98828677, 5.503184141), (0.9084234, 0.890988794)]
-)
+@pytest.mark.parametrize(("r", "clearance"), [(0.98828677, 5.503184141), (0.9084234, 0.890988794)])
 def test_verdict_beside_a_grazing(r, clearance):
     """Within 1e-4 of a grazing the verdict is that of small disturbances in a simulation.
 
@@ -170,7 +164,7 @@ def test_vertices_bound_the_stable_motions():
 
 def stable_near(osc, r, clearance, release):
     """Whether the return map has a stable motion RRRL* near a release."""
-    point, multipliers, *_, stable, status = vi._core.rest_motion(
+    point, *_, stable, status = vi._core.rest_motion(
         osc.xi, osc.mu, osc.restitution, r, 1.0, clearance, -1, 1, np.array(release), 200
     )
     near = math.hypot(math.remainder(point[0] - release[0], 2 * math.pi), point[1] / release[1] - 1)
