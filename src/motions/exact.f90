@@ -16,7 +16,7 @@ module vi_exact
    implicit none (type, external)
    private
 
-   public :: member, newton_equations, solve_exact
+   public :: deflation, member, newton_equations, solve_exact, step_share
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 

@@ -4,9 +4,12 @@
 !! paper's linear problem for these phases. Newton's method is repelled by the motions found before,
 !! so that each further success is another motion.
 module vi_search
-   use vi_exact, only: setting_type, solve_exact
+   use vi_exact, only: deflation, setting_type, solve_exact, step_share
    use vi_kinds, only: wp
+   use vi_linear, only: eliminate, most
    use vi_motion, only: motion_type
+   use vi_orbit, only: family_type, most_impacts, n_parameters, orbit_slopes, orbit_type, set_orbit
+   use vi_oscillator, only: left, right
    use vi_periodic, only: linear_system_type, solve_periodic
    use vi_status, only: stat
    implicit none (type, external)
@@ -33,7 +36,10 @@ contains
       integer, intent(in), optional :: skip
       type(linear_system_type) :: system
       type(motion_type) :: motion
+      type(family_type) :: family
       real(wp), dimension(size(found, 1)/2) :: phases, x, theta
+      real(wp) :: known(size(found, 1), size(found, 2)), unknowns(size(found, 1)), c(n_parameters)
+      logical :: on_orbits, good
       integer :: i, n, iterations, first
 
       n = size(phases)
@@ -42,6 +48,16 @@ contains
       n_found = 0
       tried = 0
       found = 0
+      associate (sides => setting%pattern%sides, walls => setting%osc%restitution)
+         on_orbits = setting%load > 0 .and. n <= most_impacts .and. &
+            all(abs(setting%restitution - walls(merge(right, left, sides > 0))) <= 0)
+         if (on_orbits) then
+            family%sides = sides
+            family%cycles = setting%pattern%cycles
+            c = [setting%r, log(setting%clearance/setting%load), setting%osc%xi, setting%osc%mu, &
+               walls(right), walls(left)]
+         end if
+      end associate
       do i = 1, guesses
          if (n_found == size(found, 2)) return
          phases = spread_phases(first + i, n)*two_pi*setting%pattern%cycles
@@ -51,13 +67,60 @@ contains
          tried = tried + 1
          x = motion%x*setting%clearance/motion%clearance
          theta = phases + motion%tau
-         call solve_exact(setting, x, theta, most_iterations, found(:, :n_found), motion, &
-            iterations)
+         if (on_orbits) then
+            unknowns = [x/setting%clearance, theta]
+            call approach(setting, family, c, unknowns, known(:, :n_found), good)
+            if (.not. good) cycle
+            x = unknowns(:n)*setting%clearance
+            theta = unknowns(n + 1:)
+            call solve_exact(setting, x, theta, most_iterations, found(:, :0), motion, iterations)
+         else
+            call solve_exact(setting, x, theta, most_iterations, found(:, :n_found), motion, &
+               iterations)
+         end if
          if (motion%status /= stat%ok) cycle
          n_found = n_found + 1
          found(:, n_found) = [x, theta]
+         known(:, n_found) = [x/setting%clearance, theta]
       end do
    end subroutine search_pattern
+
+   !> Newton's method on the equations of vi_orbit, which are evaluated faster than those of
+   !> vi_exact: near enough to a motion that the steps shrink quadratically.
+   pure subroutine approach(setting, family, c, unknowns, known, good)
+      type(setting_type), intent(in) :: setting
+      type(family_type), intent(in) :: family
+      !> (6) r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+      !> (2N) x_i/D and theta_i. In: a guess.
+      real(wp), intent(inout) :: unknowns(:)
+      !> (2N, m) motions that repel the iteration.
+      real(wp), intent(in) :: known(:, :)
+      logical, intent(out) :: good
+      type(orbit_type) :: o
+      real(wp) :: a(most, most), b(2, most), step(size(unknowns)), residual, share
+      integer :: i, n
+
+      n = size(unknowns)
+      good = .false.
+      do i = 1, most_iterations
+         call set_orbit(family, unknowns, c, o)
+         b(2, :n) = 0
+         call orbit_slopes(o, a, b(1, :n))
+         call eliminate(n, a, b, good, residual)
+         if (.not. good) return
+         step = -b(1, :n)
+         good = all(abs(step) <= huge(1.0_wp))
+         if (.not. good) return
+         step = step*deflation(unknowns, step, known, 1.0_wp)
+         share = step_share(setting, unknowns, step)
+         good = .false.
+         if (share < 1.0e-6_wp) return
+         unknowns = unknowns + share*step
+         good = maxval(abs(step)) < 1.0e-7_wp
+         if (good) return
+      end do
+   end subroutine approach
 
    !> Phases of one guess over the period: 0, then increasing numbers below 1.
    !!
