@@ -9,7 +9,7 @@ program boundary_point
    use vi_curve, only: correct, tangent_at
    use vi_frame, only: condition_type
    use vi_kinds, only: wp
-   use vi_loop, only: begins, loop_type, trace_loop
+   use vi_loop, only: begins, loop_type
    use vi_lattice, only: new_lattice
    use vi_net, only: add_seed, cover, net_type, new_net
    use vi_orbit, only: by_clearance, by_r
@@ -18,6 +18,7 @@ program boundary_point
    use vi_steps, only: begin_walk, exchange, place_type, stride_type, take_step
    use vi_seeds, only: motions_at
    use vi_sheet, only: zone_request_type
+   use vi_trace, only: trace_loop
    use vi_zone, only: find_zone, zone_type
    implicit none (type, external)
 

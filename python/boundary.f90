@@ -419,10 +419,11 @@ end subroutine simulate_bundle
 !!
 !! Rows of `vertices`: r, D, derivatives of r and log D by length, length to the next; of `labels`:
 !! kind of the condition, index, side, corner; of `loops`: vertices, closed; of `work`: motions,
-!! steps, borders left, lattice lines of constant r and of constant D.
+!! steps, borders left, lattice lines of constant r and of constant D. `open_seeds`: 1 for seeds
+!! inside a zone around which nothing closed.
 subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lines, guesses, &
    points, seeds, tally, room, loop_room, vertices, unknowns, labels, n_vertices, loops, inside, &
-   n_loops, work, status)
+   n_loops, open_seeds, work, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
@@ -436,11 +437,11 @@ subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lin
    integer(c_int), intent(inout) :: tally(3)
    real(c_double), intent(out) :: vertices(5, room), unknowns(2*n, room), inside(2, loop_room)
    integer(c_int), intent(out) :: labels(4, room), n_vertices, loops(2, loop_room), n_loops, &
-      work(5), status
+      open_seeds(m), work(5), status
 
    call zone_arrays(zone_request_type(oscillator_type(xi, mu, walls), pattern_type(sides, cycles), &
       symmetric /= 0, r, clearance, lines, guesses, points), seeds, vertices, unknowns, labels, &
-      n_vertices, loops, inside, n_loops, work, status, tally)
+      n_vertices, loops, inside, n_loops, open_seeds, work, status, tally)
 end subroutine zone
 
 !> A branch of exact motions along a parameter, both ways from one of them.

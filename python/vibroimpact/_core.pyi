@@ -323,7 +323,7 @@ class _Branch(Protocol):
 
 @type_check_only
 class _Zone(Protocol):
-    # vertices, unknowns, labels, n_vertices, loops, inside, n_loops, work, status
+    # vertices, unknowns, labels, n_vertices, loops, inside, n_loops, open_seeds, work, status
     def __call__(
         self,
         xi: float,
@@ -343,7 +343,7 @@ class _Zone(Protocol):
         loop_room: int,
         n: int = ...,
         m: int = ...,
-    ) -> tuple[_Real, _Real, _Integer, int, _Integer, _Real, int, _Integer, int]: ...
+    ) -> tuple[_Real, _Real, _Integer, int, _Integer, _Real, int, _Integer, _Integer, int]: ...
 
 @type_check_only
 class _EquispacedChart(Protocol):

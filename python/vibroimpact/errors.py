@@ -7,6 +7,7 @@ from typing import Any
 __all__ = [
     "ChartInterrupted",
     "MissingExtraError",
+    "OpenBoundaryWarning",
     "ParameterError",
     "ParameterTypeError",
     "SingularError",
@@ -32,6 +33,10 @@ class ParameterTypeError(VibroimpactError, TypeError):
 
 class SingularError(VibroimpactError, ArithmeticError):
     """The equations have no unique, finite solution for these (allowed) parameters."""
+
+
+class OpenBoundaryWarning(UserWarning):
+    """`Zone.contains` or `Zone.count` was asked about points that an open boundary leaves undecided."""
 
 
 class MissingExtraError(VibroimpactError, ImportError):

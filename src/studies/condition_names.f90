@@ -1,7 +1,7 @@
 !> The field's names for the conditions that bound the motions of a branch or a zone.
 module vi_condition_names
-   use vi_frame, only: edge, flip, fold, grazing, neimark_sacker, repetition, rest_vanishes, &
-      zero_approach
+   use vi_frame, only: edge, flip, fold, grazing, joint, neimark_sacker, repetition, &
+      rest_vanishes, zero_approach
    implicit none (type, external)
    private
 
@@ -43,6 +43,8 @@ contains
          name = 'bound'
       case (rest_vanishes)
          name = 'rest_vanishes'
+      case (joint)
+         name = 'joint'
       case default
          name = 'unknown'
       end select

@@ -13,6 +13,9 @@ module vi_frame
    integer, parameter, public :: fold = 1, flip = 2, neimark_sacker = 3, zero_approach = 4, &
       grazing = 5, repetition = 6, edge = 7, rest_vanishes = 8
 
+   !> Not a condition: the straight piece between two loose ends of a boundary that were joined.
+   integer, parameter, public :: joint = 9
+
    !> One condition. `index` is the impact, the flight, the repetition or the parameter.
    type, public :: condition_type
       integer :: kind = 0, index = 0

@@ -5,17 +5,20 @@
 !! on, so that all connected sheets are covered.
 module vi_net
    use vi_crossing, only: hidden_zero, innermost_zero
-   use vi_curve, only: correct, curve_type
-   use vi_frame, only: condition_type, edge, grazing, is_inside, repetition, rest_vanishes, &
-      unknown_count, wrap_phases, zero_approach
+   use vi_curve, only: curve_type
+   use vi_frame, only: condition_type, is_inside, repetition, unknown_count, wrap_phases
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, line_spacing
+   use vi_net_line, only: leaves, line_of, may_pass, pass, start_type
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    use vi_tally, only: is_stopped
    implicit none (type, external)
    private
 
-   public :: new_net, add_seed, cover
+   public :: new_net, add_seed, cover, cover_from
+
+   !> Room for crossings of one line with those of the lattice.
+   integer, parameter :: crossing_room = 64
 
    !> A point on the edge of a zone: the condition that is zero there, and a point inside nearby.
    type, public :: border_type
@@ -36,14 +39,15 @@ module vi_net
       !> Places where lines cross the edge of a zone.
       type(border_type), allocatable :: borders(:)
       integer :: n_borders = 0
+      !> Where a line beside the lattice has crossed lines of it.
+      type(start_type) :: crossings(crossing_room)
+      integer :: n_crossings = 0
       !> Steps made.
       integer :: steps = 0
    end type net_type
 
    !> Room for nodes and borders, and steps that may be made.
    integer, parameter :: room = 40000, border_room = 20000, most_steps = 4000000
-   !> A motion that would be this far beyond a wall (over d) is not followed any farther.
-   real(wp), parameter :: depth = 1.0_wp
 
 contains
 
@@ -104,39 +108,83 @@ contains
             if (net%followed(direction, node)) cycle
             net%followed(direction, node) = .true.
             do way = -1, 1, 2
-               call follow_line(net, node, direction, way, tally)
+               call follow_line(net, start_of(net, node), direction, way, tally)
             end do
          end do
          node = node + 1
       end do
    end subroutine cover
 
-   !> Follows a line from a node one way, until it leaves the window or what is physical.
-   subroutine follow_line(net, node, direction, way, tally)
+   !> Follows the lines through a motion beside the lattice, then those of the lattice that they
+   !! cross, and covers the sheet from there.
+   subroutine cover_from(net, at, unknowns, tally)
       type(net_type), intent(inout) :: net
+      !> Its place in the window.
+      real(wp), intent(in) :: at(2)
+      real(wp), intent(in) :: unknowns(:)
+      integer, intent(inout), optional :: tally(3)
+      type(start_type) :: begin
+      integer :: direction, first, i, way
+
+      begin = start_type(unknowns, at)
+      first = net%n + 1
+      do direction = 1, 2
+         net%n_crossings = 0
+         do way = -1, 1, 2
+            call follow_line(net, begin, direction, way, tally)
+         end do
+         do i = 1, net%n_crossings
+            do way = -1, 1, 2
+               call follow_line(net, net%crossings(i), 3 - direction, way, tally)
+            end do
+         end do
+      end do
+      call cover(net, first, tally)
+   end subroutine cover_from
+
+   !> A node as the start of a line.
+   pure function start_of(net, node) result(begin)
+      type(net_type), intent(in) :: net
+      integer, intent(in) :: node
+      type(start_type) :: begin
+      integer :: i
+
+      begin = start_type(net%unknowns(:, node), [(net%lines%axes(i)%at(net%lattice(i, node)), &
+         i=1, 2)], net%lattice(:, node))
+   end function start_of
+
+   !> Follows a line from a motion one way, until it leaves the window or what is physical.
+   subroutine follow_line(net, begin, direction, way, tally)
+      type(net_type), intent(inout) :: net
+      type(start_type), intent(in) :: begin
       !> The parameter that changes along the line is `direction`.
-      integer, intent(in) :: node, direction, way
+      integer, intent(in) :: direction, way
       integer, intent(inout), optional :: tally(3)
       type(curve_type) :: line
       type(place_type) :: before, now, next
       type(stride_type) :: stride
       type(condition_type) :: none(0)
       real(wp), dimension(size(net%unknowns, 1) + 1) :: along, mark, point
+      real(wp) :: share
       integer :: taken
-      logical :: good, known, passes
+      logical :: good, known, leaving, left, passes
 
-      call line_of(net, node, direction, line)
+      call line_of(net%sheet, begin, direction, line)
       along = 0
       along(size(along)) = way
-      mark = [net%unknowns(:, node), net%lines%axes(direction)%at(net%lattice(direction, node))]
-      stride = stride_type(longest=0.8_wp*line_spacing(net%lines, direction, mark(size(mark))))
+      mark = [begin%unknowns, begin%at(direction)]
+      ! what is near a motion that is given is looked at more closely
+      share = merge(0.8_wp, 0.2_wp, begin%lattice(3 - direction) > 0)
+      stride = stride_type(longest=share*line_spacing(net%lines, direction, mark(size(mark))))
       call begin_walk(line, none, mark, along, 0.2_wp*stride%longest, now, good)
       if (.not. good) return
       before = now
       taken = 0
+      leaving = share < 0.8_wp .and. &
+         any(now%values < 0 .and. now%conditions%kind == repetition)
       do while (net%steps < most_steps)
          if (is_stopped(tally)) return
-         stride%longest = 0.8_wp*line_spacing(net%lines, direction, now%point(size(now%point)))
+         stride%longest = share*line_spacing(net%lines, direction, now%point(size(now%point)))
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
          if (.not. good) return
@@ -145,9 +193,12 @@ contains
             now%step = 0.3_wp*next%came
             cycle
          end if
-         call note_border(net, line, direction, node, now, next)
-         call note_nodes(net, line, direction, node, now, next, known)
-         if (known .or. leaves(next, line, net%sheet%frame%resting)) return
+         call note_border(net, line, direction, begin, now, next)
+         call note_nodes(net, line, direction, begin, now, next, known)
+         ! a motion that is given can be too near to one that repeats itself: away from there
+         left = leaving
+         leaving = leaves(next, line)
+         if (known .or. (leaving .and. .not. left)) return
          ! a closed curve between the lattice's lines comes back to a place of its own
          call pass(line, mark(size(mark)), now, next, point, passes)
          point = point - mark
@@ -160,52 +211,12 @@ contains
       end do
    end subroutine follow_line
 
-   !> Whether a step may pass through a zone: what is violated at its start is met at its end, and
-   !! something else is violated there.
-   pure logical function may_pass(now, next)
-      real(wp), intent(in) :: now(:), next(:)
-
-      may_pass = any(now < 0) .and. any(next < 0) .and. .not. any(now < 0 .and. next < 0)
-   end function may_pass
-
-   !> The curve of one lattice line.
-   pure subroutine line_of(net, node, direction, line)
-      type(net_type), intent(in) :: net
-      integer, intent(in) :: node, direction
-      type(curve_type), intent(out) :: line
-      integer :: other
-
-      other = 3 - direction
-      associate (sheet => net%sheet)
-         line = sheet
-         line%active = sheet%active([direction])
-         line%origin = sheet%origin([direction])
-         line%scale = sheet%scale([direction])
-         line%c(sheet%active(other)) = sheet%origin(other) + sheet%scale(other)* &
-            net%lines%axes(other)%at(net%lattice(other, node))
-      end associate
-   end subroutine line_of
-
-   !> Whether a line has left the window, or the motion is no longer physical by far.
-   pure logical function leaves(place, line, resting)
-      type(place_type), intent(in) :: place
-      type(curve_type), intent(in) :: line
-      !> Whether the motions have rest: without it their letters are others.
-      logical, intent(in) :: resting
-
-      associate (v => place%values, kind => place%conditions%kind)
-         leaves = any(v < 0 .and. (kind == zero_approach .or. kind == repetition)) .or. &
-            any(v < 0 .and. kind == edge .and. place%conditions%index == line%active(1)) .or. &
-            any(v < -depth .and. kind == grazing) .or. &
-            (resting .and. any(v < 0 .and. kind == rest_vanishes))
-      end associate
-   end function leaves
-
    !> Notes the nodes between two places.
-   pure subroutine note_nodes(net, line, direction, node, now, next, known)
+   pure subroutine note_nodes(net, line, direction, begin, now, next, known)
       type(net_type), intent(inout) :: net
       type(curve_type), intent(in) :: line
-      integer, intent(in) :: direction, node
+      integer, intent(in) :: direction
+      type(start_type), intent(in) :: begin
       type(place_type), intent(in) :: now, next
       !> Whether the line has been here before.
       logical, intent(out) :: known
@@ -217,8 +228,12 @@ contains
       do i = 1, size(net%lines%axes(direction)%at)
          call pass(line, net%lines%axes(direction)%at(i), now, next, point, passes)
          if (.not. passes) cycle
-         place = net%lattice(:, node)
+         place = begin%lattice
          place(direction) = i
+         if (place(3 - direction) == 0) then
+            call note_crossing(net, direction, i, begin, point)
+            cycle
+         end if
          call add_seed(net, place(1), place(2), point(:size(point) - 1), found)
          if (found == 0) cycle
          if (net%followed(direction, found)) known = .true.
@@ -226,33 +241,29 @@ contains
       end do
    end subroutine note_nodes
 
-   !> Where a step passes a level of the line's parameter, if it does.
-   pure subroutine pass(line, level, now, next, point, passes)
-      type(curve_type), intent(in) :: line
-      real(wp), intent(in) :: level
-      type(place_type), intent(in) :: now, next
-      real(wp), intent(out) :: point(:)
-      logical, intent(out) :: passes
-      type(condition_type) :: at
-      real(wp) :: a, b
-      integer :: iterations
+   !> Notes where a line beside the lattice crosses one of it.
+   pure subroutine note_crossing(net, direction, level, begin, point)
+      type(net_type), intent(inout) :: net
+      !> The direction of the line beside the lattice, and the number of the line it crosses.
+      integer, intent(in) :: direction, level
+      type(start_type), intent(in) :: begin
+      real(wp), intent(in) :: point(:)
 
-      a = now%point(size(point))
-      b = next%point(size(point))
-      point = now%point
-      passes = (level - a)*(level - b) < 0 .and. .not. abs(level - a) < 1.0e-9_wp
-      if (.not. passes) return
-      point = now%point + (level - a)/(b - a)*(next%point - now%point)
-      at = condition_type(edge, line%active(1), 1, bound=line%origin(1) + line%scale(1)*level)
-      call correct(line, [at], point, iterations)
-      passes = iterations > 0
-   end subroutine pass
+      if (net%n_crossings == crossing_room) return
+      net%n_crossings = net%n_crossings + 1
+      associate (crossing => net%crossings(net%n_crossings))
+         crossing = start_type(point(:size(point) - 1), begin%at)
+         crossing%at(direction) = net%lines%axes(direction)%at(level)
+         crossing%lattice(direction) = level
+      end associate
+   end subroutine note_crossing
 
    !> Notes where a step enters or leaves a zone.
-   pure subroutine note_border(net, line, direction, node, now, next)
+   pure subroutine note_border(net, line, direction, begin, now, next)
       type(net_type), intent(inout) :: net
       type(curve_type), intent(in) :: line
-      integer, intent(in) :: direction, node
+      integer, intent(in) :: direction
+      type(start_type), intent(in) :: begin
       type(place_type), intent(in) :: now, next
       type(place_type) :: best
       real(wp) :: other, q(2)
@@ -264,7 +275,7 @@ contains
       if (net%n_borders == border_room) return
       call innermost_zero(line, now, next, inside, best, which)
       if (which == 0) return
-      other = net%lines%axes(3 - direction)%at(net%lattice(3 - direction, node))
+      other = begin%at(3 - direction)
       net%n_borders = net%n_borders + 1
       associate (border => net%borders(net%n_borders), n => size(net%unknowns, 1))
          allocate (border%point(n + 2))

@@ -6,7 +6,7 @@ module vi_rings
    implicit none (type, external)
    private
 
-   public :: dense_ring, winding
+   public :: dense_ring, passes, winding
 
    !> Farthest that a polygon may lie from its curve, the window being the unit square.
    real(wp), parameter :: sag = 1.0e-7_wp
@@ -75,16 +75,14 @@ contains
    !! to a fold that an edge would cut it off.
    pure logical function zone_on_left(vertices, r, clearance, ring, inside) result(left)
       real(wp), intent(in) :: vertices(:, :), r(2), clearance(2), ring(:, :), inside(2)
-      real(wp) :: edges, scale(2)
+      real(wp) :: edges
       logical :: around(1)
 
       edges = left_of_edges(vertices, r, clearance)
       left = edges > 0
       if (abs(edges) > 0) return
-      scale = [r(2) - r(1), log(clearance(2)/clearance(1))]
       ! a zone can be thinner than the polygon is sharp; a point so near a hole would be an accident
-      around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. &
-         distance(ring, inside, scale) < 2*sag
+      around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. passes(ring, inside, r, clearance)
       left = (area(ring) > 0) .eqv. around(1)
    end function zone_on_left
 
@@ -129,6 +127,16 @@ contains
          area = area + 0.5_wp*(a(1)*b(2) - a(2)*b(1))
       end do
    end function area
+
+   !> Whether a polygon passes a point as near as it is sharp.
+   pure logical function passes(ring, point, r, clearance)
+      !> (2, n), (2): r, D
+      real(wp), intent(in) :: ring(:, :), point(2)
+      !> The window.
+      real(wp), intent(in) :: r(2), clearance(2)
+
+      passes = distance(ring, point, [r(2) - r(1), log(clearance(2)/clearance(1))]) < 2*sag
+   end function passes
 
    !> Of a point from a polygon, in the window as the unit square.
    pure real(wp) function distance(ring, point, scale)

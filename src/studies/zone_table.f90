@@ -2,10 +2,10 @@
 module vi_zone_table
    use vi_curve, only: curve_type
    use vi_family, only: whole_unknowns
-   use vi_frame, only: frame_type, wrap_phases
    use vi_kinds, only: wp
    use vi_loop, only: loop_type
-   use vi_rings, only: dense_ring, winding
+   use vi_outline, only: ring_of, vertices_of
+   use vi_rings, only: winding
    use vi_sheet, only: zone_request_type
    use vi_status, only: stat
    use vi_tally, only: add_sight
@@ -19,7 +19,7 @@ contains
 
    !> `find_zone` between arrays.
    subroutine zone_arrays(request, seeds, vertices, unknowns, labels, n, loops, inside, &
-      n_loops, work, status, tally)
+      n_loops, open_seeds, work, status, tally)
       type(zone_request_type), intent(in) :: request
       real(wp), intent(in) :: seeds(:, :)
       !> (5, room): r, D, the derivatives of r and log D by the length of the curve, and its length
@@ -37,6 +37,9 @@ contains
       !> (2, room of loops): r, D of a point inside beside the loop.
       real(wp), intent(out) :: inside(:, :)
       integer, intent(out) :: n_loops
+      !> (m) 1 for each seed that is stable and admissible in the window, and around which no
+      !! boundary could be closed.
+      integer, intent(out) :: open_seeds(:)
       !> Motions found, steps of the net, borders left untraced, lattice lines of constant r and D.
       integer, intent(out) :: work(5)
       !> `stat%more_events` if there was no room for all.
@@ -53,10 +56,12 @@ contains
       inside = 0
       n = 0
       n_loops = 0
+      open_seeds = 0
       work = 0
       call find_zone(request, seeds, zone, status, tally)
       if (status /= stat%ok) return
       work = [zone%nodes, zone%steps, zone%untraced, zone%lines]
+      open_seeds = merge(1, 0, zone%open_seeds)
       call append_zone(zone, vertices, unknowns, labels, n, loops, inside, n_loops, status)
    end subroutine zone_arrays
 
@@ -116,22 +121,6 @@ contains
       end do
    end subroutine write_loop
 
-   !> (5, n): r, D, the derivatives of r and log D by the length of the curve, length to the next.
-   pure function vertices_of(sheet, loop) result(vertices)
-      type(curve_type), intent(in) :: sheet
-      type(loop_type), intent(in) :: loop
-      real(wp) :: vertices(5, loop%n)
-      integer :: j, m
-
-      m = size(loop%points, 1) - 2
-      do j = 1, loop%n
-         vertices(:2, j) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
-         vertices(2, j) = exp(vertices(2, j))
-         vertices(3:4, j) = sheet%scale*loop%tangents(m + 1:, j)
-         vertices(5, j) = arc(sheet%frame, loop, j)
-      end do
-   end function vertices_of
-
    !> A point inside, beside a loop: r, D.
    pure function inside_of(zone, i) result(point)
       type(zone_type), intent(in) :: zone
@@ -156,27 +145,9 @@ contains
       counts = 0
       do i = 1, zone%n
          if (.not. zone%loops(i)%closed) cycle
-         call dense_ring(vertices_of(zone%sheet, zone%loops(i)), r, clearance, inside_of(zone, i), &
-            ring)
+         call ring_of(zone%sheet, zone%loops(i), zone%inside(:, i), r, clearance, ring)
          counts = counts + winding(ring, points)
       end do
    end function count_zone
-
-   !> Length of a loop from a vertex to the next, to fourth order.
-   pure real(wp) function arc(frame, loop, j) result(length)
-      type(frame_type), intent(in) :: frame
-      type(loop_type), intent(in) :: loop
-      integer, intent(in) :: j
-      real(wp) :: chord(size(loop%points, 1)), cosine
-      integer :: next
-
-      next = merge(1, j + 1, j == loop%n)
-      chord = loop%points(:, next) - loop%points(:, j)
-      call wrap_phases(frame, chord)
-      length = norm2(chord)
-      if (.not. length > 0) return
-      cosine = dot_product(chord, loop%tangents(:, j))/length
-      length = length*(2 + 1/max(0.5_wp, cosine))/3
-   end function arc
 
 end module vi_zone_table

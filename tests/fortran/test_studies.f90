@@ -8,6 +8,7 @@ program test_studies
    use studies_atlas, only: test_atlas, test_outcomes, test_rings
    use studies_attractors, only: test_attractors
    use studies_conditions, only: test_conditions
+   use studies_joints, only: test_joints
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
    use vi_assess, only: paper_acceptance
@@ -39,6 +40,7 @@ program test_studies
    call test_recall()
    call test_single()
    call test_rings()
+   call test_joints()
    call test_atlas()
    call test_outcomes()
    call test_conditions()

@@ -56,7 +56,10 @@ def remarks_of(result: Any, number: int) -> list[str]:
     if name == "Branch":
         return [f"branch {number}: first end: {result.ends[0]}; last end: {result.ends[1]}"]
     if name == "Zone":
-        return [] if result.closed else [f"{NOT_CLOSED} (its loop is 0)"]
+        return ([] if result.closed else [f"{NOT_CLOSED} (its loop is 0)"]) + [
+            f"no boundary closes around the seed at r = {exact(r)}, clearance = {exact(clearance)}"
+            for r, clearance in result.search.open_seeds
+        ]
     if name == "Atlas":
         cut = [
             f"{tag(zone)}: {NOT_CLOSED} (its loop is 0)" for zone in result.zones if not zone.closed

@@ -20,6 +20,7 @@ LINES = {
     "flip": ((0, (3, 1.2)), style.FREE), "neimark_sacker": ((0, (5, 1, 1, 1)), style.REST),
     "grazing": ((0, (1, 1)), style.IMPACT), "zero_approach": ((0, (1, 2)), "0.4"),
     "rest_vanishes": ((0, (4, 1, 1, 1, 1, 1)), "#56B4E9"), "window": ("-", "0.8"),
+    "joint": ((0, (1, 4)), "#000000"),
 }  # fmt: skip
 
 
@@ -200,7 +201,7 @@ def interior_points(zone: Zone) -> Any:
     """A point of the zone far from its boundary, on a lattice of the window."""
     r = np.linspace(*zone.r, 42)[1:-1]
     clearance = np.geomspace(*zone.clearance, 62)[1:-1]
-    inside = zone.contains(r[:, None], clearance[None, :])
+    inside = zone._turns(r[:, None], clearance[None, :]) > 0
     if not inside.any():
         return ()
     depth = inside.astype(int)

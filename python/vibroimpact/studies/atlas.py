@@ -184,6 +184,9 @@ class Atlas(Result):
         """The zones that contain a point: the stable motions with impacts there.
 
         Whether the motion without impacts exists there too is told by `without_impacts.contains`.
+
+        Where an open boundary leaves a zone undecided, `Zone.contains` warns, and the zone is not in the list;
+        attractors of the survey there are in `unexplained`.
         """
         return [zone for zone in self.zones if bool(zone.contains(r, clearance))]
 
@@ -245,7 +248,7 @@ def unexplained(osc: Oscillator, zones: list[Zone], attractors: list[Attractor])
             item for item in left
             if pattern.sides in wanted[item.pattern] and pattern.cycles == item.pattern.cycles
         ]  # fmt: skip
-        inside = zone.contains([item.r for item in own], [item.clearance for item in own])
+        inside = zone._turns([item.r for item in own], [item.clearance for item in own]) > 0
         explained = {
             id(item) for item, held in zip(own, np.atleast_1d(inside), strict=True) if held
         }

@@ -70,7 +70,9 @@ def zone(
     guesses : int
         Guesses for motions at every second node each way; a quarter of it at the others.
     seeds : sequence of Motion
-        Motions of the pattern that are known to be there, for sheets that the search could miss.
+        Motions of the pattern that are known to be there, for sheets that the search could miss. The lines of
+        constant r and of constant d K/F0 through each are followed, and every boundary that they meet is traced:
+        the zone contains each that is stable, admissible and inside the window, or `search.open_seeds` has it.
     max_points : int
         Most vertices of a loop.
     progress : callable, optional
@@ -153,16 +155,19 @@ def assemble(
     ]  # fmt: skip
     pieces: list[Piece] = []
     rings: list[_Array] = []
-    for part_pieces, part_rings, _, _ in parts:
+    for part_pieces, part_rings, *_ in parts:
         pieces.extend(
             p if p.loop < 0 else replace(p, loop=p.loop + len(rings)) for p in part_pieces
         )
         rings.extend(part_rings)
     work = np.sum([part[3][:3] for part in parts], axis=0).tolist()
-    return Zone(
-        osc, pattern, *window, symmetric, pieces, rings, all(part[2] for part in parts),
-        ZoneSearch(work[0], work[1], work[2], tuple(parts[0][3][3:].tolist())),
+    is_open = np.any([part[4] for part in parts], axis=0)
+    search = ZoneSearch(
+        work[0], work[1], work[2], tuple(parts[0][3][3:].tolist()),
+        [(r, d) for r, d in seeds[:2, is_open].T.tolist()],
     )  # fmt: skip
+    closed = all(part[2] for part in parts) and not search.open_seeds
+    return Zone(osc, pattern, *window, symmetric, pieces, rings, closed, search)
 
 
 def seed_table(pattern: Pattern, seeds: Sequence[Motion]) -> _Array:
@@ -203,11 +208,11 @@ def rest_seed(motion: Motion) -> _Array:
 def one_family(
     osc: Oscillator, pattern: Pattern, window: Window, symmetric: bool, lines: int, guesses: int,
     seeds: _Array, max_points: int, tally: NDArray[np.int32], watch: Callable[[], None] | None,
-) -> tuple[list[Piece], list[_Array], bool, NDArray[np.int32]]:  # fmt: skip
-    """Pieces, rings, whether all are closed, and work of the symmetric or the other motions."""
+) -> tuple[list[Piece], list[_Array], bool, NDArray[np.int32], NDArray[np.bool_]]:  # fmt: skip
+    """Pieces, rings, whether all are closed, work, and open seeds of the symmetric or the other motions."""
     # simulation finds a motion with rest only inside its zone, which may be narrow
     lines = max(lines, 33) if pattern.has_rest else lines
-    vertices, unknowns, labels, _, loops, inside, n_loops, work, status = interruptible(
+    vertices, unknowns, labels, _, loops, inside, n_loops, open_seeds, work, status = interruptible(
         _core.zone, osc.xi, osc.mu, osc.restitution, pattern.cycles, letter_codes(pattern), symmetric,
         *window, lines, guesses, max_points, seeds, tally, ROOM, LOOPS, watch=watch, tally=tally,
     )  # fmt: skip
@@ -222,7 +227,8 @@ def one_family(
         loops[:, : int(n_loops)],
         inside,
     )
-    return pieces, rings, all_closed and int(status) != MORE_EVENTS and int(work[2]) == 0, work
+    all_closed = all_closed and int(status) != MORE_EVENTS and int(work[2]) == 0
+    return pieces, rings, all_closed, work, open_seeds == 1
 
 
 def named_pieces(

@@ -1,0 +1,222 @@
+!> The loops of a zone, traced from places on its boundary.
+module vi_borders
+   use vi_curve, only: correct, curve_type, tangent_at
+   use vi_family, only: image_of
+   use vi_frame, only: condition_type, frame_type, repetition, wrap_phases
+   use vi_kinds, only: wp
+   use vi_loop, only: chained, loop_type, picked, reversed
+   use vi_net, only: border_type
+   use vi_steps, only: stride_type
+   use vi_tally, only: is_stopped
+   use vi_trace, only: trace_loop
+   implicit none (type, external)
+   private
+
+   public :: trace_border
+
+   !> The zones of a family in a window.
+   type, public :: zone_type
+      type(loop_type), allocatable :: loops(:)
+      integer :: n = 0
+      !> The sheets over the window.
+      type(curve_type) :: sheet
+      !> A point inside, beside each loop (2, n).
+      real(wp), allocatable :: inside(:, :)
+      !> Motions found in the window, steps of the net, and borders left untraced.
+      integer :: nodes = 0, steps = 0, untraced = 0
+      !> Lattice lines of constant r and of constant D.
+      integer :: lines(2) = 0
+      !> Points traced, those of loops that were dropped included.
+      integer :: points = 0
+      !> Whether a loop was traced with other distances of motions that repeat themselves.
+      logical :: retraced = .false.
+      !> Whether each seed is stable and admissible, inside the window, and in no closed loop.
+      logical, allocatable :: open_seeds(:)
+   end type zone_type
+
+   !> Distances at which a motion counts as one that repeats itself, by the first one: where a fold
+   !! begins at such a motion, rounding can leave too little of the equations at the first.
+   real(wp), parameter, public :: distances(4) = [1, 3, 10, 30]
+
+   !> Loops kept, and points after which no further loop is begun.
+   integer, parameter, public :: most_loops = 400
+   integer, parameter :: room = 150000
+
+contains
+
+   !> Traces the boundary from a place on it, unless it is on a loop already.
+   subroutine trace_border(border, apart, most, keep_open, zone, closed, tally)
+      type(border_type), intent(in) :: border
+      !> Distance at which a motion counts as one that repeats itself.
+      real(wp), intent(in) :: apart
+      !> Most points of a loop.
+      integer, intent(in) :: most
+      !> Whether a curve that cannot be closed is kept.
+      logical, intent(in) :: keep_open
+      type(zone_type), intent(inout) :: zone
+      !> Whether the place lies on a closed loop.
+      logical, intent(out) :: closed
+      integer, intent(inout), optional :: tally(3)
+      type(curve_type) :: sheet
+      type(loop_type) :: loop, other
+      type(border_type) :: begin
+      integer :: loop_at
+      logical :: good
+
+      call find_border(border, zone, loop_at)
+      closed = .false.
+      if (loop_at > 0) closed = zone%loops(loop_at)%closed
+      if (loop_at > 0) return
+      if (zone%n == most_loops .or. zone%points > room) then
+         if (keep_open) zone%untraced = zone%untraced + 1
+         return
+      end if
+      sheet = zone%sheet
+      sheet%frame%apart = apart
+      begin = border
+      call move_apart(sheet, begin, good)
+      if (.not. good) return
+      call trace(sheet, begin, most, 1, loop, tally)
+      zone%points = zone%points + loop%n
+      if (keep_open .and. .not. loop%closed) then
+         call trace(sheet, begin, most, -1, other, tally)
+         zone%points = zone%points + other%n
+         if (other%closed .or. loop%n == 0) then
+            loop = other
+         else
+            call add_other_way(other, loop)
+         end if
+      end if
+      closed = loop%closed
+      if (.not. (closed .or. keep_open)) return
+      if (loop%n == 0 .or. is_stopped(tally)) then
+         zone%untraced = zone%untraced + 1
+         return
+      end if
+      ! a loop that the border only leads to can have been there before
+      begin%point = loop%points(:, 1)
+      begin%condition = loop%conditions(1)
+      call find_border(begin, zone, loop_at)
+      if (loop_at > 0 .and. closed) return
+      zone%retraced = zone%retraced .or. apart > zone%sheet%frame%apart
+      zone%n = zone%n + 1
+      ! without the room that is left
+      zone%loops(zone%n) = picked(loop, [(loop_at, loop_at=1, loop%n)])
+      zone%inside(:, zone%n) = border%inside
+   end subroutine trace_border
+
+   !> Traces one way.
+   subroutine trace(sheet, border, most, way, loop, tally)
+      type(curve_type), intent(in) :: sheet
+      type(border_type), intent(in) :: border
+      integer, intent(in) :: most, way
+      type(loop_type), intent(out) :: loop
+      integer, intent(inout), optional :: tally(3)
+
+      call trace_loop(sheet, stride_type(longest=0.02_wp, turn=0.15_wp), border%point, &
+         border%condition, most, loop, tally, way)
+   end subroutine trace
+
+   !> Moves a place at the distance of a motion that repeats itself to another distance.
+   pure subroutine move_apart(sheet, border, good)
+      type(curve_type), intent(in) :: sheet
+      type(border_type), intent(inout) :: border
+      logical, intent(out) :: good
+      real(wp) :: along(size(border%point)), tangent(size(border%point))
+      integer :: iterations
+
+      good = .true.
+      if (border%condition%kind /= repetition) return
+      if (.not. abs(border%condition%bound - sheet%frame%apart) > 0) return
+      along = 0
+      along(size(along)) = 1
+      call tangent_at(sheet, [border%condition], border%point, along, tangent, good)
+      if (.not. good) return
+      border%condition%bound = sheet%frame%apart
+      call correct(sheet, [border%condition], border%point, iterations, tangent)
+      good = iterations > 0
+   end subroutine move_apart
+
+   !> Puts the same curve, traced the other way from the same point, before it.
+   pure subroutine add_other_way(other, loop)
+      type(loop_type), intent(in) :: other
+      type(loop_type), intent(inout) :: loop
+      integer :: i
+
+      if (other%n < 2) return
+      loop = chained(reversed(picked(other, [(i, i=2, other%n)])), loop)
+   end subroutine add_other_way
+
+   !> The loop that a place lies on, by whichever distance it was traced; 0 if none.
+   pure subroutine find_border(border, zone, found)
+      type(border_type), intent(in) :: border
+      type(zone_type), intent(in) :: zone
+      integer, intent(out) :: found
+      type(curve_type) :: sheet
+      type(border_type) :: moved
+      integer :: i
+      logical :: good
+
+      call find_loop(border, zone, found)
+      if (found > 0 .or. border%condition%kind /= repetition .or. .not. zone%retraced) return
+      sheet = zone%sheet
+      do i = 1, size(distances)
+         sheet%frame%apart = distances(i)*zone%sheet%frame%apart
+         moved = border
+         call move_apart(sheet, moved, good)
+         if (good) call find_loop(moved, zone, found)
+         if (found > 0) return
+      end do
+   end subroutine find_border
+
+   !> The loop that a place lies on, or its image; 0 if none.
+   !!
+   !! Images of a motion under a symmetry of the pattern have the same zone.
+   pure subroutine find_loop(border, zone, found)
+      type(border_type), intent(in) :: border
+      type(zone_type), intent(in) :: zone
+      integer, intent(out) :: found
+      type(border_type) :: image
+      integer :: j, k, n
+
+      image = border
+      n = size(border%point) - 2
+      do j = 0, size(zone%sheet%frame%repetitions)
+         do k = 1, merge(1, n/2, j == 0)
+            if (j > 0) image%point(:n) = image_of(zone%sheet%frame%family, &
+               zone%sheet%frame%repetitions(j), image%point(:n))
+            do found = 1, zone%n
+               if (lies_on(zone%sheet%frame, image, zone%loops(found))) return
+            end do
+         end do
+      end do
+      found = 0
+   end subroutine find_loop
+
+   !> Whether a place on the boundary lies on a loop, along the same condition.
+   pure logical function lies_on(frame, border, loop)
+      type(frame_type), intent(in) :: frame
+      type(border_type), intent(in) :: border
+      type(loop_type), intent(in) :: loop
+      real(wp), dimension(size(border%point)) :: chord, offset
+      real(wp) :: share, length
+      integer :: i, next
+
+      lies_on = .false.
+      do i = 1, merge(loop%n, loop%n - 1, loop%closed)
+         if (border%condition%kind /= loop%conditions(i)%kind) cycle
+         next = merge(1, i + 1, i == loop%n)
+         offset = border%point - loop%points(:, i)
+         call wrap_phases(frame, offset)
+         chord = loop%points(:, next) - loop%points(:, i)
+         call wrap_phases(frame, chord)
+         length = norm2(chord)
+         if (.not. length > 0) cycle
+         share = dot_product(offset, chord)/length**2
+         if (share < -0.01_wp .or. share > 1.01_wp) cycle
+         lies_on = norm2(offset - share*chord) < 0.1_wp*length + 1.0e-6_wp
+         if (lies_on) return
+      end do
+   end function lies_on
+
+end module vi_borders

@@ -1,0 +1,86 @@
+!> Lines over the sheets of motions in a window, along which one parameter is constant.
+module vi_net_line
+   use vi_curve, only: correct, curve_type
+   use vi_frame, only: condition_type, edge, grazing, repetition, rest_vanishes, zero_approach
+   use vi_kinds, only: wp
+   use vi_steps, only: place_type
+   implicit none (type, external)
+   private
+
+   public :: leaves, line_of, may_pass, pass
+
+   !> Where a line begins: a motion, its place in the window, and the lattice lines it lies on.
+   type, public :: start_type
+      real(wp), allocatable :: unknowns(:)
+      real(wp) :: at(2) = 0
+      !> Their numbers; 0 for none.
+      integer :: lattice(2) = 0
+   end type start_type
+
+   !> A motion that would be this far beyond a wall (over d) is not followed any farther.
+   real(wp), parameter :: depth = 1.0_wp
+
+contains
+
+   !> The curve of one lattice line.
+   pure subroutine line_of(sheet, begin, direction, line)
+      type(curve_type), intent(in) :: sheet
+      type(start_type), intent(in) :: begin
+      !> The parameter that changes along the line.
+      integer, intent(in) :: direction
+      type(curve_type), intent(out) :: line
+      integer :: other
+
+      other = 3 - direction
+      line = sheet
+      line%active = sheet%active([direction])
+      line%origin = sheet%origin([direction])
+      line%scale = sheet%scale([direction])
+      line%c(sheet%active(other)) = sheet%origin(other) + sheet%scale(other)*begin%at(other)
+   end subroutine line_of
+
+   !> Whether a line has left the window, or the motion is no longer physical by far.
+   pure logical function leaves(place, line)
+      type(place_type), intent(in) :: place
+      !> Of motions with rest: without it their letters are others.
+      type(curve_type), intent(in) :: line
+
+      associate (v => place%values, kind => place%conditions%kind)
+         leaves = any(v < 0 .and. (kind == zero_approach .or. kind == repetition)) .or. &
+            any(v < 0 .and. kind == edge .and. place%conditions%index == line%active(1)) .or. &
+            any(v < -depth .and. kind == grazing) .or. &
+            (line%frame%resting .and. any(v < 0 .and. kind == rest_vanishes))
+      end associate
+   end function leaves
+
+   !> Whether a step may pass through a zone: what is violated at its start is met at its end, and
+   !! something else is violated there.
+   pure logical function may_pass(now, next)
+      real(wp), intent(in) :: now(:), next(:)
+
+      may_pass = any(now < 0) .and. any(next < 0) .and. .not. any(now < 0 .and. next < 0)
+   end function may_pass
+
+   !> Where a step passes a level of the line's parameter, if it does.
+   pure subroutine pass(line, level, now, next, point, passes)
+      type(curve_type), intent(in) :: line
+      real(wp), intent(in) :: level
+      type(place_type), intent(in) :: now, next
+      real(wp), intent(out) :: point(:)
+      logical, intent(out) :: passes
+      type(condition_type) :: at
+      real(wp) :: a, b
+      integer :: iterations
+
+      a = now%point(size(point))
+      b = next%point(size(point))
+      point = now%point
+      passes = (level - a)*(level - b) < 0 .and. .not. abs(level - a) < 1.0e-9_wp
+      if (.not. passes) return
+      point = now%point + (level - a)/(b - a)*(next%point - now%point)
+      at = condition_type(edge, line%active(1), 1, bound=line%origin(1) + line%scale(1)*level)
+      call correct(line, [at], point, iterations)
+      passes = iterations > 0
+   end subroutine pass
+
+end module vi_net_line

@@ -1,0 +1,64 @@
+!> Loops over the sheets as curves in the plane (r, D).
+module vi_outline
+   use vi_curve, only: curve_type
+   use vi_frame, only: wrap_phases
+   use vi_kinds, only: wp
+   use vi_loop, only: loop_type
+   use vi_rings, only: dense_ring
+   implicit none (type, external)
+   private
+
+   public :: ring_of, vertices_of
+
+contains
+
+   !> (5, n): r, D, the derivatives of r and log D by the length of the curve, length to the next.
+   pure function vertices_of(sheet, loop) result(vertices)
+      type(curve_type), intent(in) :: sheet
+      type(loop_type), intent(in) :: loop
+      real(wp) :: vertices(5, loop%n)
+      integer :: j, m
+
+      m = size(loop%points, 1) - 2
+      do j = 1, loop%n
+         vertices(:2, j) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
+         vertices(2, j) = exp(vertices(2, j))
+         vertices(3:4, j) = sheet%scale*loop%tangents(m + 1:, j)
+         vertices(5, j) = arc(sheet, loop, j)
+      end do
+   end function vertices_of
+
+   !> A closed loop as a polygon, counter-clockwise around a zone and clockwise around a hole.
+   pure subroutine ring_of(sheet, loop, inside, r, clearance, ring)
+      type(curve_type), intent(in) :: sheet
+      type(loop_type), intent(in) :: loop
+      !> A point inside, beside the loop: in the units of the sheet.
+      real(wp), intent(in) :: inside(2)
+      !> The window.
+      real(wp), intent(in) :: r(2), clearance(2)
+      !> (2, n): r, D
+      real(wp), allocatable, intent(out) :: ring(:, :)
+      real(wp) :: place(2)
+
+      place = sheet%origin + sheet%scale*inside
+      call dense_ring(vertices_of(sheet, loop), r, clearance, [place(1), exp(place(2))], ring)
+   end subroutine ring_of
+
+   !> Length of a loop from a vertex to the next, to fourth order.
+   pure real(wp) function arc(sheet, loop, j) result(length)
+      type(curve_type), intent(in) :: sheet
+      type(loop_type), intent(in) :: loop
+      integer, intent(in) :: j
+      real(wp) :: chord(size(loop%points, 1)), cosine
+      integer :: next
+
+      next = merge(1, j + 1, j == loop%n)
+      chord = loop%points(:, next) - loop%points(:, j)
+      call wrap_phases(sheet%frame, chord)
+      length = norm2(chord)
+      if (.not. length > 0) return
+      cosine = dot_product(chord, loop%tangents(:, j))/length
+      length = length*(2 + 1/max(0.5_wp, cosine))/3
+   end function arc
+
+end module vi_outline

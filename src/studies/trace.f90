@@ -1,0 +1,281 @@
+!> Traces the boundary of a zone, as a closed curve of named pieces.
+!!
+!! The motions of a family over the plane (r, D) are sheets. On a sheet, a zone is where all
+!! conditions are positive. Its boundary is followed along the one condition that is zero; where
+!! another one gets zero there is a corner, and the boundary goes on along that one.
+module vi_trace
+   use vi_conditions, only: condition_value
+   use vi_crossing, only: hidden_zero, locate
+   use vi_curve, only: condition_slope, correct, curve_type, parameters_of, tangent_at, unknowns_of
+   use vi_frame, only: condition_type, grazing, wrap_phases
+   use vi_kinds, only: wp
+   use vi_loop, only: begins, ends, loop_type
+   use vi_steps, only: begin_walk, can_shorten, exchange, place_type, stride_type, take_step
+   use vi_tally, only: is_stopped
+   implicit none (type, external)
+   private
+
+   public :: trace_loop
+
+   !> Nearer to the beginning of a step than this is at its beginning.
+   real(wp), parameter :: begun = 1.0e-9_wp
+
+contains
+
+   !> Follows the boundary of a zone from a point where one condition is zero.
+   subroutine trace_loop(curve, stride, point, condition, most, loop, tally, way)
+      !> With two active parameters.
+      type(curve_type), intent(in) :: curve
+      type(stride_type), intent(in) :: stride
+      real(wp), intent(in) :: point(:)
+      type(condition_type), intent(in) :: condition
+      !> Most points.
+      integer, intent(in) :: most
+      type(loop_type), intent(out) :: loop
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      !> +1 upwards at first, or to the right where the curve is level (the default); -1 the other
+      !> way round.
+      integer, intent(in), optional :: way
+      type(place_type) :: now, next, corner
+      real(wp), allocatable :: before(:)
+      type(condition_type) :: active
+      integer :: which
+      logical :: good, met
+
+      allocate (loop%points(size(point), most), loop%tangents(size(point), most), &
+         loop%conditions(most), loop%corner(most))
+      active = condition
+      call set_out(curve, active, point, now, good)
+      if (.not. good) return
+      if (present(way)) now%tangent = way*now%tangent
+      call append(loop, now, active, 0)
+      before = now%values
+      do while (loop%n < most)
+         if (is_stopped(tally)) return
+         call take_step(curve, [active], stride, now, next, good)
+         if (.not. good) return
+         call first_violation(curve, active, now, next, 64*stride%shortest, corner, which, met)
+         if (which < 0 .and. .not. can_shorten(next, 64*stride%shortest)) return
+         ! a violation that could not be located: something else may come before it
+         if (which < 0 .or. passes_two(before, now, next, active)) then
+            now%step = 0.3_wp*next%came
+            cycle
+         end if
+         if (closes(curve, loop, now, next, active, met, corner)) then
+            loop%closed = .true.
+            return
+         end if
+         if (met) then
+            call tangent_at(curve, [active], corner%point, now%tangent, corner%tangent, good)
+            if (good) call append(loop, corner, active, ends)
+            call turn(curve, active, corner, which, now, good)
+            if (.not. good .or. loop%n == most) return
+            call append(loop, now, active, begins)
+            call close_at_corner(curve, loop)
+            if (loop%closed) return
+            before = now%values
+         else
+            call refresh(next, active)
+            before(:) = now%values
+            call exchange(now, next)
+            call append(loop, now, active, 0)
+         end if
+      end do
+   end subroutine trace_loop
+
+   !> The first place, looking upwards or, where the curve is level, to the right.
+   pure subroutine set_out(curve, active, point, place, good)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: active
+      real(wp), intent(in) :: point(:)
+      type(place_type), intent(out) :: place
+      logical, intent(out) :: good
+      real(wp) :: along(size(point))
+
+      along = 0
+      along(size(point)) = 1
+      call begin_walk(curve, [active], point, along, 1.0e-3_wp, place, good)
+      if (good) return
+      along(size(point) - 1:) = [1, 0]
+      call begin_walk(curve, [active], point, along, 1.0e-3_wp, place, good)
+   end subroutine set_out
+
+   !> Whether a condition other than the active one may be zero twice within a step.
+   pure logical function passes_two(before, now, next, active)
+      !> The values at the place before.
+      real(wp), intent(in) :: before(:)
+      type(place_type), intent(in) :: now, next
+      type(condition_type), intent(in) :: active
+      integer :: j
+
+      passes_two = .false.
+      if (.not. can_shorten(next, 1.0e-4_wp)) return
+      do j = 1, size(before)
+         if (.not. hidden_zero(before(j), now%values(j), next%values(j), now%came, next%came)) cycle
+         passes_two = .not. same_condition(active, next%conditions(j))
+         if (passes_two) return
+      end do
+   end function passes_two
+
+   !> A loop that turns where it has turned before is closed; what was before is no part of it.
+   pure subroutine close_at_corner(curve, loop)
+      type(curve_type), intent(in) :: curve
+      type(loop_type), intent(inout) :: loop
+      real(wp) :: offset(size(loop%points, 1))
+      integer :: j, m
+
+      do j = 1, loop%n - 1
+         if (j > 1 .and. loop%corner(j) /= begins) cycle
+         if (.not. same_condition(loop%conditions(loop%n), loop%conditions(j))) cycle
+         offset = loop%points(:, loop%n) - loop%points(:, j)
+         call wrap_phases(curve%frame, offset)
+         if (maxval(abs(offset)) > 1.0e-6_wp) cycle
+         m = loop%n - j
+         loop%points(:, :m) = loop%points(:, j:loop%n - 1)
+         loop%tangents(:, :m) = loop%tangents(:, j:loop%n - 1)
+         loop%conditions(:m) = loop%conditions(j:loop%n - 1)
+         loop%corner(:m) = loop%corner(j:loop%n - 1)
+         loop%corner(1) = begins
+         loop%n = m
+         loop%closed = .true.
+         return
+      end do
+   end subroutine close_at_corner
+
+   !> Whether a step along the condition of the start passes the start.
+   pure logical function closes(curve, loop, now, next, active, met, corner)
+      type(curve_type), intent(in) :: curve
+      type(loop_type), intent(in) :: loop
+      type(place_type), intent(in) :: now, next, corner
+      type(condition_type), intent(in) :: active
+      logical, intent(in) :: met
+      real(wp) :: offset(size(now%point)), share, reach
+
+      closes = .false.
+      if (loop%n < 2) return
+      if (.not. same_condition(active, loop%conditions(1))) return
+      offset = loop%points(:, 1) - now%point
+      call wrap_phases(curve%frame, offset)
+      reach = next%came
+      if (met) reach = corner%came
+      share = dot_product(offset, now%tangent)
+      closes = share > 0 .and. share <= reach*(1 + 1.0e-9_wp) .and. &
+         norm2(offset - share*now%tangent) < 0.3_wp*share + 1.0e-7_wp
+   end function closes
+
+   pure elemental logical function same_condition(a, b)
+      type(condition_type), intent(in) :: a, b
+
+      same_condition = a%kind == b%kind .and. a%index == b%index .and. a%side == b%side
+      if (a%kind == grazing) same_condition = same_condition .and. abs(a%share - b%share) < 0.2_wp
+   end function same_condition
+
+   !> The first condition that a step violates, if any, and where.
+   !!
+   !! What is zero where the step begins, at a corner, is left behind: if it is violated at the end,
+   !! it has changed its sign somewhere else, which a shorter step tells.
+   pure subroutine first_violation(curve, active, now, next, shortest, corner, which, met)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: active
+      type(place_type), intent(in) :: now, next
+      !> Length of a step that is not shortened any more.
+      real(wp), intent(in) :: shortest
+      !> Defined where one is met.
+      type(place_type), intent(inout) :: corner
+      !> Its index; -1 if it could not be located.
+      integer, intent(out) :: which
+      logical, intent(out) :: met
+      type(place_type) :: found
+      real(wp) :: share, least
+      integer :: j
+      logical :: good
+
+      which = 0
+      met = .false.
+      least = huge(1.0_wp)
+      do j = 1, size(next%values)
+         ! two conditions that a symmetry makes one differ by rounding
+         if (.not. next%values(j) < -merge(1.0e-9_wp, 0.0_wp, curve%frame%resting)) cycle
+         if (same_condition(active, next%conditions(j))) cycle
+         call locate(curve, [active], now, next, j, found, share, good)
+         if (good .and. can_shorten(next, shortest)) good = abs(share)*next%came > begun
+         if (.not. good) then
+            which = -1
+            return
+         end if
+         if (share >= least) cycle
+         least = share
+         corner = found
+         which = j
+         met = .true.
+      end do
+   end subroutine first_violation
+
+   !> Goes round a corner: along the new condition, so that the old one gets positive.
+   pure subroutine turn(curve, active, corner, which, now, good)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(inout) :: active
+      type(place_type), intent(in) :: corner
+      integer, intent(in) :: which
+      type(place_type), intent(inout) :: now
+      logical, intent(out) :: good
+      type(condition_type) :: old
+      real(wp) :: along(size(corner%point)), unused
+
+      old = active
+      active = corner%conditions(which)
+      call condition_slope(curve, old, corner%point, unused, along)
+      along = along/norm2(along)
+      call begin_walk(curve, [active], corner%point, along, max(1.0e-4_wp, 0.1_wp*corner%step), &
+         now, good)
+      if (good) now%tangent = uphill(curve, active, old, now)*now%tangent
+   end subroutine turn
+
+   !> +1 if a condition grows along the tangent, -1 if it falls: from two points of the curve, since
+   !! a gradient across the curve can be so much greater that its part along it drowns in rounding.
+   pure real(wp) function uphill(curve, active, rising, place)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: active, rising
+      type(place_type), intent(in) :: place
+      real(wp), parameter :: h = 1.0e-5_wp
+      real(wp) :: point(size(place%point)), values(2)
+      integer :: i, iterations
+
+      uphill = 1
+      do i = 1, 2
+         point = place%point + (3 - 2*i)*h*place%tangent
+         call correct(curve, [active], point, iterations, place%tangent)
+         if (iterations == 0) return
+         values(i) = condition_value(curve%frame, unknowns_of(curve, point), &
+            parameters_of(curve, point), rising)
+      end do
+      if (values(2) > values(1)) uphill = -1
+   end function uphill
+
+   !> Keeps up with the moment of a touch.
+   pure subroutine refresh(place, active)
+      type(place_type), intent(in) :: place
+      type(condition_type), intent(inout) :: active
+      integer :: j
+
+      if (active%kind /= grazing) return
+      do j = 1, size(place%conditions)
+         if (same_condition(active, place%conditions(j))) active%share = place%conditions(j)%share
+      end do
+   end subroutine refresh
+
+   pure subroutine append(loop, place, active, corner)
+      type(loop_type), intent(inout) :: loop
+      type(place_type), intent(in) :: place
+      type(condition_type), intent(in) :: active
+      integer, intent(in) :: corner
+
+      loop%n = loop%n + 1
+      loop%points(:, loop%n) = place%point
+      loop%tangents(:, loop%n) = place%tangent
+      loop%conditions(loop%n) = active
+      loop%corner(loop%n) = corner
+   end subroutine append
+
+end module vi_trace

@@ -1,0 +1,101 @@
+!> Loose ends of boundaries: those that are near are joined, whichever way round they came.
+module studies_joints
+   use checks, only: check
+   use vi_borders, only: zone_type
+   use vi_frame, only: condition_type, flip, fold, joint
+   use vi_join, only: join_loose_ends
+   use vi_kinds, only: wp
+   use vi_loop, only: begins, ends, loop_type, reversed
+   implicit none (type, external)
+   private
+
+   public :: test_joints
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+contains
+
+   !> Two arcs of a circle with two gaps between them.
+   subroutine test_joints()
+      type(zone_type) :: zone
+      real(wp) :: gaps(2)
+      integer :: turned, i
+
+      do turned = 0, 3
+         ! both gaps are small: one ring
+         gaps = [5.0e-5_wp, 8.0e-5_wp]
+         zone = two_arcs(gaps, turned)
+         call join_loose_ends(zone)
+         call check(zone%n == 1 .and. zone%loops(1)%closed, 'two arcs become one ring')
+         associate (loop => zone%loops(1))
+            call check(count(loop%conditions%kind == joint) == 4, 'two joints, each with two ends')
+            call check(abs(sum([(abs(step(loop, i)), i=1, loop%n)], loop%conditions%kind == joint &
+               .and. loop%corner == begins) - sum(gaps)) < 1.0e-12_wp, 'joints are as long as gaps')
+            call check(abs(sum([(step(loop, i), i=1, loop%n)]) - sign(2*pi, step(loop, 1))) &
+               < 1.0e-9_wp, 'the ring goes round once')
+            call check(all(pack(loop%corner, cshift(loop%corner, 1) == begins) == ends .or. &
+               pack(loop%corner, cshift(loop%corner, 1) == begins) == 0) .and. &
+               count(loop%corner == begins) == count(loop%corner == ends), &
+               'a piece ends where the next begins')
+         end associate
+         ! one is not: a longer arc, which stays open
+         zone = two_arcs([5.0e-5_wp, 1.0e-3_wp], turned)
+         call join_loose_ends(zone)
+         call check(zone%n == 1 .and. .not. zone%loops(1)%closed, 'a wide gap stays open')
+         call check(count(zone%loops(1)%conditions%kind == joint) == 2, 'one joint')
+         ! motions that differ are not joined, whatever the parameters
+         zone = two_arcs(gaps, turned)
+         zone%loops(2)%points(1, :) = 1
+         call join_loose_ends(zone)
+         call check(zone%n == 2 .and. .not. any(zone%loops(:2)%closed), 'other motions')
+      end do
+   end subroutine test_joints
+
+   !> Two arcs of the unit circle, of a fold and of a flip.
+   function two_arcs(gaps, turned) result(zone)
+      !> Angles of the gaps at angle 0 and about pi.
+      real(wp), intent(in) :: gaps(2)
+      !> Which arcs go clockwise: bits 0 and 1.
+      integer, intent(in) :: turned
+      type(zone_type) :: zone
+
+      zone%n = 2
+      allocate (zone%loops(4), zone%inside(2, 4))
+      zone%inside = 0
+      zone%sheet%frame%resting = .true.
+      zone%loops(1) = arc(0.5_wp*gaps(1), pi - 0.5_wp*gaps(2), fold)
+      zone%loops(2) = arc(pi + 0.5_wp*gaps(2), 2*pi - 0.5_wp*gaps(1), flip)
+      if (btest(turned, 0)) zone%loops(1) = reversed(zone%loops(1))
+      if (btest(turned, 1)) zone%loops(2) = reversed(zone%loops(2))
+   end function two_arcs
+
+   !> A part of the unit circle.
+   function arc(low, high, kind) result(loop)
+      real(wp), intent(in) :: low, high
+      integer, intent(in) :: kind
+      type(loop_type) :: loop
+      integer :: i
+      real(wp) :: angle
+
+      loop%n = 41
+      allocate (loop%points(4, loop%n), loop%tangents(4, loop%n), source=0.0_wp)
+      allocate (loop%conditions(loop%n), source=condition_type(kind))
+      allocate (loop%corner(loop%n), source=0)
+      do i = 1, loop%n
+         angle = low + (high - low)*(i - 1)/40
+         loop%points(3:, i) = [cos(angle), sin(angle)]
+         loop%tangents(3:, i) = [-sin(angle), cos(angle)]
+      end do
+   end function arc
+
+   !> The angle from a vertex to the next.
+   pure real(wp) function step(loop, i)
+      type(loop_type), intent(in) :: loop
+      integer, intent(in) :: i
+
+      associate (a => loop%points(3:, i), b => loop%points(3:, modulo(i, loop%n) + 1))
+         step = atan2(a(1)*b(2) - a(2)*b(1), dot_product(a, b))
+      end associate
+   end function step
+
+end module studies_joints
