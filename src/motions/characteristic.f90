@@ -4,7 +4,7 @@ module vi_characteristic
    implicit none (type, external)
    private
 
-   public :: characteristic, characteristic_slope, resolvent, resolvent_slope
+   public :: characteristic, characteristic_slope
 
 contains
 
@@ -79,26 +79,5 @@ contains
       a(:, 3) = [x(2), x(4), 0.0_wp, -x(6)]
       a(:, 4) = [x(3), x(5), x(6), 0.0_wp]
    end function antisymmetric
-
-   !> The product of all 1 - lambda_i lambda_j, i < j: the resolvent cubic at 1 + e4.
-   pure real(wp) function resolvent(e)
-      real(wp), intent(in) :: e(4)
-
-      associate (d => 1 + e(4))
-         resolvent = ((d - e(2))*d + e(1)*e(3) - 4*e(4))*d &
-            - (e(1)**2*e(4) - 4*e(2)*e(4) + e(3)**2)
-      end associate
-   end function resolvent
-
-   !> Its derivatives.
-   pure function resolvent_slope(e) result(slope)
-      real(wp), intent(in) :: e(4)
-      real(wp) :: slope(4)
-
-      associate (d => 1 + e(4))
-         slope = [e(3)*d - 2*e(1)*e(4), 4*e(4) - d**2, e(1)*d - 2*e(3), &
-            (3*d - 2*e(2))*d + e(1)*e(3) - 4*d - 4*e(4) - e(1)**2 + 4*e(2)]
-      end associate
-   end function resolvent_slope
 
 end module vi_characteristic

@@ -13,7 +13,7 @@ module vi_orbit
    private
 
    public :: set_orbit, orbit_residual, orbit_slopes, orbit_matrix, orbit_by_parameter, period_map
-   public :: by_forced, by_speed, by_time, period_parts, span_of
+   public :: by_forced, by_speed, by_time, period_parts, span_of, split_part
    public :: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters, most_impacts
    public :: family_type, orbit_type
 
@@ -208,5 +208,38 @@ contains
       ! back from the mirror image: x, x' and z' change sign, the phase does not
       p(:3, :) = o%sign*p(:3, :)
    end subroutine period_parts
+
+   !> [P_i] less its part that is large where the impact at its end has hardly any approach: rows 1
+   !! to 3 are base + column times row 4. The mirror at the end of a half period is included.
+   pure subroutine split_part(o, i, base, column)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+      real(wp), intent(out) :: base(3, 4), column(3)
+      real(wp) :: free(2), sine(2), cosine(2), s13, rest
+
+      associate (s => o%s(:, i), mu => o%mu, r => o%r)
+         sine = [o%forced(i), o%forced(i + 1)]
+         cosine = [o%forced_dot(i), o%forced_dot(i + 1)]*o%per_r
+         free = [o%u(i) - sine(1), o%after(i) - r*cosine(1)]
+         rest = o%restitution(i + 1)
+         ! S_6 and S_13 of (A6)
+         base(1, :) = [s(1), s(2), 0.0_wp, -s(1)*cosine(1) + r*s(2)*sine(1) &
+            - (s(3)*free(1) + s(4)*free(2))*o%per_r]
+         s13 = -(s(4)*free(1) + (s(2) + 2*o%xi*s(4))*free(2))*o%per_r
+         base(2, :) = [s(3), s(4), 0.0_wp, -s(3)*cosine(1) + r*s(4)*sine(1) - s13]
+         column(1) = cosine(2) + (s(3)*free(1) + s(4)*free(2))*o%per_r
+         column(2) = s13 - r*sine(2)
+         ! rows 2 and 3 share the change of x' just before the impact: k_1 .. k_4 of (A5)
+         base(3, :) = (1 + rest)/(1 + mu)*base(2, :)
+         column(3) = (1 + rest)/(1 + mu)*column(2)
+         base(2, :) = (1 - mu*rest)/(1 + mu)*base(2, :)
+         column(2) = (1 - mu*rest)/(1 + mu)*column(2)
+         base(2, 3) = base(2, 3) + mu*(1 + rest)/(1 + mu)
+         base(3, 3) = base(3, 3) + (mu - rest)/(1 + mu)
+      end associate
+      if (i < o%n) return
+      base = o%sign*base
+      column = o%sign*column
+   end subroutine split_part
 
 end module vi_orbit

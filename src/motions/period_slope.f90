@@ -9,7 +9,7 @@ module vi_period_slope
    implicit none (type, external)
    private
 
-   public :: add_period_slope
+   public :: add_part_slope, add_period_slope
 
 contains
 

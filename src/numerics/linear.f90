@@ -12,7 +12,7 @@ module vi_linear
 contains
 
    !> Solves n equations for two right sides by Gaussian elimination with scaled partial pivoting.
-   pure subroutine eliminate(n, a, b, regular, residual)
+   pure subroutine eliminate(n, a, b, regular, residual, orientation)
       integer, intent(in) :: n
       !> Equation i is a(:, i) . x = b(:, i); overwritten.
       real(wp), intent(inout) :: a(most, most)
@@ -21,10 +21,13 @@ contains
       logical, intent(out) :: regular
       !> The greatest first right side, relative to the greatest coefficient of its equation.
       real(wp), intent(out) :: residual
+      !> The sign of the determinant, +1 or -1; 0 of a singular matrix.
+      integer, intent(out) :: orientation
       real(wp) :: swap, factor, largest
-      integer :: i, j, k
+      integer :: i, j, k, parity
 
       regular = .false.
+      orientation = 0
       residual = 0
       do i = 1, n
          factor = maxval(abs(a(:n, i)))
@@ -34,6 +37,7 @@ contains
          b(:, i) = b(:, i)*factor
          residual = max(residual, abs(b(1, i)))
       end do
+      parity = 1
       do k = 1, n
          j = k
          largest = abs(a(k, k))
@@ -45,6 +49,7 @@ contains
          end do
          if (.not. largest > 1.0e-14_wp) return
          if (j /= k) then
+            parity = -parity
             do i = k, n
                swap = a(i, k)
                a(i, k) = a(i, j)
@@ -52,6 +57,7 @@ contains
             end do
             b(:, [k, j]) = b(:, [j, k])
          end if
+         if (a(k, k) < 0) parity = -parity
          a(k, k) = 1/a(k, k)
          do i = k + 1, n
             factor = a(k, i)*a(k, k)
@@ -66,6 +72,7 @@ contains
          b(:, k) = b(:, k)*a(k, k)
       end do
       regular = .true.
+      orientation = parity
    end subroutine eliminate
 
 end module vi_linear

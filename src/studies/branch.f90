@@ -7,8 +7,10 @@
 module vi_branch
    use vi_crossing, only: hidden_zero, locate
    use vi_curve, only: curve_type
-   use vi_frame, only: condition_type, edge, grazing, repetition, wrap_phases, zero_approach
+   use vi_frame, only: condition_type, edge, fold, grazing, neimark_sacker, repetition, wrap_phases, &
+      zero_approach
    use vi_kinds, only: wp
+   use vi_spectrum, only: is_neutral_saddle, outside_circle
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    use vi_tally, only: is_stopped, tell_share
    implicit none (type, external)
@@ -19,6 +21,9 @@ module vi_branch
    !> Why a branch ends.
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
       end_full = 5, end_stopped = 6
+
+   !> A step as short as this is not made again for what it may hide.
+   real(wp), parameter :: least_step = 1.0e-6_wp
 
    !> One way along a family, from its start.
    type, public :: branch_type
@@ -50,7 +55,7 @@ contains
       type(condition_type) :: none(0)
       type(place_type) :: before, now, next
       real(wp) :: along(size(point))
-      logical :: good, done
+      logical :: good, done, unsure
 
       allocate (branch%points(size(point), most), branch%special(most))
       branch%reason = end_stuck
@@ -76,7 +81,11 @@ contains
             now%step = 0.3_wp*next%came
             cycle
          end if
-         call note_special(curve, now, next, branch, done)
+         call note_special(curve, now, next, branch, done, unsure)
+         if (unsure) then
+            now%step = 0.3_wp*next%came
+            cycle
+         end if
          if (done .or. beyond(next)) return
          if (closes(curve, branch, now, next)) then
             branch%reason = end_closed
@@ -99,10 +108,53 @@ contains
 
       is_too_far = .false.
       if (can_shorten(next, 1.0e-4_wp)) is_too_far = any(hidden_zero(before%values, now%values, &
-         next%values, now%came, next%came))
+         next%values, now%came, next%came, merge(0.2_wp, 0.0_wp, now%conditions%kind <= &
+         neimark_sacker)))
+      if (can_shorten(next, 1.0e-5_wp)) is_too_far = is_too_far .or. changes_much(now, next)
       ! beyond a bound nothing is looked at: what is there may make no sense
       if (can_shorten(next, shortest)) is_too_far = is_too_far .or. leaps_over(next)
    end function is_too_far
+
+   !> Whether the multipliers change so much within a step that some may have crossed the unit circle
+   !! and come back.
+   pure logical function changes_much(now, next)
+      type(place_type), intent(in) :: now, next
+      real(wp), parameter :: most_change = 0.5_wp
+
+      changes_much = .false.
+      if (.not. (now%spectrum%regular .and. next%spectrum%regular)) return
+      changes_much = norm2(next%spectrum%e(:3) - now%spectrum%e(:3)) > most_change
+   end function changes_much
+
+   !> Whether the special points within a step explain how many multipliers are outside the unit
+   !! circle at its ends: else there are more of them.
+   pure logical function explained(now, next, found, order)
+      type(place_type), intent(in) :: now, next
+      type(place_type), intent(in) :: found(:)
+      !> The conditions that are zero, in order along the step.
+      integer, intent(in) :: order(:)
+      integer :: i, kind, outside, beyond
+      logical :: possible(0:4), reached(0:4)
+
+      explained = .true.
+      if (.not. (now%spectrum%regular .and. next%spectrum%regular)) return
+      ! where an approach speed passes zero, a multiplier passes infinity
+      if (any(now%values*next%values < 0 .and. now%conditions%kind == zero_approach)) return
+      possible = .false.
+      possible(outside_circle(now%spectrum, 0)) = .true.
+      do i = 1, size(order)
+         kind = now%conditions(order(i))%kind
+         if (kind > neimark_sacker) cycle
+         ! those that cross were outside before, or are after it
+         outside = outside_circle(found(order(i))%spectrum, kind)
+         beyond = outside + merge(2, 1, kind == neimark_sacker)
+         reached = .false.
+         if (possible(outside)) reached(beyond) = .true.
+         if (possible(beyond)) reached(outside) = .true.
+         possible = reached
+      end do
+      explained = possible(outside_circle(next%spectrum, 0))
+   end function explained
 
    !> The share of the range between the start and a bound that lies behind the last point.
    pure real(wp) function covered(branch)
@@ -141,33 +193,62 @@ contains
    end function leaps_over
 
    !> Appends the special points within a step, in order.
-   pure subroutine note_special(curve, now, next, branch, done)
+   pure subroutine note_special(curve, now, next, branch, done, unsure)
       type(curve_type), intent(in) :: curve
       type(place_type), intent(in) :: now, next
       type(branch_type), intent(inout) :: branch
       !> Whether one of them ends the branch.
       logical, intent(out) :: done
+      !> There may be more of them, which a shorter step can tell: nothing was appended.
+      logical, intent(out) :: unsure
       type(condition_type) :: none(0)
       type(place_type) :: found(size(now%values))
       real(wp) :: share(size(now%values)), least
-      logical :: crossed(size(now%values)), good
-      integer :: j
+      logical :: crossed(size(now%values)), good, short, close
+      integer :: order(size(now%values)), i, j, n
 
       done = .false.
+      unsure = .false.
+      short = .not. can_shorten(next, least_step)
       ! a start on a bound may lie outside by rounding: to come in is no event
       crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= edge)
+      close = nearly_repeats(now, next)
+      if (close) then
+         ! the parameter differs from that of the bifurcation by the square of the distance
+         crossed(fold) = .false.
+      else if (crossed(fold) .neqv. turns_back(now, next)) then
+         ! folds are where the parameter turns back, and nowhere else
+         unsure = .not. short
+         if (unsure) return
+         ! this is another curve
+         done = .not. (crossed(fold) .or. next%leapt)
+         if (done) return
+         crossed(fold) = .false.
+      end if
       do j = 1, size(crossed)
          if (.not. crossed(j)) cycle
          call locate(curve, none, now, next, j, found(j), share(j), good)
+         unsure = .not. good .and. .not. short
+         if (unsure) return
          crossed(j) = good
+         if (good .and. now%conditions(j)%kind == neimark_sacker) crossed(j) = .not. &
+            is_neutral_saddle(found(j)%spectrum)
       end do
       do j = 1, size(crossed)
          if (crossed(j)) crossed(j) = .not. is_end_of_approach(found, crossed, j)
       end do
+      n = 0
       do while (any(crossed))
          least = minval(share, crossed)
          j = findloc(crossed .and. share <= least, .true., dim=1)
          crossed(j) = .false.
+         n = n + 1
+         order(n) = j
+      end do
+      if (.not. (short .or. close)) unsure = .not. explained(now, next, found, order(:n))
+      if (unsure) return
+      do i = 1, n
+         j = order(i)
          call append(branch, found(j), found(j)%conditions(j))
          select case (found(j)%conditions(j)%kind)
          case (edge)
@@ -182,6 +263,25 @@ contains
          if (done) return
       end do
    end subroutine note_special
+
+   !> Whether a step begins or ends so near to a motion that repeats itself that rounding decides
+   !! how the parameter changes.
+   pure logical function nearly_repeats(now, next) result(close)
+      type(place_type), intent(in) :: now, next
+      real(wp), parameter :: near = 3.0e-4_wp
+
+      close = any(now%conditions%kind == repetition .and. &
+         min(abs(now%values), abs(next%values)) < near)
+   end function nearly_repeats
+
+   !> Whether the parameter changes its direction within a step.
+   pure logical function turns_back(now, next)
+      type(place_type), intent(in) :: now, next
+
+      associate (n => size(now%tangent))
+         turns_back = now%tangent(n)*next%tangent(n) < 0
+      end associate
+   end function turns_back
 
    !> Whether a touch is that of an impact whose approach speed gets zero in the same place.
    !!

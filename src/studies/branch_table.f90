@@ -4,7 +4,7 @@ module vi_branch_table
    use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_exact, only: setting_type
    use vi_family, only: new_family, whole_unknowns
-   use vi_frame, only: condition_type, edge, neimark_sacker
+   use vi_frame, only: condition_type, edge
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
    use vi_oscillator, only: oscillator_type
@@ -87,8 +87,7 @@ contains
             call write_point(request, curve, points(:, n), conditions(n), parameters(:, n), &
                phases(:, n), impacts(:, :, n), scalars(:, n), multipliers(:, n), verdicts(:, n), &
                codes(n))
-            if (.not. is_neutral_saddle(conditions(n), multipliers(:, n))) special(:, n) = &
-               [conditions(n)%kind, conditions(n)%index, conditions(n)%side]
+            special(:, n) = [conditions(n)%kind, conditions(n)%index, conditions(n)%side]
             call tell_share((follow_work + (branch_work - follow_work)*n/real(size(conditions), &
                wp))/branch_work, branch_work, told, tally)
             if (is_stopped(tally) .and. .not. cut .and. n < size(conditions)) then
@@ -134,15 +133,6 @@ contains
       conditions = [half(1)%special(half(1)%n:2:-1), half(2)%special(:half(2)%n)]
       if (half(1)%special(1)%kind > 0) conditions(half(1)%n) = half(1)%special(1)
    end subroutine follow_both
-
-   !> Two real multipliers with product 1 meet the Neimark-Sacker condition, but nothing happens.
-   pure logical function is_neutral_saddle(condition, lambda) result(saddle)
-      type(condition_type), intent(in) :: condition
-      complex(wp), intent(in) :: lambda(:)
-
-      saddle = condition%kind == neimark_sacker .and. .not. any(abs(lambda%im) > 0 .and. &
-         abs(abs(lambda) - 1) < 1.0e-6_wp)
-   end function is_neutral_saddle
 
    !> One point of a branch as a motion in arrays.
    pure subroutine write_point(request, curve, point, condition, parameters, phases, impacts, &
@@ -204,6 +194,7 @@ contains
          curve%origin = [low]
          curve%scale = [high - low]
          curve%frame%apart = 1.0e-5_wp
+         curve%frame%every_crossing = .true.
          allocate (curve%frame%edges(2))
          curve%frame%edges(1) = condition_type(edge, p, 1, bound=low)
          curve%frame%edges(2) = condition_type(edge, p, -1, bound=high)

@@ -2,30 +2,33 @@
 !!
 !! Each is smooth along a family, and zero where a bifurcation of its own kind ends the zone.
 module vi_conditions
-   use vi_characteristic, only: characteristic, resolvent
    use vi_extrema, only: relative_extrema
    use vi_family, only: kinship
    use vi_flight, only: flight_position, flight_type, new_flight
    use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
       neimark_sacker, repetition, rest_vanishes, zero_approach
    use vi_kinds, only: wp
-   use vi_orbit, only: orbit_type, period_map, set_orbit
+   use vi_orbit, only: orbit_type, set_orbit
    use vi_oscillation, only: derivatives
    use vi_rest_conditions, only: rest_condition, rest_conditions
+   use vi_spectrum, only: multiplier_sums, outside_circle, pair_product, spectrum_type
    implicit none (type, external)
    private
 
-   public :: all_conditions, approaches, condition_value, fails_jury, polish_touch
+   public :: all_conditions, condition_value, fails_jury, polish_touch
 
 contains
 
    !> The values of all conditions: 3 of stability, n approaches, n gaps, repetitions, edges.
-   pure subroutine all_conditions(frame, unknowns, c, values, found)
+   pure subroutine all_conditions(frame, unknowns, c, values, found, spectrum)
       type(frame_type), intent(in) :: frame
       real(wp), intent(in) :: unknowns(:), c(:)
       real(wp), intent(out) :: values(:)
       !> The conditions with their details.
       type(condition_type), intent(out) :: found(:)
+      !> Irregular where it is not known.
+      type(spectrum_type), intent(out), optional :: spectrum
+      type(spectrum_type) :: sums
       type(orbit_type) :: o
       integer :: j
 
@@ -34,7 +37,13 @@ contains
          return
       end if
       call set_orbit(frame%family, unknowns, c, o)
-      values(:3) = stability_values(frame, unknowns, o)
+      call stability_values(frame, unknowns, o, values(:3), sums)
+      if (present(spectrum)) spectrum = sums
+      if (.not. frame%every_crossing .and. all(values(:3) > 0)) then
+         ! inside are the stable ones alone
+         if (sums%e(0) > 0 .and. outside_circle(sums, 0) > 0) &
+            values(neimark_sacker) = -values(neimark_sacker)
+      end if
       do j = 1, size(values)
          found(j) = condition_at(frame, j)
          select case (found(j)%kind)
@@ -54,6 +63,7 @@ contains
       type(condition_type), intent(in) :: condition
       type(orbit_type) :: o
       type(condition_type) :: touch
+      type(spectrum_type) :: spectrum
       real(wp) :: three(3)
 
       if (condition%kind == edge) then
@@ -66,7 +76,7 @@ contains
       call set_orbit(frame%family, unknowns, c, o)
       select case (condition%kind)
       case (fold, flip, neimark_sacker)
-         three = stability_values(frame, unknowns, o)
+         call stability_values(frame, unknowns, o, three, spectrum)
          value = three(condition%kind)
       case (grazing)
          touch = condition
@@ -108,55 +118,43 @@ contains
 
    !> det(I - Q), det(I + Q) and the product of all 1 - lambda_i lambda_j, i < j.
    !!
-   !! The first is divided by the squared distances to motions that repeat themselves, since these
-   !! are reached with a multiplier 1 whose distance to 1 goes with that square; the first two are
-   !! multiplied by the approach speeds, since a multiplier grows like the inverse of such a speed.
-   pure function stability_values(frame, unknowns, o) result(values)
+   !! All three from the normalised sums of vi_spectrum. The first is divided by the squared
+   !! distances to motions that repeat themselves, since these are reached with a multiplier 1 whose
+   !! distance to 1 goes with that square.
+   pure subroutine stability_values(frame, unknowns, o, values, spectrum)
       type(frame_type), intent(in) :: frame
       real(wp), intent(in) :: unknowns(:)
       type(orbit_type), intent(in) :: o
-      real(wp) :: values(3)
-      real(wp) :: p(4, 4), e(4)
-      logical :: regular
+      real(wp), intent(out) :: values(3)
+      type(spectrum_type), intent(out) :: spectrum
       integer :: i
 
-      call period_map(o, p, regular)
       values = 0
-      if (.not. regular) return
-      e = characteristic(p)
-      values = [1 - e(1) + e(2) - e(3) + e(4), 1 + e(1) + e(2) + e(3) + e(4), resolvent(e)]
-      if (fails_jury(e)) values(neimark_sacker) = -abs(values(neimark_sacker))
-      values(:2) = values(:2)*approaches(o)
+      call multiplier_sums(o, spectrum)
+      if (.not. spectrum%regular) return
+      associate (e => spectrum%e)
+         values = [e(0) - e(1) + e(2) - e(3) + e(4), sum(e), pair_product(spectrum)]
+      end associate
+      if (.not. frame%every_crossing) then
+         if (fails_jury(spectrum)) values(neimark_sacker) = -abs(values(neimark_sacker))
+      end if
       do i = 1, size(frame%repetitions)
          values(fold) = values(fold)/max(0.1_wp*frame%apart, &
             kinship(frame%family, frame%repetitions(i), unknowns))**2
       end do
-   end function stability_values
+   end subroutine stability_values
 
-   !> Whether the resolvent says too little: it and both others can be positive where several
-   !! multipliers have crossed the unit circle. This one of Jury's conditions fails there by far,
-   !! and on the edge of the stable ones it is met, or just so where three multipliers are on the
-   !! circle.
-   pure logical function fails_jury(e)
-      real(wp), intent(in) :: e(4)
+   !> Whether the third number says too little about stability: it and both others can be positive
+   !! where several multipliers have crossed the unit circle. This one of Jury's conditions fails
+   !! there by far, and on the edge of the stable ones it is met, or just so where three multipliers
+   !! are on the circle.
+   pure logical function fails_jury(spectrum)
+      type(spectrum_type), intent(in) :: spectrum
 
-      fails_jury = abs(e(3) - e(1)*e(4)) > 1.001_wp*(1 - e(4)**2)
+      associate (e => spectrum%e, q => spectrum%product)
+         fails_jury = abs(e(3) - e(1)*q) > 1.001_wp*(1 - q**2)*abs(e(0))
+      end associate
    end function fails_jury
-
-   !> The product of all approach speeds, or of all but one.
-   pure real(wp) function approaches(o, but)
-      type(orbit_type), intent(in) :: o
-      integer, intent(in), optional :: but
-      integer :: i
-
-      approaches = 1
-      do i = 1, o%n
-         if (present(but)) then
-            if (i == but) cycle
-         end if
-         approaches = approaches*(o%side(i)*(o%speed(i - 1) - o%before(i)))
-      end do
-   end function approaches
 
    !> The least gap at a stationary point inside a flight; one half where there is none nearer.
    !! After an impact with R = 0 the departure counts as well.

@@ -15,10 +15,13 @@ contains
    !!
    !! The parabola through three values in a row has its extremum inside the last two steps, on the
    !! other side of zero.
-   pure elemental logical function hidden_zero(before, now, next, first, second) result(hidden)
+   pure elemental logical function hidden_zero(before, now, next, first, second, margin) &
+      result(hidden)
       real(wp), intent(in) :: before, now, next
       !> Lengths of the steps between them.
       real(wp), intent(in) :: first, second
+      !> How near to zero, over the value between them, the extremum counts already.
+      real(wp), intent(in), optional :: margin
       real(wp) :: slope, curvature, at, extreme
 
       hidden = .false.
@@ -31,6 +34,7 @@ contains
       if (at < -first .or. at > second) return
       extreme = now + at*(slope + curvature*at)
       hidden = extreme*now < 0
+      if (present(margin)) hidden = extreme*now < margin*now**2
    end function hidden_zero
 
    !> The point of a step where a further condition is zero: Newton's method, else bisection.

@@ -19,6 +19,15 @@ module vi_curve
    public :: correct, condition_slope, tangent_at
    public :: curve_type, parameters_of, point_size, unknowns_of
 
+   !> How Newton's method came to its end.
+   type, public :: correction_type
+      !> The first two steps: their greatest components.
+      real(wp) :: moved(2) = 0
+      !> The sign of the determinant of the equations, with the direction of travel as the last one:
+      !! it is the same all along a curve, but beyond a place where curves cross.
+      integer :: orientation = 0
+   end type correction_type
+
    integer, parameter :: most_iterations = 8
    !> What rounding leaves of an equation, relative to its coefficients.
    real(wp), parameter :: rounding = 1.0e-13_wp
@@ -30,7 +39,7 @@ contains
    !> Newton's method for a point under conditions and, if that is not enough, in a plane.
    !!
    !! Equations: those of the motion, the conditions, and normal . (point - start) = 0.
-   pure subroutine correct(curve, conditions, point, iterations, normal, tangent)
+   pure subroutine correct(curve, conditions, point, iterations, normal, tangent, correction)
       type(curve_type), intent(in) :: curve
       type(condition_type), intent(in) :: conditions(:)
       !> In: a guess. Out: the last iterate.
@@ -41,9 +50,10 @@ contains
       !> The unit tangent in the direction of the normal: the last step of the iteration, which is
       !! negligible, tells it as well.
       real(wp), intent(out), optional :: tangent(:)
+      type(correction_type), intent(out), optional :: correction
       real(wp) :: a(most, most), b(2, most), start(most), moved, before, residual
-      logical :: regular
-      integer :: i, n
+      logical :: regular, done
+      integer :: i, n, orientation
 
       n = size(point)
       start(:n) = point
@@ -55,16 +65,28 @@ contains
             a(:n, n) = normal
             b(:, n) = [dot_product(normal, point - start(:n)), 1.0_wp]
          end if
-         call eliminate(n, a, b, regular, residual)
+         call eliminate(n, a, b, regular, residual, orientation)
          if (.not. regular) return
          before = moved
          moved = maxval(abs(b(1, :n)))
          if (.not. moved < 0.5_wp) return
+         if (present(correction)) then
+            if (i <= 2) correction%moved(i) = moved
+            correction%orientation = orientation
+         end if
          point = point - b(1, :n)
          ! what is left after this step is below rounding; and where a fold leaves a pitchfork the
          ! equations are met to rounding before the place is known as well as that
-         if (moved < 1.0e-8_wp .or. (residual < rounding .and. &
-            moved < 1.0e-4_wp .and. moved > 0.9_wp*before)) then
+         done = moved < 1.0e-8_wp
+         ! quadratic convergence: the next step is to this one as this one to the last, squared; next
+         ! to a singular point it is not negligible yet
+         if (done .and. .not. curve%frame%resting .and. i < most_iterations) then
+            done = moved*(moved/before)**2 < 1.0e-13_wp .or. moved > 0.5_wp*before
+            ! motions that repeat themselves are such points
+            if (i == 1 .and. size(curve%frame%repetitions) > 0) done = moved < 1.0e-11_wp
+         end if
+         if (done .or. (residual < rounding .and. moved < 1.0e-4_wp .and. &
+            moved > 0.9_wp*before)) then
             if (in_order(curve, point)) iterations = i
             if (present(tangent)) tangent = b(2, :n)/norm2(b(2, :n))
             return
@@ -290,23 +312,26 @@ contains
    end subroutine differences
 
    !> The unit tangent of a curve at a point of it, in the direction of a given vector.
-   pure subroutine tangent_at(curve, conditions, point, along, tangent, regular)
+   pure subroutine tangent_at(curve, conditions, point, along, tangent, regular, orientation)
       type(curve_type), intent(in) :: curve
       !> One condition less than there are active parameters.
       type(condition_type), intent(in) :: conditions(:)
       real(wp), intent(in) :: point(:), along(:)
       real(wp), intent(out) :: tangent(:)
       logical, intent(out) :: regular
+      !> As of `correction_type`.
+      integer, intent(out), optional :: orientation
       real(wp) :: a(most, most), b(2, most), unused
-      integer :: n
+      integer :: n, sign
 
       n = size(point)
       call equations(curve, conditions, point, b, a)
       a(:n, n) = along
       b(:, n) = [0, 1]
-      call eliminate(n, a, b, regular, unused)
+      call eliminate(n, a, b, regular, unused, sign)
       tangent = 0
       if (regular) tangent = b(2, :n)/norm2(b(2, :n))
+      if (present(orientation)) orientation = sign
    end subroutine tangent_at
 
 end module vi_curve

@@ -36,6 +36,9 @@ module vi_frame
       !! there differ from those of the bifurcation by its square; much nearer, rounding leaves too
       !! little of the equations to find the corner of a fold that begins there.
       real(wp) :: apart = 3.0e-3_wp
+      !> Whether a Neimark-Sacker point counts where another multiplier is outside already: it does
+      !! on a branch; to a zone nothing but its edge matters.
+      logical :: every_crossing = .false.
       !> Motions with rest: another family, with unknowns of its own.
       logical :: resting = .false.
       type(rest_family_type) :: rest

@@ -2,16 +2,14 @@
 !!
 !! By u_i, theta_i, r and log D, in this order. A motion with rest is simulated and has none here.
 module vi_slopes
-   use vi_characteristic, only: characteristic, characteristic_slope, resolvent, resolvent_slope
-   use vi_conditions, only: approaches, fails_jury, polish_touch
+   use vi_conditions, only: fails_jury, polish_touch
    use vi_family, only: add_kinship_slope, kinship
    use vi_frame, only: condition_type, edge, flip, fold, frame_type, grazing, neimark_sacker, &
       repetition, zero_approach
    use vi_kinds, only: wp
-   use vi_orbit, only: by_clearance, by_forced, by_r, by_speed, most_impacts, orbit_type, &
-      period_parts
+   use vi_orbit, only: by_clearance, by_forced, by_r, by_speed, orbit_type
    use vi_oscillator, only: eta
-   use vi_period_slope, only: add_period_slope
+   use vi_spectrum, only: spectrum_type, sums_with_slope
    implicit none (type, external)
    private
 
@@ -72,48 +70,32 @@ contains
       integer, intent(in) :: kind
       real(wp), intent(out) :: value
       real(wp), contiguous, intent(inout) :: slope(:)
-      real(wp) :: parts(4, 4, most_impacts), p(4, 4), e(4), weights(4), factor, distance
-      logical :: regular
+      type(spectrum_type) :: spectrum
+      real(wp) :: distance
       integer :: i
 
-      value = 0
-      call period_parts(o, parts, p, regular)
-      if (.not. regular) return
-      e = characteristic(p)
-      if (kind == neimark_sacker) then
-         value = resolvent(e)
-         weights = resolvent_slope(e)
-         if (fails_jury(e)) then
-            weights = -sign(1.0_wp, value)*weights
-            value = -abs(value)
-         end if
-         call add_period_slope(o, parts, characteristic_slope(p, weights), slope)
+      call sums_with_slope(o, kind, spectrum, value, slope)
+      if (.not. spectrum%regular) return
+      select case (kind)
+      case (neimark_sacker)
+         if (frame%every_crossing) return
+         if (.not. fails_jury(spectrum)) return
+         if (value > 0) slope = -slope
+         value = -abs(value)
          ! a zero that the value only touches is none
-         if (fails_jury(e) .and. abs(value) < 1.0e-6_wp*maxval(abs(slope))) slope = 0
-         return
-      end if
-      weights = 1
-      if (kind == fold) weights([1, 3]) = -1
-      value = 1 + dot_product(weights, e)
-      factor = 1
-      if (kind == fold) then
+         if (abs(value) < 1.0e-6_wp*maxval(abs(slope))) slope = 0
+      case (fold)
          do i = 1, size(frame%repetitions)
             distance = kinship(frame%family, frame%repetitions(i), unknowns)
-            factor = factor/max(0.1_wp*frame%apart, distance)**2
+            value = value/max(0.1_wp*frame%apart, distance)**2
+            slope = slope/max(0.1_wp*frame%apart, distance)**2
          end do
-      end if
-      do i = 1, o%n
-         call approach_slope(o, i, factor*value*approaches(o, i), slope)
-      end do
-      factor = factor*approaches(o)
-      call add_period_slope(o, parts, characteristic_slope(p, factor*weights), slope)
-      value = factor*value
-      if (kind == flip) return
-      do i = 1, size(frame%repetitions)
-         distance = kinship(frame%family, frame%repetitions(i), unknowns)
-         if (distance > 0.1_wp*frame%apart) call add_kinship_slope(frame%family, &
-            frame%repetitions(i), unknowns, -2*value/distance, slope)
-      end do
+         do i = 1, size(frame%repetitions)
+            distance = kinship(frame%family, frame%repetitions(i), unknowns)
+            if (distance > 0.1_wp*frame%apart) call add_kinship_slope(frame%family, &
+               frame%repetitions(i), unknowns, -2*value/distance, slope)
+         end do
+      end select
    end subroutine stability_slope
 
    !> Adds that of the approach speed of an impact, times a weight.

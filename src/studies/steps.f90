@@ -1,10 +1,11 @@
 !> Steps along a curve of motions.
 module vi_steps
    use vi_conditions, only: all_conditions
-   use vi_curve, only: correct, curve_type, parameters_of, tangent_at, unknowns_of
+   use vi_curve, only: correct, correction_type, curve_type, parameters_of, tangent_at, unknowns_of
    use vi_family, only: image_of
-   use vi_frame, only: condition_count, condition_type, repetition, unknown_count
+   use vi_frame, only: condition_count, condition_type, neimark_sacker, repetition, unknown_count
    use vi_kinds, only: wp
+   use vi_spectrum, only: spectrum_type
    implicit none (type, external)
    private
 
@@ -20,6 +21,10 @@ module vi_steps
       real(wp) :: came = 0, step = 0
       !> Whether that step leapt over a place where curves cross.
       logical :: leapt = .false.
+      !> As of `correction_type`; 0 if not known.
+      integer :: orientation = 0
+      !> What its multipliers say.
+      type(spectrum_type) :: spectrum
    end type place_type
 
    !> How far and how sharply turning steps may be.
@@ -41,7 +46,9 @@ contains
       place%point = point
       allocate (place%tangent(size(point)))
       allocate (place%bend(size(point), 2), source=0.0_wp)
-      call tangent_at(curve, conditions, point, along, place%tangent, regular)
+      call tangent_at(curve, conditions, point, along, place%tangent, regular, place%orientation)
+      ! who begins with a condition may turn round
+      if (size(conditions) > 0) place%orientation = 0
       place%step = step
       call survey(curve, place)
    end subroutine begin_walk
@@ -67,6 +74,8 @@ contains
       to%came = from%came
       to%step = from%step
       to%leapt = from%leapt
+      to%orientation = from%orientation
+      to%spectrum = from%spectrum
    end subroutine move
 
    !> Evaluates all conditions at a place.
@@ -78,7 +87,7 @@ contains
       n = condition_count(curve%frame)
       if (.not. allocated(place%values)) allocate (place%values(n), place%conditions(n))
       call all_conditions(curve%frame, place%point(:unknown_count(curve%frame)), &
-         parameters_of(curve, place%point), place%values, place%conditions)
+         parameters_of(curve, place%point), place%values, place%conditions, place%spectrum)
    end subroutine survey
 
    !> One step along a curve, shortened until Newton's method converges and the turn is small.
@@ -92,6 +101,7 @@ contains
       logical, intent(out) :: good
       !> Whether the other conditions are not looked at: the bare curve.
       logical, intent(in), optional :: blind
+      type(correction_type) :: correction
       real(wp) :: step, turn
       integer :: iterations
       logical :: leaps
@@ -105,7 +115,7 @@ contains
       do
          to%point = from%point + step*from%tangent
          if (.not. leaps) call bend_over(from, step, to%point)
-         call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent)
+         call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent, correction)
          if (iterations > 0 .and. curve%frame%resting) then
             call survey(curve, to)
             ! all of them at once: the period has other letters there
@@ -114,6 +124,8 @@ contains
          if (iterations > 0) then
             turn = turn_of(from%tangent, to%tangent, size(curve%active))
             good = turn < merge(0.5_wp, stride%turn, leaps) .or. step <= 64*stride%shortest
+            if (good .and. .not. leaps) good = keeps_to_curve(curve, conditions, from, to, step, &
+               correction)
          end if
          if (good) exit
          if (leaps) return
@@ -127,6 +139,7 @@ contains
       to%came = step
       to%step = step
       to%leapt = leaps
+      to%orientation = correction%orientation
       call look_back(from, to)
       if (present(blind)) then
          if (blind) return
@@ -135,6 +148,37 @@ contains
       if (.not. curve%frame%resting) call survey(curve, to)
       call mark_passage(curve, from, to)
    end subroutine take_step
+
+   !> Whether the end of a step lies on the curve on which the step began, as far as can be told.
+   pure logical function keeps_to_curve(curve, conditions, from, to, step, correction) result(keeps)
+      type(curve_type), intent(in) :: curve
+      type(condition_type), intent(in) :: conditions(:)
+      type(place_type), intent(in) :: from, to
+      real(wp), intent(in) :: step
+      type(correction_type), intent(in) :: correction
+
+      real(wp), parameter :: large = 0.1_wp, slow = 0.3_wp
+      real(wp), dimension(size(from%point)) :: chord, middle, start
+      integer :: iterations
+      real(wp) :: length
+
+      keeps = .true.
+      if (curve%frame%resting) return
+      if (.not. any(conditions%kind == neimark_sacker)) keeps = &
+         from%orientation*correction%orientation >= 0
+      if (.not. keeps) return
+      associate (moved => correction%moved)
+         if (moved(1) < large*step .and. (moved(2) < slow*moved(1) .or. moved(1) < 1.0e-3_wp*step)) &
+            return
+      end associate
+      ! the cubic that joins both ends
+      chord = to%point - from%point
+      length = norm2(chord)
+      middle = from%point + 0.5_wp*chord + 0.125_wp*length*(from%tangent - to%tangent)
+      start = middle
+      call correct(curve, conditions, middle, iterations, chord/length)
+      keeps = iterations > 0 .and. norm2(middle - start) < 0.05_wp*length
+   end function keeps_to_curve
 
    !> Whether a shorter step than the one that led to a place may show more: one that leapt over a
    !! crossing is the shortest that passes it.

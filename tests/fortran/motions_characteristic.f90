@@ -1,10 +1,11 @@
 !> The characteristic polynomial against eigenvalues.
 module motions_characteristic
    use checks, only: check, check_close
-   use random_numbers, only: draw, fill, random_type
-   use vi_characteristic, only: characteristic, resolvent
+   use random_numbers, only: draw, draw_integer, fill, random_type
+   use vi_characteristic, only: characteristic
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
+   use vi_spectrum, only: is_neutral_saddle, outside_circle, pair_product, spectrum_type
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -46,15 +47,65 @@ contains
                products = products*(1 - z(j)*z(k))
             end do
          end do
-         call check_close(abs(products - resolvent(e)), 0.0_wp, 1.0e-11_wp*size_p**3, &
-            'characteristic: the resolvent')
+         call check_close(abs(products - pair_product(spectrum_of(e))), 0.0_wp, 1.0e-11_wp*size_p**3, &
+            'characteristic: the product over pairs')
          largest = maxval(abs(z))
-         if (abs(largest - 1) < 1.0e-9_wp) cycle
+         if (minval(abs(abs(z) - 1)) < 1.0e-9_wp) cycle
+         call check(outside_circle(spectrum_of(e), 0) == count(abs(z) > 1), &
+            'characteristic: how many are outside')
          call check(is_contraction(e) .eqv. largest < 1, 'characteristic: a contraction')
          if (largest < 1) inside = inside + 1
       end do
       call check(inside > 1000 .and. inside < 9000, 'characteristic: both kinds come up')
+      do i = 1, 3000
+         call check_critical()
+      end do
    end subroutine test_characteristic
+
+   !> Some on the circle, as they are where they cross it, and how many others are outside.
+   subroutine check_critical()
+      complex(wp) :: z(4), sums(0:4)
+      real(wp) :: e(4), t
+      integer :: j, kind, critical
+      logical :: saddle
+
+      kind = draw_integer(random, 1, 3)
+      critical = merge(2, 1, kind == 3)
+      saddle = .false.
+      select case (kind)
+      case (1, 2)
+         z(1) = 3 - 2*kind
+         z(2) = draw(random, -3.0_wp, 3.0_wp)
+      case default
+         ! a pair with product 1: complex, or real and no Neimark-Sacker point
+         t = draw(random, -4.0_wp, 4.0_wp)
+         saddle = abs(t) > 2
+         z(1) = 0.5_wp*(t + sqrt(cmplx(t**2 - 4, 0, wp)))
+         z(2) = 1/z(1)
+      end select
+      z(3:4) = cmplx(draw(random, -2.0_wp, 2.0_wp), draw(random, 0.0_wp, 1.0_wp), wp)
+      z(4) = conjg(z(3))
+      sums = 0
+      sums(0) = 1
+      do j = 1, 4
+         sums(1:) = sums(1:) + z(j)*sums(:3)
+      end do
+      e = real(sums(1:), wp)
+      if (minval(abs(abs(z(critical + 1:)) - 1)) < 1.0e-6_wp .or. abs(e(4) - 1) < 1.0e-3_wp) return
+      if (abs(abs(t) - 2) < 1.0e-3_wp .and. kind == 3) return
+      if (kind == 3) call check(is_neutral_saddle(spectrum_of(e)) .eqv. saddle, &
+         'characteristic: a pair of real ones with product 1')
+      if (.not. saddle) call check(outside_circle(spectrum_of(e), kind) == &
+         count(abs(z(critical + 1:)) > 1), 'characteristic: how many others are outside')
+   end subroutine check_critical
+
+   pure function spectrum_of(e) result(spectrum)
+      !> As `characteristic` gives them.
+      real(wp), intent(in) :: e(4)
+      type(spectrum_type) :: spectrum
+
+      spectrum = spectrum_type([1.0_wp, e], e(4), .true.)
+   end function spectrum_of
 
    !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
    pure logical function is_contraction(e)
@@ -62,7 +113,7 @@ contains
       real(wp), intent(in) :: e(4)
 
       is_contraction = abs(e(4)) < 1 .and. 1 + e(2) + e(4) > abs(e(1) + e(3)) .and. &
-         abs(e(3) - e(1)*e(4)) < 1 - e(4)**2 .and. resolvent(e) > 0
+         abs(e(3) - e(1)*e(4)) < 1 - e(4)**2 .and. pair_product(spectrum_of(e)) > 0
    end function is_contraction
 
 end module motions_characteristic

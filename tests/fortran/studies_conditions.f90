@@ -2,18 +2,23 @@
 module studies_conditions
    use checks, only: check, check_close
    use motions_orbit, only: random_member
-   use random_numbers, only: fill, random_type
+   use random_numbers, only: draw, draw_integer, fill, random_type
    use vi_conditions, only: all_conditions, condition_value
    use vi_curve, only: condition_slope, curve_type, parameters_of, unknowns_of
    use vi_family, only: new_family, whole_unknowns
    use vi_frame, only: condition_count, condition_type, grazing
    use vi_kinds, only: wp
-   use vi_orbit, only: by_clearance, by_r
+   use vi_orbit, only: by_clearance, by_r, most_impacts, orbit_type, period_parts, set_orbit, &
+      split_part
    use vi_pattern, only: pattern_type
+   use vi_spectrum, only: multiplier_sums, spectrum_type
    implicit none (type, external)
    private
 
    public :: test_conditions
+
+   !> Quadruple precision.
+   integer, parameter :: qp = selected_real_kind(30)
 
    type(random_type) :: random
 
@@ -36,7 +41,89 @@ contains
          if (curve%frame%family%mirror) call check_nearly_symmetric(curve, unknowns, smooth, rough)
       end do
       call check(smooth > 9*rough, 'conditions: most are smooth')
+      call test_hardly_any_approach()
    end subroutine test_conditions
+
+   !> The numbers that tell stability, where some impacts have hardly any approach and the map of the
+   !! period is large, against the same product in quadruple precision.
+   subroutine check_spectrum(curve, point)
+      type(curve_type), intent(in) :: curve
+      real(wp), intent(in) :: point(:)
+      type(orbit_type) :: o
+      type(spectrum_type) :: spectrum
+      real(wp) :: parts(4, 4, most_impacts), p(4, 4), base(3, 4), column(3)
+      real(qp) :: product(4, 4), part(4, 4), power(4, 4), sums(4), e(0:4), traces(4), sign_e
+      logical :: regular
+      integer :: i, j
+
+      call set_orbit(curve%frame%family, unknowns_of(curve, point), parameters_of(curve, point), o)
+      call multiplier_sums(o, spectrum)
+      if (.not. spectrum%regular) return
+      call period_parts(o, parts, p, regular)
+      sign_e = 1
+      do i = 1, o%n
+         call split_part(o, i, base, column)
+         do j = 1, 3
+            part(j, :) = base(j, :) + real(column(j), qp)*parts(4, :, i)
+         end do
+         part(4, :) = parts(4, :, i)
+         if (i == 1) product = part
+         if (i > 1) product = matmul(part, product)
+         sign_e = sign(sign_e, sign_e*o%side(i)*(o%speed(i - 1) - o%before(i)))
+      end do
+      ! Newton's identities
+      power = product
+      do i = 1, 4
+         traces(i) = power(1, 1) + power(2, 2) + power(3, 3) + power(4, 4)
+         power = matmul(power, product)
+      end do
+      e(0) = 1
+      do i = 1, 4
+         sums(i) = 0
+         do j = 1, i
+            sums(i) = sums(i) + merge(1, -1, mod(j, 2) == 1)*e(i - j)*traces(j)
+         end do
+         e(i) = sums(i)/i
+      end do
+      e = sign_e*e/norm2(e(:3))
+      call check_close(maxval(abs(spectrum%e(:3) - real(e(:3), wp))), 0.0_wp, 1.0e-9_wp, &
+         'conditions: the sums of the multipliers')
+   end subroutine check_spectrum
+
+   !> Members with one impact or two that have hardly any approach.
+   subroutine test_hardly_any_approach()
+      type(curve_type) :: curve
+      real(wp), allocatable :: unknowns(:), point(:)
+      type(orbit_type) :: o
+      real(wp) :: wanted, step, h, speed(2)
+      integer :: i, j, k, n
+
+      allocate (curve%frame%repetitions(0), curve%frame%edges(0), curve%origin(2))
+      allocate (curve%active, source=[by_r, by_clearance])
+      allocate (curve%scale, source=[0.3_wp, 0.7_wp])
+      do i = 1, 500
+         call random_member(random, curve%frame%family, unknowns, curve%c)
+         curve%origin(:) = curve%c(curve%active) - 0.5_wp*curve%scale
+         n = size(unknowns)/2
+         wanted = 10.0_wp**draw(random, -9.0_wp, -3.0_wp)
+         ! the position of an impact changes its approach in proportion
+         k = draw_integer(random, 1, n)
+         h = 1.0e-3_wp
+         do j = 1, 4
+            call set_orbit(curve%frame%family, unknowns, curve%c, o)
+            speed(1) = o%side(k)*(o%speed(k - 1) - o%before(k))
+            unknowns(k) = unknowns(k) + h
+            call set_orbit(curve%frame%family, unknowns, curve%c, o)
+            speed(2) = o%side(k)*(o%speed(k - 1) - o%before(k))
+            unknowns(k) = unknowns(k) - h
+            step = h*(wanted - speed(1))/(speed(2) - speed(1))
+            if (.not. abs(step) < 10) exit
+            unknowns(k) = unknowns(k) + step
+         end do
+         point = [unknowns, 0.5_wp, 0.5_wp]
+         call check_spectrum(curve, point)
+      end do
+   end subroutine test_hardly_any_approach
 
    !> Where the motion is hardly another one than its mirror image, the distance matters as well.
    subroutine check_nearly_symmetric(symmetric, half, smooth, rough)

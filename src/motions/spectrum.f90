@@ -1,0 +1,247 @@
+!> What the multipliers of a motion say, without computing them: the elementary symmetric functions
+!! of them, and how many lie outside the unit circle.
+!!
+!! A multiplier grows like the inverse of an approach speed. The functions e_0 = 1, e_1 .. e_4 are
+!! therefore taken times a common factor, so that the squares of the first four sum up to 1: they
+!! stay smooth, and e_0 passes zero, where an impact loses its approach.
+module vi_spectrum
+   use vi_characteristic, only: characteristic, characteristic_slope
+   use vi_compound, only: factor_weights, minors_of_split, minors_type, product_sums
+   use vi_kinds, only: wp
+   use vi_orbit, only: by_r, most_impacts, orbit_type, period_parts, split_part
+   use vi_period_slope, only: add_part_slope, add_period_slope
+   implicit none (type, external)
+   private
+
+   public :: is_neutral_saddle, multiplier_sums, outside_circle, pair_product, sums_with_slope
+
+   !> The sums of a motion, and what their slopes need.
+   type, public :: spectrum_type
+      !> e_0 .. e_4, normalised.
+      real(wp) :: e(0:4) = 0
+      !> The product of all multipliers, known in closed form.
+      real(wp) :: product = 0
+      !> False if an impact has no approach speed at all.
+      logical :: regular = .false.
+   end type spectrum_type
+
+   !> Entries of [P] from which on its minors are products of those of the [P_i]: rounding changes
+   !! a minor of three rows by the square of the largest entry.
+   real(wp), parameter :: large = 1.0e3_wp
+
+contains
+
+   !> The sums of an orbit.
+   pure subroutine multiplier_sums(o, spectrum)
+      type(orbit_type), intent(in) :: o
+      type(spectrum_type), intent(out) :: spectrum
+      type(minors_type) :: factors(o%n)
+      real(wp) :: parts(4, 4, most_impacts), p(4, 4), length
+
+      call period_parts(o, parts, p, spectrum%regular)
+      if (.not. spectrum%regular) return
+      call sums_of_parts(o, parts, p, spectrum, length, factors)
+   end subroutine multiplier_sums
+
+   !> The sums, normalised, from the maps of the flights.
+   pure subroutine sums_of_parts(o, parts, p, spectrum, length, factors)
+      type(orbit_type), intent(in) :: o
+      !> All [P_i] and their product.
+      real(wp), intent(in) :: parts(4, 4, most_impacts), p(4, 4)
+      type(spectrum_type), intent(inout) :: spectrum
+      !> The sums are those of the minors over this length.
+      real(wp), intent(out) :: length
+      !> The minors of all factors, where the product is large.
+      type(minors_type), intent(out) :: factors(o%n)
+      integer :: i
+
+      associate (e => spectrum%e)
+         e(0) = 1
+         do i = 1, o%n
+            e(0) = e(0)*merge(approach(o, i), sign(1.0_wp, approach(o, i)), is_large(p))
+         end do
+         if (is_large(p)) then
+            call minors_of_parts(o, parts, factors)
+            e(1:3) = product_sums(factors)
+         else
+            e(1:) = e(0)*characteristic(p)
+         end if
+         length = norm2(e(:3))
+         spectrum%product = closed_product(o)
+         spectrum%regular = length > 0
+         if (.not. spectrum%regular) return
+         e(:3) = e(:3)/length
+         e(4) = spectrum%product*e(0)
+      end associate
+   end subroutine sums_of_parts
+
+   pure logical function is_large(p)
+      real(wp), intent(in) :: p(4, 4)
+
+      is_large = maxval(abs(p)) > large
+   end function is_large
+
+   !> How fast the masses approach each other before the impact that ends flight i.
+   pure real(wp) function approach(o, i)
+      type(orbit_type), intent(in) :: o
+      integer, intent(in) :: i
+
+      approach = o%side(i + 1)*(o%speed(i) - o%before(i + 1))
+   end function approach
+
+   !> det[P] = exp(-4 pi xi k/r) times the squares of all R_i. The map of a half period, with the
+   !! mirror, has one of the same form and the same sign: its impacts change sides an odd number of
+   !! times.
+   pure real(wp) function closed_product(o)
+      type(orbit_type), intent(in) :: o
+
+      closed_product = exp(-2*o%xi*o%span*o%per_r)*product(o%restitution(1:o%n))**2
+   end function closed_product
+
+   !> The minors of all [P_i], each times the approach speed at its end.
+   pure subroutine minors_of_parts(o, parts, factors)
+      type(orbit_type), intent(in) :: o
+      real(wp), intent(in) :: parts(4, 4, most_impacts)
+      type(minors_type), intent(out) :: factors(o%n)
+      real(wp) :: base(3, 4), column(3)
+      integer :: i
+
+      do i = 1, o%n
+         call split_part(o, i, base, column)
+         factors(i) = minors_of_split(base, column, parts(4, :, i), approach(o, i))
+      end do
+   end subroutine minors_of_parts
+
+   !> The sums again, and the gradient (by u_i, theta_i, r, log D) of a weighted sum of them.
+   pure subroutine sums_with_slope(o, kind, spectrum, value, slope)
+      type(orbit_type), intent(in) :: o
+      !> 1: det(I - P), 2: det(I + P), 3: `pair_product`, of the normalised sums.
+      integer, intent(in) :: kind
+      type(spectrum_type), intent(out) :: spectrum
+      real(wp), intent(out) :: value
+      real(wp), contiguous, intent(inout) :: slope(:)
+      type(minors_type) :: factors(o%n)
+      real(wp), dimension(4, 4, most_impacts) :: parts, by_entry
+      real(wp) :: p(4, 4), w(0:3), by_product, length
+      integer :: i
+
+      value = 0
+      call period_parts(o, parts, p, spectrum%regular)
+      if (.not. spectrum%regular) return
+      call sums_of_parts(o, parts, p, spectrum, length, factors)
+      if (.not. spectrum%regular) return
+      call weights_of(kind, spectrum, value, w, by_product)
+      ! the length goes with the sums
+      w = (w - dot_product(w, spectrum%e(:3))*spectrum%e(:3))/length
+      if (is_large(p)) then
+         call factor_weights(factors, w(1:3), by_entry(:, :, :o%n))
+         do i = 1, o%n
+            if (i == o%n) by_entry(:3, :, i) = o%sign*by_entry(:3, :, i)
+            call add_part_slope(o, i, parts(:, :, i), by_entry(:, :, i), slope)
+         end do
+      else
+         w = sign(1.0_wp, spectrum%e(0))*w
+         call add_period_slope(o, parts, characteristic_slope(p, [w(1:3), 0.0_wp]), slope)
+      end if
+      slope(2*o%n + by_r) = slope(2*o%n + by_r) + by_product*2*o%xi*o%span*o%per_r**2 &
+         *spectrum%product
+   end subroutine sums_with_slope
+
+   !> One of the three numbers that tell stability, with its derivatives.
+   pure subroutine weights_of(kind, spectrum, value, by_sums, by_product)
+      integer, intent(in) :: kind
+      type(spectrum_type), intent(in) :: spectrum
+      real(wp), intent(out) :: value
+      !> By e_0 .. e_3, e_4 being the product times e_0, and by the product.
+      real(wp), intent(out) :: by_sums(0:3), by_product
+
+      associate (e => spectrum%e, q => spectrum%product)
+         select case (kind)
+         case (1, 2)
+            by_sums = [1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp]
+            if (kind == 2) by_sums = 1
+            by_sums(0) = by_sums(0) + q
+            value = dot_product(by_sums, e(:3))
+            by_product = e(0)
+         case default
+            value = pair_product(spectrum)
+            by_sums = [(1 - q)**2*(2*(1 + q)*e(0) - e(2)), e(3)*(1 + q) - 2*e(1)*q, &
+               -(1 - q)**2*e(0), e(1)*(1 + q) - 2*e(3)]
+            by_product = ((1 - q)**2*e(0) - 2*(1 - q)*((1 + q)*e(0) - e(2)))*e(0) &
+               - e(1)*(e(1) - e(3))
+         end select
+      end associate
+   end subroutine weights_of
+
+   !> The product of all 1 - lambda_i lambda_j, i < j, times e_0^2.
+   pure real(wp) function pair_product(spectrum)
+      type(spectrum_type), intent(in) :: spectrum
+
+      associate (e => spectrum%e, q => spectrum%product)
+         pair_product = (1 - q)**2*((1 + q)*e(0) - e(2))*e(0) + (e(1) - e(3))*(e(3) - e(1)*q)
+      end associate
+   end function pair_product
+
+   !> Whether two real multipliers, not a complex pair, have the product 1 where `pair_product` is
+   !! zero: (lambda^2 - t lambda + 1) is a factor there with t (1 - product) e_0 = e_1 - e_3.
+   pure logical function is_neutral_saddle(spectrum)
+      type(spectrum_type), intent(in) :: spectrum
+
+      associate (e => spectrum%e)
+         is_neutral_saddle = abs(e(1) - e(3)) > 2*abs(e(0) - e(4))
+      end associate
+   end function is_neutral_saddle
+
+   !> How many multipliers lie outside the unit circle; of one or two that lie on it, none counts.
+   pure integer function outside_circle(spectrum, kind) result(outside)
+      type(spectrum_type), intent(in) :: spectrum
+      !> The number that is zero, as in `sums_with_slope`; 0 if none of them is.
+      integer, intent(in) :: kind
+      real(wp) :: c(0:4), t
+      integer :: n, i
+
+      ! the characteristic polynomial, highest power first
+      c = spectrum%e*[1, -1, 1, -1, 1]
+      n = 4
+      select case (kind)
+      case (1, 2)
+         ! over lambda - 1 or lambda + 1
+         do i = 1, 3
+            c(i) = c(i) + merge(1, -1, kind == 1)*c(i - 1)
+         end do
+         n = 3
+      case (3)
+         ! over lambda^2 - t lambda + 1
+         t = -(c(1) - c(3))/(c(0) - c(4))
+         c(1) = c(1) + t*c(0)
+         c(2) = c(4)
+         n = 2
+      end select
+      outside = zeros_outside(c(0:n))
+   end function outside_circle
+
+   !> How many zeros of a polynomial lie outside the unit circle, by Schur and Cohn's recursion.
+   pure integer function zeros_outside(coefficients) result(outside)
+      !> Highest power first.
+      real(wp), intent(in) :: coefficients(0:)
+      real(wp) :: c(0:ubound(coefficients, 1))
+      integer :: n
+      logical :: inverted
+
+      c = coefficients
+      outside = 0
+      inverted = .false.
+      do n = ubound(c, 1), 1, -1
+         if (abs(c(n)) > abs(c(0))) then
+            ! the reversed polynomial has the inverses of its zeros
+            c(0:n) = c(n:0:-1)
+            inverted = .not. inverted
+         end if
+         if (inverted) outside = outside + 1
+         if (.not. abs(c(0)) > 0) return
+         ! one zero inside the circle less
+         c(0:n - 1) = c(0:n - 1) - c(n)/c(0)*c(n:1:-1)
+      end do
+   end function zeros_outside
+
+end module vi_spectrum
