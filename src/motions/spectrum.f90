@@ -202,7 +202,6 @@ contains
 
       ! the characteristic polynomial, highest power first
       c = spectrum%e*[1, -1, 1, -1, 1]
-      n = 4
       select case (kind)
       case (1, 2)
          ! over lambda - 1 or lambda + 1
@@ -216,6 +215,8 @@ contains
          c(1) = c(1) + t*c(0)
          c(2) = c(4)
          n = 2
+      case default
+         n = 4
       end select
       outside = zeros_outside(c(0:n))
    end function outside_circle

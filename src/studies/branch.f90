@@ -7,8 +7,8 @@
 module vi_branch
    use vi_crossing, only: hidden_zero, locate
    use vi_curve, only: curve_type
-   use vi_frame, only: condition_type, edge, fold, grazing, neimark_sacker, repetition, wrap_phases, &
-      zero_approach
+   use vi_frame, only: condition_type, edge, fold, grazing, neimark_sacker, repetition, &
+      wrap_phases, zero_approach
    use vi_kinds, only: wp
    use vi_spectrum, only: is_neutral_saddle, outside_circle
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
@@ -115,8 +115,8 @@ contains
       if (can_shorten(next, shortest)) is_too_far = is_too_far .or. leaps_over(next)
    end function is_too_far
 
-   !> Whether the multipliers change so much within a step that some may have crossed the unit circle
-   !! and come back.
+   !> Whether the multipliers change so much within a step that some may have crossed the unit
+   !! circle and come back.
    pure logical function changes_much(now, next)
       type(place_type), intent(in) :: now, next
       real(wp), parameter :: most_change = 0.5_wp
@@ -204,7 +204,7 @@ contains
       type(condition_type) :: none(0)
       type(place_type) :: found(size(now%values))
       real(wp) :: share(size(now%values)), least
-      logical :: crossed(size(now%values)), good, short, close
+      logical :: crossed(size(now%values)), good, short, beside
       integer :: order(size(now%values)), i, j, n
 
       done = .false.
@@ -212,8 +212,8 @@ contains
       short = .not. can_shorten(next, least_step)
       ! a start on a bound may lie outside by rounding: to come in is no event
       crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= edge)
-      close = nearly_repeats(now, next)
-      if (close) then
+      beside = nearly_repeats(now, next)
+      if (beside) then
          ! the parameter differs from that of the bifurcation by the square of the distance
          crossed(fold) = .false.
       else if (crossed(fold) .neqv. turns_back(now, next)) then
@@ -245,7 +245,7 @@ contains
          n = n + 1
          order(n) = j
       end do
-      if (.not. (short .or. close)) unsure = .not. explained(now, next, found, order(:n))
+      if (.not. (short .or. beside)) unsure = .not. explained(now, next, found, order(:n))
       if (unsure) return
       do i = 1, n
          j = order(i)
@@ -266,11 +266,11 @@ contains
 
    !> Whether a step begins or ends so near to a motion that repeats itself that rounding decides
    !! how the parameter changes.
-   pure logical function nearly_repeats(now, next) result(close)
+   pure logical function nearly_repeats(now, next) result(beside)
       type(place_type), intent(in) :: now, next
       real(wp), parameter :: near = 3.0e-4_wp
 
-      close = any(now%conditions%kind == repetition .and. &
+      beside = any(now%conditions%kind == repetition .and. &
          min(abs(now%values), abs(next%values)) < near)
    end function nearly_repeats
 

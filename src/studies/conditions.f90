@@ -41,8 +41,9 @@ contains
       if (present(spectrum)) spectrum = sums
       if (.not. frame%every_crossing .and. all(values(:3) > 0)) then
          ! inside are the stable ones alone
-         if (sums%e(0) > 0 .and. outside_circle(sums, 0) > 0) &
+         if (sums%e(0) > 0 .and. outside_circle(sums, 0) > 0) then
             values(neimark_sacker) = -values(neimark_sacker)
+         end if
       end if
       do j = 1, size(values)
          found(j) = condition_at(frame, j)

@@ -78,8 +78,8 @@ contains
          ! what is left after this step is below rounding; and where a fold leaves a pitchfork the
          ! equations are met to rounding before the place is known as well as that
          done = moved < 1.0e-8_wp
-         ! quadratic convergence: the next step is to this one as this one to the last, squared; next
-         ! to a singular point it is not negligible yet
+         ! quadratic convergence: the next step is to this one as this one to the last, squared;
+         ! beside a singular point it is not negligible yet
          if (done .and. .not. curve%frame%resting .and. i < most_iterations) then
             done = moved*(moved/before)**2 < 1.0e-13_wp .or. moved > 0.5_wp*before
             ! motions that repeat themselves are such points

@@ -95,6 +95,8 @@ contains
             if (distance > 0.1_wp*frame%apart) call add_kinship_slope(frame%family, &
                frame%repetitions(i), unknowns, -2*value/distance, slope)
          end do
+      case default
+         ! a flip: nothing else matters
       end select
    end subroutine stability_slope
 

@@ -168,8 +168,8 @@ contains
          from%orientation*correction%orientation >= 0
       if (.not. keeps) return
       associate (moved => correction%moved)
-         if (moved(1) < large*step .and. (moved(2) < slow*moved(1) .or. moved(1) < 1.0e-3_wp*step)) &
-            return
+         if (moved(1) < 1.0e-3_wp*step) return
+         if (moved(1) < large*step .and. moved(2) < slow*moved(1)) return
       end associate
       ! the cubic that joins both ends
       chord = to%point - from%point

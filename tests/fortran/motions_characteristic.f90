@@ -47,7 +47,8 @@ contains
                products = products*(1 - z(j)*z(k))
             end do
          end do
-         call check_close(abs(products - pair_product(spectrum_of(e))), 0.0_wp, 1.0e-11_wp*size_p**3, &
+         call check_close(abs(products - pair_product(spectrum_of(e))), 0.0_wp, &
+            1.0e-11_wp*size_p**3, &
             'characteristic: the product over pairs')
          largest = maxval(abs(z))
          if (minval(abs(abs(z) - 1)) < 1.0e-9_wp) cycle

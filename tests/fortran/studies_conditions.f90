@@ -44,8 +44,8 @@ contains
       call test_hardly_any_approach()
    end subroutine test_conditions
 
-   !> The numbers that tell stability, where some impacts have hardly any approach and the map of the
-   !! period is large, against the same product in quadruple precision.
+   !> The numbers that tell stability, where some impacts have hardly any approach and the map of
+   !! the period is large, against the same product in quadruple precision.
    subroutine check_spectrum(curve, point)
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: point(:)

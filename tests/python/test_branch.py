@@ -1,5 +1,6 @@
 """Branches: laws along them, special points against independent routes, and bad input."""
 
+import itertools
 import math
 
 import numpy as np
@@ -132,13 +133,16 @@ def touch(motion, point):
 
 
 def test_stability_changes_at_special_points_only(path):
-    """Between special points `stable` and `admissible` do not change."""
+    """Between special points `stable` and `admissible` do not change, where they are known."""
     _, branch = path
     marks = {p.index for p in branch.special_points}
     for name in ("stable", "admissible"):
         column = getattr(branch, name)
-        changes = set(np.flatnonzero(np.diff(column)).tolist())
-        assert all({i, i + 1} & marks for i in changes), f"{name} changes at {changes}"
+        known = np.flatnonzero(column >= 0).tolist()
+        changes = [(i, j) for i, j in itertools.pairwise(known) if column[i] != column[j]]
+        assert all(set(range(i, j + 1)) & marks for i, j in changes), f"{name} changes at {changes}"
+        # beside a bifurcation alone rounding decides
+        assert len(known) > 0.9 * len(column) - 5
 
 
 def test_equispaced_bifurcations_against_the_closed_form():

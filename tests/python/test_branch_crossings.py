@@ -3,6 +3,7 @@
 The multipliers are those of first_principles.py, not the package's.
 """
 
+import itertools
 import math
 
 import first_principles as fp
@@ -13,7 +14,16 @@ import vibroimpact as vi
 from shared_motions import system_of
 from vibroimpact.errors import SingularError, VibroimpactError
 
-PATTERNS = [("RL", 1), ("RRL", 1), ("RL", 2), ("RRL", 2), ("RRLL", 1), ("RLL", 1), ("RRRL", 1), ("RRLRL", 2)]
+PATTERNS = [
+    ("RL", 1),
+    ("RRL", 1),
+    ("RL", 2),
+    ("RRL", 2),
+    ("RRLL", 1),
+    ("RLL", 1),
+    ("RRRL", 1),
+    ("RRLRL", 2),
+]
 #: How many multipliers cross the unit circle there.
 CROSSING = {"fold": 1, "pitchfork": 1, "flip": 1, "neimark_sacker": 2}
 
@@ -130,7 +140,7 @@ def assert_crossings(path):
             steep = abs(path.values[k] - path.values[j]) < step
             assert away < (1e-2 if steep else 1e-6), (path, kind, i, spectra[i][0])
     plain = [i for i in range(len(path)) if i not in marks]
-    for i, j in zip(plain[:-1], plain[1:], strict=True):
+    for i, j in itertools.pairwise(plain):
         if not (i in spectra and j in spectra and spectra[i][1] and spectra[j][1]):
             continue
         one, other = spectra[i][0], spectra[j][0]
