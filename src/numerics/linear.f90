@@ -22,12 +22,12 @@ contains
       !> The greatest first right side, relative to the greatest coefficient of its equation.
       real(wp), intent(out) :: residual
       !> The sign of the determinant, +1 or -1; 0 of a singular matrix.
-      integer, intent(out) :: orientation
+      integer, intent(out), optional :: orientation
       real(wp) :: swap, factor, largest
       integer :: i, j, k, parity
 
       regular = .false.
-      orientation = 0
+      if (present(orientation)) orientation = 0
       residual = 0
       do i = 1, n
          factor = maxval(abs(a(:n, i)))
@@ -72,7 +72,7 @@ contains
          b(:, k) = b(:, k)*a(k, k)
       end do
       regular = .true.
-      orientation = parity
+      if (present(orientation)) orientation = parity
    end subroutine eliminate
 
 end module vi_linear
