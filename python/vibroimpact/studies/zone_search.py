@@ -43,8 +43,8 @@ def zone(
     """The zones of stable, admissible motions of a pattern, as closed curves of named pieces.
 
     Motions of a pattern with rest are followed by the same means. Where a rest vanishes, the accumulation of
-    impacts just fails to be completed before the acceleration that closes the gap changes its sign; that end is exact
-    to about 1e-10.
+    impacts just fails to be completed before the acceleration that closes the gap changes its sign; that end is
+    exact to about 1e-10.
 
     Motions are searched at some nodes of a lattice over the window, and the lattice lines are followed on
     every sheet of motions that they lie on. Where a line enters or leaves a zone, the boundary is traced by
