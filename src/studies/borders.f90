@@ -61,7 +61,7 @@ contains
       type(loop_type) :: loop, other
       type(border_type) :: begin
       integer :: loop_at
-      logical :: good
+      logical :: good, stopped
 
       call find_border(border, zone, loop_at)
       closed = .false.
@@ -89,7 +89,8 @@ contains
       end if
       closed = loop%closed
       if (.not. (closed .or. keep_open)) return
-      if (loop%n == 0 .or. is_stopped(tally)) then
+      stopped = is_stopped(tally)
+      if (loop%n == 0 .or. stopped) then
          zone%untraced = zone%untraced + 1
          return
       end if

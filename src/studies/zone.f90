@@ -122,7 +122,8 @@ contains
       if (size(net%sheet%frame%repetitions) > 0) then
          do pass = 2, size(distances)
             do i = 1, net%n_borders
-               if (.not. is_open(i) .or. is_stopped(tally)) cycle
+               if (.not. is_open(i)) cycle
+               if (is_stopped(tally)) exit
                call trace_border(net%borders(i), distances(pass)*net%sheet%frame%apart, &
                   request%points, .false., zone, closed, tally)
                is_open(i) = .not. closed
@@ -131,7 +132,8 @@ contains
       end if
       ! what cannot be closed is kept
       do i = 1, net%n_borders
-         if (.not. is_open(i) .or. is_stopped(tally)) cycle
+         if (.not. is_open(i)) cycle
+         if (is_stopped(tally)) exit
          call trace_border(net%borders(i), net%sheet%frame%apart, request%points, .true., zone, &
             closed, tally)
       end do

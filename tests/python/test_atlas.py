@@ -312,8 +312,8 @@ def test_zones_fit_over_the_chart(sides, symmetric, window):
 def test_vertices_of_a_zone_with_rest_by_simulation():
     """From the release that a vertex gives, simulation comes back to it after a period, corners included.
 
-    The last rest lasts as long as the documentation says where rest vanishes, and longer elsewhere; at a
-    corner with an edge of the window it does both.
+    No rest is left where it vanishes, corners included: there a simulation may as well just fail to complete
+    the accumulation, with masses that part at a speed below rounding. Elsewhere the rest is longer.
     """
     zone = vi.zone(UNEQUAL, vi.Pattern("RL*"), (0.84, 0.94), (4, 8))
     kinds = set()
@@ -325,16 +325,17 @@ def test_vertices_of_a_zone_with_rest_by_simulation():
             # no force between the masses: M alone decides where they part
             x = np.sin(phase) - 2 * UNEQUAL.xi * v
             state = {"t": phase / r, "x": x, "x_dot": v, "z": x - clearance / 2, "z_dot": v}
-            events = vi.simulate(UNEQUAL, r, clearance, 2, state).events
-            release = events[(events["kind"] == "release") & (events["time"] > phase / r + 1e-6)][0]
-            stick = events[(events["kind"] == "stick") & (events["time"] < release["time"])][-1]
-            assert abs(release["time"] - phase / r - 2 * np.pi / r) < 1e-12
-            assert abs(release["x_dot_after"] - v) < 1e-12
-            rest = release["time"] - stick["time"]
+            run = vi.simulate(UNEQUAL, r, clearance, 1, state)
+            change = [run.final_state[name] - state[name] for name in ("x", "x_dot", "z", "z_dot")]
+            assert np.abs(change).max() < 1e-11
+            events = run.events[run.events["time"] > phase / r + 1e-6]
             if piece.type == "rest_vanishes" or j in (0, len(piece) - 1):
-                assert abs(rest - 0.002) < 1e-9
+                rests = np.diff(events["time"][np.isin(events["kind"], ("stick", "release"))])
+                assert np.all(rests < 1e-6)
+                assert np.diff(events["time"]).min() < 1e-6
             else:
-                assert rest > 0.01
+                stick = events[events["kind"] == "stick"][-1]
+                assert phase / r + 2 * np.pi / r - stick["time"] > 0.01
             if piece.detail:
                 bound = (zone.r if piece.detail.endswith(" r") else zone.clearance)[
                     "highest" in piece.detail
