@@ -169,14 +169,14 @@ def find(
 
     Examples
     --------
-    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image among
-    others.
+    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image; and an
+    attractor of twelve impacts that simulations settle on.
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> motions = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
     >>> [(motion.pattern.sides, motion.stable) for motion in motions]
-    [('RL', True), ('RL', True), ('RL', False), ('RL', False)]
+    [('RL', True), ('RL', True), ('RRLRLRLLRLRL', True), ('RL', False), ('RL', False)]
     """
     checks.instance(osc, "osc", Oscillator)
     r = checks.frequency_ratio(r, osc.xi)

@@ -4,9 +4,9 @@
 !! may have been found written several times over, from any of its impacts on, or as the mirror
 !! image of one that is known.
 module vi_found_motion
-   use vi_assess, only: assess_flights, assess_linear, stability
+   use vi_assess, only: assess_exact, assess_flights, stability
    use vi_drive, only: drive_type, event_type, release_event, two_pi
-   use vi_exact, only: exact_acceptance, setting_type, solve_exact
+   use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_letters, only: standard_letters
    use vi_likeness, only: distance, same, shortest_repetition
@@ -53,7 +53,7 @@ contains
          iterations)
       found%status = motion%status
       if (found%status /= stat%ok) return
-      call assess_linear(motion, exact_acceptance)
+      call assess_exact(motion)
       call assess_flights(motion)
       found%status = merge(stat%ok, stat%no_convergence, motion%consistent == yes)
       found%admissible = motion%admissible

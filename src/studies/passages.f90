@@ -123,7 +123,7 @@ contains
             good, blind=.true.)
          if (.not. good) return
          if (.not. next%came < now%step) next%step = 1.6_wp*next%came
-         call note_passage(lines, now, next, known)
+         call note_passages(lines, now, next, known)
          if (known .or. abs(next%point(n)) > reach) return
          if (.not. approaches(lines%curve, next%point)) return
          now = next
@@ -145,26 +145,59 @@ contains
       approaches = all(o%side(1:o%n)*(o%speed(0:o%n - 1) - o%before(1:o%n)) > 0)
    end function approaches
 
-   !> Adds the motion where a step passes the point.
-   pure subroutine note_passage(lines, now, next, known)
+   !> Adds the motions where a step passes the point.
+   !!
+   !! A step round a fold may pass it twice: away from its beginning and back towards its end.
+   pure subroutine note_passages(lines, now, next, known)
       type(lines_type), intent(inout) :: lines
       type(place_type), intent(in) :: now, next
       !> Whether the line has been followed there before.
       logical, intent(out) :: known
-      real(wp) :: point(size(now%point)), a, b
-      integer :: i, n, iterations
+      real(wp) :: a, b
+      integer :: n
 
       known = .false.
-      n = size(point)
+      n = size(now%point)
       a = now%point(n)
       b = next%point(n)
-      if (.not. a*b < 0 .or. abs(a) < 1.0e-9_wp) return
-      point = now%point - a/(b - a)*(next%point - now%point)
+      if (a*b < 0) then
+         call note(lines, now%point - a/(b - a)*(next%point - now%point), next%came, known)
+      else if (now%tangent(n)*next%tangent(n) < 0) then
+         ! the first passage may be the beginning itself
+         if (passes(a, -now%tangent(n), next%came)) call note(lines, &
+            now%point - a/now%tangent(n)*now%tangent, next%came, known)
+         if (known) return
+         if (passes(b, next%tangent(n), next%came)) call note(lines, &
+            next%point - b/next%tangent(n)*next%tangent, next%came, known)
+      end if
+   end subroutine note_passages
+
+   !> Whether a tangent comes from the point within a step.
+   pure logical function passes(q, slope, step)
+      !> The parameter where the tangent begins, and how fast it grows along it.
+      real(wp), intent(in) :: q, slope, step
+
+      passes = q*slope > 0 .and. abs(q) < step*abs(slope)
+   end function passes
+
+   !> Adds the motion at the point to which a guess leads, if that is near.
+   pure subroutine note(lines, guess, step, known)
+      type(lines_type), intent(inout) :: lines
+      real(wp), intent(in) :: guess(:)
+      !> The length of the step that passes the point.
+      real(wp), intent(in) :: step
+      !> Whether the line has been followed there before.
+      logical, intent(inout) :: known
+      real(wp) :: point(size(guess))
+      integer :: i, n, iterations
+
+      n = size(point)
+      point = guess
       associate (curve => lines%curve)
          call correct(curve, [condition_type(edge, curve%active(1), 1, bound=curve%origin(1))], &
             point, iterations)
       end associate
-      if (iterations == 0) return
+      if (iterations == 0 .or. norm2(point - guess) > step) return
       do i = 1, lines%n
          if (distance(lines%pattern, lines%scale, point(:n - 1), lines%unknowns(:, i)) < same) exit
       end do
@@ -175,6 +208,6 @@ contains
       end if
       known = lines%followed(lines%curve%active(1), i)
       lines%followed(lines%curve%active(1), i) = .true.
-   end subroutine note_passage
+   end subroutine note
 
 end module vi_passages
