@@ -12,7 +12,7 @@ module vi_find
    use vi_likeness, only: length_scale
    use vi_motion, only: yes
    use vi_oscillator, only: left, right
-   use vi_passages, only: motions_through
+   use vi_passages, only: begin_lines, birth_type, follow_birth, lines_type
    use vi_pattern, only: pattern_type
    use vi_pattern_list, only: side_patterns
    use vi_settled_motion, only: n_outcomes, settle_on
@@ -86,19 +86,35 @@ contains
       type(findings_type), intent(inout) :: findings
       integer, intent(inout), optional :: tally(3)
       type(pattern_type), allocatable :: patterns(:)
+      type(lines_type), allocatable :: lines(:)
       type(batch_type), allocatable :: batches(:)
+      real(wp) :: c(6)
       integer :: i, total
 
       allocate (patterns, source=side_patterns(request%max_impacts, request%max_cycles, &
          walls_alike(request%drive)))
       findings%patterns = size(patterns)
-      allocate (batches(size(patterns)))
+      allocate (batches(size(patterns)), lines(size(patterns)))
       total = sum([(size(patterns(i)%sides)**2, i=1, size(patterns))])
+      associate (drive => request%drive, osc => request%drive%osc)
+         ! without load there is no clearance in units of it: so large that nothing is there
+         c = [drive%r, log(drive%clearance/max(drive%load, drive%clearance*1.0e-300_wp)), osc%xi, &
+            osc%mu, osc%restitution(right), osc%restitution(left)]
+      end associate
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(patterns)
          if (is_stopped(tally)) cycle
-         call search_one(request, patterns(i), batches(i))
+         call begin_lines(patterns(i), c, request%guesses, request%max_impacts, lines(i), &
+            batches(i)%tried)
          call add_work(int(real(pattern_work, wp)*size(patterns(i)%sides)**2/total), tally)
+      end do
+      !$omp end parallel do
+      if (is_stopped(tally)) return
+      call follow_births(request, patterns, lines)
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
+      do i = 1, size(patterns)
+         call keep_admissible(request%drive, patterns(i), lines(i)%unknowns(:, :lines(i)%n), &
+            batches(i))
       end do
       !$omp end parallel do
       do i = 1, size(patterns)
@@ -108,36 +124,75 @@ contains
       end do
    end subroutine from_patterns
 
-   !> The admissible motions of one pattern.
-   pure subroutine search_one(request, pattern, batch)
+   !> Follows the lines that begin where other patterns graze, and those that begin on them.
+   subroutine follow_births(request, patterns, lines)
       type(find_request_type), intent(in) :: request
+      type(pattern_type), intent(in) :: patterns(:)
+      type(lines_type), intent(inout) :: lines(:)
+      integer, parameter :: rounds = 3
+      type(birth_type), allocatable :: births(:)
+      integer, allocatable :: owners(:)
+      integer :: taken(size(lines)), i, j, n, round
+
+      taken = 0
+      do round = 1, rounds
+         n = sum(lines%n_births - taken)
+         if (n == 0) return
+         allocate (births(n), owners(n))
+         n = 0
+         do i = 1, size(lines)
+            do j = taken(i) + 1, lines(i)%n_births
+               n = n + 1
+               births(n) = lines(i)%births(j)
+               owners(n) = place_of(births(n)%pattern, patterns)
+            end do
+            taken(i) = lines(i)%n_births
+         end do
+         !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(j)
+         do i = 1, size(lines)
+            do j = 1, n
+               if (owners(j) == i) call follow_birth(lines(i), births(j))
+            end do
+         end do
+         !$omp end parallel do
+         deallocate (births, owners)
+      end do
+   end subroutine follow_births
+
+   !> Where a pattern is in a list; 0 if it is not there.
+   pure integer function place_of(pattern, patterns) result(place)
+      type(pattern_type), intent(in) :: pattern, patterns(:)
+
+      do place = size(patterns), 1, -1
+         if (patterns(place)%cycles /= pattern%cycles) cycle
+         if (size(patterns(place)%sides) /= size(pattern%sides)) cycle
+         if (all(patterns(place)%sides == pattern%sides)) return
+      end do
+   end function place_of
+
+   !> The admissible motions among those of one pattern.
+   pure subroutine keep_admissible(drive, pattern, unknowns, batch)
+      type(drive_type), intent(in) :: drive
       type(pattern_type), intent(in) :: pattern
+      !> x_i/D and theta_i of each (2N, m).
+      real(wp), intent(in) :: unknowns(:, :)
       type(batch_type), intent(inout) :: batch
-      real(wp), allocatable :: unknowns(:, :)
       type(found_type) :: found
       integer :: i, n
 
-      associate (drive => request%drive)
-         ! without load there is no clearance in units of it: so large that nothing is there
-         call motions_through(pattern, [drive%r, log(drive%clearance/max(drive%load, &
-            drive%clearance*1.0e-300_wp)), drive%osc%xi, drive%osc%mu, &
-            drive%osc%restitution(right), drive%osc%restitution(left)], request%guesses, unknowns, &
-            batch%tried)
-         n = size(pattern%sides)
-         allocate (batch%motions(size(unknowns, 2)))
-         do i = 1, size(unknowns, 2)
-            call new_found(drive, pattern, drive%clearance*unknowns(:n, i), unknowns(n + 1:, i), &
-               found)
-            if (found%status /= stat%ok) cycle
-            if (found%admissible == yes) then
-               batch%n = batch%n + 1
-               batch%motions(batch%n) = found
-            else
-               batch%inadmissible = batch%inadmissible + 1
-            end if
-         end do
-      end associate
-   end subroutine search_one
+      n = size(pattern%sides)
+      allocate (batch%motions(size(unknowns, 2)))
+      do i = 1, size(unknowns, 2)
+         call new_found(drive, pattern, drive%clearance*unknowns(:n, i), unknowns(n + 1:, i), found)
+         if (found%status /= stat%ok) cycle
+         if (found%admissible == yes) then
+            batch%n = batch%n + 1
+            batch%motions(batch%n) = found
+         else
+            batch%inadmissible = batch%inadmissible + 1
+         end if
+      end do
+   end subroutine keep_admissible
 
    !> Adds the motions with rest to which Newton's method leads from releases.
    subroutine from_releases(request, scale, findings, tally)
