@@ -4,7 +4,7 @@
 !! may have been found written several times over, from any of its impacts on, or as the mirror
 !! image of one that is known.
 module vi_found_motion
-   use vi_assess, only: assess_exact, assess_flights, stability
+   use vi_assess, only: assess_exact, assess_flights
    use vi_drive, only: drive_type, event_type, release_event, two_pi
    use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
@@ -80,10 +80,10 @@ contains
 
       allocate (events(room))
       point = guess
-      call solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, found%status)
+      call solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, found%status, &
+         found%stable)
       if (found%status /= stat%ok) return
       found%admissible = yes
-      found%stable = stability(abs(lambda(1)))
       allocate (found%pattern%sides(0), found%unknowns(0))
       found%pattern%cycles = cycles
       allocate (found%releases(3, count(events(:n)%kind == release_event)))
