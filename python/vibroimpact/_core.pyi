@@ -271,7 +271,18 @@ class _Find(Protocol):
         threads: int,
         tally: _Integer,
     ) -> tuple[
-        int, int, _Integer, _Integer, _Real, _Integer, _Real, _Real, _Real, _Complex, _Integer, _Integer,
+        int,
+        int,
+        _Integer,
+        _Integer,
+        _Real,
+        _Integer,
+        _Real,
+        _Real,
+        _Real,
+        _Complex,
+        _Integer,
+        _Integer,
     ]: ...
 
 @type_check_only

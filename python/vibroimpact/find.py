@@ -216,11 +216,13 @@ def find(
     watch()
     motions = list(_motions(point, n, tables))
     found = sorted((motion for motion in motions if motion is not None), key=_order)
-    tried, started, inadmissible, released, settled, *reasons = counts.tolist()
-    return FoundMotions(
-        found,
-        Search(tried, started, inadmissible, states, settled, released, *reasons, len(motions) - len(found)),
-    )
+    tried, started, inadmissible, released, settled, *others = counts.tolist()
+    not_stable, unconfirmed, wandering, without_impacts, unfinished = others
+    search = Search(
+        tried, started, inadmissible, states, settled, released, not_stable, unconfirmed, wandering,
+        without_impacts, unfinished, len(motions) - len(found),
+    )  # fmt: skip
+    return FoundMotions(found, search)
 
 
 class _Watch:
@@ -260,9 +262,7 @@ def _motions(point: Point, n: int, tables: list[Any]) -> Iterator[Motion | None]
         size, cycles, side = kinds[:, i].tolist()
         if size == 0:
             try:
-                yield release_motion(
-                    osc, r, clearance, load, cycles, side, releases[:, i].copy()
-                )
+                yield release_motion(osc, r, clearance, load, cycles, side, releases[:, i].copy())
             except SingularError:
                 yield None
             continue

@@ -151,7 +151,7 @@ def newton(
     raise_status(int(status))
     return impact_motion(
         osc, r, clearance, load, pattern, each, phases, impacts, scalars, multipliers, verdicts, given
-    )
+    )  # fmt: skip
 
 
 def impact_motion(

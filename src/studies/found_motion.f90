@@ -49,8 +49,8 @@ contains
 
       x_now = x
       theta_now = theta
-      call solve_exact(setting_of(drive, pattern), x_now, theta_now, most_iterations, none, motion, &
-         iterations)
+      call solve_exact(setting_of(drive, pattern), x_now, theta_now, most_iterations, none, &
+         motion, iterations)
       found%status = motion%status
       if (found%status /= stat%ok) return
       call assess_exact(motion)
@@ -80,8 +80,8 @@ contains
 
       allocate (events(room))
       point = guess
-      call solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, found%status, &
-         found%stable)
+      call solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, &
+         found%status, found%stable)
       if (found%status /= stat%ok) return
       found%admissible = yes
       allocate (found%pattern%sides(0), found%unknowns(0))

@@ -14,7 +14,7 @@ module vi_readings
    !> Letters of the events of some cycles, and the event that begins and that ends each.
    type, public :: reading_type
       integer :: n = 0
-      !> +1 and -1 for an impact, +2 and -2 for impacts that accumulate on a wall and the rest there.
+      !> +1 and -1 for an impact, +2 and -2 for accumulation and rest, as in vi_letters.
       integer, allocatable :: letters(:), first(:), last(:)
    end type reading_type
 

@@ -53,7 +53,7 @@ contains
       type(found_type) :: motion
       real(wp) :: finish, apart, least
       integer :: cycles, last, n, status
-      logical :: close
+      logical :: nearby
 
       allocate (events(room))
       n_found = 0
@@ -77,13 +77,13 @@ contains
          apart = mismatch(events, now, before, cycles)
          if (.not. apart < least) cycle
          least = nearer*apart
-         call confirm(drive, events(:last), now, cycles, scale, motion, close)
+         call confirm(drive, events(:last), now, cycles, scale, motion, nearby)
          if (motion%status == stat%ok .and. motion%admissible == yes .and. &
             n_found < size(found)) then
             n_found = n_found + 1
             found(n_found) = motion
          end if
-         if (.not. close) then
+         if (.not. nearby) then
             if (outcome == wandering) outcome = unconfirmed
             cycle
          end if
@@ -95,7 +95,7 @@ contains
    end subroutine settle_on
 
    !> Newton's method from the last period of a simulation.
-   pure subroutine confirm(drive, events, reading, cycles, scale, motion, close)
+   pure subroutine confirm(drive, events, reading, cycles, scale, motion, nearby)
       type(drive_type), intent(in) :: drive
       !> Up to the end of the period.
       type(event_type), intent(in) :: events(:)
@@ -104,7 +104,7 @@ contains
       real(wp), intent(in) :: scale
       type(found_type), intent(out) :: motion
       !> Whether the motion is where the simulation is.
-      logical, intent(out) :: close
+      logical, intent(out) :: nearby
       real(wp) :: x(reading%n), theta(reading%n)
       integer :: n
 
@@ -113,10 +113,10 @@ contains
          associate (release => events(size(events)))
             call new_resting(drive, release%side, cycles, [release%phase, release%x_dot_after], &
                rest_room, motion)
-            close = motion%status == stat%ok
-            if (.not. close) return
+            nearby = motion%status == stat%ok
+            if (.not. nearby) return
             associate (at => motion%releases(:, size(motion%releases, 2)))
-               close = abs(modulo(at(2) - release%phase + 0.5_wp*two_pi, two_pi) - 0.5_wp*two_pi) &
+               nearby = abs(modulo(at(2) - release%phase + 0.5_wp*two_pi, two_pi) - 0.5_wp*two_pi) &
                   < near .and. abs(at(3) - release%x_dot_after) < near*scale
             end associate
          end associate
@@ -126,8 +126,8 @@ contains
       theta = total_phase(events(reading%first(:n))) - drive%lag
       theta = theta - two_pi*floor(theta(1)/two_pi)
       call new_found(drive, pattern_type(reading%letters(:n), cycles), x, theta, motion)
-      close = motion%status == stat%ok
-      if (close) close = all(abs(motion%unknowns(:n) - x) < near*scale) .and. &
+      nearby = motion%status == stat%ok
+      if (nearby) nearby = all(abs(motion%unknowns(:n) - x) < near*scale) .and. &
          all(abs(motion%unknowns(n + 1:) - theta) < near)
    end subroutine confirm
 
