@@ -250,22 +250,40 @@ class _RestMotion(Protocol):
     ) -> tuple[_Real, _Complex, float, _Real, _Integer, int, int, int]: ...
 
 @type_check_only
-class _SearchPattern(Protocol):
-    # found, n_found, tried
+class _Find(Protocol):
+    # n, m, counts, kinds, releases, sides, phases, impacts, scalars, multipliers, verdicts, status
     def __call__(
         self,
+        room: int,
+        letters: int,
         xi: float,
         mu: float,
         walls: ArrayLike,
         r: float,
         load: float,
         clearance: float,
-        cycles: int,
-        sides: ArrayLike,
+        max_impacts: int,
+        max_cycles: int,
         guesses: int,
-        room: int,
-        n: int = ...,
-    ) -> tuple[_Real, int, int]: ...
+        states: int,
+        settling: int,
+        releases_tried: int,
+        threads: int,
+        tally: _Integer,
+    ) -> tuple[
+        int,
+        int,
+        _Integer,
+        _Integer,
+        _Real,
+        _Integer,
+        _Real,
+        _Real,
+        _Real,
+        _Complex,
+        _Integer,
+        _Integer,
+    ]: ...
 
 @type_check_only
 class _StartState(Protocol):
@@ -626,7 +644,7 @@ sample_trajectory: _SampleTrajectory
 exact: _Exact
 extreme_positions: _ExtremePositions
 rest_motion: _RestMotion
-search_pattern: _SearchPattern
+find: _Find
 start_state: _StartState
 simulate_bundle: _SimulateBundle
 branch: _Branch

@@ -2,35 +2,30 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
-import math
+import os
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import _core, checks
 from .errors import SingularError
-from .likeness import SAME, images, same, turned
+from .interrupt import interruptible, new_tally
 from .model import Oscillator, Pattern
 from .motion import Motion
-from .newton import Period, lag, newton, release_motion, rest_motion, settle
-from .states import TWO_PI
+from .newton import impact_motion, release_motion
+from .solve import impact_restitution
 
 __all__ = ["FoundMotions", "Search", "find"]
 
-#: Motions of one pattern that a search keeps, admissible or not.
-ROOM = 128
-#: Events that a period of a motion with rest may have while it is searched for.
-FEW_EVENTS = 200
-#: Work (impacts squared times guesses, load cycles simulated) that takes less time than starting threads.
+#: Motions, and impacts of all of them, that there is room for at first.
+ROOM, IMPACTS = 1000, 10_000
+#: Work (impacts squared times guesses, load cycles simulated) that is done in a moment.
 LITTLE = 10_000
-#: A release from rest: load cycles of the motion, side, and (phase, v).
-Release = tuple[int, int, NDArray[np.float64]]
+#: The share of the work that the patterns count.
+PATTERNS = 0.9
 
 
 class Point(NamedTuple):
@@ -46,6 +41,8 @@ class Point(NamedTuple):
 class Search:
     """How a search was done: what its answer can be trusted for, and what not.
 
+    Each simulated state is counted once: as settled, or under the reason why it is not.
+
     Attributes
     ----------
     patterns : int
@@ -57,9 +54,23 @@ class Search:
     states : int
         Initial states that were simulated.
     settled : int
-        States that settled on a periodic motion within the limits.
+        States that settled on a periodic motion which Newton's method confirms there as admissible and stable.
     releases : int
         Releases from rest from which Newton's method was started, for motions with rest.
+    not_stable : int
+        States that repeat themselves about a motion which Newton's method shows to be unstable or inadmissible,
+        or of which that cannot be decided: they only pass by it (an admissible one is listed).
+    unconfirmed : int
+        States that repeat themselves where Newton's method leads to no motion.
+    wandering : int
+        States that do not repeat themselves within 16 load cycles (or 100 letters): chaotic, quasi-periodic, of
+        longer period, or not settled yet.
+    without_impacts : int
+        States after which no impacts are left.
+    unfinished : int
+        States whose simulation could not go on.
+    lost : int
+        Motions found that Newton's method could not confirm once more as they are listed; they are left out.
     """
 
     patterns: int
@@ -68,15 +79,34 @@ class Search:
     states: int
     settled: int
     releases: int
+    not_stable: int = 0
+    unconfirmed: int = 0
+    wandering: int = 0
+    without_impacts: int = 0
+    unfinished: int = 0
+    lost: int = 0
 
     def __str__(self) -> str:
         s = "" if self.patterns == 1 else "s"
+        others = ", ".join(
+            f"{count} {reason}"
+            for count, reason in (
+                (self.not_stable, "passed by a motion that is not stable"),
+                (self.unconfirmed, "repeated themselves where Newton's method finds no motion"),
+                (self.wandering, "did not repeat themselves within 16 load cycles"),
+                (self.without_impacts, "came to have no impacts"),
+                (self.unfinished, "could not be simulated to the end"),
+            )
+            if count
+        )
+        lost = f"; {self.lost} motions could not be confirmed and are left out" if self.lost else ""
         return (
             f"{self.patterns} pattern{s} with {self.guesses} guesses (phases spread evenly, the rest from the "
-            f"linear problem; {self.inadmissible} inadmissible solutions left out), {self.releases} releases "
-            f"from rest, and {self.states} simulated states, of which {self.settled} settled on a periodic "
-            "motion. A motion with a very small neighbourhood of convergence can have been missed, one with "
-            "rest most easily."
+            f"linear problem; {self.inadmissible} inadmissible solutions left out), followed along the lines of "
+            f"constant r and constant clearance, {self.releases} releases from rest, and {self.states} simulated "
+            f"states, of which {self.settled} settled on a stable periodic motion"
+            f"{f' ({others})' if others else ''}{lost}. A motion with a very small neighbourhood of convergence "
+            "can have been missed, one with rest most easily."
         )
 
 
@@ -107,16 +137,19 @@ def find(
 
     For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's method
     starts from guesses whose phases fill the period evenly and whose positions solve the linear equations of
-    1983; motions found repel the later iterations, so none is found twice. Newton's method on the return map of
-    releases adds motions with rest, stable or not. Simulations from a spread of initial states add the attractors.
+    1983; motions found repel the later iterations, so none is found twice. Each is followed along the lines of
+    constant r and of constant clearance through the point, round their folds, which come back to the point on
+    other sheets. Newton's method on the return map of releases adds motions with rest, stable or not. Simulations
+    from a spread of initial states add the attractors; a state counts as settled only where Newton's method
+    confirms a stable motion.
 
     Parameters
     ----------
     osc, r, clearance, load
         As in `simulate`.
     max_impacts, max_cycles : int
-        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. A motion with accumulation that
-        simulation finds has no limit on its number of impacts.
+        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. What simulations and releases lead to
+        is listed whatever its number of impacts and cycles.
     guesses : int
         Guesses for each pattern.
     states : int
@@ -136,14 +169,14 @@ def find(
 
     Examples
     --------
-    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image among
-    others.
+    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image; and an
+    attractor of twelve impacts that simulations settle on.
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> motions = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
     >>> [(motion.pattern.sides, motion.stable) for motion in motions]
-    [('RL', True), ('RL', True), ('RL', False), ('RL', False)]
+    [('RL', True), ('RL', True), ('RRLRLRLLRLRL', True), ('RL', False), ('RL', False)]
     """
     checks.instance(osc, "osc", Oscillator)
     r = checks.frequency_ratio(r, osc.xi)
@@ -155,103 +188,99 @@ def find(
     states = checks.integer(states, "states", 0, 10**6)
     settling = checks.integer(settling, "settling", 0, 10**7)
     releases = checks.integer(releases, "releases", 0, 10**6)
-    tell = progress or (lambda share, what: None)
+    point = Point(osc, r, clearance, load)
     patterns = list(
         side_patterns(max_impacts, max_cycles, mirrored=osc.restitution[0] == osc.restitution[1])
     )
-    starts = list(_spread_releases(osc, r, clearance, load, max_cycles, releases))
-    point = Point(osc, r, clearance, load)
+    effort = guesses * _work(patterns) + 20 * max_cycles * releases + states * settling
+    watch = _Watch(patterns, progress)
     found: list[Motion] = []
-    effort = guesses * _work(patterns) + 10 * len(starts) + states * settling
-    with ThreadPoolExecutor() as pool:
-        each: Any = map if effort < LITTLE else pool.map
-        tried, inadmissible = _search_patterns(point, patterns, guesses, each, found, tell)
+    limits = (max_impacts, max_cycles, guesses, states, settling, releases, os.cpu_count() or 1)
+    room, impacts = ROOM, IMPACTS
+    while True:
+        call = (
+            _core.find, room, impacts, osc.xi, osc.mu, osc.restitution, r, load, clearance, *limits,
+            watch.tally,
+        )  # fmt: skip
+        if effort < LITTLE:
+            answer = call[0](*call[1:])
+        else:
+            answer = interruptible(
+                *call, watch=watch if progress is not None else None, tally=watch.tally
+            )
+        n, m, counts, *tables = answer
+        if n <= room and m <= impacts:
+            break
+        room, impacts = max(n, room), max(m, impacts)
+        watch.tally[:] = 0
+    watch()
+    motions = list(_motions(point, n, tables))
+    found = sorted((motion for motion in motions if motion is not None), key=_order)
+    tried, started, inadmissible, released, settled, *others = counts.tolist()
+    not_stable, unconfirmed, wandering, without_impacts, unfinished = others
+    search = Search(
+        tried, started, inadmissible, states, settled, released, not_stable, unconfirmed, wandering,
+        without_impacts, unfinished, len(motions) - len(found),
+    )  # fmt: skip
+    return FoundMotions(found, search)
 
-        def each_start(solve: Callable[[Release], Any], starts: list[Release]) -> Any:
-            return _told(each(solve, starts), tell, (0.9, 0.95), len(starts), "motions with rest")
 
-        for motion in _rest_motions(*point, starts, each_start):
-            if len(motion.pattern) <= max_impacts:
-                _add(found, motion)
-        ends = each(
-            lambda state: settle(*point, state, settling, max_cycles),
-            _spread_states(*point, states),
+class _Watch:
+    """Tells progress by the core's tally: each pattern once, in order, with the share done."""
+
+    def __init__(
+        self, patterns: list[Pattern], progress: Callable[[float, str], None] | None
+    ) -> None:
+        self.tally = new_tally()
+        self.progress = progress
+        shares = np.cumsum([len(pattern) ** 2 for pattern in patterns]) * (
+            PATTERNS / _work(patterns)
         )
-        ends = list(_told(ends, tell, (0.95, 1.0), states, "simulations"))
-        settled = [end for end in ends if end is not None and len(end.pattern) <= max_impacts]
-    for period in settled:
-        with contextlib.suppress(SingularError):
-            motion = _period_motion(point, period)
-            if motion.admissible:
-                _add(found, motion)
-    found.sort(key=_order)
-    return FoundMotions(
-        found, Search(len(patterns), tried, inadmissible, states, len(settled), len(starts))
-    )
+        self.ahead = [
+            (share, f"{pattern.sides}/{pattern.cycles}")
+            for share, pattern in zip(shares.tolist(), patterns, strict=True)
+        ]
+
+    def __call__(self) -> None:
+        if self.progress is None:
+            return
+        share = float(self.tally[0] / max(1, self.tally[1]))
+        # the core rounds the work of each pattern down
+        slack = len(self.ahead) / max(1, self.tally[1])
+        while self.ahead and self.ahead[0][0] <= share + slack:
+            self.progress(*self.ahead.pop(0))
+        if not self.ahead:
+            self.progress(max(PATTERNS, share), "simulations")
 
 
-def _told(
-    items: Iterable[Any], tell: Callable[[float, str], None], shares: tuple[float, float], count: int,
-    what: str,
-) -> Iterable[Any]:  # fmt: skip
-    """Items one by one, each told as its part of the way from one share of the work to another."""
-    low, high = shares
-    for i, item in enumerate(items):
-        tell(low + (high - low) * i / count, what)
-        yield item
+def _motions(point: Point, n: int, tables: list[Any]) -> Iterator[Motion | None]:
+    """The motions of the core's tables; None where Newton's method does not confirm one."""
+    kinds, releases, sides, phases, impacts, scalars, multipliers, verdicts, status = tables
+    osc, r, clearance, load = point
+    last = 0
+    for i in range(n):
+        size, cycles, side = kinds[:, i].tolist()
+        if size == 0:
+            try:
+                yield release_motion(osc, r, clearance, load, cycles, side, releases[:, i].copy())
+            except SingularError:
+                yield None
+            continue
+        own = slice(last, last + size)
+        last += size
+        if status[i]:
+            yield None
+            continue
+        pattern = Pattern("".join("RL"[one < 0] for one in sides[own].tolist()), cycles)
+        yield impact_motion(
+            osc, r, clearance, load, pattern, impact_restitution(osc, pattern, None), phases[own].copy(),
+            impacts[:, own].T.copy(), scalars[:, i], multipliers[:, i].copy(), verdicts[:, i],
+        )  # fmt: skip
 
 
 def _work(patterns: Iterable[Pattern]) -> int:
     """How long patterns take: each about as long as the square of its impacts."""
     return sum(len(pattern) ** 2 for pattern in patterns)
-
-
-def _search_patterns(
-    point: Point, patterns: list[Pattern], guesses: int, each: Any, found: list[Motion],
-    tell: Callable[[float, str], None],
-) -> tuple[int, int]:  # fmt: skip
-    """Add the motions of some patterns; gives the number of guesses and of inadmissible solutions."""
-    osc, r, clearance, load = point
-
-    def search(pattern: Pattern) -> tuple[Pattern, NDArray[np.float64], int, int]:
-        return pattern, *_core.search_pattern(
-            osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, guesses,
-            ROOM,
-        )  # fmt: skip
-
-    tried = inadmissible = done = 0
-    for pattern, columns, n, started in each(search, patterns):
-        tried += started
-        done += _work([pattern])
-        tell(0.9 * (done / _work(patterns)), f"{pattern.sides}/{pattern.cycles}")
-        for column in columns[:, :n].T:
-            x, theta = column[: len(pattern)], column[len(pattern) :]
-            try:
-                motion = newton(*point, pattern, x, theta)
-            except SingularError:  # on the edge of convergence (mu = 0): no motion to vouch for
-                continue
-            if motion.admissible and motion.consistent:
-                _add(found, motion)
-            else:
-                inadmissible += 1
-    return tried, inadmissible
-
-
-def _period_motion(point: Point, period: Period) -> Motion:
-    """The exact motion that a simulation has settled on."""
-    if period.pattern.has_rest:
-        return rest_motion(*point, period.pattern.cycles, period.events)
-    letters = period.letters
-    phases = np.cumsum(np.diff(letters["time"], prepend=letters["time"][0])) * point.r
-    theta = phases + letters["phase"][0] - lag(point.osc, point.r)
-    return newton(*point, period.pattern, letters["x"], theta)
-
-
-def _add(found: list[Motion], motion: Motion) -> None:
-    """Add a motion, and its mirror image where the walls are alike, unless they are there."""
-    for image in images(motion):
-        if not any(same(image, other) for other in found):
-            found.append(turned(image))
 
 
 def _order(motion: Motion) -> tuple[Any, ...]:
@@ -280,71 +309,3 @@ def side_patterns(max_impacts: int, max_cycles: int, *, mirrored: bool) -> Itera
             seen |= turned
             for cycles in range(1, max_cycles + 1):
                 yield Pattern(max(turned), cycles)
-
-
-def _rest_motions(
-    osc: Oscillator, r: float, clearance: float, load: float, starts: list[Release],
-    each: Any,
-) -> Iterator[Motion]:  # fmt: skip
-    """The distinct motions with rest to which Newton's method on the return map leads."""
-
-    def solve(start: Release) -> Release | None:
-        cycles, side, guess = start
-        point, *_, status = _core.rest_motion(
-            osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, FEW_EVENTS
-        )
-        return (cycles, side, point) if status == 0 else None
-
-    seen: list[Release] = []
-    for cycles, side, point in filter(None, each(solve, starts)):
-        if any(
-            (cycles, side) == (k, s)
-            and abs(math.remainder(point[0] - at[0], TWO_PI)) < SAME
-            and abs(point[1] - at[1]) < SAME * clearance
-            for k, s, at in seen
-        ):
-            continue
-        seen.append((cycles, side, point))
-        yield release_motion(osc, r, clearance, load, cycles, side, point)
-
-
-def _spread_releases(
-    osc: Oscillator, r: float, clearance: float, load: float, max_cycles: int, count: int
-) -> Iterator[Release]:
-    """Releases spread evenly (an additive recurrence) over the phase and the possible velocities.
-
-    At a release x'' = 0, and the contact force ends if the jerk f r cos(phase) - v has the sign of the wall.
-    """
-    golden = 1.324717957244746
-    scale = _size(osc, r, clearance, load) * max(1.0, r)
-    for cycles, side, i in itertools.product(range(1, max_cycles + 1), (1, -1), range(count)):
-        phase = TWO_PI * ((0.5 + i / golden) % 1.0)
-        part = (0.5 + i / golden**2) % 1.0
-        v = load * r * math.cos(phase) - 2 * side * scale * part
-        yield cycles, side, np.array([phase, v])
-
-
-def _size(osc: Oscillator, r: float, clearance: float, load: float) -> float:
-    """About the greatest position that a motion with impacts has."""
-    amplitude = load / math.hypot((1 - r) * (1 + r), 2 * osc.xi * r)
-    return 1.5 * max(min(amplitude, 3 * clearance), 0.1 * clearance)
-
-
-def _spread_states(
-    osc: Oscillator, r: float, clearance: float, load: float, count: int
-) -> Iterator[dict[str, float]]:
-    """Initial states spread evenly (an additive recurrence) over a box about the motion without impacts."""
-    golden = 1.0
-    for _ in range(40):
-        golden = (1 + golden) ** (1 / 6)
-    size = _size(osc, r, clearance, load)
-    for i in range(count):
-        u = [(0.5 + (i + 1) / golden ** (j + 1)) % 1.0 for j in range(5)]
-        x = size * (2 * u[0] - 1)
-        yield {
-            "t": TWO_PI * u[4] / r,
-            "x": x,
-            "x_dot": size * max(1.0, r) * (2 * u[1] - 1),
-            "z": x + 0.499 * clearance * (2 * u[2] - 1),
-            "z_dot": 2 * size * max(1.0, r) * (2 * u[3] - 1),
-        }

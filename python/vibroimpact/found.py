@@ -32,7 +32,7 @@ class Findings(Result):
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "motions.json"
     >>> vi.Findings.of(osc, 0.94, 37.0, motions).save(path)
     >>> vi.load(path)
-    <Findings at r = 0.94, d K/F0 = 37: 4 motions, 2 of them stable>
+    <Findings at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable>
     """
 
     osc: Oscillator

@@ -149,12 +149,24 @@ def newton(
         MOST_ITERATIONS,
     )  # fmt: skip
     raise_status(int(status))
+    return impact_motion(
+        osc, r, clearance, load, pattern, each, phases, impacts, scalars, multipliers, verdicts, given
+    )  # fmt: skip
+
+
+def impact_motion(
+    osc: Oscillator, r: float, clearance: float, load: float, pattern: Pattern,
+    restitution: NDArray[np.float64], phases: NDArray[np.float64], impacts: NDArray[np.float64],
+    scalars: NDArray[np.float64], multipliers: NDArray[np.complex128], verdicts: NDArray[np.int32],
+    given: NDArray[np.float64] | None = None,
+) -> Motion:  # fmt: skip
+    """A motion without rest, from what the core tells of it; `given` as in `newton`."""
     impacts.flags.writeable = False
     multipliers.flags.writeable = False
     _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
     consistent, admissible, stable = verdicts.tolist()
     return Motion(
-        osc, r, clearance, pattern, each, frozen(phases),
+        osc, r, clearance, pattern, restitution, frozen(phases),
         impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
         amplitude, tau, residual, multipliers,
         VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max, load=load,

@@ -77,7 +77,7 @@ contains
             return
          end if
          step = -step*deflation(unknowns, -step, known, scale)
-         share = step_share(setting, unknowns, step)
+         share = step_share(setting%pattern%cycles, unknowns, step)
          if (share < 1.0e-6_wp) return
          unknowns = unknowns + share*step
          x = unknowns(:n)
@@ -184,15 +184,17 @@ contains
    end subroutine transfer
 
    !> The share of a Newton step that leaves every flight at least half its duration.
-   pure real(wp) function step_share(setting, unknowns, step) result(share)
-      type(setting_type), intent(in) :: setting
+   pure real(wp) function step_share(cycles, unknowns, step) result(share)
+      !> Load cycles k of the period.
+      integer, intent(in) :: cycles
+      !> x_i, theta_i, and the step in them (2N).
       real(wp), intent(in) :: unknowns(:), step(:)
       real(wp), dimension(size(unknowns)/2) :: length, change
       integer :: n
 
       n = size(length)
       length = cshift(unknowns(n + 1:), 1) - unknowns(n + 1:)
-      length(n) = length(n) + two_pi*setting%pattern%cycles
+      length(n) = length(n) + two_pi*cycles
       change = cshift(step(n + 1:), 1) - step(n + 1:)
       share = 1
       if (any(-change > 0.5_wp*length)) share = minval(0.5_wp*length/(-change), -change > 0)
@@ -203,7 +205,10 @@ contains
    !! For the equations multiplied by m(u) = prod (1/|u - u_j|^2 + 1) Newton's step is the plain one
    !! over 1 - step . grad(log m) (Farrell, Birkisson and Funke, SIAM J. Sci. Comput. 37, 2015).
    pure real(wp) function deflation(unknowns, step, known, scale) result(factor)
-      real(wp), intent(in) :: unknowns(:), step(:), known(:, :), scale
+      !> x_i, theta_i, and the plain step in them (2N); motions already known (2N, m).
+      real(wp), intent(in) :: unknowns(:), step(:), known(:, :)
+      !> Unit of x_i.
+      real(wp), intent(in) :: scale
       real(wp) :: distance(size(unknowns)), square, slope
       integer :: j, n
 

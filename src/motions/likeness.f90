@@ -9,7 +9,8 @@ module vi_likeness
    implicit none (type, external)
    private
 
-   public :: allows_symmetry, distance, is_repeated, is_symmetric, length_scale
+   public :: allows_symmetry, distance, is_repeated, is_symmetric, length_scale, &
+      shortest_repetition
 
    !> Motions nearer than this are one motion.
    real(wp), parameter, public :: same = 1.0e-6_wp
@@ -62,6 +63,22 @@ contains
             turned_distance(pattern, scale, unknowns, unknowns, j, 1) < same
       end do
    end function is_repeated
+
+   !> After how many impacts a motion repeats itself first: all of them, unless it is a shorter one
+   !! written several times over.
+   pure integer function shortest_repetition(pattern, scale, unknowns) result(impacts)
+      type(pattern_type), intent(in) :: pattern
+      !> Of positions, as `length_scale`; x_i and theta_i (2N).
+      real(wp), intent(in) :: scale, unknowns(:)
+      integer :: j, n
+
+      n = size(pattern%sides)
+      impacts = n
+      do j = n/2, 2, -1
+         if (modulo(n, j) /= 0 .or. modulo(pattern%cycles*j, n) /= 0) cycle
+         if (turned_distance(pattern, scale, unknowns, unknowns, j, 1) < same) impacts = j
+      end do
+   end function shortest_repetition
 
    !> Whether a motion is its own mirror image: x -> -x, R <-> L, half a load cycle later.
    pure logical function is_symmetric(pattern, scale, unknowns)

@@ -15,7 +15,7 @@ module vi_conditions
    implicit none (type, external)
    private
 
-   public :: all_conditions, condition_value, fails_jury, polish_touch
+   public :: all_conditions, condition_value, fails_jury, gap_of_flight, polish_touch
 
 contains
 

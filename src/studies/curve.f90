@@ -71,7 +71,8 @@ contains
          moved = maxval(abs(b(1, :n)))
          if (.not. moved < 0.5_wp) return
          if (present(correction)) then
-            if (i <= 2) correction%moved(i) = moved
+            if (i == 1) correction%moved(1) = moved
+            if (i == 2) correction%moved(2) = moved
             correction%orientation = orientation
          end if
          point = point - b(1, :n)

@@ -57,8 +57,11 @@ contains
       do p = 1, size(points, 2)
          associate (j => points(1, p), k => points(2, p))
             here = at(setting, r(k), clearance(j))
-            call search_pattern(here, guesses, found, n_found, tried)
+            n_found = 0
+            call search_pattern(here%pattern, [here%r, log(here%clearance/here%load), here%osc%xi, &
+               here%osc%mu, here%osc%restitution], guesses, found, n_found, tried, 0)
             do i = 1, n_found
+               found(:size(found, 1)/2, i) = here%clearance*found(:size(found, 1)/2, i)
                call try_guess(here, found(:, i), 0, symmetry, unknowns(:, :, j, k), marks(:, :, &
                   j, k), counts(2, j, k))
             end do

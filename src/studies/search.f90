@@ -4,12 +4,14 @@
 !! paper's linear problem for these phases. Newton's method is repelled by the motions found before,
 !! so that each further success is another motion.
 module vi_search
-   use vi_exact, only: deflation, setting_type, solve_exact, step_share
+   use vi_exact, only: deflation, exact_acceptance, step_share
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
    use vi_motion, only: motion_type
-   use vi_orbit, only: family_type, most_impacts, n_parameters, orbit_slopes, orbit_type, set_orbit
-   use vi_oscillator, only: left, right
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
+      orbit_residual, orbit_slopes, orbit_type, set_orbit
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: default_restitution, pattern_type
    use vi_periodic, only: linear_system_type, solve_periodic
    use vi_status, only: stat
    implicit none (type, external)
@@ -23,104 +25,87 @@ module vi_search
 contains
 
    !> Exact motions of a pattern from a number of guesses.
-   pure subroutine search_pattern(setting, guesses, found, n_found, tried, skip)
-      type(setting_type), intent(in) :: setting
+   pure subroutine search_pattern(pattern, c, guesses, found, n_found, tried, skip)
+      type(pattern_type), intent(in) :: pattern
+      !> r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
       !> Guesses to start from.
       integer, intent(in) :: guesses
-      !> Unknowns (x_i, theta_i) of the motions found (2N, room); the search ends when it is full.
-      real(wp), intent(out) :: found(:, :)
-      integer, intent(out) :: n_found
+      !> Unknowns (x_i/D, theta_i) of motions (2N, room): those known beforehand, then those found;
+      !! the search ends when it is full.
+      real(wp), intent(inout) :: found(:, :)
+      !> In: motions known beforehand. Out: all.
+      integer, intent(inout) :: n_found
       !> Newton iterations that were started.
       integer, intent(out) :: tried
       !> Guesses of the sequence to leave out, at neighbouring points others each time.
-      integer, intent(in), optional :: skip
+      integer, intent(in) :: skip
       type(linear_system_type) :: system
       type(motion_type) :: motion
       type(family_type) :: family
-      real(wp), dimension(size(found, 1)/2) :: phases, x, theta
-      real(wp) :: known(size(found, 1), size(found, 2)), unknowns(size(found, 1)), c(n_parameters)
-      logical :: on_orbits, good
-      integer :: i, n, iterations, first
+      real(wp) :: phases(size(found, 1)/2), restitution(size(found, 1)/2), unknowns(size(found, 1))
+      integer :: i, n
+      logical :: good
 
       n = size(phases)
-      first = 0
-      if (present(skip)) first = skip
-      n_found = 0
+      family%sides = pattern%sides
+      family%cycles = pattern%cycles
+      restitution = default_restitution(pattern%sides, c(by_right), c(by_left))
       tried = 0
-      found = 0
-      associate (sides => setting%pattern%sides, walls => setting%osc%restitution)
-         on_orbits = setting%load > 0 .and. n <= most_impacts .and. &
-            all(abs(setting%restitution - walls(merge(right, left, sides > 0))) <= 0)
-         if (on_orbits) then
-            family%sides = sides
-            family%cycles = setting%pattern%cycles
-            c = [setting%r, log(setting%clearance/setting%load), setting%osc%xi, setting%osc%mu, &
-               walls(right), walls(left)]
-         end if
-      end associate
       do i = 1, guesses
          if (n_found == size(found, 2)) return
-         phases = spread_phases(first + i, n)*two_pi*setting%pattern%cycles
-         call solve_periodic(setting%osc, setting%r, setting%pattern, setting%restitution, phases, &
-            system, motion)
+         phases = spread_phases(skip + i, n)*two_pi*pattern%cycles
+         call solve_periodic(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
+            pattern, restitution, phases, system, motion)
          if (motion%status /= stat%ok) cycle
          tried = tried + 1
-         x = motion%x*setting%clearance/motion%clearance
-         theta = phases + motion%tau
-         if (on_orbits) then
-            unknowns = [x/setting%clearance, theta]
-            call approach(setting, family, c, unknowns, known(:, :n_found), good)
-            if (.not. good) cycle
-            x = unknowns(:n)*setting%clearance
-            theta = unknowns(n + 1:)
-            call solve_exact(setting, x, theta, most_iterations, found(:, :0), motion, iterations)
-         else
-            call solve_exact(setting, x, theta, most_iterations, found(:, :n_found), motion, &
-               iterations)
-         end if
-         if (motion%status /= stat%ok) cycle
+         unknowns = [motion%x/motion%clearance, phases + motion%tau]
+         call iterate(family, c, found(:, :n_found), unknowns, good)
+         if (.not. good) cycle
          n_found = n_found + 1
-         found(:, n_found) = [x, theta]
-         known(:, n_found) = [x/setting%clearance, theta]
+         found(:, n_found) = unknowns
       end do
    end subroutine search_pattern
 
-   !> Newton's method on the equations of vi_orbit, which are evaluated faster than those of
-   !> vi_exact: near enough to a motion that the steps shrink quadratically.
-   pure subroutine approach(setting, family, c, unknowns, known, good)
-      type(setting_type), intent(in) :: setting
+   !> Newton's method from a guess, repelled by known motions.
+   pure subroutine iterate(family, c, known, unknowns, good)
       type(family_type), intent(in) :: family
-      !> (6) r, log(D), xi, mu, R1, R2
+      !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> (2N) x_i/D and theta_i. In: a guess.
-      real(wp), intent(inout) :: unknowns(:)
-      !> (2N, m) motions that repel the iteration.
+      !> (2N, m)
       real(wp), intent(in) :: known(:, :)
+      !> In: the guess (2N). Out: the motion.
+      real(wp), intent(inout) :: unknowns(:)
       logical, intent(out) :: good
       type(orbit_type) :: o
-      real(wp) :: a(most, most), b(2, most), step(size(unknowns)), residual, share
+      real(wp) :: a(most, most), b(2, most), step(size(unknowns)), share, unused
       integer :: i, n
+      logical :: last, regular
 
       n = size(unknowns)
       good = .false.
+      last = .false.
       do i = 1, most_iterations
          call set_orbit(family, unknowns, c, o)
-         b(2, :n) = 0
          call orbit_slopes(o, a, b(1, :n))
-         call eliminate(n, a, b, good, residual)
-         if (.not. good) return
+         b(2, :n) = 0
+         call eliminate(n, a, b, regular, unused)
+         if (.not. regular) return
          step = -b(1, :n)
-         good = all(abs(step) <= huge(1.0_wp))
-         if (.not. good) return
-         step = step*deflation(unknowns, step, known, 1.0_wp)
-         share = step_share(setting, unknowns, step)
-         good = .false.
+         if (.not. all(abs(step) <= huge(1.0_wp))) return
+         if (.not. last) step = step*deflation(unknowns, step, known, 1.0_wp)
+         share = step_share(family%cycles, unknowns, step)
          if (share < 1.0e-6_wp) return
          unknowns = unknowns + share*step
-         good = maxval(abs(step)) < 1.0e-7_wp
-         if (good) return
+         if (last) exit
+         ! quadratic convergence: after a step of 1e-7 the next one ends at rounding
+         last = maxval(abs(step)) < 1.0e-7_wp
       end do
-   end subroutine approach
+      if (i > most_iterations) return
+      call set_orbit(family, unknowns, c, o)
+      good = norm2(orbit_residual(o)) < exact_acceptance*max(1.0_wp, &
+         maxval(abs(o%after(1:o%n))), maxval(abs(o%speed(1:o%n))))
+   end subroutine iterate
 
    !> Phases of one guess over the period: 0, then increasing numbers below 1.
    !!

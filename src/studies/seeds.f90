@@ -1,12 +1,11 @@
 !> Motions of a family at a point, from guesses or from simulation.
 module vi_seeds
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_exact, only: setting_type
    use vi_frame, only: frame_type, unknown_count
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
    use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: default_restitution, pattern_type
+   use vi_pattern, only: pattern_type
    use vi_rest_family, only: follow_letters, last_release
    use vi_search, only: search_pattern
    use vi_simulate, only: drive_type, event_type, new_drive, simulate, state_type
@@ -32,7 +31,6 @@ contains
       !> Guesses of the sequence to leave out, at neighbouring points others each time.
       integer, intent(in) :: skip
       real(wp), allocatable, intent(out) :: found(:, :)
-      type(setting_type) :: setting
       real(wp) :: whole(2*size(pattern%sides), room)
       integer :: k, n, tried
 
@@ -40,13 +38,10 @@ contains
          call releases_at(frame, c, min(guesses, 6), found)
          return
       end if
-      setting = setting_type(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
-         1.0_wp, exp(c(by_clearance)), pattern, &
-         default_restitution(pattern%sides, c(by_right), c(by_left)))
-      call search_pattern(setting, guesses, whole, n, tried, skip)
+      n = 0
+      call search_pattern(pattern, c, guesses, whole, n, tried, skip)
       allocate (found(unknown_count(frame), n))
       do k = 1, n
-         whole(:size(pattern%sides), k) = whole(:size(pattern%sides), k)/setting%clearance
          found(:, k) = part_of(frame, c, whole(:, k))
       end do
    end subroutine motions_at

@@ -44,7 +44,7 @@ def test_find_prints_what_find_finds(tool, found):
     assert (done.status, done.err) == (0, b"")
     text = done.out.decode()
     moduli = [float(item) for item in re.findall(r"max\|lambda\| = ([\d.]+),", text)]
-    assert len(found) == 4
+    assert len(found) == 5
     assert moduli == pytest.approx([abs(motion.multipliers[0]) for motion in found], rel=1e-3)
     assert "".join(text.split()).endswith("".join(str(found.search).split()))
     assert list(contents(tool.cwd)) == ["pair.nml"]

@@ -1,0 +1,59 @@
+!> All patterns of impacts up to a size.
+module vi_pattern_list
+   use vi_letters, only: standard_letters
+   use vi_pattern, only: pattern_type
+   implicit none (type, external)
+   private
+
+   public :: side_patterns
+
+contains
+
+   !> All patterns of both walls up to rotation, and up to the mirror image where the walls are
+   !! alike, with each number of load cycles; the shortest first.
+   !!
+   !! One that repeats a shorter one is there too: motions of twice the period look like that.
+   pure function side_patterns(max_impacts, max_cycles, alike) result(patterns)
+      integer, intent(in) :: max_impacts, max_cycles
+      !> R1 = R2
+      logical, intent(in) :: alike
+      type(pattern_type), allocatable :: patterns(:)
+      integer :: n
+
+      n = 0
+      call list(patterns, n)
+      allocate (patterns(n))
+      n = 0
+      call list(patterns, n)
+   contains
+      !> Counts them, and writes them where there is room.
+      pure subroutine list(room, count)
+         type(pattern_type), allocatable, intent(inout) :: room(:)
+         integer, intent(inout) :: count
+         integer :: sides(max_impacts), bits, cycles, i, m
+
+         do m = 2, max_impacts
+            do bits = 2**m - 2, 1, -1
+               sides(:m) = [(merge(1, -1, btest(bits, m - i)), i=1, m)]
+               if (.not. is_standard(sides(:m), alike)) cycle
+               do cycles = 1, max_cycles
+                  count = count + 1
+                  if (allocated(room)) room(count) = pattern_type(sides(:m), cycles)
+               end do
+            end do
+         end do
+      end subroutine list
+   end function side_patterns
+
+   !> Whether a pattern is written in the standard way.
+   pure logical function is_standard(sides, alike)
+      integer, intent(in) :: sides(:)
+      logical, intent(in) :: alike
+      integer :: standard(size(sides)), shift
+      logical :: mirrored
+
+      call standard_letters(sides, alike, standard, shift, mirrored)
+      is_standard = all(standard == sides)
+   end function is_standard
+
+end module vi_pattern_list

@@ -1,0 +1,329 @@
+!> Every periodic motion at a point that a systematic search finds, stable and unstable.
+!!
+!! For each pattern of sides Newton's method starts from guesses, and what it finds is followed
+!! along the lines of constant r and of constant D through the point. Newton's method on the return
+!! map of releases adds motions with rest. Simulations from a spread of initial states add what they
+!! settle on, whatever its number of impacts and load cycles.
+module vi_find
+   use vi_drive, only: drive_type
+   use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored, new_found, &
+      new_resting
+   use vi_kinds, only: wp
+   use vi_likeness, only: length_scale
+   use vi_motion, only: yes
+   use vi_oscillator, only: left, right
+   use vi_passages, only: begin_lines, birth_type, follow_birth, lines_type
+   use vi_pattern, only: pattern_type
+   use vi_pattern_list, only: side_patterns
+   use vi_settled_motion, only: n_outcomes, settle_on
+   use vi_starts, only: release_start, state_start
+   use vi_status, only: stat
+   use vi_tally, only: add_sight, add_work, is_stopped, tell_share
+   implicit none (type, external)
+   private
+
+   public :: find_motions
+
+   !> What a search counts in a tally of work, and the parts of it.
+   integer, parameter, public :: all_work = 1000000
+   integer, parameter :: pattern_work = 900000, release_work = 50000, state_work = 50000
+   !> Events that a period with rest may have while it is searched for; motions that one simulation
+   !! may lead to.
+   integer, parameter :: few_events = 200, most_a_state = 4
+
+   !> Where to search, and how hard.
+   type, public :: find_request_type
+      type(drive_type) :: drive
+      !> Limits of the patterns that are searched.
+      integer :: max_impacts = 6, max_cycles = 2
+      !> Guesses for each pattern; initial states simulated, and load cycles before an attractor is
+      !! looked for; releases for each wall and number of cycles; threads.
+      integer :: guesses = 96, states = 24, settling = 600, releases = 32, threads = 1
+   end type find_request_type
+
+   !> What was found, and how.
+   type, public :: findings_type
+      integer :: n = 0
+      type(found_type), allocatable :: motions(:)
+      !> Patterns searched; Newton iterations started from guesses; solutions that would pass
+      !! through a wall; releases that Newton's method was started from.
+      integer :: patterns = 0, guesses = 0, inadmissible = 0, releases = 0
+      !> States by what becomes of them, as in vi_settled_motion.
+      integer :: outcomes(n_outcomes) = 0
+   end type findings_type
+
+   !> What one task has found.
+   type :: batch_type
+      type(found_type), allocatable :: motions(:)
+      integer :: n = 0, tried = 0, inadmissible = 0, outcome = 0
+   end type batch_type
+
+contains
+
+   !> All motions at a point; the answer does not depend on the number of threads.
+   subroutine find_motions(request, findings, tally)
+      type(find_request_type), intent(in) :: request
+      type(findings_type), intent(out) :: findings
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      real(wp) :: scale
+
+      call add_sight(all_work, tally)
+      associate (drive => request%drive)
+         scale = max(drive%clearance, drive%load*length_scale(drive%osc, drive%r, 0.0_wp))
+      end associate
+      allocate (findings%motions(64))
+      call from_patterns(request, scale, findings, tally)
+      call from_releases(request, scale, findings, tally)
+      call from_states(request, scale, findings, tally)
+      call verify(request, findings)
+   end subroutine find_motions
+
+   !> Adds the motions of all patterns without rest.
+   subroutine from_patterns(request, scale, findings, tally)
+      type(find_request_type), intent(in) :: request
+      real(wp), intent(in) :: scale
+      type(findings_type), intent(inout) :: findings
+      integer, intent(inout), optional :: tally(3)
+      type(pattern_type), allocatable :: patterns(:)
+      type(lines_type), allocatable :: lines(:)
+      type(batch_type), allocatable :: batches(:)
+      real(wp) :: c(6)
+      integer :: i, total
+
+      allocate (patterns, source=side_patterns(request%max_impacts, request%max_cycles, &
+         walls_alike(request%drive)))
+      findings%patterns = size(patterns)
+      allocate (batches(size(patterns)), lines(size(patterns)))
+      total = sum([(size(patterns(i)%sides)**2, i=1, size(patterns))])
+      associate (drive => request%drive, osc => request%drive%osc)
+         ! without load there is no clearance in units of it: so large that nothing is there
+         c = [drive%r, log(drive%clearance/max(drive%load, drive%clearance*1.0e-300_wp)), osc%xi, &
+            osc%mu, osc%restitution(right), osc%restitution(left)]
+      end associate
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
+      do i = 1, size(patterns)
+         if (is_stopped(tally)) cycle
+         call begin_lines(patterns(i), c, request%guesses, request%max_impacts, lines(i), &
+            batches(i)%tried)
+         call add_work(int(real(pattern_work, wp)*size(patterns(i)%sides)**2/total), tally)
+      end do
+      !$omp end parallel do
+      if (is_stopped(tally)) return
+      call follow_births(request, patterns, lines)
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
+      do i = 1, size(patterns)
+         call keep_admissible(request%drive, patterns(i), lines(i)%unknowns(:, :lines(i)%n), &
+            batches(i))
+      end do
+      !$omp end parallel do
+      do i = 1, size(patterns)
+         findings%guesses = findings%guesses + batches(i)%tried
+         findings%inadmissible = findings%inadmissible + batches(i)%inadmissible
+         call add_batch(request%drive, batches(i), scale, findings)
+      end do
+   end subroutine from_patterns
+
+   !> Follows the lines that begin where other patterns graze, and those that begin on them.
+   subroutine follow_births(request, patterns, lines)
+      type(find_request_type), intent(in) :: request
+      type(pattern_type), intent(in) :: patterns(:)
+      type(lines_type), intent(inout) :: lines(:)
+      integer, parameter :: rounds = 3
+      type(birth_type), allocatable :: births(:)
+      integer, allocatable :: owners(:)
+      integer :: taken(size(lines)), i, j, n, round
+
+      taken = 0
+      do round = 1, rounds
+         n = sum(lines%n_births - taken)
+         if (n == 0) return
+         allocate (births(n), owners(n))
+         n = 0
+         do i = 1, size(lines)
+            do j = taken(i) + 1, lines(i)%n_births
+               n = n + 1
+               births(n) = lines(i)%births(j)
+               owners(n) = place_of(births(n)%pattern, patterns)
+            end do
+            taken(i) = lines(i)%n_births
+         end do
+         !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(j)
+         do i = 1, size(lines)
+            do j = 1, n
+               if (owners(j) == i) call follow_birth(lines(i), births(j))
+            end do
+         end do
+         !$omp end parallel do
+         deallocate (births, owners)
+      end do
+   end subroutine follow_births
+
+   !> Where a pattern is in a list; 0 if it is not there.
+   pure integer function place_of(pattern, patterns) result(place)
+      type(pattern_type), intent(in) :: pattern, patterns(:)
+
+      do place = size(patterns), 1, -1
+         if (patterns(place)%cycles /= pattern%cycles) cycle
+         if (size(patterns(place)%sides) /= size(pattern%sides)) cycle
+         if (all(patterns(place)%sides == pattern%sides)) return
+      end do
+   end function place_of
+
+   !> The admissible motions among those of one pattern.
+   pure subroutine keep_admissible(drive, pattern, unknowns, batch)
+      type(drive_type), intent(in) :: drive
+      type(pattern_type), intent(in) :: pattern
+      !> x_i/D and theta_i of each (2N, m).
+      real(wp), intent(in) :: unknowns(:, :)
+      type(batch_type), intent(inout) :: batch
+      type(found_type) :: found
+      integer :: i, n
+
+      n = size(pattern%sides)
+      allocate (batch%motions(size(unknowns, 2)))
+      do i = 1, size(unknowns, 2)
+         call new_found(drive, pattern, drive%clearance*unknowns(:n, i), unknowns(n + 1:, i), found)
+         if (found%status /= stat%ok) cycle
+         if (found%admissible == yes) then
+            batch%n = batch%n + 1
+            batch%motions(batch%n) = found
+         else
+            batch%inadmissible = batch%inadmissible + 1
+         end if
+      end do
+   end subroutine keep_admissible
+
+   !> Adds the motions with rest to which Newton's method leads from releases.
+   subroutine from_releases(request, scale, findings, tally)
+      type(find_request_type), intent(in) :: request
+      real(wp), intent(in) :: scale
+      type(findings_type), intent(inout) :: findings
+      integer, intent(inout), optional :: tally(3)
+      type(batch_type), allocatable :: batches(:)
+      integer :: i, n, cycles, side, told
+
+      n = request%releases
+      allocate (batches(2*n*request%max_cycles))
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(cycles, side)
+      do i = 1, size(batches)
+         if (is_stopped(tally)) cycle
+         cycles = (i - 1)/(2*n) + 1
+         side = merge(1, -1, modulo(i - 1, 2*n) < n)
+         allocate (batches(i)%motions(1))
+         associate (drive => request%drive, found => batches(i)%motions(1))
+            call new_resting(drive, side, cycles, release_start(drive%osc, drive%r, drive%load, &
+               drive%clearance, side, modulo(i - 1, n)), few_events, found)
+            batches(i)%n = merge(1, 0, found%status == stat%ok)
+         end associate
+      end do
+      !$omp end parallel do
+      findings%releases = size(batches)
+      do i = 1, size(batches)
+         call add_batch(request%drive, batches(i), scale, findings)
+      end do
+      told = 0
+      call tell_share(1.0_wp, release_work, told, tally)
+   end subroutine from_releases
+
+   !> Adds the motions that simulations settle on.
+   subroutine from_states(request, scale, findings, tally)
+      type(find_request_type), intent(in) :: request
+      real(wp), intent(in) :: scale
+      type(findings_type), intent(inout) :: findings
+      integer, intent(inout), optional :: tally(3)
+      type(batch_type), allocatable :: batches(:)
+      integer :: i
+
+      allocate (batches(request%states))
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
+      do i = 1, size(batches)
+         if (is_stopped(tally)) cycle
+         allocate (batches(i)%motions(most_a_state))
+         associate (drive => request%drive, batch => batches(i))
+            call settle_on(drive, state_start(drive%osc, drive%r, drive%load, drive%clearance, i), &
+               request%settling, scale, batch%outcome, batch%motions, batch%n)
+         end associate
+         call add_work(state_work/size(batches), tally)
+      end do
+      !$omp end parallel do
+      do i = 1, n_outcomes
+         findings%outcomes(i) = count(batches%outcome == i)
+      end do
+      do i = 1, size(batches)
+         call add_batch(request%drive, batches(i), scale, findings)
+      end do
+   end subroutine from_states
+
+   pure logical function walls_alike(drive)
+      type(drive_type), intent(in) :: drive
+
+      walls_alike = abs(drive%osc%restitution(1) - drive%osc%restitution(2)) <= 0
+   end function walls_alike
+
+   !> Adds what is not there yet, with mirror images where the walls are alike.
+   pure subroutine add_batch(drive, batch, scale, findings)
+      type(drive_type), intent(in) :: drive
+      type(batch_type), intent(in) :: batch
+      real(wp), intent(in) :: scale
+      type(findings_type), intent(inout) :: findings
+      type(found_type) :: once
+      integer :: i
+
+      do i = 1, batch%n
+         once = in_standard_form(batch%motions(i), scale)
+         call add(once, scale, findings)
+         if (walls_alike(drive)) call add(in_standard_form(mirrored(once), scale), scale, findings)
+      end do
+   end subroutine add_batch
+
+   pure subroutine add(motion, scale, findings)
+      type(found_type), intent(in) :: motion
+      real(wp), intent(in) :: scale
+      type(findings_type), intent(inout) :: findings
+      type(found_type), allocatable :: more(:)
+      integer :: i
+
+      do i = 1, findings%n
+         if (are_same(motion, findings%motions(i), scale)) return
+      end do
+      if (findings%n == size(findings%motions)) then
+         allocate (more(2*findings%n))
+         more(:findings%n) = findings%motions
+         call move_alloc(more, findings%motions)
+      end if
+      findings%n = findings%n + 1
+      findings%motions(findings%n) = motion
+   end subroutine add
+
+   !> Solves once more for each motion as it is written now, with its verdicts; what is lost on the
+   !! edge of convergence is left out.
+   subroutine verify(request, findings)
+      type(find_request_type), intent(in) :: request
+      type(findings_type), intent(inout) :: findings
+      type(found_type) :: again
+      integer :: i, n
+
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(again, n)
+      do i = 1, findings%n
+         associate (motion => findings%motions(i))
+            n = size(motion%pattern%sides)
+            if (n == 0) cycle
+            call new_found(request%drive, motion%pattern, motion%unknowns(:n), &
+               motion%unknowns(n + 1:), again)
+            if (again%admissible /= yes .and. again%status == stat%ok) again%status = stat%no_motion
+            motion%status = again%status
+            if (again%status == stat%ok) motion = again
+         end associate
+      end do
+      !$omp end parallel do
+      n = 0
+      do i = 1, findings%n
+         if (findings%motions(i)%status /= stat%ok) cycle
+         n = n + 1
+         if (n < i) findings%motions(n) = findings%motions(i)
+      end do
+      findings%n = n
+   end subroutine verify
+
+end module vi_find

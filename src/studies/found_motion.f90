@@ -1,0 +1,188 @@
+!> Motions as a search keeps them: each written in one way, so that no motion is kept twice.
+!!
+!! Without rest a motion is its pattern with positions and phases; with rest, its releases. A motion
+!! may have been found written several times over, from any of its impacts on, or as the mirror
+!! image of one that is known.
+module vi_found_motion
+   use vi_assess, only: assess_exact, assess_flights
+   use vi_drive, only: drive_type, event_type, release_event, two_pi
+   use vi_exact, only: setting_type, solve_exact
+   use vi_kinds, only: wp
+   use vi_letters, only: standard_letters
+   use vi_likeness, only: distance, same, shortest_repetition
+   use vi_motion, only: motion_type, unknown, yes
+   use vi_pattern, only: default_restitution, pattern_type
+   use vi_rest_motion, only: solve_rest_motion
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: are_same, in_standard_form, mirrored, new_found, new_resting, setting_of
+
+   !> Newton iterations for a motion without rest.
+   integer, parameter :: most_iterations = 50
+
+   type, public :: found_type
+      !> Without rest the sides of the impacts; with rest no sides. And the load cycles.
+      type(pattern_type) :: pattern
+      !> x_i, theta_i (2n); none with rest.
+      real(wp), allocatable :: unknowns(:)
+      !> With rest: side, phase and velocity of the releases of a period (3, m).
+      real(wp), allocatable :: releases(:, :)
+      !> As of vi_motion.
+      integer :: admissible = unknown, stable = unknown
+      integer :: status = stat%no_motion
+   end type found_type
+
+contains
+
+   !> The exact motion of a pattern near a guess, with its verdicts.
+   pure subroutine new_found(drive, pattern, x, theta, found)
+      type(drive_type), intent(in) :: drive
+      type(pattern_type), intent(in) :: pattern
+      !> The guess (n).
+      real(wp), intent(in) :: x(:), theta(:)
+      type(found_type), intent(out) :: found
+      type(motion_type) :: motion
+      real(wp) :: x_now(size(x)), theta_now(size(x)), none(2*size(x), 0)
+      integer :: iterations
+
+      x_now = x
+      theta_now = theta
+      call solve_exact(setting_of(drive, pattern), x_now, theta_now, most_iterations, none, &
+         motion, iterations)
+      found%status = motion%status
+      if (found%status /= stat%ok) return
+      call assess_exact(motion)
+      call assess_flights(motion)
+      found%status = merge(stat%ok, stat%no_convergence, motion%consistent == yes)
+      found%admissible = motion%admissible
+      found%stable = motion%stable
+      found%pattern = pattern
+      found%unknowns = [x_now, theta_now]
+      allocate (found%releases(3, 0))
+   end subroutine new_found
+
+   !> The periodic motion with rest near a release, with its verdicts.
+   pure subroutine new_resting(drive, side, cycles, guess, room, found)
+      type(drive_type), intent(in) :: drive
+      !> The wall of the release, and the load cycles of the period.
+      integer, intent(in) :: side, cycles
+      !> (phase, v) at the release.
+      real(wp), intent(in) :: guess(2)
+      !> Events that the period may have.
+      integer, intent(in) :: room
+      type(found_type), intent(out) :: found
+      type(event_type), allocatable :: events(:)
+      complex(wp) :: lambda(4)
+      real(wp) :: point(2), residual
+      integer :: i, n, m
+
+      allocate (events(room))
+      point = guess
+      call solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, &
+         found%status, found%stable)
+      if (found%status /= stat%ok) return
+      found%admissible = yes
+      allocate (found%pattern%sides(0), found%unknowns(0))
+      found%pattern%cycles = cycles
+      allocate (found%releases(3, count(events(:n)%kind == release_event)))
+      ! the last one is the release that was solved for
+      m = size(found%releases, 2)
+      do i = n, 1, -1
+         if (events(i)%kind /= release_event) cycle
+         found%releases(:, m) = [real(events(i)%side, wp), events(i)%phase, events(i)%x_dot_after]
+         m = m - 1
+      end do
+      m = size(found%releases, 2)
+      found%releases(:, m) = [real(side, wp), point]
+   end subroutine new_resting
+
+   !> What is given of a motion of a pattern.
+   pure function setting_of(drive, pattern) result(setting)
+      type(drive_type), intent(in) :: drive
+      type(pattern_type), intent(in) :: pattern
+      type(setting_type) :: setting
+
+      setting = setting_type(drive%osc, drive%r, drive%load, drive%clearance, pattern, &
+         default_restitution(pattern%sides, drive%osc%restitution(1), drive%osc%restitution(2)))
+   end function setting_of
+
+   !> The same motion written once, from the impact on that puts R before L.
+   pure function in_standard_form(found, scale) result(standard)
+      type(found_type), intent(in) :: found
+      !> Of positions, as `length_scale`.
+      real(wp), intent(in) :: scale
+      type(found_type) :: standard
+      integer, allocatable :: letters(:)
+      integer :: i, n, m, parts, shift
+      logical :: unused
+
+      standard = found
+      if (size(found%releases, 2) > 0) then
+         parts = count([(near_release(found%releases(:, 1), found%releases(:, i), scale), &
+            i=1, size(found%releases, 2))])
+         standard%pattern%cycles = found%pattern%cycles/parts
+         return
+      end if
+      n = size(found%pattern%sides)
+      m = shortest_repetition(found%pattern, scale, found%unknowns)
+      standard%pattern%sides = found%pattern%sides(:m)
+      standard%pattern%cycles = found%pattern%cycles*m/n
+      standard%unknowns = [found%unknowns(:m), found%unknowns(n + 1:n + m)]
+      allocate (letters(m))
+      call standard_letters(standard%pattern%sides, .false., letters, shift, unused)
+      standard%pattern%sides = letters
+      standard%unknowns(:m) = cshift(standard%unknowns(:m), shift)
+      associate (theta => standard%unknowns(m + 1:))
+         theta(:shift) = theta(:shift) + two_pi*standard%pattern%cycles
+         theta = cshift(theta, shift)
+      end associate
+   end function in_standard_form
+
+   !> The mirror image, where the walls are alike: x -> -x, R <-> L, half a load cycle later.
+   pure function mirrored(found) result(image)
+      type(found_type), intent(in) :: found
+      type(found_type) :: image
+      integer :: n
+
+      image = found
+      image%pattern%sides = -found%pattern%sides
+      n = size(found%pattern%sides)
+      image%unknowns(:n) = -found%unknowns(:n)
+      image%unknowns(n + 1:) = found%unknowns(n + 1:) + 0.5_wp*two_pi
+      image%releases(1, :) = -found%releases(1, :)
+      image%releases(2, :) = modulo(found%releases(2, :) + 0.5_wp*two_pi, two_pi)
+      image%releases(3, :) = -found%releases(3, :)
+   end function mirrored
+
+   !> Whether two motions in standard form are one.
+   pure logical function are_same(one, other, scale)
+      type(found_type), intent(in) :: one, other
+      real(wp), intent(in) :: scale
+      integer :: i
+
+      are_same = .false.
+      if (one%pattern%cycles /= other%pattern%cycles) return
+      if (size(one%pattern%sides) /= size(other%pattern%sides)) return
+      if (size(one%releases, 2) > 0) then
+         are_same = any([(near_release(one%releases(:, 1), other%releases(:, i), scale), &
+            i=1, size(other%releases, 2))])
+      else if (all(one%pattern%sides == other%pattern%sides)) then
+         are_same = distance(one%pattern, scale, one%unknowns, other%unknowns) < same
+      end if
+   end function are_same
+
+   !> Whether two releases are one, whole load cycles apart.
+   pure logical function near_release(one, other, scale) result(near)
+      !> Side, phase and velocity of each.
+      real(wp), intent(in) :: one(3), other(3)
+      real(wp), intent(in) :: scale
+      real(wp) :: gap
+
+      gap = other(2) - one(2)
+      gap = gap - two_pi*nint(gap/two_pi)
+      near = one(1)*other(1) > 0 .and. abs(gap) < same .and. abs(other(3) - one(3)) < same*scale
+   end function near_release
+
+end module vi_found_motion

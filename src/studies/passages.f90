@@ -1,0 +1,357 @@
+!> The motions of one pattern at a point, from guesses there and along two lines through it.
+!!
+!! Newton's method misses motions whose neighbourhood of convergence is small. But the lines of
+!! constant D and of constant r through a motion, followed through their folds, often come back to
+!! the point on another sheet: each passage through the point is one more of its motions, and both
+!! its lines are followed as well. Where a motion grazes a wall a line of another pattern begins,
+!! which has that touch as an impact more.
+module vi_passages
+   use vi_conditions, only: gap_of_flight
+   use vi_curve, only: correct, curve_type, tangent_at
+   use vi_frame, only: condition_type, edge, grazing
+   use vi_kinds, only: wp
+   use vi_letters, only: standard_letters
+   use vi_likeness, only: distance, same
+   use vi_orbit, only: by_clearance, by_left, by_r, by_right, by_xi, orbit_type, set_orbit
+   use vi_oscillator, only: gain
+   use vi_pattern, only: pattern_type
+   use vi_search, only: search_pattern
+   use vi_steps, only: place_type, stride_type, take_step
+   implicit none (type, external)
+   private
+
+   public :: begin_lines, follow_birth
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
+   !> Units of length along r and log D, those of the 1983 charts, and how far a line is followed.
+   real(wp), parameter :: unit(2) = [0.4_wp, log(100.0_wp)], reach = 0.3_wp
+   !> A motion that is farther beyond a wall (over D) is not looked at for births.
+   real(wp), parameter :: depth = 0.1_wp
+   !> Motions and births kept of a pattern, and steps made along its lines.
+   integer, parameter :: room = 128, most_births = 32, most_steps = 3000
+
+   !> A motion that just touches a wall, written with the touch as an impact: in standard order.
+   type, public :: birth_type
+      type(pattern_type) :: pattern
+      !> The parameter that changes along the line where it was found, its place there, and the
+      !> unknowns (x_i/D, theta_i).
+      integer :: direction = 0
+      real(wp) :: place = 0
+      real(wp), allocatable :: unknowns(:)
+   end type birth_type
+
+   !> What is known of a pattern at a point.
+   type, public :: lines_type
+      private
+      type(pattern_type) :: pattern
+      type(curve_type) :: curve
+      !> Unit of x_i/D.
+      real(wp) :: scale = 1
+      integer :: steps = 0
+      !> Most impacts of a pattern that is begun, and whether the walls are alike.
+      integer :: letters = 0
+      logical :: alike = .false.
+      integer, public :: n = 0, n_births = 0
+      !> Of each motion x_i/D and theta_i (2N, room), and whether its lines of constant D and of
+      !> constant r have been followed (2, room).
+      real(wp), allocatable, public :: unknowns(:, :)
+      logical, allocatable :: followed(:, :)
+      type(birth_type), public :: births(most_births)
+   end type lines_type
+
+contains
+
+   !> The motions of a pattern at a point, admissible or not, and their lines.
+   pure subroutine begin_lines(pattern, c, guesses, letters, lines, tried)
+      type(pattern_type), intent(in) :: pattern
+      !> r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+      !> Guesses for Newton's method.
+      integer, intent(in) :: guesses
+      !> Most impacts of a pattern that begins where another one grazes.
+      integer, intent(in) :: letters
+      type(lines_type), intent(inout) :: lines
+      !> Newton iterations that were started.
+      integer, intent(out) :: tried
+
+      call new_lines(pattern, c, lines)
+      lines%letters = letters
+      lines%alike = abs(c(by_right) - c(by_left)) <= 0
+      call search_pattern(pattern, c, guesses, lines%unknowns, lines%n, tried, 0)
+      call follow_all(lines, 1)
+   end subroutine begin_lines
+
+   !> Follows the line that begins at a birth, and those of motions at the point that it leads to.
+   pure subroutine follow_birth(lines, birth)
+      !> Of the pattern of the birth.
+      type(lines_type), intent(inout) :: lines
+      type(birth_type), intent(in) :: birth
+      integer :: way, first
+
+      first = lines%n + 1
+      do way = -1, 1, 2
+         call walk(lines, birth%direction, birth%unknowns, birth%place, way)
+      end do
+      call follow_all(lines, first)
+   end subroutine follow_birth
+
+   !> Follows both lines through every motion at the point, from one of them on.
+   pure subroutine follow_all(lines, first)
+      type(lines_type), intent(inout) :: lines
+      integer, intent(in) :: first
+      real(wp) :: unknowns(2*size(lines%pattern%sides))
+      integer :: i, direction, way
+
+      i = first
+      do while (i <= lines%n)
+         unknowns = lines%unknowns(:, i)
+         do direction = 1, 2
+            if (lines%followed(direction, i)) cycle
+            lines%followed(direction, i) = .true.
+            do way = -1, 1, 2
+               call walk(lines, direction, unknowns, 0.0_wp, way)
+            end do
+         end do
+         i = i + 1
+      end do
+   end subroutine follow_all
+
+   !> Nothing known yet.
+   pure subroutine new_lines(pattern, c, lines)
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: c(:)
+      type(lines_type), intent(inout) :: lines
+
+      lines%pattern = pattern
+      lines%scale = max(1.0_wp, min(huge(1.0_wp), gain(c(by_xi), c(by_r)))*exp(-c(by_clearance)))
+      associate (frame => lines%curve%frame)
+         frame%family%sides = pattern%sides
+         frame%family%cycles = pattern%cycles
+         allocate (frame%edges(0), frame%repetitions(0))
+      end associate
+      lines%curve%c = c
+      lines%curve%active = [by_r]
+      lines%curve%origin = [0.0_wp]
+      lines%curve%scale = [1.0_wp]
+      allocate (lines%unknowns(2*size(pattern%sides), room))
+      allocate (lines%followed(2, room), source=.false.)
+   end subroutine new_lines
+
+   !> Follows a line one way, until it leaves the reach or what is physical, or comes to where it
+   !! has been followed before.
+   pure subroutine walk(lines, direction, unknowns, place, way)
+      type(lines_type), intent(inout) :: lines
+      !> The parameter that changes along the line, and which way first.
+      integer, intent(in) :: direction, way
+      !> The motion where it begins, and its place on the line.
+      real(wp), intent(in) :: unknowns(:), place
+      type(condition_type) :: none(0), touches(size(unknowns)/2), touches_next(size(unknowns)/2)
+      type(place_type) :: now, next
+      type(orbit_type) :: o
+      real(wp) :: along(size(unknowns) + 1)
+      real(wp), dimension(size(unknowns)/2) :: gaps, gaps_next
+      integer :: n
+      logical :: good, known, looks, right
+
+      n = size(along)
+      lines%curve%active = direction
+      lines%curve%origin = lines%curve%c(direction)
+      lines%curve%scale = unit(direction)
+      now%point = [unknowns, place]
+      looks = size(gaps) < lines%letters
+      call look(lines%curve, now%point, looks, o, right, gaps, touches)
+      ! at a birth the new approach is zero
+      if (.not. (right .or. abs(place) > 0)) return
+      along = 0
+      along(n) = way
+      allocate (now%tangent(n))
+      allocate (now%bend(n, 2), source=0.0_wp)
+      call tangent_at(lines%curve, none, now%point, along, now%tangent, good)
+      now%step = 0.02_wp
+      do while (good .and. lines%steps < most_steps)
+         lines%steps = lines%steps + 1
+         call take_step(lines%curve, none, stride_type(longest=0.06_wp, turn=0.4_wp), now, next, &
+            good, blind=.true.)
+         if (.not. good) return
+         if (.not. next%came < now%step) next%step = 1.6_wp*next%came
+         call look(lines%curve, next%point, looks, o, right, gaps_next, touches_next)
+         if (looks) call note_births(lines, now, next, gaps, gaps_next, touches_next)
+         call note_passages(lines, now, next, known)
+         if (known .or. abs(next%point(n)) > reach .or. .not. right) return
+         now = next
+         gaps = gaps_next
+      end do
+   end subroutine walk
+
+   !> Whether the masses approach each other at every impact; and the gaps of the flights.
+   pure subroutine look(curve, point, looks, o, right, gaps, touches)
+      type(curve_type), intent(in) :: curve
+      real(wp), intent(in) :: point(:)
+      !> Whether the gaps are wanted.
+      logical, intent(in) :: looks
+      type(orbit_type), intent(inout) :: o
+      logical, intent(out) :: right
+      !> The least gap inside each flight over D, and where it is.
+      real(wp), intent(inout) :: gaps(:)
+      type(condition_type), intent(inout) :: touches(:)
+      real(wp) :: c(size(curve%c))
+      integer :: i
+
+      c = curve%c
+      c(curve%active(1)) = curve%origin(1) + curve%scale(1)*point(size(point))
+      right = .false.
+      gaps = 0
+      if (.not. c(by_r) > 0) return
+      call set_orbit(curve%frame%family, point(:size(point) - 1), c, o)
+      right = all(o%side(1:o%n)*(o%speed(0:o%n - 1) - o%before(1:o%n)) > 0)
+      if (.not. (looks .and. right)) return
+      do i = 1, o%n
+         touches(i) = condition_type(grazing, i)
+         call gap_of_flight(o, touches(i), gaps(i))
+      end do
+   end subroutine look
+
+   !> Notes where a motion grazes a wall within a step: a longer pattern begins there.
+   pure subroutine note_births(lines, now, next, gaps, gaps_next, touches)
+      type(lines_type), intent(inout) :: lines
+      type(place_type), intent(in) :: now, next
+      !> Of each flight, before and after the step.
+      real(wp), intent(in) :: gaps(:), gaps_next(:)
+      !> Where the gaps are after it.
+      type(condition_type), intent(in) :: touches(:)
+      type(birth_type) :: birth
+      real(wp) :: point(size(now%point))
+      integer :: i, iterations
+
+      do i = 1, size(gaps)
+         if (.not. gaps(i)*gaps_next(i) < 0 .or. touches(i)%kind /= grazing) cycle
+         if (lines%n_births == most_births .or. minval(gaps) < -depth) return
+         point = now%point + gaps(i)/(gaps(i) - gaps_next(i))*(next%point - now%point)
+         call correct(lines%curve, [touches(i)], point, iterations)
+         if (iterations == 0 .or. norm2(point - now%point) > 2*next%came) cycle
+         call insert(lines, point, touches(i), birth)
+         if (.not. is_known(lines%births(:lines%n_births), birth)) then
+            lines%n_births = lines%n_births + 1
+            lines%births(lines%n_births) = birth
+         end if
+      end do
+   end subroutine note_births
+
+   !> Whether a birth is among those noted.
+   pure logical function is_known(births, birth)
+      type(birth_type), intent(in) :: births(:), birth
+      integer :: i
+
+      is_known = .false.
+      do i = 1, size(births)
+         if (births(i)%direction /= birth%direction) cycle
+         is_known = abs(births(i)%place - birth%place) < same .and. &
+            all(births(i)%pattern%sides == birth%pattern%sides)
+         if (is_known) return
+      end do
+   end function is_known
+
+   !> A motion that touches a wall, with the touch as one impact more, in standard order.
+   pure subroutine insert(lines, point, touch, birth)
+      type(lines_type), intent(in) :: lines
+      real(wp), intent(in) :: point(:)
+      !> Flight, wall and share of the flight's duration.
+      type(condition_type), intent(in) :: touch
+      type(birth_type), intent(out) :: birth
+      type(orbit_type) :: o
+      real(wp), dimension(size(point)/2 + 1) :: x, theta
+      real(wp) :: c(size(lines%curve%c)), z
+      integer, dimension(size(x)) :: sides, letters
+      integer :: i, n, shift
+      logical :: mirrored
+
+      n = size(x) - 1
+      c = lines%curve%c
+      birth%direction = lines%curve%active(1)
+      birth%place = point(size(point))
+      c(birth%direction) = lines%curve%origin(1) + lines%curve%scale(1)*birth%place
+      call set_orbit(lines%curve%frame%family, point(:2*n), c, o)
+      i = touch%index
+      z = o%z(i) + touch%share*(o%z(i + 1) - o%z(i))
+      x = [point(:i), z - 0.5_wp*touch%side, point(i + 1:n)]
+      theta = [point(n + 1:n + i), o%theta(i) + touch%share*(o%theta(i + 1) - o%theta(i)), &
+         point(n + i + 1:2*n)]
+      sides = [lines%pattern%sides(:i), touch%side, lines%pattern%sides(i + 1:)]
+      call standard_letters(sides, lines%alike, letters, shift, mirrored)
+      theta(:shift) = theta(:shift) + 2*pi*lines%pattern%cycles
+      x = cshift(x, shift)
+      theta = cshift(theta, shift)
+      if (mirrored) then
+         x = -x
+         theta = theta + pi
+      end if
+      birth%pattern = pattern_type(letters, lines%pattern%cycles)
+      birth%unknowns = [x, theta]
+   end subroutine insert
+
+   !> Adds the motions where a step passes the point.
+   !!
+   !! A step round a fold may pass it twice: away from its beginning and back towards its end.
+   pure subroutine note_passages(lines, now, next, known)
+      type(lines_type), intent(inout) :: lines
+      type(place_type), intent(in) :: now, next
+      !> Whether the line has been followed there before.
+      logical, intent(out) :: known
+      real(wp) :: a, b
+      integer :: n
+
+      known = .false.
+      n = size(now%point)
+      a = now%point(n)
+      b = next%point(n)
+      if (a*b < 0) then
+         call note(lines, now%point - a/(b - a)*(next%point - now%point), next%came, known)
+      else if (now%tangent(n)*next%tangent(n) < 0) then
+         ! the first passage may be the beginning itself
+         if (passes(a, -now%tangent(n), next%came)) call note(lines, &
+            now%point - a/now%tangent(n)*now%tangent, next%came, known)
+         if (known) return
+         if (passes(b, next%tangent(n), next%came)) call note(lines, &
+            next%point - b/next%tangent(n)*next%tangent, next%came, known)
+      end if
+   end subroutine note_passages
+
+   !> Whether a tangent comes from the point within a step.
+   pure logical function passes(q, slope, step)
+      !> The parameter where the tangent begins, and how fast it grows along it.
+      real(wp), intent(in) :: q, slope, step
+
+      passes = q*slope > 0 .and. abs(q) < step*abs(slope)
+   end function passes
+
+   !> Adds the motion at the point to which a guess leads, if that is near.
+   pure subroutine note(lines, guess, step, known)
+      type(lines_type), intent(inout) :: lines
+      real(wp), intent(in) :: guess(:)
+      !> The length of the step that passes the point.
+      real(wp), intent(in) :: step
+      !> Whether the line has been followed there before.
+      logical, intent(inout) :: known
+      real(wp) :: point(size(guess))
+      integer :: i, n, iterations
+
+      n = size(point)
+      point = guess
+      associate (curve => lines%curve)
+         call correct(curve, [condition_type(edge, curve%active(1), 1, bound=curve%origin(1))], &
+            point, iterations)
+      end associate
+      if (iterations == 0 .or. norm2(point - guess) > step) return
+      do i = 1, lines%n
+         if (distance(lines%pattern, lines%scale, point(:n - 1), lines%unknowns(:, i)) < same) exit
+      end do
+      if (i > lines%n) then
+         if (i > room) return
+         lines%n = i
+         lines%unknowns(:, i) = point(:n - 1)
+      end if
+      known = lines%followed(lines%curve%active(1), i)
+      lines%followed(lines%curve%active(1), i) = .true.
+   end subroutine note
+
+end module vi_passages

@@ -1,0 +1,134 @@
+!> The periodic motion that a state settles on, as Newton's method confirms it.
+!!
+!! That a simulation repeats itself for two periods is no proof: near a fold, or between bursts of
+!! intermittent chaos, it does so for long. A state counts as settled only where Newton's method,
+!! begun at its last period, leads to a motion right there that is admissible and stable.
+module vi_settled_motion
+   use vi_drive, only: drive_type, event_type, initial_state, state_type, two_pi
+   use vi_found_motion, only: found_type, new_found, new_resting
+   use vi_kinds, only: wp
+   use vi_motion, only: yes
+   use vi_pattern, only: pattern_type
+   use vi_readings, only: last_of_period, mismatch, read_window, reading_type, run, total_phase
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: settle_on
+
+   !> What becomes of a state: a confirmed motion; one that is confirmed but not stable (or not
+   !! admissible, or where that is unknown); repeats itself, but Newton's method leads to no motion
+   !! there; does not repeat itself; no impacts are left; the simulation could not go on.
+   integer, parameter, public :: settled = 1, not_stable = 2, unconfirmed = 3, wandering = 4, &
+      no_impacts = 5, unfinished = 6
+   integer, parameter, public :: n_outcomes = 6
+
+   !> Longest period that is looked for, in load cycles, and most letters that it may have.
+   integer, parameter :: longest = 16, most_letters = 100
+   !> Events kept of the end of a simulation, and of a period with rest.
+   integer, parameter :: room = 40000, rest_room = 20000
+   !> How far apart impacts may be from period to period, how much nearer in a longer period that
+   !! is tried after a shorter one, and how far Newton's method may lead away.
+   real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp, near = 0.1_wp
+
+contains
+
+   !> Simulates a state, and confirms what it settles on.
+   pure subroutine settle_on(drive, start, settling, scale, outcome, found, n_found)
+      type(drive_type), intent(in) :: drive
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: start(5)
+      !> Load cycles simulated before a period is looked for.
+      integer, intent(in) :: settling
+      !> Of positions, as `length_scale`.
+      real(wp), intent(in) :: scale
+      !> One of the above.
+      integer, intent(out) :: outcome
+      !> The motions that Newton's method led to, the one settled on last.
+      type(found_type), intent(out) :: found(:)
+      integer, intent(out) :: n_found
+      type(state_type) :: state
+      type(event_type), allocatable :: events(:)
+      type(reading_type) :: now, before
+      type(found_type) :: motion
+      real(wp) :: finish, apart, least
+      integer :: cycles, last, n, status
+      logical :: nearby
+
+      allocate (events(room))
+      n_found = 0
+      outcome = unfinished
+      state = initial_state(drive, start)
+      call run(drive, state, settling, events(:1000), n, status)
+      if (status /= stat%ok) return
+      call run(drive, state, 2*longest + 2, events, n, status)
+      if (status /= stat%ok) return
+      outcome = no_impacts
+      if (n == 0) return
+      outcome = wandering
+      last = last_of_period(events(:n))
+      ! a thousandth of a cycle: the event one period before belongs to the window before
+      finish = total_phase(events(last)) + 1.0e-3_wp*two_pi
+      least = about
+      do cycles = 1, longest
+         call read_window(events(:last), finish - two_pi*cycles, finish, now)
+         call read_window(events(:last), finish - 2*two_pi*cycles, finish - two_pi*cycles, before)
+         if (now%n > most_letters) exit
+         apart = mismatch(events, now, before, cycles)
+         if (.not. apart < least) cycle
+         least = nearer*apart
+         call confirm(drive, events(:last), now, cycles, scale, motion, nearby)
+         if (motion%status == stat%ok .and. motion%admissible == yes .and. &
+            n_found < size(found)) then
+            n_found = n_found + 1
+            found(n_found) = motion
+         end if
+         if (.not. nearby) then
+            if (outcome == wandering) outcome = unconfirmed
+            cycle
+         end if
+         outcome = not_stable
+         if (motion%stable /= yes .or. motion%admissible /= yes) cycle
+         outcome = settled
+         return
+      end do
+   end subroutine settle_on
+
+   !> Newton's method from the last period of a simulation.
+   pure subroutine confirm(drive, events, reading, cycles, scale, motion, nearby)
+      type(drive_type), intent(in) :: drive
+      !> Up to the end of the period.
+      type(event_type), intent(in) :: events(:)
+      type(reading_type), intent(in) :: reading
+      integer, intent(in) :: cycles
+      real(wp), intent(in) :: scale
+      type(found_type), intent(out) :: motion
+      !> Whether the motion is where the simulation is.
+      logical, intent(out) :: nearby
+      real(wp) :: x(reading%n), theta(reading%n)
+      integer :: n
+
+      n = reading%n
+      if (any(abs(reading%letters(:n)) == 2)) then
+         associate (release => events(size(events)))
+            call new_resting(drive, release%side, cycles, [release%phase, release%x_dot_after], &
+               rest_room, motion)
+            nearby = motion%status == stat%ok
+            if (.not. nearby) return
+            associate (at => motion%releases(:, size(motion%releases, 2)))
+               nearby = abs(modulo(at(2) - release%phase + 0.5_wp*two_pi, two_pi) - 0.5_wp*two_pi) &
+                  < near .and. abs(at(3) - release%x_dot_after) < near*scale
+            end associate
+         end associate
+         return
+      end if
+      x = events(reading%first(:n))%x
+      theta = total_phase(events(reading%first(:n))) - drive%lag
+      theta = theta - two_pi*floor(theta(1)/two_pi)
+      call new_found(drive, pattern_type(reading%letters(:n), cycles), x, theta, motion)
+      nearby = motion%status == stat%ok
+      if (nearby) nearby = all(abs(motion%unknowns(:n) - x) < near*scale) .and. &
+         all(abs(motion%unknowns(n + 1:) - theta) < near)
+   end subroutine confirm
+
+end module vi_settled_motion

@@ -1,0 +1,62 @@
+!> Where a search at a point begins: initial states and releases from rest, spread evenly.
+module vi_starts
+   use vi_kinds, only: wp
+   use vi_oscillator, only: gain, oscillator_type
+   implicit none (type, external)
+   private
+
+   public :: release_start, state_start
+
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+
+contains
+
+   !> About the greatest position that a motion with impacts has.
+   pure real(wp) function reach_of(osc, r, load, clearance) result(reach)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, load, clearance
+
+      reach = 1.5_wp*max(min(load*gain(osc%xi, r), 3*clearance), 0.1_wp*clearance)
+   end function reach_of
+
+   !> Number i >= 1 of initial states t, x, x', z, z' that fill a box about the motion without
+   !! impacts evenly (an additive recurrence).
+   pure function state_start(osc, r, load, clearance, i) result(state)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, load, clearance
+      integer, intent(in) :: i
+      real(wp) :: state(5)
+      real(wp) :: golden, reach, u(5)
+      integer :: j
+
+      golden = 1
+      do j = 1, 40
+         golden = (1 + golden)**(1.0_wp/6)
+      end do
+      reach = reach_of(osc, r, load, clearance)
+      u = [(modulo(0.5_wp + i/golden**j, 1.0_wp), j=1, 5)]
+      state(1) = two_pi*u(5)/r
+      state(2) = reach*(2*u(1) - 1)
+      state(3) = reach*max(1.0_wp, r)*(2*u(2) - 1)
+      state(4) = state(2) + 0.499_wp*clearance*(2*u(3) - 1)
+      state(5) = 2*reach*max(1.0_wp, r)*(2*u(4) - 1)
+   end function state_start
+
+   !> Number i >= 0 of releases (phase, v) on a wall, spread over the phase and the possible
+   !! velocities.
+   !!
+   !! At a release x'' = 0, and the contact force ends if the jerk f r cos(phase) - v has the sign
+   !! of the wall.
+   pure function release_start(osc, r, load, clearance, side, i) result(release)
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, load, clearance
+      integer, intent(in) :: side, i
+      real(wp) :: release(2)
+      real(wp), parameter :: golden = 1.324717957244746_wp
+
+      release(1) = two_pi*modulo(0.5_wp + i/golden, 1.0_wp)
+      release(2) = load*r*cos(release(1)) - 2*side*reach_of(osc, r, load, clearance) &
+         *max(1.0_wp, r)*modulo(0.5_wp + i/golden**2, 1.0_wp)
+   end function release_start
+
+end module vi_starts
