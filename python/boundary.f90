@@ -363,8 +363,8 @@ end subroutine rest_motion
 !! follow each other in `sides`, `phases` and `impacts`; of one with rest `releases` has phase and
 !! velocity. `counts`: patterns, guesses, inadmissible solutions, releases; then states by what
 !! becomes of them, as in vi_settled_motion.
-subroutine find(room, letters, xi, mu, walls, r, load, clearance, max_impacts, max_cycles, guesses, &
-   states, settling, releases_tried, threads, tally, n, m, counts, kinds, releases, sides, phases, &
+subroutine find(room, letters, xi, mu, walls, r, load, clearance, max_impacts, max_cycles, &
+   guesses, states, settling, releases_tried, threads, tally, n, m, counts, kinds, releases, sides, phases, &
    impacts, scalars, multipliers, verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_drive, only: new_drive
@@ -374,8 +374,8 @@ subroutine find(room, letters, xi, mu, walls, r, load, clearance, max_impacts, m
    use vi_points, only: exact_point
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: room, letters, max_impacts, max_cycles, guesses, states, settling, &
-      releases_tried, threads
+   integer(c_int), intent(in) :: room, letters, max_impacts, max_cycles, guesses, states, &
+      settling, releases_tried, threads
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance
    integer(c_int), intent(inout) :: tally(3)
    integer(c_int), intent(out) :: n, m, counts(10), kinds(3, room), sides(letters), &
