@@ -364,8 +364,8 @@ end subroutine rest_motion
 !! velocity. `counts`: patterns, guesses, inadmissible solutions, releases; then states by what
 !! becomes of them, as in vi_settled_motion.
 subroutine find(room, letters, xi, mu, walls, r, load, clearance, max_impacts, max_cycles, &
-   guesses, states, settling, releases_tried, threads, tally, n, m, counts, kinds, releases, sides, phases, &
-   impacts, scalars, multipliers, verdicts, status)
+   guesses, states, settling, releases_tried, threads, tally, n, m, counts, kinds, releases, &
+   sides, phases, impacts, scalars, multipliers, verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_drive, only: new_drive
    use vi_find, only: find_motions, find_request_type, findings_type
