@@ -420,6 +420,26 @@ subroutine find(room, letters, xi, mu, walls, r, load, clearance, max_impacts, m
    end do
 end subroutine find
 
+!> Exact motions of one pattern from guesses alone: `found` has x_i, theta_i of each (`n_found`).
+subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, guesses, room, &
+   found, n_found, tried)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_pattern, only: pattern_type
+   use vi_search, only: search => search_pattern
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, cycles, sides(n), guesses, room
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance
+   real(c_double), intent(out) :: found(2*n, room)
+   integer(c_int), intent(out) :: n_found, tried
+
+   found = 0
+   n_found = 0
+   call search(pattern_type(sides, cycles), [r, log(clearance/load), xi, mu, walls], guesses, &
+      found, n_found, tried, 0)
+   found(:n, :) = found(:n, :)*clearance
+end subroutine search_pattern
+
 !> The state (7), (3) of the core from t, x, x', z, z'; on a wall it may depart, rest or be about
 !! to collide.
 subroutine start_state(xi, r, load, clearance, start, state, contact)

@@ -286,6 +286,24 @@ class _Find(Protocol):
     ]: ...
 
 @type_check_only
+class _SearchPattern(Protocol):
+    # found, n_found, tried
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        cycles: int,
+        sides: ArrayLike,
+        guesses: int,
+        room: int,
+        n: int = ...,
+    ) -> tuple[_Real, int, int]: ...
+
+@type_check_only
 class _StartState(Protocol):
     # state, contact
     def __call__(
@@ -645,6 +663,7 @@ exact: _Exact
 extreme_positions: _ExtremePositions
 rest_motion: _RestMotion
 find: _Find
+search_pattern: _SearchPattern
 start_state: _StartState
 simulate_bundle: _SimulateBundle
 branch: _Branch
