@@ -567,8 +567,9 @@ contains
       end do
       limit = tau*(0.5_wp - tau/6)
       power = 1
+      if (.not. (tau > 0 .and. tau < 1 - 1.0e-6_wp)) return
       growth = (3 - tau)**2/((1 - tau)*(3 - 2*tau)**2)
-      if (tau > 0 .and. tau < 1 - 1.0e-6_wp) power = log(growth)/(-log(1 - tau))
+      power = log(growth)/(-log(1 - tau))
    end subroutine critical
 
    !> The flight that begins at a place.

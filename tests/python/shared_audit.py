@@ -165,7 +165,8 @@ def repeats(lanes):
     for k in range(1, MOST_CYCLES + 1):
         off = np.abs(strobe_[-1] - strobe_[-1 - k]).max(1)
         use = np.flatnonzero(off < NEARLY * scale_of(lanes.systems))
-        use = use[[found[lane] is None for lane in use]]
+        # one that failed has no events to read
+        use = use[[found[lane] is None and len(each[lane][0]) > 0 for lane in use]]
         if not use.size:
             continue
         cell = np.array([section(each[lane], k, last // ls.CELLS) for lane in use])
