@@ -12,6 +12,8 @@ _Complex: TypeAlias = NDArray[np.complex128]
 _Integer: TypeAlias = NDArray[np.intc]
 _Bytes: TypeAlias = NDArray[np.bytes_]
 
+__f2py_numpy_version__: str
+
 @type_check_only
 class _Periodic(Protocol):
     # impacts, scalars, multipliers, verdicts, status
