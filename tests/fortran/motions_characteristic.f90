@@ -73,6 +73,7 @@ contains
       kind = draw_integer(random, 1, 3)
       critical = merge(2, 1, kind == 3)
       saddle = .false.
+      t = 0
       select case (kind)
       case (1, 2)
          z(1) = 3 - 2*kind
