@@ -11,7 +11,7 @@
 !! at the end of the flight. As u = R v at each impact, the sum of the logarithms telescopes to
 !! -2 xi t + 2 sum(log R) + log(u_first/u_last).
 module vi_attractor_lyapunov
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_negative_inf, ieee_quiet_nan, &
+   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_quiet_nan, &
       ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, orthonormalise, &
@@ -118,6 +118,12 @@ contains
       integer :: i, rank
 
       call carry_along(drive, start, discard, cycles, each, rank, counts, error, status, tally)
+      if (status /= stat%ok) then
+         exponents = ieee_value(error, ieee_quiet_nan)
+         deviations = exponents
+         dimension = exponents(1)
+         return
+      end if
       mean = sum(each(:, 1:), dim=2)/batches
       deviations = 0
       do i = 1, batches
@@ -127,13 +133,8 @@ contains
       exponents = each(:, 0)
       exponents(rank + 1:) = ieee_value(error, ieee_negative_inf)
       deviations(rank + 1:) = 0
-      if (status /= stat%ok) then
-         exponents = ieee_value(error, ieee_quiet_nan)
-         deviations = exponents
-      end if
       ! as many directions as volumes grow in, and the part of the next that makes up for them
       dimension = 0
-      if (ieee_is_nan(exponents(1))) dimension = exponents(1)
       sum_before = 0
       do i = 1, 4
          if (.not. sum_before + exponents(i) >= 0) exit

@@ -431,7 +431,8 @@ contains
       do hops = 1, most_hops
          closing = closing_acceleration(drive, here%at)
          cost = huge(1.0_wp)
-         if (closing > 0) cost = here%speed**3/closing**2/max(1.0e-3_wp, 1 - restitution**3)
+         if (closing > 1.0e-15_wp*(1 + here%speed**2)) cost = here%speed**3/closing**2 &
+            /max(1.0e-3_wp, 1 - restitution**3)
          scale = drive%clearance + abs(here%at%x) + abs(here%at%x_dot)
          if (cost < least) then
             least = cost
@@ -439,7 +440,7 @@ contains
          end if
          if (cost <= fine*scale) exit
          ! it has come near to its end, and goes away from it again
-         if (least <= coarse*scale .and. cost > 1.0e3_wp*least) exit
+         if (least <= coarse*scale .and. 1.0e-3_wp*cost > least) exit
          call next_hop(drive, here, last, time, x, x_dot, speed)
          if (.not. time > 0) exit
          if (here%speed*time > 0.2_wp*drive%clearance) call note_gap(drive, here, time, hops, gap, &
