@@ -85,7 +85,7 @@ contains
          end do
          e(i) = sums(i)/i
       end do
-      e = sign_e*e/sqrt(sum(e(:3)**2))
+      e = sign_e*e/norm2(real(e(:3), wp))
       call check_close(maxval(abs(spectrum%e(:3) - real(e(:3), wp))), 0.0_wp, 1.0e-9_wp, &
          'conditions: the sums of the multipliers')
    end subroutine check_spectrum
