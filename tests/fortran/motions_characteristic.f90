@@ -106,7 +106,11 @@ contains
       real(wp), intent(in) :: e(4)
       type(spectrum_type) :: spectrum
 
-      spectrum = spectrum_type([1.0_wp, e], e(4), .true.)
+      ! by name: flang 19 shifts an array that starts at 0 when a structure constructor fills it
+      spectrum%e(0) = 1
+      spectrum%e(1:4) = e
+      spectrum%product = e(4)
+      spectrum%regular = .true.
    end function spectrum_of
 
    !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
