@@ -224,24 +224,31 @@ contains
    !> How many zeros of a polynomial lie outside the unit circle, by Schur and Cohn's recursion.
    pure integer function zeros_outside(coefficients) result(outside)
       !> Highest power first.
-      real(wp), intent(in) :: coefficients(0:)
-      real(wp) :: c(0:ubound(coefficients, 1))
-      integer :: n
+      real(wp), intent(in) :: coefficients(:)
+      real(wp) :: c(size(coefficients)), reversed(size(coefficients)), share
+      integer :: i, n
       logical :: inverted
 
       c = coefficients
       outside = 0
       inverted = .false.
-      do n = ubound(c, 1), 1, -1
-         if (abs(c(n)) > abs(c(0))) then
+      do n = size(c), 2, -1
+         do i = 1, n
+            reversed(i) = c(n + 1 - i)
+         end do
+         if (abs(c(n)) > abs(c(1))) then
             ! the reversed polynomial has the inverses of its zeros
-            c(0:n) = c(n:0:-1)
+            c(:n) = reversed(:n)
+            do i = 1, n
+               reversed(i) = c(n + 1 - i)
+            end do
             inverted = .not. inverted
          end if
          if (inverted) outside = outside + 1
-         if (.not. abs(c(0)) > 0) return
+         if (.not. abs(c(1)) > 0) return
          ! one zero inside the circle less
-         c(0:n - 1) = c(0:n - 1) - c(n)/c(0)*c(n:1:-1)
+         share = c(n)/c(1)
+         c(:n - 1) = c(:n - 1) - share*reversed(:n - 1)
       end do
    end function zeros_outside
 
