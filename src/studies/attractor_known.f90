@@ -4,9 +4,11 @@ module vi_attractor_known
    use vi_attractor_neighbourhood, only: find_neighbourhoods
    use vi_attractor_target, only: difference, over_period, period_derivative, target_type
    use vi_drive, only: drive_type, event_type, impact_event, initial_state, release_event, &
-      state_type, stick_event, two_pi
+      state_type, two_pi
+   use vi_event_letters, only: letter_endings
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
+   use vi_letters, only: standard_letters
    use vi_simulate, only: simulate
    use vi_status, only: stat
    implicit none (type, external)
@@ -69,7 +71,9 @@ contains
       type(target_type) :: target
       complex(wp) :: lambda(4)
       real(wp) :: p(4, 4)
-      integer :: n, i, status
+      integer, allocatable :: ring(:)
+      integer :: n, i, status, turns
+      logical :: mirrored
 
       allocate (events(room))
       state = initial_state(drive, within(end, drive%clearance))
@@ -92,7 +96,10 @@ contains
       known%kind = merge(resting, periodic, target%release)
       known%cycles = cycles
       known%state = within(end, drive%clearance)
-      known%letters = letters_of(events(:n))
+      ring = letter_endings(events(:n), .true.)
+      ring = pack(ring, ring /= 0)
+      allocate (known%letters(size(ring)))
+      call standard_letters(ring, .false., known%letters, turns, mirrored)
       allocate (known%targets(count(events(:n)%kind == events(n)%kind)))
       n = 0
       do i = 1, size(known%targets)
@@ -173,58 +180,6 @@ contains
          good = off < 1.0e-9_wp .and. all(abs(begin(:m)) < 1.0e-2_wp*scale(:m))
       end associate
    end subroutine converge
-
-   !> The letters of a period, which has no beginning: the rotation that comes last in the alphabet.
-   pure function letters_of(events) result(letters)
-      type(event_type), intent(in) :: events(:)
-      integer, allocatable :: letters(:)
-      integer :: ring(size(events)), i, n, side, best
-      logical :: later
-
-      ! backwards, twice round: the impacts before a stick on its wall are part of its letter
-      ring = 0
-      side = 0
-      do i = 2*size(events) - 1, 0, -1
-         n = modulo(i, size(events)) + 1
-         associate (event => events(n))
-            if (event%kind == stick_event) then
-               side = event%side
-               ring(n) = 2*side
-            else if (event%kind == release_event) then
-               side = 0
-            else
-               if (event%side /= side) side = 0
-               ring(n) = merge(event%side, 0, side == 0)
-            end if
-         end associate
-      end do
-      letters = pack(ring, ring /= 0)
-      best = 0
-      do i = 1, size(letters) - 1
-         later = comes_later(cshift(letters, i), cshift(letters, best))
-         if (later) best = i
-      end do
-      letters = cshift(letters, best)
-   end function letters_of
-
-   !> Whether one list of letters comes later in the alphabet than another, as texts: L* L R* R.
-   pure logical function comes_later(one, other)
-      integer, intent(in) :: one(:), other(:)
-      integer :: i
-
-      do i = 1, size(one)
-         comes_later = rank_of(one(i)) > rank_of(other(i))
-         if (one(i) /= other(i)) return
-      end do
-      comes_later = .false.
-   end function comes_later
-
-   !> Place of a letter in the alphabet.
-   pure integer function rank_of(letter)
-      integer, intent(in) :: letter
-
-      rank_of = merge(2, 0, letter > 0) - abs(letter)
-   end function rank_of
 
    !> Radius and contraction of the largest neighbourhood that decides; 0 and 1 if there is none.
    pure function ball(known) result(numbers)

@@ -6,7 +6,8 @@ module vi_attractor_settled
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_drive, only: drive_type, event_type, impact_event, initial_state, new_drive, &
-      release_event, state_time, state_type, stick_event
+      state_time, state_type, stick_event
+   use vi_event_letters, only: letter_endings
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
@@ -195,27 +196,11 @@ contains
    pure subroutine read_period(settled, first, last)
       type(settled_type), intent(inout) :: settled
       integer, intent(in) :: first, last
-      integer :: i, n, side, absorbed
 
       associate (events => settled%events(first:last))
          settled%impacts = count(events%kind == impact_event)
          settled%rests = count(events%kind == stick_event)
-         ! backwards, twice round: the impacts before a stick on its wall are part of its letter
-         n = size(events)
-         side = 0
-         absorbed = 0
-         do i = 2*n - 1, 0, -1
-            associate (event => events(modulo(i, n) + 1))
-               if (event%kind == stick_event) then
-                  side = event%side
-               else if (event%kind == release_event .or. event%side /= side) then
-                  side = 0
-               else if (i < n) then
-                  absorbed = absorbed + 1
-               end if
-            end associate
-         end do
-         settled%letters = settled%impacts - absorbed + settled%rests
+         settled%letters = count(letter_endings(events, .true.) /= 0)
       end associate
    end subroutine read_period
 

@@ -8,6 +8,7 @@
 module vi_rest_motion
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_assess, only: plane_stability
+   use vi_event_letters, only: read_letters, reading_type, total_phase
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
    use vi_motion, only: unknown
@@ -17,7 +18,7 @@ module vi_rest_motion
    use vi_rest_family, only: new_rest_family, plane_map, rest_family_type, rest_period, &
       rest_period_type
    use vi_simulate, only: drive_type, event_type, impact_event, release_event, simulate, &
-      state_type, stick_event
+      state_type
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -243,39 +244,19 @@ contains
       real(wp), intent(in) :: start(2)
       type(rest_family_type), intent(out) :: family
       real(wp), allocatable, intent(out) :: unknowns(:)
-      !> False if the last letter is none with rest, or if there are too many.
+      !> False if the last letter is none with rest, if a rest begins without an impact, or if
+      !! there are too many letters.
       logical, intent(out) :: good
-      integer :: letters(size(events)), i, n, run
-      real(wp) :: phases(size(events))
+      type(reading_type) :: reading
 
-      n = 0
-      run = 0
-      do i = 1, size(events)
-         select case (events(i)%kind)
-         case (impact_event)
-            if (run > 0) then
-               if (letters(n) /= events(i)%side) run = 0
-            end if
-            run = run + 1
-            n = n + 1
-            letters(n) = events(i)%side
-            phases(n) = two_pi*real(events(i)%cycle, wp) + events(i)%phase
-         case (stick_event)
-            ! the impacts that accumulated become one letter; there is one at least
-            good = run > 0
-            if (.not. good) return
-            n = n + 1 - run
-            letters(n) = 2*events(i)%side
-            run = 0
-         case default
-            run = 0
-         end select
-      end do
-      good = n > 1 .and. n <= most_impacts
-      if (good) good = abs(letters(n)) == 2
+      call read_letters(events, reading)
+      good = reading%n > 1 .and. reading%n <= most_impacts
+      ! the unknowns tell no rest from a start without impact
+      if (good) good = abs(reading%letters(reading%n)) == 2 .and. &
+         all(events(reading%first)%kind == impact_event)
       if (.not. good) return
-      family = new_rest_family(letters(:n), cycles)
-      unknowns = [start, phases(:n)]
+      family = new_rest_family(reading%letters, cycles)
+      unknowns = [start, total_phase(events(reading%first))]
    end subroutine read_period
 
 end module vi_rest_motion

@@ -5,11 +5,12 @@
 !! begun at its last period, leads to a motion right there that is admissible and stable.
 module vi_settled_motion
    use vi_drive, only: drive_type, event_type, initial_state, state_type, two_pi
+   use vi_event_letters, only: last_of_period, mismatch, read_window, reading_type, total_phase
    use vi_found_motion, only: found_type, new_found, new_resting
    use vi_kinds, only: wp
    use vi_motion, only: yes
    use vi_pattern, only: pattern_type
-   use vi_readings, only: last_of_period, mismatch, read_window, reading_type, run, total_phase
+   use vi_simulate, only: simulate_cycles
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -27,6 +28,8 @@ module vi_settled_motion
    integer, parameter :: longest = 16, most_letters = 100
    !> Events kept of the end of a simulation, and of a period with rest.
    integer, parameter :: room = 40000, rest_room = 20000
+   !> Events of a simulation at most.
+   integer, parameter :: most_events = 100000000
    !> How far apart impacts may be from period to period, how much nearer in a longer period that
    !! is tried after a shorter one, and how far Newton's method may lead away.
    real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp, near = 0.1_wp
@@ -52,16 +55,17 @@ contains
       type(reading_type) :: now, before
       type(found_type) :: motion
       real(wp) :: finish, apart, least
-      integer :: cycles, last, n, status
+      integer :: cycles, last, left, n, status
       logical :: nearby
 
       allocate (events(room))
       n_found = 0
       outcome = unfinished
       state = initial_state(drive, start)
-      call run(drive, state, settling, events(:1000), n, status)
+      left = most_events
+      call simulate_cycles(drive, state, settling, left, events(:1000), n, status)
       if (status /= stat%ok) return
-      call run(drive, state, 2*longest + 2, events, n, status)
+      call simulate_cycles(drive, state, 2*longest + 2, left, events, n, status)
       if (status /= stat%ok) return
       outcome = no_impacts
       if (n == 0) return

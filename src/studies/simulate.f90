@@ -14,7 +14,7 @@ module vi_simulate
    implicit none (type, external)
    private
 
-   public :: simulate
+   public :: simulate, simulate_cycles
    public :: drive_type, event_type, new_drive, state_time, state_type
    public :: impact_event, stick_event, release_event
 
@@ -62,6 +62,33 @@ contains
       final%cycle = last_cycle
       final%phase = last_phase
    end subroutine simulate
+
+   !> Goes on for some load cycles, whatever the number of events, of which the last ones are kept.
+   pure subroutine simulate_cycles(drive, state, cycles, left, events, n, status)
+      type(drive_type), intent(in) :: drive
+      !> Out: the end.
+      type(state_type), intent(inout) :: state
+      integer, intent(in) :: cycles
+      !> How many events there may be; out: fewer by those there were.
+      integer, intent(inout) :: left
+      type(event_type), intent(inout) :: events(:)
+      !> Events kept.
+      integer, intent(out) :: n
+      !> `stat%ok`, `stat%more_events` if there are too many, or `stat%budget`.
+      integer, intent(out) :: status
+      type(state_type) :: final
+      integer(int64) :: last_cycle
+      real(wp) :: last_phase
+
+      last_cycle = state%cycle + cycles
+      last_phase = state%phase
+      do
+         call simulate(drive, state, last_cycle, last_phase, events, n, final, status)
+         left = left - n
+         if (status /= stat%more_events .or. left <= 0) exit
+      end do
+      state = final
+   end subroutine simulate_cycles
 
    !> Time from a state to the end.
    pure real(wp) function time_left(drive, state, last_cycle, last_phase)

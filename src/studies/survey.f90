@@ -6,8 +6,7 @@
 module vi_survey
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type
-   use vi_event_window, only: read_window, reading_type, repeats, room, run, &
-      total_phase
+   use vi_event_letters, only: last_of_period, mismatch, read_window, reading_type, total_phase
    use vi_family, only: new_family
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_kinds, only: wp
@@ -16,7 +15,7 @@ module vi_survey
    use vi_oscillator, only: left, oscillator_type, right
    use vi_pattern, only: pattern_type
    use vi_rest_family, only: follow_letters, new_rest_family
-   use vi_simulate, only: drive_type, event_type, new_drive, release_event, state_type
+   use vi_simulate, only: drive_type, event_type, new_drive, simulate_cycles, state_type
    use vi_status, only: stat
    use vi_survey_outcome, only: beyond, chaotic, event_limit, is_chaotic, is_free, no_impacts, &
       not_confirmed, not_settled, periodic, stable_period
@@ -31,6 +30,11 @@ module vi_survey
    !> Longest period that is looked for at last, in load cycles, and how many times as long
    !! as before a simulation then goes on first.
    integer, parameter :: longest_period = 16, longer = 3
+   !> Events kept of the end of a simulation, events of one at most, and load cycles between two
+   !! looks at whether to stop.
+   integer, parameter :: room = 4000, most_events = 4000000, between_looks = 10000
+   !> Impacts of two periods that repeat each other are nearer than this in phase.
+   real(wp), parameter :: same_phase = 1.0e-3_wp
    !> Load cycles of each of ten batches for a Lyapunov exponent, at first and at last.
    integer, parameter :: short_batch = 20, long_batch = 200
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
@@ -156,15 +160,13 @@ contains
          if (is_free(drive, state)) attractor%outcome = no_impacts
          return
       end if
-      ! a period ends with a release, if there is one
-      last = findloc(events(:n)%kind, release_event, dim=1, back=.true.)
-      if (last == 0) last = n
+      last = last_of_period(events(:n))
       do k = 1, longest
          ! a thousandth of a cycle: the event one period before belongs to the window before
          end_phase = total_phase(events(last)) + 1.0e-3_wp*two_pi
          call read_window(events(:last), end_phase - two_pi*k, end_phase, now)
          call read_window(events(:last), end_phase - 2*two_pi*k, end_phase - two_pi*k, before)
-         if (.not. repeats(events, now, before, k)) cycle
+         if (.not. mismatch(events, now, before, k) < same_phase) cycle
          attractor%outcome = not_confirmed
          if (now%n <= limits%letters .and. k <= limits%cycles) then
             call identify(osc, drive, events, now, k, attractor)
@@ -180,6 +182,32 @@ contains
          return
       end do
    end subroutine look
+
+   !> Simulates some cycles from a state; out: the state there, and the last events.
+   subroutine run(drive, state, cycles, events, n, status, tally)
+      type(drive_type), intent(in) :: drive
+      type(state_type), intent(inout) :: state
+      integer, intent(in) :: cycles
+      type(event_type), intent(inout) :: events(:)
+      !> Status `stat%more_events` if there are too many, `stat%not_computed` if it was stopped.
+      integer, intent(out) :: n, status
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      integer :: done, step, left
+
+      left = most_events
+      done = 0
+      do
+         step = min(cycles - done, between_looks)
+         call simulate_cycles(drive, state, step, left, events, n, status)
+         done = done + step
+         if (status /= stat%ok .or. done == cycles) exit
+         if (is_stopped(tally)) then
+            status = stat%not_computed
+            exit
+         end if
+      end do
+   end subroutine run
 
    !> Notes the pattern of a stable motion that is beyond the limits, or else was read right though
    !! the equations of its family do not confirm it.

@@ -9,6 +9,7 @@ program test_studies
    use studies_attractors, only: test_attractors
    use studies_conditions, only: test_conditions
    use studies_joints, only: test_joints
+   use studies_letters, only: test_letters
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
    use vi_assess, only: paper_acceptance
@@ -44,6 +45,7 @@ program test_studies
    call test_atlas()
    call test_outcomes()
    call test_conditions()
+   call test_letters()
    call test_rest()
    call test_rows()
    call test_attractors()

@@ -1,0 +1,213 @@
+!> Letters of events: laws of events made up, and of simulated ones.
+module studies_letters
+   use checks, only: check
+   use random_numbers, only: draw_integer, random_type
+   use vi_drive, only: drive_type, event_type, impact_event, new_drive, release_event, state_type, &
+      stick_event, two_pi
+   use vi_event_letters, only: last_of_period, letter_endings, mismatch, read_letters, &
+      read_window, reading_type, total_phase
+   use vi_kinds, only: wp
+   use vi_oscillator, only: oscillator_type
+   use vi_simulate, only: simulate_cycles
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: test_letters
+
+   type(random_type) :: random
+
+contains
+
+   subroutine test_letters()
+      type(event_type), allocatable :: events(:)
+      integer :: i
+
+      call test_cases()
+      call test_window()
+      call test_simulated()
+      do i = 1, 300
+         events = random_events(draw_integer(random, 1, 12))
+         call check_ring(events)
+         call check_mirror(events)
+         call check_counts(events)
+      end do
+   end subroutine test_letters
+
+   !> Events one phase unit apart: R and L are impacts, > and < a rest on the right and the left
+   !! wall, + and - the release from it.
+   pure function events_of(text) result(events)
+      character(*), intent(in) :: text
+      type(event_type) :: events(len(text))
+      integer :: i
+
+      do i = 1, len(text)
+         events(i) = event_type(impact_event, merge(1, -1, scan(text(i:i), 'R>+') > 0), 0, &
+            real(i, wp), 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
+         if (scan(text(i:i), '<>') > 0) events(i)%kind = stick_event
+         if (scan(text(i:i), '+-') > 0) events(i)%kind = release_event
+      end do
+   end function events_of
+
+   !> Impacts and rests in any order; each rest is followed by its release.
+   function random_events(n) result(events)
+      integer, intent(in) :: n
+      type(event_type), allocatable :: events(:)
+      character(2*n) :: text
+      integer :: i, used
+
+      used = 0
+      do i = 1, n
+         select case (draw_integer(random, 1, 8))
+         case (1:3)
+            text(used + 1:) = 'R'
+         case (4:6)
+            text(used + 1:) = 'L'
+         case (7)
+            text(used + 1:) = '>+'
+         case default
+            text(used + 1:) = '<-'
+         end select
+         used = len_trim(text)
+      end do
+      events = events_of(text(:used))
+   end function random_events
+
+   !> What events read as, and the events that begin and end each letter.
+   subroutine check_case(text, letters, first, last)
+      !> As of `events_of`.
+      character(*), intent(in) :: text
+      integer, intent(in) :: letters(:), first(:), last(:)
+      type(reading_type) :: reading
+      logical :: right
+
+      call read_letters(events_of(text), reading)
+      right = reading%n == size(letters)
+      if (right) right = all(reading%letters == letters) .and. all(reading%first == first) .and. &
+         all(reading%last == last)
+      call check(right, 'letters of '//text)
+   end subroutine check_case
+
+   subroutine test_cases()
+      integer, parameter :: none(0) = 0
+
+      call check_case('', none, none, none)                                  ! nothing happened
+      call check_case('RL', [1, -1], [1, 2], [1, 2])
+      ! impacts that accumulate are one letter with their rest, to which the release belongs
+      call check_case('RRRR>+', [2], [1], [6])
+      call check_case('LRRR>+L', [-1, 2, -1], [1, 2, 7], [1, 6, 7])
+      call check_case('RRLLL<-', [1, 1, -2], [1, 2, 3], [1, 2, 7])
+      ! a rest without impacts
+      call check_case('>+', [2], [1], [2])
+      call check_case('L>+L', [-1, 2, -1], [1, 2, 4], [1, 3, 4])
+      ! a contact that is lost and at once made again ends one letter and begins another
+      call check_case('RR>+>+L', [2, 2, -1], [1, 5, 7], [4, 6, 7])
+      call check_case('RR>+R>+', [2, 2], [1, 5], [4, 7])
+      ! what comes before a release is no part of a later accumulation
+      call check_case('-RR>', [2], [2], [4])
+      call check_case('R>+RR', [2, 1, 1], [1, 4, 5], [3, 4, 5])
+   end subroutine test_cases
+
+   !> A window cuts what accumulates: the rest inside makes the letter, the rest outside none.
+   subroutine test_window()
+      type(event_type) :: events(9)
+      type(reading_type) :: reading
+
+      events = events_of('LRRRR>+LL')
+      call check(last_of_period(events) == 7, 'letters: a period ends with the last release')
+      call check(last_of_period(events_of('LRL')) == 3, 'letters: or with the last event')
+      call read_window(events, 3.5_wp, 8.0_wp, reading)
+      call check(all(reading%letters == [2, -1]) .and. all(reading%first == [4, 8]) .and. &
+         all(reading%last == [7, 8]), 'letters: an accumulation whose beginning is cut off')
+      call read_window(events, 1.0_wp, 4.5_wp, reading)
+      call check(reading%n == 3 .and. all(reading%letters == 1) .and. &
+         all(reading%first == [2, 3, 4]), 'letters: an accumulation whose rest is cut off')
+      call read_window(events, 6.5_wp, 7.5_wp, reading)
+      call check(reading%n == 0, 'letters: a release alone')
+      call read_window(events, 20.0_wp, 30.0_wp, reading)
+      call check(reading%n == 0, 'letters: nothing happened in a window')
+   end subroutine test_window
+
+   !> A period has no beginning: its letters turn with its events.
+   subroutine check_ring(events)
+      type(event_type), intent(in) :: events(:)
+      integer :: endings(size(events)), i
+
+      endings = letter_endings(events, .true.)
+      do i = 1, size(events) - 1
+         call check(all(letter_endings(cshift(events, i), .true.) == cshift(endings, i)), &
+            'letters: of a period that begins elsewhere')
+      end do
+   end subroutine check_ring
+
+   !> R <-> L.
+   subroutine check_mirror(events)
+      type(event_type), intent(in) :: events(:)
+      type(event_type) :: images(size(events))
+      type(reading_type) :: reading, image
+
+      images = events
+      images%side = -events%side
+      call read_letters(events, reading)
+      call read_letters(images, image)
+      call check(all(image%letters == -reading%letters) .and. all(image%first == reading%first) &
+         .and. all(image%last == reading%last), 'letters: of the mirror image')
+   end subroutine check_mirror
+
+   !> Each event is in one letter, but a release at the beginning; each rest makes a starred one.
+   subroutine check_counts(events)
+      type(event_type), intent(in) :: events(:)
+      type(reading_type) :: reading
+      integer :: i, n
+
+      call read_letters(events, reading)
+      n = reading%n
+      call check(count(abs(reading%letters) == 2) == count(events%kind == stick_event), &
+         'letters: one starred letter for each rest')
+      if (n == 0) return
+      call check(reading%first(1) == 1 .and. reading%last(n) == size(events) .and. &
+         all(reading%first(2:) == reading%last(:n - 1) + 1), 'letters: each event is in one')
+      do i = 1, n
+         associate (inside => events(reading%first(i):reading%last(i)))
+            call check(all(inside%side*reading%letters(i) > 0 .or. inside%kind == release_event), &
+               'letters: each has the wall of its events')
+         end associate
+      end do
+   end subroutine check_counts
+
+   !> A motion with rest that simulation settles on: its periods read alike, as the ring does.
+   subroutine test_simulated()
+      type(drive_type) :: drive
+      type(state_type) :: state
+      type(event_type) :: events(400)
+      type(reading_type) :: now, before
+      real(wp) :: finish
+      integer, allocatable :: ring(:)
+      integer :: last, left, n, status
+
+      ! R*L, with more than ten impacts in the accumulation
+      drive = new_drive(oscillator_type(0.0114_wp, 0.028_wp, [0.61_wp, 0.75_wp]), 1.100088_wp, &
+         1.0_wp, 3.904359_wp)
+      state%x_dot = 1
+      left = 100000
+      call simulate_cycles(drive, state, 1000, left, events, n, status)
+      call check(status == stat%ok .and. left < 100000, 'letters: simulated')
+      call simulate_cycles(drive, state, 6, left, events, n, status)
+      last = last_of_period(events(:n))
+      finish = total_phase(events(last)) + 1.0e-3_wp
+      call read_window(events(:last), finish - two_pi, finish, now)
+      call read_window(events(:last), finish - 2*two_pi, finish - two_pi, before)
+      call check(now%n == 2 .and. any(now%letters == -1) .and. any(now%letters == 2), &
+         'letters: R*L settled')
+      call check(now%last(2) - now%first(1) > 10, 'letters: many impacts in one letter')
+      call check(mismatch(events, now, before, 1) < 1.0e-6_wp, 'letters: two periods are alike')
+      call check(mismatch(events, now, before, 2) > 1, 'letters: but not two cycles apart')
+      ring = letter_endings(events(now%first(1):now%last(2)), .true.)
+      call check(all(pack(ring, ring /= 0) == now%letters), 'letters: of the ring')
+      left = 3
+      call simulate_cycles(drive, state, 6, left, events(:2), n, status)
+      call check(status == stat%more_events .and. left <= 0, &
+         'letters: a limit of events')
+   end subroutine test_simulated
+
+end module studies_letters
