@@ -1,16 +1,57 @@
 """The one command of a clone: what it says before it installs or builds anything."""
 
+import os
+import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
 RUN = Path(__file__).parents[2] / "run"
+ALL = "run: the Fortran tests, then all Python tests"
+SELECTED = "run: the selected Python tests alone; without a selection the Fortran tests, too"
 
 
 def say(*words):
     done = subprocess.run([RUN, *words], capture_output=True, text=True, check=False)
     return done.returncode, done.stdout, done.stderr
+
+
+@pytest.fixture
+def clone(tmp_path):
+    """A clone whose compilers, build tools and Python only note how they are called."""
+    root, tools = tmp_path / "clone", tmp_path / "tools"
+    for folder in (root / "src", root / "src/deep", root / "python", root / "tests", tools):
+        folder.mkdir(parents=True, exist_ok=True)
+    for name in (
+        "pyproject.toml", "meson.build", "src/meson.build", "src/deep/meson.build",
+        "python/vibroimpact_start.py", "tests/test_one.py",
+    ):  # fmt: skip
+        (root / name).touch()
+    shutil.copy(RUN, root / "run")
+    calls = tmp_path / "calls"
+    note = f'#!/bin/sh\necho "${{0##*/}} $*" >>"{calls}"\n[ "$1 $2" != "-m pytest" ] || exit 5\n'
+    places = [tools / name for name in ("gfortran", "cc", "python3", "meson")]
+    venv = root / ".venv"
+    (venv / "bin").mkdir(parents=True)
+    (venv / "made-in").write_text(f"{root}\n")
+    for place in (*places, venv / "bin/python"):
+        place.write_text(note)
+        place.chmod(0o755)
+
+    def test(*words):
+        environ = os.environ | {"PATH": f"{tools}:{os.environ['PATH']}"}
+        done = subprocess.run(
+            [root / "run", "test", *words], env=environ, capture_output=True, text=True, check=False
+        )
+        made = calls.read_text().splitlines()
+        return (
+            done.returncode,
+            done.stderr.splitlines()[0],
+            [line for line in made if line.startswith("meson test") or "-m pytest" in line],
+        )
+
+    return test
 
 
 @pytest.mark.parametrize("words", [[], ["-h"], ["help"], ["bench", "--help"], ["test", "-h"]])
@@ -30,3 +71,22 @@ def test_help(words):
 def test_bad_words(words, said):
     status, out, err = say(*words)
     assert (status, out, err.splitlines()[-1]) == (2, "", said)
+
+
+@pytest.mark.parametrize("words", [
+    ["-k", "zone"], ["-kzone"], ["-m", "not slow"], ["--lf"], ["tests/test_one.py"],
+    ["-q", "tests/test_one.py::test_a[b]", "-x"],
+])  # fmt: skip
+def test_a_selection_is_run_alone(clone, words):
+    """What will be done is said before anything is built; the status is that of pytest."""
+    assert clone(*words) == (5, SELECTED, [f"python -m pytest {' '.join(words)}"])
+
+
+@pytest.mark.parametrize("words", [[], ["-n", "2"], ["-x", "-q"]])
+def test_all_tests(clone, words):
+    """Without a selection the Fortran tests come first, and what they say does not stop the others."""
+    status, said, calls = clone(*words)
+    assert (status, said) == (1, ALL)
+    assert [call.split(" -C")[0] for call in calls] == [
+        "meson test", " ".join(["python -m pytest", *words])
+    ]  # fmt: skip
