@@ -12,7 +12,7 @@ module vi_orbit
    implicit none (type, external)
    private
 
-   public :: set_orbit, orbit_residual, orbit_slopes, orbit_matrix, orbit_by_parameter, period_map
+   public :: set_orbit, orbit_residual, orbit_slopes, orbit_by_parameter
    public :: by_forced, by_speed, by_time, period_parts, span_of, split_part
    public :: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters, most_impacts
    public :: family_type, orbit_type
@@ -139,16 +139,6 @@ contains
       slope(2*n + by_clearance) = slope(2*n + by_clearance) - grown
    end subroutine by_forced
 
-   !> Derivative of the residual by the unknowns (2n, 2n).
-   pure subroutine orbit_matrix(o, matrix)
-      type(orbit_type), intent(in) :: o
-      real(wp), intent(out) :: matrix(:, :)
-      real(wp) :: slopes(2*o%n + 2, 2*o%n), residual(2*o%n)
-
-      call orbit_slopes(o, slopes, residual)
-      matrix = transpose(slopes(:2*o%n, :))
-   end subroutine orbit_matrix
-
    !> Derivative of the residual by one parameter (2n).
    pure function orbit_by_parameter(family, unknowns, c, o, which) result(slope)
       type(family_type), intent(in) :: family
@@ -176,21 +166,12 @@ contains
       end select
    end function orbit_by_parameter
 
-   !> Derivative of the map of the period, [P] = P_n .. P_1, or of the half period Q.
-   pure subroutine period_map(o, p, regular)
-      type(orbit_type), intent(in) :: o
-      real(wp), intent(out) :: p(4, 4)
-      !> False if an impact has no approach speed.
-      logical, intent(out) :: regular
-      real(wp) :: parts(4, 4, most_impacts)
-
-      call period_parts(o, parts, p, regular)
-   end subroutine period_map
-
-   !> The same with all [P_i].
+   !> All [P_i], and the derivative of the map of the period, [P] = P_n .. P_1, or of the half
+   !! period Q.
    pure subroutine period_parts(o, parts, p, regular)
       type(orbit_type), intent(in) :: o
       real(wp), intent(out) :: parts(4, 4, most_impacts), p(4, 4)
+      !> False if an impact has no approach speed.
       logical, intent(out) :: regular
       integer :: i
 

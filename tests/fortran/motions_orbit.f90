@@ -10,8 +10,8 @@ module motions_orbit
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
-      n_parameters, orbit_by_parameter, orbit_matrix, orbit_residual, orbit_type, period_map, &
-      set_orbit
+      most_impacts, n_parameters, orbit_by_parameter, orbit_residual, orbit_slopes, orbit_type, &
+      period_parts, set_orbit
    use vi_oscillator, only: gain, left, oscillator_type, right
    use vi_pattern, only: default_restitution
    use vi_periodic, only: linear_system_type
@@ -96,8 +96,8 @@ contains
       real(wp), parameter :: weights(-2:2) = [1, -8, 0, 8, -1]/(12*h)
       type(orbit_type) :: o
       real(wp), dimension(size(unknowns) + n_parameters) :: all, moved
-      real(wp) :: matrix(size(unknowns), size(unknowns))
-      real(wp), dimension(size(unknowns)) :: difference, slope
+      real(wp) :: slopes(size(unknowns) + 2, size(unknowns))
+      real(wp), dimension(size(unknowns)) :: difference, slope, residual
       real(wp) :: scale
       integer :: j, k, n
 
@@ -105,7 +105,7 @@ contains
       all(:n) = unknowns
       all(n + 1:) = c
       call set_orbit(family, unknowns, c, o)
-      call orbit_matrix(o, matrix)
+      call orbit_slopes(o, slopes, residual)
       do j = 1, size(all)
          difference = 0
          do k = -2, 2
@@ -114,7 +114,7 @@ contains
             moved(j) = all(j) + k*h
             difference = difference + weights(k)*residual_at(family, moved(:n), moved(n + 1:))
          end do
-         slope = matrix(:, min(j, n))
+         slope = slopes(min(j, n), :)
          if (j > n) slope = orbit_by_parameter(family, unknowns, c, o, j - n)
          scale = max(1.0_wp, maxval(abs(slope)), maxval(abs(o%speed(1:o%n))), o%amplitude)
          call check_close(maxval(abs(difference - slope)), 0.0_wp, 1.0e-7_wp*scale, &
@@ -129,7 +129,7 @@ contains
       type(setting_type) :: setting
       type(orbit_type) :: o
       real(wp) :: scaled(size(whole)), residual(size(whole)), jacobian(size(whole), size(whole))
-      real(wp) :: matrix(size(unknowns), size(unknowns)), rest(size(unknowns)), scale
+      real(wp) :: slopes(size(unknowns) + 2, size(unknowns)), rest(size(unknowns)), scale
       integer :: n, m
 
       n = size(unknowns)/2
@@ -153,9 +153,9 @@ contains
          maxval(abs(rest(n + 1:) - residual(m + 1:m + n)))), 0.0_wp, 1.0e-13_wp*scale, &
          'orbit: the residual of the other code')
       if (family%mirror) return
-      call orbit_matrix(o, matrix)
+      call orbit_slopes(o, slopes, rest)
       jacobian(:, n + 1:) = jacobian(:, n + 1:)/setting%clearance
-      call check_close(maxval(abs(matrix - jacobian)), 0.0_wp, &
+      call check_close(maxval(abs(transpose(slopes(:2*n, :)) - jacobian)), 0.0_wp, &
          1.0e-13_wp*max(scale, maxval(abs(jacobian))), 'orbit: the derivative of the other code')
    end subroutine check_newton_equations
 
@@ -163,7 +163,7 @@ contains
    subroutine test_exact_motions()
       type(motion_type) :: motion
       type(orbit_type) :: o
-      real(wp) :: c(n_parameters), p(4, 4), other(4, 4), law, scale
+      real(wp) :: c(n_parameters), p(4, 4), other(4, 4), parts(4, 4, most_impacts), law, scale
       integer :: i, status, examined
       logical :: regular
 
@@ -179,7 +179,7 @@ contains
             o%amplitude*max(1.0_wp, o%r), maxval(abs(o%after(1:2))))
          call check_close(maxval(abs(orbit_residual(o))), 0.0_wp, 1.0e-11_wp*scale, &
             'orbit: an exact motion leaves no residual')
-         call period_map(o, p, regular)
+         call period_parts(o, parts, p, regular)
          call stability_matrix(motion, other, status)
          call check(regular .eqv. status == stat%ok, 'orbit: both maps are regular')
          if (.not. regular) cycle
@@ -203,7 +203,8 @@ contains
       type(linear_system_type) :: system
       type(motion_type) :: motions(2)
       type(orbit_type) :: o
-      real(wp) :: c(n_parameters), q(4, 4), p(4, 4), r, clearance, law, size_q
+      real(wp) :: c(n_parameters), q(4, 4), p(4, 4), parts(4, 4, most_impacts), r, clearance, law
+      real(wp) :: size_q
       integer :: i, j, cycles, status, examined
       logical :: regular
 
@@ -221,7 +222,7 @@ contains
             call check_close(maxval(abs(orbit_residual(o))), 0.0_wp, 1.0e-11_wp* &
                max(1.0_wp, abs(o%u(1)), abs(o%speed(1)), o%amplitude), &
                'orbit: an equispaced motion leaves no residual')
-            call period_map(o, q, regular)
+            call period_parts(o, parts, q, regular)
             call stability_matrix(motions(j), p, status)
             if (.not. regular .or. status /= stat%ok) cycle
             size_q = max(1.0_wp, maxval(abs(q)))
