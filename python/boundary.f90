@@ -420,6 +420,72 @@ subroutine find(room, letters, xi, mu, walls, r, load, clearance, max_impacts, m
    end do
 end subroutine find
 
+!> A motion, or its mirror image, written once and from the impact on that puts R before L.
+!!
+!! Without rest it is given by sides and x_i, theta_i of its n impacts (and `releases` is a column
+!! of zeros), with rest by side, phase and velocity of its m releases (and one impact of side 0).
+!! Written once it has `impacts` impacts.
+subroutine standard_motion(n, m, xi, r, load, clearance, cycles, sides, unknowns, releases, &
+   mirror, impacts, own_cycles, own_sides, own_unknowns, own_releases)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_found_motion, only: found_type, in_standard_form, mirrored
+   use vi_likeness, only: length_scale
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, cycles, sides(n), mirror
+   real(c_double), intent(in) :: xi, r, load, clearance, unknowns(2*n), releases(3, m)
+   integer(c_int), intent(out) :: impacts, own_cycles, own_sides(n)
+   real(c_double), intent(out) :: own_unknowns(2*n), own_releases(3, m)
+   type(found_type) :: found
+   integer :: j, k
+
+   j = count(sides /= 0)
+   k = count(abs(releases(1, :)) > 0)
+   found = found_type(pattern_type(sides(:j), cycles), unknowns(:2*j), releases(:, :k))
+   if (mirror /= 0) found = mirrored(found)
+   found = in_standard_form(found, &
+      max(clearance, load*length_scale(oscillator_type(xi), r, 0.0_c_double)))
+   impacts = size(found%pattern%sides)
+   own_cycles = found%pattern%cycles
+   own_sides = 0
+   own_sides(:impacts) = found%pattern%sides
+   own_unknowns = 0
+   own_unknowns(:2*impacts) = found%unknowns
+   own_releases = 0
+   own_releases(:, :k) = found%releases
+end subroutine standard_motion
+
+!> Whether two motions, each as in `standard_motion`, are one; or one and the other's mirror image.
+subroutine same_motion(n, m, xi, r, load, clearance, cycles, sides, unknowns, releases, &
+   other_sides, other_unknowns, other_releases, mirror, are_one)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored
+   use vi_likeness, only: length_scale
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, cycles, sides(n), other_sides(n), mirror
+   real(c_double), intent(in) :: xi, r, load, clearance, unknowns(2*n), releases(3, m), &
+      other_unknowns(2*n), other_releases(3, m)
+   integer(c_int), intent(out) :: are_one
+   type(found_type) :: one, other
+   real(c_double) :: scale
+   integer :: j, k
+
+   scale = max(clearance, load*length_scale(oscillator_type(xi), r, 0.0_c_double))
+   j = count(sides /= 0)
+   k = count(abs(releases(1, :)) > 0)
+   one = found_type(pattern_type(sides(:j), cycles), unknowns(:2*j), releases(:, :k))
+   other = found_type(pattern_type(other_sides(:j), cycles), other_unknowns(:2*j), &
+      other_releases(:, :k))
+   if (mirror /= 0) other = mirrored(other)
+   are_one = merge(1, 0, are_same(in_standard_form(one, scale), in_standard_form(other, scale), &
+      scale))
+end subroutine same_motion
+
 !> Exact motions of one pattern from guesses alone: `found` has x_i, theta_i of each (`n_found`).
 subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, guesses, room, &
    found, n_found, tried)

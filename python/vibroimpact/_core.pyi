@@ -288,6 +288,45 @@ class _Find(Protocol):
     ]: ...
 
 @type_check_only
+class _StandardMotion(Protocol):
+    # impacts, own_cycles, own_sides, own_unknowns, own_releases
+    def __call__(
+        self,
+        xi: float,
+        r: float,
+        load: float,
+        clearance: float,
+        cycles: int,
+        sides: ArrayLike,
+        unknowns: ArrayLike,
+        releases: ArrayLike,
+        mirror: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> tuple[int, int, _Integer, _Real, _Real]: ...
+
+@type_check_only
+class _SameMotion(Protocol):
+    # are_one
+    def __call__(
+        self,
+        xi: float,
+        r: float,
+        load: float,
+        clearance: float,
+        cycles: int,
+        sides: ArrayLike,
+        unknowns: ArrayLike,
+        releases: ArrayLike,
+        other_sides: ArrayLike,
+        other_unknowns: ArrayLike,
+        other_releases: ArrayLike,
+        mirror: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> int: ...
+
+@type_check_only
 class _SearchPattern(Protocol):
     # found, n_found, tried
     def __call__(
@@ -665,6 +704,8 @@ exact: _Exact
 extreme_positions: _ExtremePositions
 rest_motion: _RestMotion
 find: _Find
+standard_motion: _StandardMotion
+same_motion: _SameMotion
 search_pattern: _SearchPattern
 start_state: _StartState
 simulate_bundle: _SimulateBundle

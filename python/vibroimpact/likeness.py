@@ -1,109 +1,97 @@
-"""Which motions are one: written once or several times over, from any impact on, or as a mirror image."""
+"""Which motions are one: written once or several times over, from any impact on, or as a mirror image.
+
+The core decides, with one tolerance for all studies.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from . import _core
 from .errors import SingularError
 from .model import Pattern
 from .motion import Motion
-from .newton import newton, rest_motion
-from .states import TWO_PI
+from .newton import newton, release_motion
 
-#: Two motions are one if positions (over the clearance) and phases differ by less.
-SAME = 1e-7
+__all__ = ["images", "same", "standard"]
+
+
+class _Parts(NamedTuple):
+    """A motion as the core compares it: without rest the impacts, with rest the releases; else zeros."""
+
+    sides: NDArray[np.int32]
+    unknowns: NDArray[np.float64]
+    releases: NDArray[np.float64]
+
+
+def _parts(motion: Motion) -> _Parts:
+    if motion.rest_events is None:
+        unknowns = np.append(motion.X, motion.phases + motion.tau)
+        return _Parts(motion.pattern.signs, unknowns, np.zeros((3, 1), order="F"))
+    events = motion.rest_events[motion.rest_events["kind"] == "release"]
+    sides = np.where(events["side"] == "R", 1.0, -1.0)
+    releases = np.asfortranarray([sides, events["phase"], events["x_dot_after"]])
+    return _Parts(np.zeros(1, np.int32), np.zeros(2), releases)
+
+
+def standard(motion: Motion, *, mirrored: bool = False) -> Motion:
+    """A motion written once, with its impacts counted from the one that puts R before L; or its mirror image so.
+
+    The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion where the walls are alike.
+    """
+    osc, r, clearance, load = motion.osc, motion.r, motion.clearance, motion.load
+    parts = _parts(motion)
+    n, cycles, sides, unknowns, releases = _core.standard_motion(
+        osc.xi, r, load, clearance, motion.pattern.cycles, *parts, mirrored
+    )
+    if motion.rest_events is not None:
+        if cycles == motion.pattern.cycles and not mirrored:
+            return motion
+        side, *guess = releases[:, -1]
+        return release_motion(osc, r, clearance, load, int(cycles), int(side), np.array(guess))
+    if not mirrored and np.array_equal(unknowns, parts.unknowns):
+        return motion
+    pattern = Pattern("".join("RL"[one < 0] for one in sides[:n].tolist()), int(cycles))
+    return newton(osc, r, clearance, load, pattern, unknowns[:n].copy(), unknowns[n : 2 * n].copy())
 
 
 def images(motion: Motion) -> Iterator[Motion]:
-    """A motion, written once, and its mirror image where the walls are alike."""
-    once = reduced(motion)
-    yield once
+    """A motion in standard form, and its mirror image where the walls are alike."""
+    yield standard(motion)
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
         try:
-            image = mirror(turned(once))
+            image = standard(motion, mirrored=True)
         except SingularError:  # on the edge of convergence, as the motion itself
             return
         yield image
 
 
-def reduced(motion: Motion) -> Motion:
-    """The motion written once, if it is written several times over."""
-    n, k = len(motion.pattern), motion.pattern.cycles
-    for parts in range(math.gcd(n, k), 1, -1):
-        if n % parts or k % parts or n // parts < 2:
-            continue
-        m = n // parts
-        letters = motion.pattern.letters
-        if letters != letters[:m] * parts:
-            continue
-        shift = np.append(motion.phases[m:], motion.phases[:m] + TWO_PI * k) - motion.phases
-        if np.abs(shift - TWO_PI * k / parts).max() > SAME:
-            continue
-        if np.abs(np.roll(motion.X, -m) - motion.X).max() > SAME * motion.clearance:
-            continue
-        pattern = Pattern("".join(letters[:m]), k // parts)
-        if motion.rest_events is not None:
-            return rest_motion(
-                motion.osc, motion.r, motion.clearance, motion.load, pattern.cycles, motion.events
-            )
-        theta = motion.phases[:m] + motion.tau
-        return newton(
-            motion.osc, motion.r, motion.clearance, motion.load, pattern, motion.X[:m], theta
-        )
-    return motion
+def same(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
+    """Whether two motions of one system, or one and the other's mirror image, are one.
 
-
-def turned(motion: Motion) -> Motion:
-    """The motion with its impacts counted from the one that puts R before L."""
-    letters, n = motion.pattern.letters, len(motion.pattern)
-    first = max(range(n), key=lambda j: letters[j:] + letters[:j])
-    if first == 0 or motion.rest_events is not None:
-        return motion
-    pattern = Pattern("".join(letters[first:] + letters[:first]), motion.pattern.cycles)
-    theta = (
-        np.append(motion.phases[first:], motion.phases[:first] + TWO_PI * pattern.cycles)
-        + motion.tau
-    )
-    x = np.roll(motion.X, -first)
-    return newton(motion.osc, motion.r, motion.clearance, motion.load, pattern, x, theta)
-
-
-def mirror(motion: Motion) -> Motion:
-    """The mirror image of a motion of a symmetric system: x -> -x, R <-> L, half a cycle later."""
-    pattern = Pattern(
-        motion.pattern.sides.translate(str.maketrans("RL", "LR")), motion.pattern.cycles
-    )
-    if motion.rest_events is not None:
-        events = motion.rest_events.copy()
-        for name in ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"):
-            events[name] *= -1
-        events["side"] = np.where(events["side"] == "R", "L", "R")
-        events["phase"] = np.mod(events["phase"] + math.pi, TWO_PI)
-        return rest_motion(
-            motion.osc, motion.r, motion.clearance, motion.load, pattern.cycles, events
-        )
-    theta = motion.phases + motion.tau + math.pi
-    return newton(motion.osc, motion.r, motion.clearance, motion.load, pattern, -motion.X, theta)
-
-
-def same(one: Motion, other: Motion) -> bool:
-    """Whether two motions are one, whichever impact comes first."""
-    if len(one.pattern) != len(other.pattern) or one.pattern.cycles != other.pattern.cycles:
+    It does not matter from which impact on they are written.
+    """
+    first, second = _parts(one), _parts(other)
+    if (
+        (one.rest_events is None) != (other.rest_events is None)
+        or len(one.pattern) != len(other.pattern)
+        or one.pattern.cycles != other.pattern.cycles
+        or first.releases.shape != second.releases.shape
+    ):
         return False
-    near = 1e3 * SAME * one.clearance
-    if abs(one.X.sum() - other.X.sum()) > len(one.pattern) * near:
-        return False
-    letters, others = one.pattern.letters, other.pattern.letters
-    start = one.phases + one.load_phase
-    for j in range(len(others)):
-        if letters != others[j:] + others[:j]:
-            continue
-        later = np.append(other.phases[j:], other.phases[:j] + TWO_PI * other.pattern.cycles)
-        gap = later + other.load_phase - start
-        gap -= TWO_PI * round(gap[0] / TWO_PI)
-        if np.abs(gap).max() < 1e3 * SAME and np.abs(np.roll(other.X, -j) - one.X).max() < near:
-            return True
-    return False
+    return bool(
+        _core.same_motion(
+            one.osc.xi,
+            one.r,
+            one.load,
+            one.clearance,
+            one.pattern.cycles,
+            *first,
+            *second,
+            mirrored,
+        )
+    )

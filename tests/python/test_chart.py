@@ -14,7 +14,7 @@ xarray = pytest.importorskip("xarray")
 
 #: The modules, where the package has functions of the same name.
 CHART = importlib.import_module("vibroimpact.chart")
-reduced = importlib.import_module("vibroimpact.likeness").reduced
+standard = importlib.import_module("vibroimpact.likeness").standard
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 RL = vi.Pattern("RL")
@@ -124,7 +124,7 @@ def test_nothing_missed(sides, cycles):
             motion = newton(
                 OSC, R[k], D[j], 1.0, pattern, column[: len(pattern)], column[len(pattern) :]
             )
-            if not motion.admissible or len(reduced(motion).pattern) < len(pattern):
+            if not motion.admissible or len(standard(motion).pattern) < len(pattern):
                 continue
             seen += 1
             turns = [np.roll(motion.X, -i) for i in range(len(pattern))]

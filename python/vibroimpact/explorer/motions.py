@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import SingularError
 from ..find import find
-from ..likeness import images, same, turned
+from ..likeness import images, same
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact, newton
@@ -73,7 +73,7 @@ def ordered(motions: Iterable[Motion], kept: Iterable[Shown] = ()) -> list[Shown
         for image in images(motion):
             if any(same(image, other.motion) for other in shown):
                 continue
-            made = recipe_of(turned(image))
+            made = recipe_of(image)
             if made is not None:
                 shown.append(Shown(made[1], made[0]))
     return sorted(shown, key=_order)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import ParameterError, VibroimpactError
 from ..files import write_text
-from ..likeness import mirror, turned
+from ..likeness import standard
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact, last_period
@@ -121,9 +121,11 @@ def seeds(sweeps: list[dict[str, Any]], osc: Oscillator) -> dict[str, list[Motio
             state = {k: v * (1 if k == "t" else clearance) for k, v in item["state"].items()}
             try:
                 run = simulate(osc, one["r"], clearance, 2 * MOST_CYCLES, state=state)
-                motion = turned(exact(osc, one["r"], clearance, run))
+                motion = standard(exact(osc, one["r"], clearance, run))
                 if osc.restitution[0] == osc.restitution[1]:
-                    motion = max(motion, turned(mirror(motion)), key=lambda m: m.pattern.sides)
+                    motion = max(
+                        motion, standard(motion, mirrored=True), key=lambda m: m.pattern.sides
+                    )
             except VibroimpactError:
                 continue  # on the brink of another kind
             found.setdefault(motion.pattern.sides, []).append(motion)

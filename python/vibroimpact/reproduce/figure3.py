@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..find import find
-from ..likeness import turned
+from ..likeness import standard
 from ..motion import Motion
 from . import canvas
 from .paper import MASRI, ratios
@@ -24,7 +24,7 @@ def zones(resolution: float = 1.0) -> dict[str, list[Strip]]:
     seeds: list[Motion] = []
     for at, clearance in LOOK:
         found = find(MASRI, at, clearance, max_impacts=3, max_cycles=1, guesses=24, states=6)
-        seeds += [m for m in map(turned, found) if m.stable and m.pattern.sides == "RRL"]
+        seeds += [m for m in map(standard, found) if m.stable and m.pattern.sides == "RRL"]
     return {
         "2e": equispaced_zone(MASRI, r, round(300 * resolution)),
         "2u": pair_zone(MASRI, r, round(1600 * resolution)),

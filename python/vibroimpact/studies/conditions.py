@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from .. import _core
 from ..errors import ParameterError
+from ..likeness import same
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 
@@ -45,13 +45,8 @@ def check_symmetric(symmetric: Any, osc: Oscillator, pattern: Pattern) -> None:
 
 
 def is_symmetric(motion: Motion) -> bool:
-    """Whether a motion is its own mirror image half a period later, to 1e-6."""
-    if not can_be_symmetric(motion.osc, motion.pattern):
-        return False
-    half = len(motion.pattern) // 2
-    later = motion.phases[half:] - motion.phases[:half] - math.pi * motion.pattern.cycles
-    mirrored = (motion.X[half:] + motion.X[:half]) / motion.clearance
-    return float(max(abs(later).max(), abs(mirrored).max())) < 1e-6
+    """Whether a motion is its own mirror image half a period later."""
+    return can_be_symmetric(motion.osc, motion.pattern) and same(motion, motion, mirrored=True)
 
 
 def type_name(kind: int, index: int, symmetric: bool, mirrored: bool) -> str:

@@ -1,0 +1,71 @@
+"""Which motions are one: what `find` lists as two is two everywhere, and what it writes once is one."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_motions import pair_motion, rest_motion, triple_motion
+from shared_systems import RIG, TABLE
+from vibroimpact.explorer.motions import ordered
+from vibroimpact.likeness import images, same, standard
+from vibroimpact.studies.conditions import is_symmetric
+
+
+@pytest.fixture(scope="module")
+def fork():
+    """The clearance at which the equispaced motion of Table 1 loses its symmetry: two others part from it."""
+    branch = vi.branch(vi.equispaced(TABLE, 0.94, 37.0)[0], "clearance", (30, 120))
+    return next(point.clearance for point in branch.special_points if point.type == "pitchfork")
+
+
+def near(fork, offset):
+    """The motion that Newton's method leads to from unequal phases, at a relative offset from the pitchfork."""
+    guess = [0, np.pi * 1.001], vi.Pattern("RL")
+    if offset < 0:
+        guess = [0, np.pi + 1.5636 * math.sqrt(-offset)], vi.Pattern("RL")
+    return vi.exact(TABLE, 0.94, fork * (1 + offset), guess)
+
+
+def test_two_motions_that_have_just_parted(fork):
+    """Mirror images 9e-5 apart are two motions: for `same`, for the explorer and for `is_symmetric`."""
+    one = near(fork, -3e-9)
+    other = standard(one, mirrored=True)
+    # the distance grows as the root of the offset: 1.5636 of it, from the branch at offsets of 1e-3 to 1e-8
+    assert one.phases[1] - np.pi == pytest.approx(8.6e-5, rel=0.02)
+    assert not same(one, other)
+    assert same(one, other, mirrored=True)
+    assert not is_symmetric(one)
+    assert len(ordered([one])) == len(ordered([one, other, one])) == 2
+
+
+def test_one_motion_before_they_part(fork):
+    motion = near(fork, 1e-5)
+    assert is_symmetric(motion)
+    assert same(motion, standard(motion, mirrored=True))
+    assert len(ordered([motion])) == 1
+
+
+@pytest.mark.parametrize("make", [pair_motion, rest_motion, triple_motion])
+def test_mirror_images_and_turns(make):
+    """Twice mirrored is the motion; the standard form is its own."""
+    motion = make()
+    form = standard(motion)
+    assert same(form, motion)
+    assert standard(form) is form
+    if motion.osc.restitution[0] == motion.osc.restitution[1]:
+        image = standard(form, mirrored=True)
+        assert same(standard(image, mirrored=True), form)
+        assert same(image, form, mirrored=True)
+        assert [same(one, form) for one in images(form)] == [True, False]
+    letters = form.pattern.letters
+    if not form.pattern.has_rest:
+        assert letters == max(letters[j:] + letters[:j] for j in range(len(letters)))
+
+
+def test_rest_is_never_one_with_impacts_alone():
+    """Of two letters in a cycle each."""
+    resting, plain = rest_motion(), pair_motion(RIG, 0.9, 6.0)
+    assert len(resting.pattern) == len(plain.pattern)
+    assert not same(resting, plain)
+    assert not same(plain, resting)
