@@ -20,8 +20,8 @@ from .studies.conditions import can_be_symmetric, check_symmetric
 
 __all__ = ["chart"]
 
-#: Points of a chart, and numbers that a flood may keep in memory.
-MOST_POINTS, MOST_NUMBERS = 1_000_000, 100_000_000
+#: Points of a chart.
+MOST_POINTS = 1_000_000
 MOST_IMPACTS = 12
 #: Motions of the equispaced pair computed between two looks at the keyboard.
 CHUNK = 60_000
@@ -179,10 +179,10 @@ def chart_arrays(
     processors = os.cpu_count() or 1
     threads = checks.integer(processors if threads is None else threads, "threads", 1, 1024)
     pair = len(pattern) == 2 and can_be_symmetric(osc, pattern)
-    if 8 * max(room, 4) * len(pattern) * points > MOST_NUMBERS and not (pair and symmetric):
+    if max(room, 4) * len(pattern) * points > checks.MOST_NUMBERS and not (pair and symmetric):
         raise ParameterError(
             f"r and clearance: {points} points with room for {room} motions of {len(pattern)} impacts "
-            f"each; points x room x impacts must be at most {MOST_NUMBERS // 8}, make several charts"
+            f"each; points x room x impacts must be at most {checks.MOST_NUMBERS}, make several charts"
         )
     parts: list[Columns] = []
     found = np.zeros((axes[1].size, axes[0].size), dtype=np.int32)

@@ -46,7 +46,7 @@ contains
       type(case_type), intent(inout) :: case
       integer, intent(inout) :: line
       character(:), allocatable, intent(inout) :: message
-      integer :: i
+      integer :: i, runs
 
       call check_line(group, case, line, message)
       associate (a => case%attractor)
@@ -67,9 +67,10 @@ contains
          call check_whole(group, 'keep', a%keep, 3, 10**4, line, message)
          call check_whole(group, 'points', a%points, 1, 4096, line, message)
          call check_number(group, 'load', a%load, 0.0_wp, 1.0e12_wp, line, message)
-         if (len(message) == 0 .and. int(a%values(1), int64)*a%points*merge(a%states, 2, &
-            case%sweep == 'states') > most_numbers) call complain(group, 'points', line, message, &
-            'values x runs x points must be at most '//whole(most_numbers))
+         runs = merge(a%states, merge(2, 1, case%sweep == 'both'), case%sweep == 'states')
+         if (len(message) == 0 .and. int(a%values(1), int64)*a%points*runs > most_numbers) call &
+            complain(group, 'points', line, message, 'values x runs x points must be at most '// &
+            whole(most_numbers))
          call check_start(group, case, merge(merge(a%high(1), a%low(1), case%sweep == 'down'), &
             a%clearance, case%parameter == 'clearance'), line, message)
       end associate

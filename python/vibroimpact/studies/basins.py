@@ -285,7 +285,7 @@ def basins(
     elif fixed is not None:
         raise ParameterError(f"fixed = {fixed!r}: must be left out: it goes with plane")
     elif isinstance(states, (int, np.integer)):
-        number = checks.integer(states, "states", 1, 10**8)
+        number = checks.integer(states, "states", 1, checks.MOST_NUMBERS)
         starts = _core.random_states(number, seed, osc.xi, r, load, clearance)
         which = {"states": number, "seed": seed}
     else:
@@ -327,6 +327,8 @@ def _axes(plane: Any) -> tuple[Axis, Axis]:
         axes.append(Axis(axis.name, low, high, checks.integer(axis.n, "plane: n", 2, 100_000)))
     if first.name == second.name:
         raise ParameterError(f"plane = {plane!r}: must name two coordinates")
+    numbers = [axis.n for axis in axes]
+    checks.together(math.prod(numbers), f"plane: n = {numbers}", "together at most {} states")
     return axes[0], axes[1]
 
 

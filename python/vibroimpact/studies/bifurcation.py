@@ -290,6 +290,15 @@ def bifurcation_diagram(
     along = np.unique(checks.real_array(values, "values", "numbers"))
     if along.size < 2:
         raise ParameterError(f"values = {values!r}: must be at least two different numbers")
+    checks.integer(along.size, "values", 2, checks.MOST_VALUES)
+    runs = {"both": ["up", "down"], "states": [f"state {j + 1}" for j in range(states)]}.get(
+        sweep, [sweep]
+    )
+    checks.together(
+        along.size * len(runs) * points,
+        f"points = {points}",
+        "values x runs x points must be at most {}",
+    )
     fixed: dict[str, float | _Array] = {}
     for name, value in (("r", r), ("clearance", clearance)):
         if name != parameter:
@@ -305,9 +314,6 @@ def bifurcation_diagram(
         xi = float(along[0]) if parameter == "xi" else osc.xi
         checks.frequency_ratio(1.0, xi)
     workers = thread_count(threads)
-    runs = {"both": ["up", "down"], "states": [f"state {j + 1}" for j in range(states)]}.get(
-        sweep, [sweep]
-    )
     start = np.zeros(5)
     if state is not None:
         ends = (

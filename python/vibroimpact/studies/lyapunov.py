@@ -222,6 +222,8 @@ def lyapunov(
         ) from None
     if not rs.size:
         raise ParameterError(f"r, clearance of shape {rs.shape}: must have at least one point")
+    if rs.size > 1:
+        checks.integer(rs.size, "values", 2, checks.MOST_VALUES)
     states, contacts = (
         np.empty((7, rs.size), order="F"),
         np.empty((3, rs.size), np.int32, order="F"),

@@ -165,6 +165,8 @@ def response(
         raise ParameterError(
             f"r {along.shape}, {name} {given.shape}: must be (n,) and a number or (n,)"
         )
+    if along.size > 1:
+        checks.integer(along.size, "r_points", 2, checks.MOST_VALUES)
     if np.any(given <= 0):
         raise ParameterError(f"{name} = {float(given.min())!r}: must be positive")
     distance = np.broadcast_to(given if inverse_clearance is None else 1 / given, along.shape)
@@ -174,6 +176,9 @@ def response(
     states = checks.integer(states, "states", 1, 10**6)
     settling = checks.integer(settling, "settling", 0, 10**7)
     keep = checks.integer(keep, "keep", 3, 10**4)
+    checks.together(
+        along.size * states, f"states = {states}", "r_points x states must be at most {}"
+    )
     workers = thread_count(threads)
     asked = ""
     if given.ndim == 0 and spacing_of(along) == "linear":
