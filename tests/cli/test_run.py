@@ -90,3 +90,37 @@ def test_all_tests(clone, words):
     assert [call.split(" -C")[0] for call in calls] == [
         "meson test", " ".join(["python -m pytest", *words])
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", [None, "meson", "pytest"])
+def test_the_fast_lane(fault, tmp_path):
+    """It stops at nothing, tells what it leaves out, and its status is 0 only if nothing failed."""
+    for folder in (".ci", "build/fortran", ".venv/bin"):
+        (tmp_path / folder).mkdir(parents=True)
+    shutil.copy(RUN.parent / ".ci/run", tmp_path / ".ci/run")
+    (tmp_path / "build/fortran/build.ninja").touch()
+    for name in ("run", ".venv/bin/python", ".venv/bin/meson", ".venv/bin/git"):
+        script = tmp_path / name
+        # git finds nothing
+        script.write_text(
+            f'#!/bin/sh\necho "${{0##*/}} $*"\n[ "${{0##*/}}" != git ] || exit 1\n'
+            f'case "${{0##*/}} $*" in *{fault}*) exit 1 ;; esac\n'
+        )
+        script.chmod(0o755)
+    done = subprocess.run(
+        [tmp_path / ".ci/run", "fast"], capture_output=True, text=True, check=False
+    )
+    ends = [line[6:].split(":") for line in done.stdout.splitlines() if ": " in line[:60]]
+    steps = [name for name, _ in ends if not name.startswith("out")]
+    failing = {
+        "meson": "Fortran tests",
+        "pytest": "Python tests that are neither slow nor in a browser",
+    }
+    assert steps[:4] == ["lint", "traces of a machine", "types of _core", "Fortran tests"]
+    assert done.returncode == (fault is not None)
+    assert "\nLeft out: " in done.stdout
+    assert "not slow and not browser" in done.stdout
+    assert "run lint" in done.stdout
+    if fault:
+        assert f"===== {failing[fault]}: FAILED" in done.stdout
+        assert done.stdout.splitlines()[-1].endswith(f"{failing[fault]}.")

@@ -21,6 +21,13 @@ def pytest_addoption(parser):
     group.addoption("--audit-seed", type=int, default=1, help="seed of the systems and points (1)")
 
 
+def pytest_collection_modifyitems(items):
+    """Mark what needs a browser."""
+    for item in items:
+        if "browser" in item.fixturenames:
+            item.add_marker("browser")
+
+
 @pytest.fixture(scope="session")
 def results():
     """One result of each kind, and of the kinds within them."""

@@ -103,6 +103,7 @@ def test_gif(tmp_path):
     assert plt.get_fignums() == []
 
 
+@pytest.mark.slow
 def test_mp4(tmp_path, monkeypatch):
     """The program of imageio-ffmpeg writes the pictures of the GIF, as many, and the path stays as it was."""
     program = pytest.importorskip("imageio_ffmpeg").get_ffmpeg_exe()

@@ -9,6 +9,8 @@ import vibroimpact as vi
 from vibroimpact.newton import last_period
 from vibroimpact.studies.atlas import OUTCOMES, standard
 
+pytestmark = pytest.mark.xdist_group("atlas")
+
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 UNEQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
 

@@ -104,6 +104,7 @@ def stopped(monkeypatch, study, *arguments, **more):
     return stop.value.result
 
 
+@pytest.mark.slow
 def test_stopped_lyapunov(monkeypatch):
     """The points that are finished have the bits of the whole line."""
     line = np.linspace(10, 24, 300)

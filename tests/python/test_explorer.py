@@ -102,6 +102,7 @@ def test_recipes_give_the_same_bits(r, clearance, walls):
     assert stable == sorted(stable, reverse=True)
 
 
+@pytest.mark.slow
 def test_zones_tell_of_their_motions():
     """Wherever a zone contains a point, its stable motion is among the quick ones."""
     osc, window = vi.Oscillator(0.0114, 0.028, 0.75), ((0.8, 1.2), (2.0, 200.0))
@@ -309,6 +310,7 @@ def test_threads_end_before_the_interpreter():
     assert (done.returncode, done.stdout, done.stderr) == (0, "ends by itself\n" * 2, "")
 
 
+@pytest.mark.slow
 def test_interrupt_ends_it():
     """Ctrl-C is how it ends: status 0 and nothing on stderr; it listens on loopback alone.
 

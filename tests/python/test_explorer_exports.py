@@ -28,6 +28,7 @@ def filled(state):
     return explorer
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
 def test_python_gives_what_is_shown(state, capsys):
     """Every number of the motions, the run, the diagram and the zones, to the last bit."""
@@ -45,6 +46,7 @@ def test_python_gives_what_is_shown(state, capsys):
         assert [ring.tolist() for ring in zone.loops] == [ring.tolist() for ring in shown.loops]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
 def test_namelist_gives_what_is_shown(state, tmp_path):
     """The file's cases are the motions (with rest: their events), the run and the zones, bit for bit."""

@@ -28,6 +28,7 @@ def likely_motions(draw):
     return Case(fp.System(xi, mu, r, sides, 1, own), phases, None)
 
 
+@pytest.mark.slow
 @given(likely_motions())
 @law(400)
 def test_verdicts(case):
@@ -61,6 +62,7 @@ def test_consistent_is_the_residual_against_the_acceptance(case, acceptance):
     assert motion.consistent is bool(motion.residual < acceptance)
 
 
+@pytest.mark.slow
 @given(likely_motions())
 @law(300)
 def test_extremes_of_the_primary_mass(case):
@@ -78,6 +80,7 @@ def test_extremes_of_the_primary_mass(case):
 # --- sampling -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(likely_motions(), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
 @law(250)
 def test_samples_are_the_flight(case, parts):
@@ -106,6 +109,7 @@ def test_samples_are_the_flight(case, parts):
     )
 
 
+@pytest.mark.slow
 @given(likely_motions())
 @law(250)
 def test_samples_at_the_impacts(case):

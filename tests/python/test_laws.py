@@ -50,6 +50,7 @@ def test_reference_impact_in_both_directions(mu, restitution, v, w):
 # --- the linear system ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(cases())
 @law(900)
 def test_coefficients_of_26_and_30(case):
@@ -65,6 +66,7 @@ def test_coefficients_of_26_and_30(case):
     assert np.all(np.abs(right - expected_right) <= tolerance)
 
 
+@pytest.mark.slow
 @given(cases())
 @law(500)
 def test_solution_of_the_linear_problem(case):

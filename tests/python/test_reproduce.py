@@ -349,6 +349,8 @@ def whole(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
+@pytest.mark.xdist_group("reproduce")
 def test_everything_is_there(whole):
     """All outputs of all tasks, and no temporary file."""
     for task in tasks.TASKS.values():
@@ -362,6 +364,8 @@ def statements_of(folder):
     return json.loads((folder / "data" / "statements.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
+@pytest.mark.xdist_group("reproduce")
 def test_unit_of_the_printed_multiplier(whole):
     """The multiplier by the formulas as transcribed is given with its unit of length, in two units."""
     (row,) = (row for row in statements_of(whole) if row["where"] == "(A6), (A7)")
@@ -374,6 +378,8 @@ def test_unit_of_the_printed_multiplier(whole):
         assert f"{appendix.largest(motion, (), clearance):.1f} {unit}" in row["found"]
 
 
+@pytest.mark.slow
+@pytest.mark.xdist_group("reproduce")
 @pytest.mark.parametrize(("name", "osc"), [("a", EQUAL), ("b", UNEQUAL)])
 def test_two_readings_of_figure_10(name, osc, whole):
     """Its words are quoted; at r = 0.98 they differ if read as at every load, and agree if as at some loads."""
@@ -389,6 +395,8 @@ def test_two_readings_of_figure_10(name, osc, whole):
         assert f"X_max/A: {extreme:.3f} at r = 0.98" in row["found"]
 
 
+@pytest.mark.slow
+@pytest.mark.xdist_group("reproduce")
 def test_report_stands_alone(whole):
     """The page refers to nothing outside itself, and holds every figure and statement."""
     text = (whole / "report.html").read_text(encoding="utf-8")
