@@ -6,7 +6,7 @@
 !! its lines are followed as well. Where a motion grazes a wall a line of another pattern begins,
 !! which has that touch as an impact more.
 module vi_passages
-   use vi_conditions, only: gap_of_flight
+   use vi_conditions, only: gap_of_flight, polish_touch
    use vi_curve, only: correct, curve_type, tangent_at
    use vi_frame, only: condition_type, edge, grazing
    use vi_kinds, only: wp
@@ -25,8 +25,9 @@ module vi_passages
    real(wp), parameter :: pi = acos(-1.0_wp)
    !> Units of length along r and log D, those of the 1983 charts, and how far a line is followed.
    real(wp), parameter :: unit(2) = [0.4_wp, log(100.0_wp)], reach = 0.3_wp
-   !> A motion that is farther beyond a wall (over D) is not looked at for births.
-   real(wp), parameter :: depth = 0.1_wp
+   !> A motion that is farther beyond a wall (over D) is not looked at for births. Their lines may
+   !! well lead to admissible motions: seen from 0.38 beyond.
+   real(wp), parameter :: depth = 0.5_wp
    !> Motions and births kept of a pattern, and steps made along its lines.
    integer, parameter :: room = 128, most_births = 32, most_steps = 3000
 
@@ -255,12 +256,13 @@ contains
    pure subroutine insert(lines, point, touch, birth)
       type(lines_type), intent(in) :: lines
       real(wp), intent(in) :: point(:)
-      !> Flight, wall and share of the flight's duration.
+      !> Flight, wall and share of the flight's duration, about.
       type(condition_type), intent(in) :: touch
       type(birth_type), intent(out) :: birth
       type(orbit_type) :: o
+      type(condition_type) :: there
       real(wp), dimension(size(point)/2 + 1) :: x, theta
-      real(wp) :: c(size(lines%curve%c)), z
+      real(wp) :: c(size(lines%curve%c)), gap, z
       integer, dimension(size(x)) :: sides, letters
       integer :: i, n, shift
       logical :: mirrored
@@ -271,10 +273,14 @@ contains
       birth%place = point(size(point))
       c(birth%direction) = lines%curve%origin(1) + lines%curve%scale(1)*birth%place
       call set_orbit(lines%curve%frame%family, point(:2*n), c, o)
+      ! the touch of a motion a step away happens at another time; from there the longer pattern
+      ! does not solve the equations, and its line would not be found
+      there = touch
+      call polish_touch(o, there, gap)
       i = touch%index
-      z = o%z(i) + touch%share*(o%z(i + 1) - o%z(i))
+      z = o%z(i) + there%share*(o%z(i + 1) - o%z(i))
       x = [point(:i), z - 0.5_wp*touch%side, point(i + 1:n)]
-      theta = [point(n + 1:n + i), o%theta(i) + touch%share*(o%theta(i + 1) - o%theta(i)), &
+      theta = [point(n + 1:n + i), o%theta(i) + there%share*(o%theta(i + 1) - o%theta(i)), &
          point(n + i + 1:2*n)]
       sides = [lines%pattern%sides(:i), touch%side, lines%pattern%sides(i + 1:)]
       call standard_letters(sides, lines%alike, letters, shift, mirrored)

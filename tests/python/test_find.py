@@ -405,6 +405,9 @@ def test_what_progress_raises_ends_the_search():
      0.6, 4.750097926738158, "RLLLL"),
     (vi.Oscillator(0.04574888526484828, 0.18302956470693785, (0.7625810501229096, 0.43476189622849204)),
      0.6140786992542269, 4.926482430237885, "RLLLL"),
+    # only by a line that begins where RRLL grazes while it is 0.38 D beyond a wall elsewhere
+    (vi.Oscillator(0.002374185982558025, 0.01630728362595265, (0.6215415626727533, 0.7888733600894499)),
+     0.9899980522469702, 47.01496391078142, "RRRLL"),
 ])  # fmt: skip
 def test_stable_motions_of_zones_are_found(osc, r, clearance, sides):
     """By lines of constant r and constant clearance through what the guesses find."""
