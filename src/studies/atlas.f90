@@ -14,7 +14,7 @@ module vi_atlas
    use vi_survey, only: attractor_type, survey
    use vi_survey_outcome, only: count_outcomes, outcome_names
    use vi_tally, only: add_sight
-   use vi_zone, only: find_zone, zone_type, zone_work
+   use vi_zone, only: find_zone, release_type, simulate_nodes, zone_type, zone_work
    use vi_zone_table, only: count_zone
    implicit none (type, external)
    private
@@ -75,6 +75,9 @@ contains
             again(j) = again(j) .or. (.not. atlas%explained(i) .and. &
                is_of(atlas%attractors(i), atlas%sheets(j)%pattern))
          end do
+         ! on the same lattice nothing else would be found
+         again(j) = again(j) .and. lattice(request, atlas%sheets(j)%pattern, 2) /= &
+            lattice(request, atlas%sheets(j)%pattern, 1)
       end do
       if (.not. any(again)) return
       call add_sight(zone_work*count(again), tally)
@@ -118,20 +121,49 @@ contains
       !> Times as many lattice lines.
       integer, intent(in) :: finer
       integer, intent(inout), optional :: tally(3)
+      type(release_type), allocatable :: releases(:, :, :)
       integer :: j, status
 
+      do j = 1, size(atlas%sheets)
+         if (.not. wanted(j) .or. .not. rests(atlas%sheets(j)%pattern)) cycle
+         call simulate_nodes(zone_request(request, atlas%sheets(j), finer), request%threads, &
+            releases, tally)
+         exit
+      end do
       ! patterns with rest and long ones take longest: they come first
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status)
       do j = size(atlas%sheets), 1, -1
          if (.not. wanted(j)) cycle
          ! a sheet without motions has an empty zone, whatever the status
-         call find_zone(zone_request_type(request%osc, atlas%sheets(j)%pattern, &
-            atlas%sheets(j)%symmetric, request%r, request%clearance, &
-            lattice(request, atlas%sheets(j)%pattern, finer), request%guesses, request%points), &
-            seeds_of(atlas, atlas%sheets(j)%pattern), atlas%sheets(j)%zone, status, tally)
+         if (rests(atlas%sheets(j)%pattern)) then
+            call find_zone(zone_request(request, atlas%sheets(j), finer), seeds_of(atlas, &
+               atlas%sheets(j)%pattern), atlas%sheets(j)%zone, status, tally, releases)
+         else
+            call find_zone(zone_request(request, atlas%sheets(j), finer), seeds_of(atlas, &
+               atlas%sheets(j)%pattern), atlas%sheets(j)%zone, status, tally)
+         end if
       end do
       !$omp end parallel do
    end subroutine trace_sheets
+
+   !> What to look for as the zone of a sheet.
+   pure function zone_request(request, sheet, finer) result(one)
+      type(atlas_request_type), intent(in) :: request
+      type(sheet_type), intent(in) :: sheet
+      !> Times as many lattice lines.
+      integer, intent(in) :: finer
+      type(zone_request_type) :: one
+
+      one = zone_request_type(request%osc, sheet%pattern, sheet%symmetric, request%r, &
+         request%clearance, lattice(request, sheet%pattern, finer), request%guesses, &
+         request%points)
+   end function zone_request
+
+   pure logical function rests(pattern)
+      type(pattern_type), intent(in) :: pattern
+
+      rests = any(abs(pattern%sides) == 2)
+   end function rests
 
    !> Lattice lines: a motion with rest is only found inside its zone, which may be narrow.
    pure integer function lattice(request, pattern, finer)
@@ -140,7 +172,7 @@ contains
       integer, intent(in) :: finer
 
       lattice = min(129, finer*(request%lines - 1) + 1)
-      if (any(abs(pattern%sides) == 2)) lattice = max(lattice, 33)
+      if (rests(pattern)) lattice = max(lattice, 33)
    end function lattice
 
    !> All patterns up to the limits, shortest first, and those with rest that the survey met.

@@ -626,20 +626,21 @@ contains
       end do
    end subroutine note_gap
 
-   !> The last release of the family among events, as unknowns; none gives found = .false.
-   pure subroutine last_release(family, events, clearance, unknowns, found)
-      type(rest_family_type), intent(in) :: family
+   !> The last release from a wall among events, as unknowns; none gives found = .false.
+   pure subroutine last_release(side, events, clearance, unknowns, found)
+      !> The wall, +1 or -1.
+      integer, intent(in) :: side
       type(event_type), intent(in) :: events(:)
       real(wp), intent(in) :: clearance
+      !> Phase and asinh(v/D).
       real(wp), intent(out) :: unknowns(2)
       logical, intent(out) :: found
-      integer :: i, n
+      integer :: i
 
-      n = size(family%letters)
       unknowns = 0
       found = .false.
       do i = size(events), 1, -1
-         found = events(i)%kind == release_event .and. events(i)%side == sign(1, family%letters(n))
+         found = events(i)%kind == release_event .and. events(i)%side == side
          if (.not. found) cycle
          unknowns = [events(i)%phase, asinh(events(i)%x_dot_after/clearance)]
          return

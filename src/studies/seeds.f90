@@ -4,7 +4,7 @@ module vi_seeds
    use vi_frame, only: frame_type, unknown_count
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
-   use vi_oscillator, only: oscillator_type
+   use vi_oscillator, only: left, oscillator_type, right
    use vi_pattern, only: pattern_type
    use vi_rest_family, only: follow_letters, last_release
    use vi_search, only: search_pattern
@@ -13,15 +13,24 @@ module vi_seeds
    implicit none (type, external)
    private
 
-   public :: motions_at, part_of
+   public :: motions_at, part_of, simulate_releases
 
    !> Motions of a pattern kept at a point; load cycles simulated before a release is looked for.
    integer, parameter :: room = 64, settling = 60
+   !> Most simulations at a point for motions with rest.
+   integer, parameter, public :: most_simulations = 6
+
+   !> The last releases of a simulation, from the right wall and from the left one: load phase and
+   !! asinh(v/D) (2, 2), and whether there are such.
+   type, public :: release_type
+      real(wp) :: at(2, 2) = 0
+      logical :: there(2) = .false.
+   end type release_type
 
 contains
 
    !> Unknowns, or guesses of them, of the motions of a family at a point.
-   pure subroutine motions_at(frame, pattern, c, guesses, skip, found)
+   pure subroutine motions_at(frame, pattern, c, guesses, skip, found, releases)
       type(frame_type), intent(in) :: frame
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
@@ -31,15 +40,23 @@ contains
       !> Guesses of the sequence to leave out, at neighbouring points others each time.
       integer, intent(in) :: skip
       real(wp), allocatable, intent(out) :: found(:, :)
+      !> Those of simulations at this point, if they have been made.
+      type(release_type), intent(in), optional :: releases(:)
+      type(release_type) :: simulated(min(guesses, most_simulations))
       real(wp) :: whole(2*size(pattern%sides), room)
       integer :: k, n, tried
 
       if (frame%resting) then
-         call releases_at(frame, c, min(guesses, 6), found)
+         if (present(releases)) then
+            call releases_at(frame, c, releases, found)
+         else
+            call simulate_releases(c, simulated)
+            call releases_at(frame, c, simulated, found)
+         end if
          return
       end if
       n = 0
-      call search_pattern(pattern, c, guesses, whole, n, tried, skip)
+      call search_pattern(pattern, c, guesses, whole, n, tried, skip, brief=.true.)
       allocate (found(unknown_count(frame), n))
       do k = 1, n
          found(:, k) = part_of(frame, c, whole(:, k))
@@ -66,27 +83,45 @@ contains
       end if
    end function part_of
 
-   !> The last releases of some simulations.
-   pure subroutine releases_at(frame, c, starts, found)
+   !> The motions that the last releases of some simulations belong to.
+   pure subroutine releases_at(frame, c, releases, found)
       type(frame_type), intent(in) :: frame
+      !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      integer, intent(in) :: starts
+      !> One of each simulation.
+      type(release_type), intent(in) :: releases(:)
       real(wp), allocatable, intent(out) :: found(:, :)
+      real(wp) :: list(unknown_count(frame), size(releases))
+      integer :: k, kept, wall
+      logical :: good
+
+      wall = merge(right, left, frame%rest%letters(size(frame%rest%letters)) > 0)
+      kept = 0
+      do k = 1, size(releases)
+         if (.not. releases(k)%there(wall)) cycle
+         call follow_letters(frame%rest, releases(k)%at(:, wall), c, list(:, kept + 1), good)
+         if (good) kept = kept + 1
+      end do
+      found = list(:, :kept)
+   end subroutine releases_at
+
+   !> Simulates from some initial states; which motions they settle on depends on no family.
+   pure subroutine simulate_releases(c, releases)
+      !> r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+      type(release_type), intent(out) :: releases(:)
       integer, parameter :: chunk = 4000
       type(drive_type) :: drive
       type(state_type) :: state, final
       type(event_type), allocatable :: events(:)
-      real(wp) :: release(2), list(unknown_count(frame), starts)
-      integer :: k, n, kept, status, calls
-      logical :: there
+      integer :: k, n, status, calls
 
       drive = new_drive(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
          1.0_wp, exp(c(by_clearance)))
       allocate (events(chunk))
-      kept = 0
-      do k = 1, starts
+      do k = 1, size(releases)
          state = state_type()
-         state%phase = 6.283_wp*(k - 1)/starts
+         state%phase = 6.283_wp*(k - 1)/size(releases)
          state%x_dot = 0.3_wp*drive%clearance*mod(k, 3)
          status = stat%more_events
          calls = 0
@@ -95,11 +130,11 @@ contains
             calls = calls + 1
          end do
          if (status /= stat%ok) cycle
-         call last_release(frame%rest, events(:n), drive%clearance, release, there)
-         if (there) call follow_letters(frame%rest, release, c, list(:, kept + 1), there)
-         if (there) kept = kept + 1
+         call last_release(1, events(:n), drive%clearance, releases(k)%at(:, right), &
+            releases(k)%there(right))
+         call last_release(-1, events(:n), drive%clearance, releases(k)%at(:, left), &
+            releases(k)%there(left))
       end do
-      found = list(:, :kept)
-   end subroutine releases_at
+   end subroutine simulate_releases
 
 end module vi_seeds

@@ -5,16 +5,17 @@
 module vi_zone
    use vi_borders, only: distances, most_loops, trace_border, zone_type
    use vi_conditions, only: all_conditions
-   use vi_curve, only: correct, parameters_of
+   use vi_curve, only: correct, curve_type, parameters_of
    use vi_family, only: kinship
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
-   use vi_lattice, only: nearest_lines, new_lattice
+   use vi_lattice, only: lattice_type, nearest_lines, new_lattice
    use vi_net, only: add_seed, cover, cover_from, net_type, new_net
+   use vi_orbit, only: n_parameters
    use vi_outline, only: ring_of
    use vi_rings, only: passes, winding
-   use vi_seeds, only: motions_at, part_of
+   use vi_seeds, only: most_simulations, motions_at, part_of, release_type, simulate_releases
    use vi_settle, only: settle
    use vi_sheet, only: is_neutral, make_sheet, zone_request_type
    use vi_status, only: stat
@@ -22,7 +23,7 @@ module vi_zone
    implicit none (type, external)
    private
 
-   public :: find_zone, zone_type
+   public :: find_zone, release_type, simulate_nodes, zone_type
 
    !> What one zone counts in a tally of work.
    integer, parameter, public :: zone_work = 1000
@@ -45,7 +46,7 @@ module vi_zone
 contains
 
    !> All zones of a pattern in a window.
-   subroutine find_zone(request, seeds, zone, status, tally)
+   subroutine find_zone(request, seeds, zone, status, tally, releases)
       type(zone_request_type), intent(in) :: request
       !> Motions known beforehand, in the whole pattern: r, D, x_i/D, theta_i (2 + 2N, m).
       real(wp), intent(in) :: seeds(:, :)
@@ -54,6 +55,8 @@ contains
       integer, intent(out) :: status
       !> As of vi_tally; a zone that is stopped has borders left untraced.
       integer, intent(inout), optional :: tally(3)
+      !> Of `simulate_nodes` for the same lattice, which all patterns with rest can share.
+      type(release_type), intent(in), optional :: releases(:, :, :)
       type(net_type) :: net
       type(seed_type) :: items(size(seeds, 2))
       integer :: i, told
@@ -73,7 +76,7 @@ contains
          call sow(net, [seeds(1, i), log(seeds(2, i))], seeds(3:, i), items(i))
       end do
       call cover(net, 1, tally)
-      call search_window(request, net, told, tally)
+      call search_window(request, net, told, tally, releases)
       call trace_borders(request, net, items, zone, told, tally)
       zone%nodes = net%n
       zone%steps = net%steps
@@ -178,13 +181,14 @@ contains
    !!
    !! At every second node each way with all guesses, then at the others with few: near resonance
    !! motions may exist on a strip of the window that the first pass steps over.
-   subroutine search_window(request, net, told, tally)
+   subroutine search_window(request, net, told, tally, releases)
       type(zone_request_type), intent(in) :: request
       type(net_type), intent(inout) :: net
       integer, intent(inout) :: told
       integer, intent(inout), optional :: tally(3)
+      type(release_type), intent(in), optional :: releases(:, :, :)
       real(wp), allocatable :: found(:, :)
-      real(wp) :: q(2)
+      real(wp) :: q(2), c(n_parameters)
       integer :: i, j, k, first, guesses, pass, passes, skip
       logical :: planted
 
@@ -192,13 +196,18 @@ contains
       ! motions with rest are looked for by simulation, which takes longer and finds them at once
       passes = merge(1, 2, net%sheet%frame%resting)
       do pass = 1, passes
-         guesses = merge(request%guesses, request%guesses/4, pass == 1)
+         guesses = merge(request%guesses, request%guesses/2, pass == 1)
          do j = 1, size(net%lines%axes(2)%at)
             do i = 1, size(net%lines%axes(1)%at)
                if ((mod(i, 2) == 1 .and. mod(j, 2) == 1) .neqv. pass == 1) cycle
                q = [net%lines%axes(1)%at(i), net%lines%axes(2)%at(j)]
-               call motions_at(net%sheet%frame, request%pattern, parameters_of(net%sheet, &
-                  [(0.0_wp, k=1, size(net%unknowns, 1)), q]), guesses, skip, found)
+               c = parameters_of(net%sheet, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
+               if (present(releases)) then
+                  call motions_at(net%sheet%frame, request%pattern, c, guesses, skip, found, &
+                     releases(:, i, j))
+               else
+                  call motions_at(net%sheet%frame, request%pattern, c, guesses, skip, found)
+               end if
                skip = skip + guesses
                first = net%n + 1
                do k = 1, size(found, 2)
@@ -212,6 +221,33 @@ contains
          end do
       end do
    end subroutine search_window
+
+   !> The simulations at the nodes of the lattice of a pattern with rest, each node a task.
+   subroutine simulate_nodes(request, threads, releases, tally)
+      type(zone_request_type), intent(in) :: request
+      integer, intent(in) :: threads
+      !> (simulations, r, D)
+      type(release_type), allocatable, intent(out) :: releases(:, :, :)
+      integer, intent(inout), optional :: tally(3)
+      type(curve_type) :: sheet
+      type(lattice_type) :: lines
+      integer :: i, j, k, n(2), status
+
+      call make_sheet(request, sheet, status)
+      lines = new_lattice(request%lines, [request%r, log(request%clearance)], sheet%scale)
+      n = [size(lines%axes(1)%at), size(lines%axes(2)%at)]
+      allocate (releases(min(request%guesses, most_simulations), n(1), n(2)))
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(i, k)
+      do j = 1, n(2)
+         do i = 1, n(1)
+            if (is_stopped(tally)) exit
+            call simulate_releases(parameters_of(sheet, [(0.0_wp, k=1, &
+               unknown_count(sheet%frame)), lines%axes(1)%at(i), lines%axes(2)%at(j)]), &
+               releases(:, i, j))
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine simulate_nodes
 
    !> Takes a seed in and plants it in the lattice.
    pure subroutine sow(net, place, whole, seed)

@@ -4,14 +4,16 @@ module studies_atlas
    use vi_atlas, only: atlas_request_type, atlas_type, find_atlas, outcomes_of
    use vi_kinds, only: wp
    use vi_oscillator, only: gain, oscillator_type
+   use vi_pattern, only: pattern_type
    use vi_rings, only: dense_ring, winding
+   use vi_sheet, only: zone_request_type
    use vi_survey, only: attractor_type, survey, survey_work
    use vi_survey_outcome, only: beyond, chaotic, count_outcomes, no_impacts, not_settled, periodic
-   use vi_zone, only: zone_work
+   use vi_zone, only: find_zone, release_type, simulate_nodes, zone_type, zone_work
    implicit none (type, external)
    private
 
-   public :: test_atlas, test_outcomes, test_rings
+   public :: test_atlas, test_outcomes, test_rings, test_shared_simulations
 
 contains
 
@@ -92,6 +94,39 @@ contains
       call find_atlas(request, two)
       call check(all(two%explained), 'attractors are seeds')
    end subroutine test_atlas
+
+   !> Simulations that were made for one pattern with rest give the zones of another one to the last
+   !! bit, whatever the number of threads that made them.
+   subroutine test_shared_simulations()
+      integer, parameter :: patterns(3, 2) = reshape([2, -1, 0, 2, -1, -1], [3, 2])
+      type(zone_request_type) :: requests(2)
+      type(release_type), allocatable :: one(:, :, :), two(:, :, :)
+      type(zone_type) :: alone, shared
+      real(wp) :: none(8, 0)
+      integer :: i, j, status
+
+      do j = 1, 2
+         requests(j) = zone_request_type(oscillator_type(0.0188_wp, 0.42728_wp, &
+            [0.8054_wp, 0.9253_wp]), pattern_type(patterns(:j + 1, j), 1), .false., &
+            [0.82_wp, 0.88_wp], [7.0_wp, 12.0_wp], 33, 6)
+      end do
+      call simulate_nodes(requests(1), 1, one)
+      call simulate_nodes(requests(2), 2, two)
+      call check(all(shape(one) == shape(two)), 'one lattice for all patterns with rest')
+      do j = 1, 2
+         call find_zone(requests(j), none(:4 + 2*j, :), alone, status)
+         if (j == 1) call find_zone(requests(j), none(:4 + 2*j, :), shared, status, releases=two)
+         if (j == 2) call find_zone(requests(j), none(:4 + 2*j, :), shared, status, releases=one)
+         call check(alone%n == shared%n .and. (alone%n > 0 .or. j > 1), &
+            'as many loops from shared simulations')
+         do i = 1, min(alone%n, shared%n)
+            call check(alone%loops(i)%n == shared%loops(i)%n, &
+               'as many vertices from shared simulations')
+            if (alone%loops(i)%n == shared%loops(i)%n) call check(all(abs(alone%loops(i)%points &
+               - shared%loops(i)%points) <= 0), 'the same vertices from shared simulations')
+         end do
+      end do
+   end subroutine test_shared_simulations
 
    !> Every point of a survey is counted once, and what is said of it is a law of its motion.
    subroutine test_outcomes()
