@@ -210,9 +210,8 @@ end subroutine run_namelists
 subroutine read_namelist(n_path, path, room, text, length, status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int
    use vi_batch, only: done, wrong
-   use vi_case, only: read_cases
-   use vi_case_type, only: case_type
-   use vi_echo, only: echo
+   use vi_case, only: case_type, echo
+   use vi_read_cases, only: read_cases
    use vi_text, only: join, line_type
    implicit none (type, external)
    !f2py threadsafe

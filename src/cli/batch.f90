@@ -1,14 +1,13 @@
 !> Runs the cases of a namelist file and writes their results.
 module vi_batch
-   use vi_case, only: read_cases
-   use vi_case_type, only: case_type
-   use vi_chain, only: equispaced_chain, exact_chain, periodic_chain
+   use vi_case, only: case_type
+   use vi_chart_study, only: chart_pattern, chart_window_of
+   use vi_common_keys, only: state_of
    use vi_files, only: make_folder, same_file, writable, write_file
    use vi_log, only: done, failed, log_type, say, write_table, wrong
    use vi_motion, only: motion_type, yes
-   use vi_pattern, only: side_letters
-   use vi_periodic, only: linear_system_type
-   use vi_precision, only: equispaced_in_single, periodic_in_single
+   use vi_motion_study, only: find_motions
+   use vi_pattern, only: pattern_type, side_letters
    use vi_report, only: csv_lines, describe_verdicts, event_lines, table_lines
    use vi_report_chart, only: chart_lines
    use vi_run_atlas, only: run_atlas
@@ -20,6 +19,7 @@ module vi_batch
    use vi_run_zone, only: run_zone
    use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
    use vi_status, only: stat, status_text
+   use vi_read_cases, only: read_cases
    use vi_read_file, only: is_result
    use vi_text, only: append, counted, line_type, lower, whole
    use vi_trajectory, only: simulate_case
@@ -81,7 +81,7 @@ contains
       integer :: i, known
 
       known = size(log%results)
-      select case (case%kind)
+      select case (case%study%name)
       case ('simulate')
          call run_simulation(case, folder, log, written, tally)
       case ('chart')
@@ -99,10 +99,10 @@ contains
       case ('response')
          call run_response(case, folder, log, written, tally)
       case ('branch')
-         call compute(case, motions)
+         call find_motions(case, case%start, motions)
          call run_branch(case, motions, folder, log, written, tally)
       case default
-         call compute(case, motions)
+         call find_motions(case, case%study, motions)
          call write_results(case, motions, folder, log, written)
       end select
       do i = known + 1, size(log%results)
@@ -119,12 +119,12 @@ contains
       integer :: i, n
 
       if (len(only) == 0) return
-      n = count([(cases(i)%kind == only, i=1, size(cases))])
+      n = count([(cases(i)%study%name == only, i=1, size(cases))])
       if (n == 0) message = path//': must hold a group &'//only//'; there is none'
       allocate (kept(n))
       n = 0
       do i = 1, size(cases)
-         if (cases(i)%kind /= only) cycle
+         if (cases(i)%study%name /= only) cycle
          n = n + 1
          kept(n) = cases(i)
       end do
@@ -169,35 +169,6 @@ contains
       end do
    end subroutine take_names
 
-   subroutine compute(case, motions)
-      type(case_type), intent(in) :: case
-      type(motion_type), allocatable, intent(out) :: motions(:)
-      type(linear_system_type) :: system
-
-      if (case%motion_kind == 'equispaced') then
-         allocate (motions(2))
-         if (case%single) then
-            call equispaced_in_single(case%osc, case%r, case%clearance, case%pattern%cycles, &
-               case%acceptance, .true., motions)
-         else
-            call equispaced_chain(case%osc, case%r, case%clearance, case%pattern%cycles, &
-               case%acceptance, .true., system, motions)
-         end if
-      else
-         allocate (motions(1))
-         if (case%motion_kind == 'exact') then
-            call exact_chain(case%osc, case%r, case%clearance, case%pattern, case%restitution, &
-               case%phases, system, motions(1))
-         else if (case%single) then
-            call periodic_in_single(case%osc, case%r, case%pattern, case%restitution, case%phases, &
-               case%acceptance, .true., motions(1))
-         else
-            call periodic_chain(case%osc, case%r, case%pattern, case%restitution, case%phases, &
-               case%acceptance, .true., system, motions(1))
-         end if
-      end if
-   end subroutine compute
-
    !> Simulates a case and writes its events.
    subroutine run_simulation(case, folder, log, written, tally)
       type(case_type), intent(in) :: case
@@ -211,8 +182,11 @@ contains
       type(line_type), allocatable :: lines(:)
       integer :: status
 
-      call simulate_case(new_drive(case%osc, case%r, case%load, case%clearance), case%start, &
-         case%duration, case%discard, case%max_events, state, events, status, tally)
+      associate (s => case%study)
+         call simulate_case(new_drive(case%osc, case%r, s%number('load'), s%number('clearance')), &
+            state_of(s), s%number('cycles'), s%number('discard'), s%whole_number('max_events'), &
+            state, events, status, tally)
+      end associate
       written = .true.
       if (status /= stat%ok .and. status /= stat%more_events) then
          call say(log, failed, case%name//': '//status_text(status))
@@ -235,12 +209,14 @@ contains
       logical, intent(out) :: written
       integer, intent(inout), optional :: tally(3)
       type(map_type) :: map
+      type(pattern_type) :: pattern
       type(line_type), allocatable :: lines(:)
       character(:), allocatable :: what
 
-      call chart_window(case%osc, case%pattern, case%window, map, tally)
+      pattern = chart_pattern(case%study)
+      call chart_window(case%osc, pattern, chart_window_of(case%study), map, tally)
       written = .true.
-      what = side_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
+      what = side_letters(pattern%sides)//'/'//whole(pattern%cycles)
       if (all(map%status /= stat%ok)) then
          call say(log, failed, case%name//': no motion '//what//' was found anywhere in the window')
          return
@@ -267,12 +243,12 @@ contains
 
       message = ''
       path = folder//'/'//case%name
-      if (case%format /= 'csv') then
+      if (.not. case%output%is('format', 'csv')) then
          call table_lines(case, motions, lines)
          call write_file(path//'.txt', lines, message)
          if (len(message) > 0) message = path//'.txt: '//message
       end if
-      if (case%format /= 'table' .and. len(message) == 0) then
+      if (.not. case%output%is('format', 'table') .and. len(message) == 0) then
          call csv_lines(case, motions, lines)
          call write_file(path//'.csv', lines, message)
          if (len(message) > 0) message = path//'.csv: '//message
@@ -282,7 +258,7 @@ contains
          call say(log, wrong, message//writable)
          return
       end if
-      if (case%format /= 'table') call append(log%results, path//'.csv')
+      if (.not. case%output%is('format', 'table')) call append(log%results, path//'.csv')
       if (all(motions%status /= stat%ok)) call say(log, failed, case%name//': '// &
          status_text(motions(1)%status))
       do i = 1, size(motions)
@@ -290,7 +266,7 @@ contains
          call describe_verdicts(motions(i), text)
          call say(log, done, case%name//': '//text)
       end do
-      if (case%format /= 'csv') call say(log, done, case%name//': '//path//'.txt')
+      if (.not. case%output%is('format', 'csv')) call say(log, done, case%name//': '//path//'.txt')
    end subroutine write_results
 
 end module vi_batch

@@ -2,6 +2,7 @@
 module vi_command
    use, intrinsic :: iso_fortran_env, only: error_unit
    use vi_batch, only: done, failed, log_type, run_file, wrong
+   use vi_describe, only: describe_all, describe_group, group_names
    use vi_files, only: is_folder, print_line
    use vi_text, only: append, line_type, lower
    use vi_version, only: version
@@ -19,6 +20,7 @@ module vi_command
       'input that reproduces it.', &
       'Groups: &system, &output and, for each case, &motion, &simulate, &chart, &branch,', &
       '&zone, &atlas, &lyapunov, &bifurcation, &response or &basins; see inputs/README.md.', &
+      '--keys GROUP describes the keys of a group, --describe all of them as JSON.', &
       '', &
       'example: vibroimpact-batch inputs/table1.nml -o results', &
       '', &
@@ -29,7 +31,7 @@ contains
    !> Runs what the arguments ask for and returns the exit status.
    subroutine run_command(status)
       integer, intent(out) :: status
-      type(line_type), allocatable :: files(:)
+      type(line_type), allocatable :: files(:), lines(:)
       type(log_type) :: log
       character(:), allocatable :: folder, item
       logical :: files_only, lost, printed
@@ -45,10 +47,22 @@ contains
          i = i + 1
          call get_argument(i, item)
          if ((item == '-h' .or. item == '--help') .and. .not. files_only) then
-            call tell(help, status)
+            do j = 1, size(help)
+               call append(lines, trim(help(j)))
+            end do
+            call tell(lines, status)
             return
          else if (item == '--version') then
-            call tell(['vibroimpact-batch '//version], status)
+            call append(lines, 'vibroimpact-batch '//version)
+            call tell(lines, status)
+            return
+         else if (item == '--describe' .and. .not. files_only) then
+            call describe_all(lines)
+            call tell(lines, status)
+            return
+         else if (item == '--keys' .and. .not. files_only) then
+            call get_argument(i + 1, item)
+            call tell_keys(item, status)
             return
          else if (item == '-o' .and. .not. files_only) then
             i = i + 1
@@ -57,7 +71,8 @@ contains
          else if (item == '--' .and. .not. files_only) then
             files_only = .true.
          else if (index(item, '-') == 1 .and. .not. files_only) then
-            call refuse(item//': is not an option; must be -o DIR, --help or --version', status)
+            call refuse(item//': is not an option; must be -o DIR, --keys GROUP, --describe, --help or &
+               &--version', status)
          else
             call append(files, item)
          end if
@@ -100,17 +115,42 @@ contains
 
    !> Prints what was asked for, in place of running anything.
    subroutine tell(lines, status)
-      character(*), intent(in) :: lines(:)
+      !> What.
+      type(line_type), intent(in) :: lines(:)
+      !> Of the program.
       integer, intent(out) :: status
       logical :: printed
       integer :: i
 
       do i = 1, size(lines)
-         call print_line(trim(lines(i)), printed)
+         call print_line(lines(i)%text, printed)
          status = merge(done, failed, printed)
          if (.not. printed) return
       end do
    end subroutine tell
+
+   !> Describes the keys of a group.
+   subroutine tell_keys(name, status)
+      !> The group, with its & or without.
+      character(*), intent(in) :: name
+      !> Of the program.
+      integer, intent(out) :: status
+      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: group, list
+      integer :: i
+
+      group = lower(name(1 + index(name(:min(1, len(name))), '&'):))
+      if (all(group_names /= group)) then
+         list = trim(group_names(1))
+         do i = 2, size(group_names)
+            list = list//', '//trim(group_names(i))
+         end do
+         call refuse('--keys '//name//': must be followed by one of '//list, status)
+         return
+      end if
+      call describe_group(group, lines)
+      call tell(lines, status)
+   end subroutine tell_keys
 
    !> The folder of -o: nothing that looks like the name of a file, unless it is there or ends with
    !! a slash.

@@ -1,8 +1,7 @@
 !> Results as text: a table for machines (CSV) and a printout for people.
 module vi_report
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-   use vi_case_type, only: case_type
-   use vi_echo, only: echo, list
+   use vi_case, only: case_type, echo
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, unknown, yes
    use vi_oscillator, only: lag
@@ -10,7 +9,7 @@ module vi_report
    use vi_simulate, only: event_type, state_time, state_type
    use vi_stability, only: leading_kind
    use vi_status, only: stat, status_text
-   use vi_text, only: append, columns, exact, line_type, shown, whole
+   use vi_text, only: append, columns, exact, exact_list, line_type, shown, whole
    implicit none (type, external)
    private
 
@@ -66,7 +65,7 @@ contains
 
       call echo(case, head)
       if (.not. complete) call append(head, '# ! cut short: max_events was reached')
-      call append(head, '# ! final state: t, x, x_dot, z, z_dot = '//list([ &
+      call append(head, '# ! final state: t, x, x_dot, z, z_dot = '//exact_list([ &
          state_time(state%cycle, state%phase, case%r), state%x, state%x_dot, state%z, state%z_dot]))
       call append(head, 'time,kind,side,phase,x,x_dot_before,x_dot_after,z_dot_before,z_dot_after')
       n = size(head)

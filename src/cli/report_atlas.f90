@@ -1,8 +1,7 @@
 !> Atlases as CSV: one row a vertex.
 module vi_report_atlas
    use vi_atlas, only: atlas_type, outcomes_of
-   use vi_case_type, only: case_type
-   use vi_echo, only: echo
+   use vi_case, only: case_type, echo
    use vi_pattern, only: starred_letters
    use vi_report_zone, only: not_closed, truth
    use vi_survey_outcome, only: beyond, outcome_names

@@ -3,9 +3,8 @@ module vi_report_branch
    use vi_branch, only: end_bound, end_closed, end_full, end_repetition, &
       end_stopped
    use vi_branch_of, only: points_type
-   use vi_case_type, only: case_type
+   use vi_case, only: case_type, echo
    use vi_condition_names, only: condition_detail, condition_name, name_length
-   use vi_echo, only: echo
    use vi_kinds, only: wp
    use vi_report, only: verdict_word
    use vi_text, only: append, columns, line_type, whole
@@ -23,7 +22,7 @@ contains
       type(line_type), allocatable, intent(out) :: lines(:)
       type(line_type), allocatable :: head(:)
       character(:), allocatable :: header, text
-      integer :: i, j, k, n
+      integer :: i, j, k, n, impacts
 
       call echo(case, head)
       do i = 1, size(branches)
@@ -33,10 +32,11 @@ contains
       header = 'branch,point,r,clearance,xi,mu,R1,R2,consistent,admissible,stable,'// &
          'multiplier_1_modulus,multiplier_2_modulus,multiplier_3_modulus,multiplier_4_modulus,'// &
          'A,tau,residual,x_min,x_max,attenuation'
-      do j = 1, size(case%pattern%sides)
+      impacts = size(branches(1)%phases, 1)
+      do j = 1, impacts
          header = header//',phase_'//whole(j)
       end do
-      do j = 1, size(case%pattern%sides)
+      do j = 1, impacts
          header = header//',X_'//whole(j)
       end do
       call append(head, header//',special,detail')

@@ -1,7 +1,7 @@
 !> A chart as CSV: one row a motion.
 module vi_report_chart
-   use vi_case_type, only: case_type
-   use vi_echo, only: echo
+   use vi_case, only: case_type, echo
+   use vi_chart_study, only: chart_window_of
    use vi_kinds, only: wp
    use vi_report, only: verdict_word
    use vi_status, only: stat
@@ -20,7 +20,7 @@ contains
       type(map_type), intent(in) :: map
       type(line_type), allocatable, intent(out) :: lines(:)
       type(line_type), allocatable :: header(:)
-      real(wp) :: r(case%window%r_points), clearance(case%window%clearance_points)
+      real(wp), allocatable :: r(:), clearance(:)
       integer :: i, j, k, n
 
       call echo(case, header)
@@ -31,8 +31,8 @@ contains
       do i = 1, n
          call move_alloc(header(i)%text, lines(i)%text)
       end do
-      r = r_axis(case%window)
-      clearance = clearance_axis(case%window)
+      r = r_axis(chart_window_of(case%study))
+      clearance = clearance_axis(chart_window_of(case%study))
       do k = 1, size(r)
          do j = 1, size(clearance)
             do i = 1, size(map%status, 1)

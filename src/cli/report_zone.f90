@@ -1,7 +1,6 @@
 !> Zones as CSV: one row a vertex.
 module vi_report_zone
-   use vi_case_type, only: case_type
-   use vi_echo, only: echo
+   use vi_case, only: case_type, echo
    use vi_text, only: append, exact, line_type, whole
    use vi_zone_pieces, only: pieces_type
    implicit none (type, external)

@@ -1,9 +1,11 @@
 !> Runs a case with an atlas.
 module vi_run_atlas
    use vi_atlas, only: atlas_type, find_atlas
-   use vi_case_type, only: case_type
+   use vi_atlas_study, only: atlas_request
+   use vi_case, only: case_type
    use vi_family, only: can_be_symmetric
    use vi_log, only: done, failed, log_type, say, write_table
+   use vi_processor, only: available_threads
    use vi_report_atlas, only: atlas_lines, pattern_text, survey_text
    use vi_report_zone, only: not_closed
    use vi_text, only: counted, line_type, whole
@@ -32,7 +34,7 @@ contains
       integer :: j, lost
 
       written = .true.
-      call find_atlas(case%atlas, atlas, tally)
+      call find_atlas(atlas_request(case, available_threads()), atlas, tally)
       allocate (found(size(atlas%sheets)))
       do j = 1, size(found)
          associate (sheet => atlas%sheets(j))

@@ -3,16 +3,15 @@ module vi_run_basins
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use vi_attractor_catalogue, only: catalogue_type, label_states
    use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
-   use vi_case_attractor, only: available_threads
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
-   use vi_case_basins, only: initial_states
-   use vi_case_type, only: case_type
+   use vi_basins_study, only: initial_states
+   use vi_case, only: case_type, echo
    use vi_drive, only: new_drive
-   use vi_echo, only: echo, list
    use vi_kinds, only: wp
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_pattern, only: starred_letters
-   use vi_text, only: append, columns, counted, exact, lengthen, line_type, shown, whole
+   use vi_processor, only: available_threads
+   use vi_text, only: append, columns, counted, exact, exact_list, lengthen, line_type, shown, whole
    use vi_window, only: even
    implicit none (type, external)
    private
@@ -42,14 +41,14 @@ contains
       integer :: i, lost
 
       written = .true.
-      associate (a => case%attractor)
-         catalogue%drive = new_drive(case%osc, case%r, a%load, a%clearance)
-         catalogue%max_cycles = a%max_cycles
+      associate (s => case%study)
+         catalogue%drive = new_drive(case%osc, case%r, s%number('load'), s%number('clearance'))
+         catalogue%max_cycles = s%whole_number('max_cycles')
          catalogue%threads = available_threads()
          allocate (states, source=initial_states(case))
          allocate (labels(size(states, 2)))
-         call label_states(catalogue, states, a%cycles, a%probes, labels, events, &
-            tally)
+         call label_states(catalogue, states, s%whole_number('cycles'), s%whole_number('probes'), &
+            labels, events, tally)
       end associate
       lost = count(labels <= 0)
       if (lost < size(labels)) then
@@ -121,17 +120,18 @@ contains
       integer, allocatable :: plane(:, :)
       character(:), allocatable :: text
       real(wp) :: exponent
-      integer :: i
+      integer :: sizes(2), i
 
-      associate (a => case%attractor)
-         if (a%states == 0) plane = reshape(labels, [a%values(2), a%values(1)])
-         do i = 1, n
-            text = '# ! '//whole(i - 1)//': standard error of the share '//exact(standard_error( &
-               labels, i))
-            if (a%states == 0) call add_disc(case, plane, i, text)
-            call append(lines, text)
-         end do
-      end associate
+      if (case%study%has('values')) then
+         sizes = case%study%whole_numbers('values')
+         plane = reshape(labels, [sizes(2), sizes(1)])
+      end if
+      do i = 1, n
+         text = '# ! '//whole(i - 1)//': standard error of the share '//exact(standard_error( &
+            labels, i))
+         if (allocated(plane)) call add_disc(case, plane, i, text)
+         call append(lines, text)
+      end do
       if (.not. allocated(plane)) return
       exponent = uncertainty_exponent(uncertain_pairs(plane))
       if (.not. ieee_is_nan(exponent)) call append(lines, '# ! uncertainty exponent '//exact( &
@@ -144,18 +144,19 @@ contains
       !> (second axis, first axis)
       integer, intent(in) :: plane(:, :), i
       character(:), allocatable, intent(inout) :: text
-      real(wp) :: cells(2), radius, first(size(plane, 2)), second(size(plane, 1))
-      integer :: place(2)
+      real(wp) :: low(2), high(2), cells(2), radius, first(size(plane, 2)), second(size(plane, 1))
+      integer :: place(2), n(2)
 
-      associate (a => case%attractor)
-         first = even(a%low(1), a%high(1), a%values(1))
-         second = even(a%low(2), a%high(2), a%values(2))
-         cells = (a%high(2:1:-1) - a%low(2:1:-1))/(a%values(2:1:-1) - 1)
-         call largest_disc(plane, i, cells, radius, place)
-         text = text//', radius of the largest disc '//exact(radius)//' about '// &
-            trim(a%axes(1))//', '//trim(a%axes(2))//' = '//exact(first(place(2)))//', '// &
-            exact(second(place(1)))
-      end associate
+      low = case%study%numbers('low')
+      high = case%study%numbers('high')
+      n = case%study%whole_numbers('values')
+      first = even(low(1), high(1), n(1))
+      second = even(low(2), high(2), n(2))
+      cells = (high(2:1:-1) - low(2:1:-1))/(n(2:1:-1) - 1)
+      call largest_disc(plane, i, cells, radius, place)
+      text = text//', radius of the largest disc '//exact(radius)//' about '// &
+         trim(case%study%word('axes', 1))//', '//trim(case%study%word('axes', 2))//' = '// &
+         exact(first(place(2)))//', '//exact(second(place(1)))
    end subroutine add_disc
 
    !> Adds what else is known of an attractor.
@@ -173,7 +174,7 @@ contains
       case default
          text = text//', largest exponent per load cycle '//exact(known%largest)
       end select
-      text = text//'; t, x, x_dot, z, z_dot = '//list(known%state)
+      text = text//'; t, x, x_dot, z, z_dot = '//exact_list(known%state)
    end subroutine add_details
 
    !> Sides and load cycles, or the kind; a number tells those of one name apart.

@@ -1,13 +1,13 @@
 !> Runs a case with a bifurcation diagram: one row an impact.
 module vi_run_bifurcation
    use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
-   use vi_case_attractor, only: available_threads, parameter_values
-   use vi_case_branch, only: parameter_place
-   use vi_case_type, only: case_type
-   use vi_echo, only: echo
+   use vi_bifurcation_study, only: start_state
+   use vi_common_keys, only: parameter_of, parameter_place, parameter_values
+   use vi_case, only: case_type, echo
    use vi_kinds, only: wp
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_pattern, only: side_letters
+   use vi_processor, only: available_threads
    use vi_status, only: stat, status_text
    use vi_text, only: append, columns, counted, exact, lengthen, line_type, whole, whole_width
    implicit none (type, external)
@@ -35,9 +35,9 @@ contains
       written = .true.
       path = path_of(case)
       directions = directions_of(case)
-      associate (a => case%attractor)
-         call diagram(path, directions, a%start(:merge(5, 0, case%started)), a%settling, a%keep, &
-            a%points, available_threads(), found, tally)
+      associate (s => case%study)
+         call diagram(path, directions, start_state(case), s%whole_number('settling'), &
+            s%whole_number('keep'), s%whole_number('points'), available_threads(), found, tally)
       end associate
       lost = count(found%status /= stat%ok)
       if (lost < size(found%status)) then
@@ -59,12 +59,11 @@ contains
 
       path%osc = case%osc
       allocate (path%r(1), source=case%r)
-      associate (a => case%attractor)
-         allocate (path%clearance(1), source=a%clearance)
-         path%load = a%load
-         allocate (path%values, source=parameter_values(case))
-      end associate
-      call parameter_place(case%parameter, path%place, path%tied)
+      allocate (path%clearance(1), source=0.0_wp)
+      if (case%study%has('clearance')) path%clearance = case%study%number('clearance')
+      path%load = case%study%number('load')
+      allocate (path%values, source=parameter_values(case))
+      call parameter_place(trim(parameter_of(case)), path%place, path%tied)
    end function path_of
 
    !> Of the runs: 1 up, -1 down, 0 anew at each value.
@@ -72,7 +71,7 @@ contains
       type(case_type), intent(in) :: case
       integer, allocatable :: directions(:)
 
-      select case (case%sweep)
+      select case (case%study%word('sweep'))
       case ('up')
          directions = [1]
       case ('down')
@@ -80,7 +79,7 @@ contains
       case ('both')
          directions = [1, -1]
       case default
-         allocate (directions(case%attractor%states), source=0)
+         allocate (directions(case%study%whole_number('states')), source=0)
       end select
    end function directions_of
 
@@ -105,7 +104,7 @@ contains
          end do
          windows = windows + n
       end do
-      call append(lines, 'run,'//case%parameter//',label,side,phase,x,x_dot_before,x_dot_after,'// &
+      call append(lines, 'run,'//trim(parameter_of(case))//',label,side,phase,x,x_dot_before,x_dot_after,'// &
          'z_dot_before,z_dot_after')
       n = size(lines)
       call lengthen(lines, sum(found%found))

@@ -3,8 +3,8 @@ module vi_run_branch
    use vi_branch, only: end_full, end_stuck
    use vi_branch_of, only: branch_of, points_type
    use vi_branch_table, only: branch_work
-   use vi_case_branch, only: parameter_place
-   use vi_case_type, only: case_type
+   use vi_common_keys, only: parameter_of, parameter_place
+   use vi_case, only: case_type
    use vi_chain, only: refine
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_motion, only: motion_type
@@ -38,13 +38,13 @@ contains
       logical :: tied
 
       written = .true.
-      call parameter_place(case%parameter, place, tied)
+      call parameter_place(trim(parameter_of(case)), place, tied)
       allocate (branches(size(motions)))
       n = 0
       call add_sight(branch_work*size(motions), tally)
       do i = 1, size(motions)
          start = motions(i)
-         if (start%status == stat%ok .and. case%motion_kind /= 'exact') then
+         if (start%status == stat%ok .and. .not. case%start%is('kind', 'exact')) then
             call refine(start%clearance, start)
          end if
          if (start%status /= stat%ok) then
@@ -56,7 +56,8 @@ contains
             cycle
          end if
          n = n + 1
-         call branch_of(start, place, tied, case%bounds, case%longest_step, case%max_points, &
+         call branch_of(start, place, tied, [case%study%number('low'), case%study%number('high')], &
+            case%study%number('longest_step'), case%study%whole_number('max_points'), &
             branches(n), tally)
          if (branches(n)%n > 0) cycle
          call say(log, failed, case%name// &

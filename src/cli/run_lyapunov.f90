@@ -1,12 +1,13 @@
 !> Runs a case with Lyapunov exponents: one row a point.
 module vi_run_lyapunov
    use vi_attractor_lyapunov, only: lyapunov_points
-   use vi_case_attractor, only: available_threads, line_points
-   use vi_case_type, only: case_type
+   use vi_case, only: case_type, echo
    use vi_drive, only: initial_state, new_drive, two_pi
-   use vi_echo, only: echo
    use vi_kinds, only: wp
    use vi_log, only: done, failed, log_type, say, write_table
+   use vi_lyapunov_study, only: line_points
+   use vi_common_keys, only: state_of
+   use vi_processor, only: available_threads
    use vi_status, only: stat, status_text
    use vi_text, only: append, columns, counted, lengthen, line_type, whole
    use vi_trajectory, only: pack_state
@@ -65,21 +66,23 @@ contains
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: states(:, :), loads(:)
       integer, allocatable :: contacts(:, :)
-      integer :: j, n
+      integer :: j, n, batches
 
       call line_points(case, found%r, found%clearance)
       n = size(found%r)
       allocate (states(7, n), contacts(3, n), loads(n), found%exponents(4, n), &
          found%deviations(4, n), found%dimensions(n), found%errors(n), found%counts(2, n), &
          found%status(n))
-      associate (a => case%attractor)
-         loads = a%load
+      associate (s => case%study)
+         loads = s%number('load')
+         batches = s%whole_number('batches')
          do j = 1, n
-            call pack_state(initial_state(new_drive(case%osc, found%r(j), a%load, &
-               found%clearance(j)), a%start), states(:, j), contacts(:, j))
+            call pack_state(initial_state(new_drive(case%osc, found%r(j), loads(j), &
+               found%clearance(j)), state_of(s)), states(:, j), contacts(:, j))
          end do
          call lyapunov_points(case%osc, found%r, loads, found%clearance, states, contacts, &
-            a%discard, a%cycles/a%batches, a%batches, available_threads(), found%exponents, &
+            s%whole_number('discard'), s%whole_number('cycles')/batches, batches, &
+            available_threads(), found%exponents, &
             found%deviations, found%dimensions, found%counts, found%errors, found%status, &
             tally)
       end associate

@@ -1,15 +1,13 @@
 !> Runs a case with the response of the primary mass: one row a frequency ratio.
 module vi_run_response
    use vi_attractor_response, only: respond
-   use vi_case_attractor, only: available_threads
-   use vi_case_response, only: response_clearance
-   use vi_case_type, only: case_type
-   use vi_echo, only: echo
+   use vi_processor, only: available_threads
+   use vi_response_study, only: r_values, response_clearance
+   use vi_case, only: case_type, echo
    use vi_kinds, only: wp
    use vi_log, only: done, failed, log_type, say, write_table
    use vi_status, only: stat, status_text
    use vi_text, only: append, columns, counted, lengthen, line_type, shown, whole
-   use vi_window, only: even
    implicit none (type, external)
    private
 
@@ -30,18 +28,17 @@ contains
       integer, allocatable :: periods(:, :, :), status(:, :)
       type(line_type), allocatable :: lines(:)
       character(:), allocatable :: text
-      integer :: first, j, n, lost
+      integer :: first, j, n, states, lost
 
       written = .true.
-      associate (a => case%attractor)
-         n = a%r_points
-         allocate (r, source=even(a%r_min, a%r_max, n))
-         allocate (clearance(n), source=response_clearance(case))
-         allocate (attenuation(a%states, n), envelope(2, n), periods(4, a%states, n), &
-            status(a%states, n))
-         call respond(case%osc, r, clearance, a%load, a%settling, a%keep, available_threads(), &
-            attenuation, envelope, periods, status, tally)
-      end associate
+      allocate (r, source=r_values(case))
+      n = size(r)
+      states = case%study%whole_number('states')
+      allocate (clearance(n), source=response_clearance(case))
+      allocate (attenuation(states, n), envelope(2, n), periods(4, states, n), status(states, n))
+      call respond(case%osc, r, clearance, case%study%number('load'), &
+         case%study%whole_number('settling'), case%study%whole_number('keep'), &
+         available_threads(), attenuation, envelope, periods, status, tally)
       lost = count(status /= stat%ok)
       if (lost < size(status)) then
          call echo(case, lines)

@@ -1,11 +1,11 @@
 !> Runs a case with a zone.
 module vi_run_zone
-   use vi_case_type, only: case_type
+   use vi_case, only: case_type
    use vi_log, only: done, failed, log_type, say, write_table
-   use vi_pattern, only: starred_letters
    use vi_report_zone, only: not_closed, zone_lines
    use vi_text, only: counted, line_type, whole
    use vi_zone_pieces, only: pieces_type, zone_pieces
+   use vi_zone_study, only: zone_request
    implicit none (type, external)
    private
 
@@ -27,9 +27,10 @@ contains
       character(:), allocatable :: what, types
 
       written = .true.
-      what = starred_letters(case%pattern%sides)//'/'//whole(case%pattern%cycles)
-      call zone_pieces(case%zone, case%symmetric == ['yes ', 'no  '] .or. case%symmetric &
-         == 'both', found, tally)
+      call case%study%text('sides', what)
+      what = what//'/'//whole(case%study%whole_number('cycles'))
+      call zone_pieces(zone_request(case), .not. [case%study%is('symmetric', 'no'), &
+         case%study%is('symmetric', 'yes')], found, tally)
       if (found%motions == 0) then
          call say(log, failed, case%name//': no motion '//what//' was found anywhere in the window')
          return

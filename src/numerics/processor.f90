@@ -1,10 +1,11 @@
 !> What this processor can do.
 module vi_processor
    use, intrinsic :: iso_c_binding, only: c_int
+   !$ use omp_lib, only: omp_get_max_threads
    implicit none (type, external)
    private
 
-   public :: runs_wide
+   public :: available_threads, runs_wide
 
    interface
       !> Not 0 if this processor runs the vi_*_wide procedures.
@@ -13,5 +14,13 @@ module vi_processor
          implicit none (type, external)
       end function runs_wide
    end interface
+
+contains
+
+   !> The threads that there are; no answer depends on them.
+   integer function available_threads() result(threads)
+      threads = 1
+      !$ threads = omp_get_max_threads()
+   end function available_threads
 
 end module vi_processor

@@ -80,7 +80,7 @@ FORMS = [
     ("byte order mark only", b"\xef\xbb\xbf", 0, "holds no namelist group", "&system"),
     ("unknown key", changed(3, "mass = 1"), 3, "&system mass = 1", "xi, mu, restitution, r"),
     ("component", changed(3, "mu%x = 1"), 3, "&system mu%x = 1", "xi, mu, restitution, r"),
-    ("key of another group", changed(9, "xi = 0.1"), 9, "&motion xi = 0.1", "kind, sides"),
+    ("key of another group", changed(9, "xi = 0.1"), 9, "&motion xi = 0.1", "kind, cycles"),
     ("key twice", changed(3, "xi = 0.1"), 3, "&system xi = 0.1", "line 2"),
     ("element twice", changed(9, "phases( 1) = 0\nphases(1) = 0"), 10, "&motion phases(1) = 0",
      "line 9"),

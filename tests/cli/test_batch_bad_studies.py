@@ -10,8 +10,8 @@ BAD_BRANCH = [
       for v in ("'q'", "''", "r", "'restitutio'", "'clearance x'")],
     ("parameter = 'clearance', ", "", "&branch parameter: is missing"),
     *[("low = 10", f"low = {v}", "1e-12 <= clearance <= 1e12, and the motion has clearance = 37.0")
-      for v in ("nan", "0", "-1", "1e-13", "38", "inf")],
-    ("low = 10", "low = 1, 2", "a number, at most"),
+      for v in ("0", "-1", "1e-13", "38")],
+    *[("low = 10", f"low = {v}", "a number, at most") for v in ("nan", "inf", "1, 2")],
     ("low = 10, ", "", "&branch low: is missing"),
     *[("high = 60", f"high = {v}", "above low") for v in ("nan", "36.9", "5", "inf", "1e13", "x")],
     (", high = 60", "", "&branch high: is missing"),
@@ -71,7 +71,7 @@ BAD_ATLAS = [
     *[("survey = 12", f"guesses = {v}", "guesses <= 100000", 2) for v in ("-1", "100001")],
     *[("survey = 12", f"max_points = {v}", "max_points <= 200000", 2) for v in ("99", "200001")],
     ("survey = 12", "survey = 12, survey = 3", "was given before", 2),
-    ("survey = 12", "sides = 'RL'", "is not a key of &atlas; must be one of r_min", 2),
+    ("survey = 12", "sides = 'RL'", "is not a key of &atlas; must be one of max_impacts", 2),
 ]  # fmt: skip
 
 

@@ -1,12 +1,8 @@
-!> Splits a namelist file into groups and assignments that remember their lines.
+!> Splits the text of a namelist into groups and assignments that remember their lines.
 !!
-!! Values are not interpreted here: each assignment is later read by the compiler's own namelist
-!! input, one at a time, so that an error is known to be in that line and key. A file that starts
-!! with
-!! `#` is a result of ours: only the lines with a `#` in front are read, without it, so that every
-!! table is an input that reproduces it.
+!! Values are not interpreted here. A text that starts with `#` is a result of ours: only the lines with
+!! a `#` in front are read, without it, so that every table is an input that reproduces it.
 module vi_namelist
-   use vi_read_file, only: read_lines
    use vi_text, only: detab, line_type, lower, whole
    implicit none (type, external)
    private
@@ -14,7 +10,7 @@ module vi_namelist
    public :: scan_namelist
 
    !> `key = value` as it stands in the file.
-   type :: assignment_type
+   type, public :: assignment_type
       !> Lower case, with its subscript if it has one, and without.
       character(:), allocatable :: target, key
       character(:), allocatable :: value
@@ -39,9 +35,11 @@ module vi_namelist
 
 contains
 
-   !> All groups of a file in order; `message` and `line` tell what is wrong with its form.
-   subroutine scan_namelist(path, groups, line, message)
-      character(*), intent(in) :: path
+   !> All groups of a text in order; `message` and `line` tell what is wrong with its form.
+   pure subroutine scan_namelist(text, groups, line, message)
+      !> The lines.
+      type(line_type), intent(in) :: text(:)
+      !> The groups.
       type(group_type), allocatable, intent(out) :: groups(:)
       !> Line of the fault, 0 if it has none.
       integer, intent(out) :: line
@@ -54,11 +52,8 @@ contains
       integer :: i, j, n
 
       line = 0
-      call read_lines(path, lines, message)
-      if (len(message) > 0) then
-         message = 'cannot be read: '//message
-         return
-      end if
+      message = ''
+      lines = text
       call strip_hash(lines)
       n = 0                                             ! groups so far; room for all that can come
       do i = 1, size(lines)

@@ -1,4 +1,4 @@
-!> Small text helpers of the command-line side.
+!> Text: lines, numbers as text, what a terminal can show.
 !!
 !! The length of each result follows from the arguments: gfortran keeps the length of a result that
 !! is `character(:), allocatable` in a static variable of the caller, which threads share.
@@ -8,8 +8,8 @@ module vi_text
    implicit none (type, external)
    private
 
-   public :: append, brief, columns, counted, detab, exact, exact_width, join, last_part, &
-      lengthen, lower, printable, shown, split, whole, whole_width
+   public :: append, brief, columns, counted, detab, exact, exact_list, join, last_part, &
+      lengthen, lower, number_text, printable, shown, split, whole, whole_width
 
    !> A line of text.
    type, public :: line_type
@@ -132,6 +132,30 @@ contains
       end if
    end function exact_width
 
+   !> Numbers with all their digits, as a list.
+   pure function exact_list(values) result(text)
+      !> The numbers, at least one.
+      real(wp), intent(in) :: values(:)
+      character(list_width(values)) :: text
+      integer :: i, last
+
+      text = exact(values(1))
+      last = exact_width(values(1))
+      do i = 2, size(values)
+         text(last + 1:) = ', '//exact(values(i))
+         last = last + 2 + exact_width(values(i))
+      end do
+   end function exact_list
+
+   !> Letters of `exact_list`.
+   pure integer function list_width(values) result(width)
+      !> The numbers.
+      real(wp), intent(in) :: values(:)
+      integer :: i
+
+      width = sum([(exact_width(values(i)) + 2, i=1, size(values))]) - 2
+   end function list_width
+
    !> Numbers as columns of a table, each behind a comma; what is not finite as Python reads it.
    pure function columns(values) result(text)
       real(wp), intent(in) :: values(:)
@@ -190,6 +214,47 @@ contains
       write (text, '('//format//')') value
       text = adjustl(text)
    end function formatted
+
+   !> A number as a person writes it, with the fewest digits that read back: 1e-6, 0.75, 1000; the
+   !! rest is blank.
+   pure function number_text(value, is_whole) result(text)
+      !> Any finite number.
+      real(wp), intent(in) :: value
+      !> Whether it is written without an exponent whatever its size.
+      logical, intent(in) :: is_whole
+      character(24) :: text
+      character(24) :: buffer
+      character(17) :: figures
+      real(wp) :: again
+      integer :: n, power
+
+      if (is_whole) then
+         write (text, '(i0)') nint(value)
+         return
+      end if
+      do n = 1, 17
+         write (buffer, '(es24.'//whole(n - 1)//'e3)') abs(value)
+         read (buffer, '(f24.0)') again
+         if (again >= abs(value) .and. again <= abs(value)) exit
+      end do
+      buffer = adjustl(buffer)
+      read (buffer(index(buffer, 'E') + 1:), '(i4)') power
+      figures = buffer(1:1)//buffer(3:index(buffer, 'E') - 1)
+      if (abs(value) <= 0) then
+         text = '0'
+      else if (power >= 0 .and. power < 5) then
+         figures(n + 1:) = repeat('0', 16)
+         text = figures(:power + 1)
+         if (n > power + 1) text = figures(:power + 1)//'.'//figures(power + 2:n)
+      else if (power < 0 .and. power > -4) then
+         text = '0.'//repeat('0', -power - 1)//figures(:n)
+      else
+         text = figures(1:1)
+         if (n > 1) text = figures(1:1)//'.'//figures(2:n)
+         text = trim(text)//'e'//whole(power)
+      end if
+      if (value < 0) text = '-'//trim(text)
+   end function number_text
 
    !> A whole number.
    pure function whole(value) result(text)

@@ -1,0 +1,103 @@
+!> A case: what one computation needs, as the groups of a namelist say it.
+module vi_case
+   use vi_key, only: a_word, key_type
+   use vi_kinds, only: wp
+   use vi_oscillator, only: oscillator_type
+   use vi_text, only: append, line_type
+   use vi_values, only: values_type
+   use vi_version, only: version
+   implicit none (type, external)
+   private
+
+   public :: check_output, check_system, echo
+
+   !> A case with what its groups say, and what was left out filled in.
+   type, public :: case_type
+      !> Of the result, and where it was given, for messages.
+      character(:), allocatable :: name
+      integer :: line = 0
+      !> The system; the frequency ratio is 0 where the study has its own.
+      type(oscillator_type) :: osc
+      real(wp) :: r = 0
+      type(values_type) :: system, output
+      !> The group that asks for the result; its name is that of the study.
+      type(values_type) :: study
+      !> The &motion that a &branch starts from.
+      type(values_type) :: start
+   end type case_type
+
+   type(key_type), parameter, public :: system_keys(*) = [ &
+      key_type('xi', low=0.0_wp, high=1.0_wp, below=.true., &
+      meaning='damping ratio C/(2 sqrt(K M))'), &
+      key_type('mu', low=0.0_wp, high=1.0e6_wp, meaning='mass ratio m/M'), &
+      key_type('restitution', most=2, low=0.0_wp, high=1.0_wp, &
+      takes='one number for both walls or two (right, left), each with 0 <= R <= 1', &
+      meaning='coefficients of restitution of the walls'), &
+      key_type('r', low=1.0e-6_wp, high=1.0e6_wp, may_miss=.true., &
+      meaning='frequency ratio; left out if the study has frequency ratios of its own')]
+
+   type(key_type), parameter, public :: output_keys(*) = [ &
+      key_type('name', a_word, may_miss=.true., &
+      takes='at most 100 letters, digits, _, - or ., the first one no .', &
+      meaning='name of the result; else that of the file, numbered if it holds several cases'), &
+      key_type('format', a_word, default='''csv''', words='csv table both', &
+      meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
+
+   !> Letters of the name of a result.
+   integer, parameter, public :: longest_name = 100
+   character(*), parameter, public :: name_letters = &
+      'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.'
+
+contains
+
+   !> Checks what of &system depends on several keys, or on the studies that follow.
+   pure subroutine check_system(system, needs_r)
+      !> The group.
+      type(values_type), intent(inout) :: system
+      !> Whether a study that follows has no frequency ratio of its own.
+      logical, intent(in) :: needs_r
+
+      if (len(system%fault) > 0) return
+      if (needs_r .and. .not. system%has('r')) then
+         call system%refuse('r')
+      else if (.not. needs_r) then
+         call system%forbid('r', ': it is not for a &chart, &zone, &atlas or &response, which has &
+            &r_min and r_max, nor for parameter = ''r''')
+      else if (system%number('xi') <= 0 .and. abs(system%number('r') - 1) <= 0) then
+         call system%refuse('r', 'must differ from 1 when xi = 0 (resonance without damping)')
+      end if
+      if (size(system%numbers('restitution')) == 1) call system%set('restitution', &
+         spread(system%number('restitution'), 1, 2))
+   end subroutine check_system
+
+   !> Checks the name of a result.
+   pure subroutine check_output(output)
+      !> The group.
+      type(values_type), intent(inout) :: output
+      character(:), allocatable :: name
+
+      if (len(output%fault) > 0 .or. .not. output%has('name')) return
+      call output%text('name', name)
+      if (len(name) == 0 .or. len(name) > longest_name .or. verify(name, name_letters) > 0 .or. &
+         index(name, '.') == 1) call output%refuse('name')
+   end subroutine check_output
+
+   !> The complete case as a namelist, each line behind `#`.
+   pure subroutine echo(case, lines)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> The header of its result.
+      type(line_type), allocatable, intent(out) :: lines(:)
+      type(values_type) :: system
+
+      call append(lines, '# ! vibroimpact '//version//'; lengths in F0/K, time in 1/omega, angles in &
+         &radians; this file is an input too')
+      system = case%system
+      if (case%r <= 0) call system%drop('r')
+      call system%echo(lines)
+      if (allocated(case%start%name)) call case%start%echo(lines)
+      call case%study%echo(lines)
+      call case%output%echo(lines)
+   end subroutine echo
+
+end module vi_case

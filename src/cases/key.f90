@@ -1,0 +1,132 @@
+!> A key of a namelist group: what it takes, how it depends on other keys, and what it means.
+!!
+!! The keys of a group stand in one constant table. The reader, its checks and messages, the echo in
+!! the header of a result and the description of the language all come from it.
+module vi_key
+   use vi_kinds, only: wp
+   use vi_text, only: number_text
+   implicit none (type, external)
+   private
+
+   public :: describe_key, place_of
+
+   !> What a value is.
+   integer, parameter, public :: a_number = 1, a_whole = 2, a_word = 3
+   !> No bound on one side.
+   real(wp), parameter, public :: unbounded = huge(1.0_wp)
+   !> Letters of what a key takes, at most.
+   integer, parameter :: longest = 240
+
+   type, public :: key_type
+      !> As it is written in a file, in lower case.
+      character(24) :: name = ''
+      integer :: kind = a_number
+      !> Values in its list, at least and at most.
+      integer :: least = 1, most = 1
+      !> As a user would write it; empty if there is none: the key must then be given, unless it
+      !! `may_miss` or another one stands in for it.
+      character(40) :: default = ''
+      logical :: may_miss = .false.
+      !> The range of a number, or of each in a list; `above` and `below` leave out its ends.
+      real(wp) :: low = -unbounded, high = unbounded
+      logical :: above = .false., below = .false.
+      !> The words that it takes, with blanks between them; empty if the study checks the word.
+      character(60) :: words = ''
+      !> What it takes, if type, range and words do not say it.
+      character(longest) :: takes = ''
+      !> Another key that may be given in its place, but not beside it.
+      character(24) :: or = ''
+      !> A key whose value must be below this one's.
+      character(24) :: over = ''
+      !> A key, or 'key=word', without which this one is left out; and 'key=word' with which it is.
+      character(32) :: only = '', never = ''
+      !> What the message adds to that; behind an = what it says instead.
+      character(80) :: why = ''
+      !> The key that it stands for, in another unit: values are multiplied by `factor`.
+      character(24) :: is = ''
+      real(wp) :: factor = 1
+      !> Its unit, and what it means.
+      character(16) :: unit = ''
+      character(160) :: meaning = ''
+   end type key_type
+
+contains
+
+   !> Place of a key in a table; 0 if it has none of this name.
+   pure integer function place_of(keys, name) result(place)
+      !> The table.
+      type(key_type), intent(in) :: keys(:)
+      !> Name of the key, in lower case.
+      character(*), intent(in) :: name
+
+      do place = size(keys), 1, -1
+         if (keys(place)%name == name) return
+      end do
+   end function place_of
+
+   !> What a key takes, in words: 'a number with 0 <= xi < 1'.
+   pure subroutine describe_key(keys, place, text)
+      !> The table of its group.
+      type(key_type), intent(in) :: keys(:)
+      !> Of the key.
+      integer, intent(in) :: place
+      !> What must be written behind 'must be'.
+      character(:), allocatable, intent(out) :: text
+      integer :: i
+
+      associate (key => keys(place))
+         if (len_trim(key%takes) > 0) then
+            text = trim(key%takes)
+         else if (key%kind == a_word) then
+            call list_words(key%words, text)
+         else
+            call describe_range(key, text)
+         end if
+         if (len_trim(key%over) > 0) text = text//', and '//trim(key%over)//' below '//trim(key%name)
+         do i = 1, size(keys)
+            if (keys(i)%over == key%name) text = text//', and '//trim(key%name)//' below '// &
+               trim(keys(i)%name)
+         end do
+      end associate
+   end subroutine describe_key
+
+   !> The range of a number.
+   pure subroutine describe_range(key, text)
+      !> The key.
+      type(key_type), intent(in) :: key
+      !> Its range in words.
+      character(:), allocatable, intent(out) :: text
+
+      text = 'a number'
+      if (key%kind == a_whole) text = 'a whole number'
+      if (key%high >= unbounded .and. key%low <= -unbounded) then
+         text = 'a finite number'
+         return
+      end if
+      text = text//' with '//trim(number_text(key%low, key%kind == &
+         a_whole))//trim(merge(' < ', ' <=', key%above))//' '// &
+         trim(key%name)
+      if (key%high < unbounded) text = text//' '//trim(merge('< ', '<=', key%below))//' '// &
+         trim(number_text(key%high, key%kind == a_whole))
+   end subroutine describe_range
+
+   !> Words in quotes: 'linear' or 'geometric'.
+   pure subroutine list_words(words, text)
+      !> With blanks between them.
+      character(*), intent(in) :: words
+      !> With commas, and 'or' before the last.
+      character(:), allocatable, intent(out) :: text
+      integer :: first, last
+
+      text = ''
+      last = 0
+      do while (last < len_trim(words))
+         first = last + 1
+         last = first + index(words(first:)//' ', ' ') - 2
+         if (len(text) > 0) text = text//trim(merge(' or', ',  ', last >= len_trim(words)))//' '
+         text = text//''''//words(first:last)//''''
+         last = last + 1
+      end do
+   end subroutine list_words
+
+end module vi_key

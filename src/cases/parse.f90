@@ -1,0 +1,220 @@
+!> Values of a namelist: numbers and words as they are written.
+!!
+!! The compiler's own namelist input also takes what nobody means to write (`1+2`, half a list, the
+!! name of a variable as the end of one); what is taken here is what the description says.
+module vi_parse
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use vi_kinds, only: wp
+   use vi_text, only: line_type
+   implicit none (type, external)
+   private
+
+   public :: parse_numbers, parse_subscript, parse_words
+
+   character(*), parameter :: digits = '0123456789'
+
+contains
+
+   !> Numbers with commas or blanks between them, and repeats such as 2*0.75.
+   pure subroutine parse_numbers(text, whole, most, values, good)
+      !> As written.
+      character(*), intent(in) :: text
+      !> Whether whole numbers are wanted.
+      logical, intent(in) :: whole
+      !> Numbers at most.
+      integer, intent(in) :: most
+      !> The numbers; those that were read before the fault, if there is one.
+      real(wp), allocatable, intent(out) :: values(:)
+      !> False if anything else stands there, or too many.
+      logical, intent(out) :: good
+      real(wp), allocatable :: buffer(:)
+      real(wp) :: value, times
+      integer :: i, n, first, last, star
+      logical :: wants_value
+
+      allocate (buffer(most))
+      n = 0
+      i = 1
+      good = .true.
+      wants_value = .true.
+      do while (good)
+         i = i + max(0, verify(text(i:)//'#', ' ') - 1)
+         if (i > len(text)) exit
+         if (text(i:i) == ',') then
+            good = .not. wants_value
+            wants_value = .true.
+            i = i + 1
+            cycle
+         end if
+         first = i
+         last = first + scan(text(first:)//' ', ' ,') - 2
+         i = last + 1
+         star = index(text(first:last), '*')
+         times = 1
+         if (star > 0) call parse_number(text(first:first + star - 2), .true., times, good)
+         if (good) call parse_number(text(first + star:last), whole, value, good)
+         good = good .and. times >= 1 .and. n + times <= most
+         if (.not. good) exit
+         buffer(n + 1:n + int(times)) = value
+         n = n + int(times)
+         wants_value = .false.
+      end do
+      good = good .and. n > 0 .and. .not. wants_value
+      values = buffer(:n)
+   end subroutine parse_numbers
+
+   !> One number: sign, digits, point, exponent.
+   pure subroutine parse_number(text, whole, value, good)
+      !> Without blanks.
+      character(*), intent(in) :: text
+      !> Whether only digits and a sign may stand there.
+      logical, intent(in) :: whole
+      !> The number, rounded to nearest.
+      real(wp), intent(out) :: value
+      !> Whether the text is one, and finite.
+      logical, intent(out) :: good
+      integer :: i, j, n_digits, status
+      logical :: nonzero
+
+      value = 0
+      i = 1
+      if (len(text) > 0) i = 1 + merge(1, 0, scan(text(1:1), '+-') > 0)
+      j = skip(text, i)
+      n_digits = j - i
+      nonzero = scan(text(i:j - 1), '123456789') > 0
+      i = j
+      if (.not. whole .and. i <= len(text)) then
+         if (text(i:i) == '.') then
+            j = skip(text, i + 1)
+            n_digits = n_digits + j - i - 1
+            nonzero = nonzero .or. scan(text(i + 1:j - 1), '123456789') > 0
+            i = j
+         end if
+      end if
+      good = n_digits > 0
+      if (good .and. .not. whole .and. i <= len(text)) then
+         good = scan(text(i:i), 'eEdD') > 0
+         i = i + 1
+         if (i <= len(text)) i = i + merge(1, 0, scan(text(i:i), '+-') > 0)
+         j = skip(text, i)
+         good = good .and. j > i .and. j - i < 7
+         i = j
+      end if
+      good = good .and. i > len(text) .and. len(text) <= 400
+      if (.not. good) return
+      read (text, '(f400.0)', iostat=status) value
+      ! a number that has become 0 is not what was written
+      good = status == 0 .and. ieee_is_finite(value)
+      if (good .and. nonzero) good = abs(value) > 0
+   end subroutine parse_number
+
+   !> The place behind the digits that start at a place.
+   pure integer function skip(text, from) result(i)
+      !> Any.
+      character(*), intent(in) :: text
+      !> Where to start; may be behind the end.
+      integer, intent(in) :: from
+
+      i = from
+      do while (i <= len(text))
+         if (scan(text(i:i), digits) == 0) exit
+         i = i + 1
+      end do
+   end function skip
+
+   !> Words in quotes, with commas or blanks between them; a doubled quote stands for one.
+   pure subroutine parse_words(text, most, words, good)
+      !> As written.
+      character(*), intent(in) :: text
+      !> Words at most.
+      integer, intent(in) :: most
+      !> The words, without blanks behind them.
+      type(line_type), allocatable, intent(out) :: words(:)
+      !> False if anything else stands there, or too many.
+      logical, intent(out) :: good
+      character(len(text)) :: word
+      type(line_type) :: found(most)
+      character :: quote
+      integer :: i, n, length
+      logical :: wants_value
+
+      n = 0
+      i = 1
+      good = .true.
+      wants_value = .true.
+      do while (good)
+         i = i + max(0, verify(text(i:)//'#', ' ') - 1)
+         if (i > len(text)) exit
+         quote = text(i:i)
+         i = i + 1
+         if (quote == ',') then
+            good = .not. wants_value
+            wants_value = .true.
+            cycle
+         end if
+         good = scan(quote, '''"') > 0 .and. n < most
+         if (.not. good) exit
+         length = 0
+         word = ''
+         do
+            good = i <= len(text)
+            if (.not. good) exit
+            if (text(i:i) == quote) then
+               if (text(i:min(len(text), i + 1)) /= quote//quote) exit
+               i = i + 1
+            end if
+            length = length + 1
+            word(length:length) = text(i:i)
+            i = i + 1
+         end do
+         i = i + 1
+         n = n + 1
+         found(n)%text = trim(word(:length))
+         wants_value = .false.
+      end do
+      good = good .and. n > 0 .and. .not. wants_value
+      allocate (words(n))
+      do i = 1, n
+         words(i)%text = found(i)%text
+      end do
+   end subroutine parse_words
+
+   !> The part of a list that a subscript means: (2) is one place, (2:5) and (2:) are several.
+   pure subroutine parse_subscript(text, most, first, last, good)
+      !> What stands behind the name of the key, without blanks; empty for the whole list.
+      character(*), intent(in) :: text
+      !> Values that the list may have.
+      integer, intent(in) :: most
+      !> First and last place.
+      integer, intent(out) :: first, last
+      !> False if the subscript is none, or leads out of the list.
+      logical, intent(out) :: good
+      real(wp) :: low, high
+      integer :: colon
+
+      first = 1
+      last = most
+      good = .true.
+      if (len(text) == 0) return
+      good = most > 1 .and. len(text) > 2
+      if (.not. good) return
+      associate (inside => text(2:len(text) - 1))
+         colon = index(inside, ':')
+         low = 1
+         high = most
+         if (colon == 0) then
+            call parse_number(inside, .true., low, good)
+            ! as in any namelist, more values go to the places behind it
+         else
+            if (colon > 1) call parse_number(inside(:colon - 1), .true., low, good)
+            if (good .and. colon < len(inside)) call parse_number(inside(colon + 1:), .true., high, &
+               good)
+         end if
+         good = good .and. text(len(text):) == ')' .and. low >= 1 .and. low <= high .and. high <= most
+         if (.not. good) return
+         first = nint(low)
+         last = nint(high)
+      end associate
+   end subroutine parse_subscript
+
+end module vi_parse

@@ -1,0 +1,592 @@
+!> The values of one namelist group: read by the table of its keys, checked, complete.
+!!
+!! The first fault is kept, with its line; what follows it is not looked at by the reader, and a study
+!! may go on to check: its faults come second.
+module vi_values
+   use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, place_of
+   use vi_kinds, only: wp
+   use vi_namelist, only: assignment_type, group_type
+   use vi_parse, only: parse_numbers, parse_subscript, parse_words
+   use vi_text, only: append, exact_list, line_type, lower, number_text, whole
+   implicit none (type, external)
+   private
+
+   public :: read_values
+
+   !> What a key has.
+   type :: value_type
+      !> Whether it has a value, be it the default; and whether it stands in the file.
+      logical :: there = .false., given = .false.
+      !> Numbers, or words.
+      real(wp), allocatable :: numbers(:)
+      type(line_type), allocatable :: words(:)
+      !> The assignment that each came from.
+      integer, allocatable :: origin(:)
+   end type value_type
+
+   type, public :: values_type
+      !> Name of the group.
+      character(:), allocatable :: name
+      !> Where the group begins; 0 if it is not in the file.
+      integer :: line = 0
+      !> The first fault, empty if there is none, and its line.
+      character(:), allocatable :: fault
+      integer :: fault_line = 0
+      type(key_type), allocatable, private :: keys(:)
+      type(value_type), allocatable, private :: values(:)
+      type(assignment_type), allocatable, private :: items(:)
+   contains
+      procedure :: drop, echo, given, has, is, number, numbers, refuse, forbid, set, set_word, &
+         text, whole_number, whole_numbers, word
+   end type values_type
+
+contains
+
+   !> Reads a group; without one, all keys have their defaults.
+   pure subroutine read_values(name, keys, group, values)
+      !> Of the group.
+      character(*), intent(in) :: name
+      !> The table of its keys.
+      type(key_type), intent(in) :: keys(:)
+      !> As it stands in the file.
+      type(group_type), intent(in), optional :: group
+      !> What it says, or its first fault.
+      type(values_type), intent(out) :: values
+      integer :: i
+
+      values%name = name
+      values%fault = ''
+      values%keys = keys
+      allocate (values%values(size(keys)))
+      if (present(group)) then
+         values%line = group%line
+         values%items = group%items
+      else
+         allocate (values%items(0))
+      end if
+      do i = 1, size(values%items)
+         call assign(values, i)
+         if (len(values%fault) > 0) return
+      end do
+      do i = 1, size(keys)
+         if (values%values(i)%given) then
+            call check_list(values, i)
+         else if (len_trim(keys(i)%default) > 0) then
+            call interpret(keys(i), trim(keys(i)%default), values%values(i)%numbers, &
+               values%values(i)%words, values%values(i)%there)
+         end if
+      end do
+      do i = 1, size(keys)
+         if (len(values%fault) == 0) call check_company(values, i)
+      end do
+      if (len(values%fault) == 0) call resolve_units(values)
+      if (len(values%fault) == 0) call check_order(values)
+   end subroutine read_values
+
+   !> Puts one assignment into its key.
+   pure subroutine assign(values, i)
+      !> The group, read up to there.
+      type(values_type), intent(inout) :: values
+      !> The assignment.
+      integer, intent(in) :: i
+      real(wp), allocatable :: numbers(:)
+      type(line_type), allocatable :: words(:)
+      character(:), allocatable :: text
+      integer :: place, first, last, n, j
+      logical :: good
+
+      associate (item => values%items(i))
+         place = place_of(values%keys, item%key)
+         if (place == 0) then
+            call list_keys(values%keys, text)
+            call blame(values, item, 'is not a key of &'//values%name//'; must be one of '//text)
+            return
+         end if
+         associate (key => values%keys(place), value => values%values(place))
+            call parse_subscript(item%target(len(item%key) + 1:), key%most, first, last, good)
+            if (good) call interpret(key, item%value, numbers, words, good)
+            n = 0
+            if (good) n = merge(size(words), size(numbers), key%kind == a_word)
+            if (.not. good .or. n > last - first + 1) then
+               call describe_key(values%keys, place, text)
+               call blame(values, item, 'must be '//text)
+               return
+            end if
+            if (.not. value%given) then
+               allocate (value%numbers(key%most), value%words(key%most))
+               allocate (value%origin(key%most), source=0)
+            end if
+            value%given = .true.
+            value%there = .true.
+            do j = 1, n
+               associate (origin => value%origin(first + j - 1))
+                  if (origin > 0) then
+                     call blame(values, item, 'was given before, in line '//whole( &
+                        values%items(origin)%line))
+                     return
+                  end if
+                  origin = i
+               end associate
+               if (key%kind == a_word) then
+                  value%words(first + j - 1) = words(j)
+               else
+                  value%numbers(first + j - 1) = numbers(j)
+               end if
+            end do
+         end associate
+      end associate
+   end subroutine assign
+
+   !> What a text means for a key.
+   pure subroutine interpret(key, text, numbers, words, good)
+      !> The key.
+      type(key_type), intent(in) :: key
+      !> As written.
+      character(*), intent(in) :: text
+      !> Of a number or a list of numbers.
+      real(wp), allocatable, intent(out) :: numbers(:)
+      !> Of a word or a list of words, spelled as the key has them.
+      type(line_type), allocatable, intent(out) :: words(:)
+      !> Whether the key takes it.
+      logical, intent(out) :: good
+      integer :: i
+
+      if (key%kind == a_word) then
+         call parse_words(text, key%most, words, good)
+         do i = 1, size(words)
+            if (good .and. len_trim(key%words) > 0) call match_word(key%words, words(i)%text, good)
+         end do
+      else
+         call parse_numbers(text, key%kind == a_whole, key%most, numbers, good)
+         good = good .and. all(numbers >= key%low .and. numbers <= key%high)
+         if (key%above) good = good .and. all(numbers > key%low)
+         if (key%below) good = good .and. all(numbers < key%high)
+      end if
+   end subroutine interpret
+
+   !> Finds a word among those that a key takes, whatever its case.
+   pure subroutine match_word(words, text, good)
+      !> With blanks between them.
+      character(*), intent(in) :: words
+      !> The word; spelled as in `words` if it is one of them.
+      character(:), allocatable, intent(inout) :: text
+      !> Whether it is.
+      logical, intent(out) :: good
+      integer :: at
+
+      at = index(' '//lower(words)//' ', ' '//lower(text)//' ')
+      good = at > 0 .and. len(text) > 0 .and. index(text, ' ') == 0
+      if (good) text = words(at:at + len(text) - 1)
+   end subroutine match_word
+
+   !> A list has no gaps, and is long enough.
+   pure subroutine check_list(values, place)
+      !> The group.
+      type(values_type), intent(inout) :: values
+      !> Of the key.
+      integer, intent(in) :: place
+      integer :: n
+
+      associate (key => values%keys(place), value => values%values(place))
+         n = findloc(value%origin > 0, .true., 1, back=.true.)
+         if (n < key%least .or. any(value%origin(:n) == 0)) then
+            call values%refuse(trim(key%name))
+         else if (key%kind == a_word) then
+            value%words = value%words(:n)
+            deallocate (value%numbers)
+         else
+            value%numbers = value%numbers(:n)
+            deallocate (value%words)
+         end if
+      end associate
+   end subroutine check_list
+
+   !> A key is given where it must be, and only where it may be.
+   pure subroutine check_company(values, place)
+      !> The group.
+      type(values_type), intent(inout) :: values
+      !> Of the key.
+      integer, intent(in) :: place
+      character(:), allocatable :: why
+      logical :: missing
+
+      associate (key => values%keys(place), value => values%values(place))
+         call find_reason(values, key, why)
+         if (len(why) > 0) then
+            if (value%given) call values%forbid(trim(key%name), why)
+            value%there = .false.
+            return
+         end if
+         missing = .not. (value%there .or. key%may_miss) .and. len_trim(key%is) == 0
+         if (len_trim(key%or) > 0) then
+            if (values%given(trim(key%or)) .and. value%given) then
+               call values%forbid(trim(key%name), ' beside '//trim(key%or))
+            else if (missing .and. .not. values%given(trim(key%or))) then
+               call values%refuse(trim(key%name), 'or give '//trim(key%or))
+            end if
+         else if (missing) then
+            call values%refuse(trim(key%name))
+         end if
+      end associate
+   end subroutine check_company
+
+   !> Why a key must be left out, as the message goes on; empty if it may be there.
+   pure subroutine find_reason(values, key, why)
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> The key.
+      type(key_type), intent(in) :: key
+      !> The reason.
+      character(:), allocatable, intent(out) :: why
+
+      why = ''
+      if (len_trim(key%only) > 0) then
+         if (.not. holds(values, trim(key%only))) why = trim(merge(': it is for   ', &
+            ': it goes with', index(key%only, '=') > 0))//' '//condition(key%only)
+      end if
+      if (len_trim(key%never) > 0 .and. len(why) == 0) then
+         if (holds(values, trim(key%never))) why = trim(merge(': it is not for', &
+            ' beside        ', index(key%never, '=') > 0))//' '//condition(key%never)
+      end if
+      if (len(why) == 0) return
+      if (key%why(1:1) == '=') then
+         why = trim(key%why(2:))
+      else
+         why = why//trim(key%why)
+      end if
+   end subroutine find_reason
+
+   !> Whether a key has a word, or is given at all.
+   pure logical function holds(values, text)
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> 'key=word' or 'key'.
+      character(*), intent(in) :: text
+      integer :: equals
+
+      equals = index(text, '=')
+      if (equals == 0) then
+         holds = values%given(text)
+      else
+         holds = values%is(text(:equals - 1), text(equals + 1:))
+      end if
+   end function holds
+
+   !> A condition as it would stand in a file: key = 'word', or key.
+   pure function condition(text) result(words)
+      !> 'key=word' or 'key'.
+      character(*), intent(in) :: text
+      character(len_trim(text) + merge(4, 0, index(text, '=') > 0)) :: words
+      integer :: equals
+
+      equals = index(text, '=')
+      words = text
+      if (equals > 0) words = text(:equals - 1)//' = '''//trim(text(equals + 1:))//''''
+   end function condition
+
+   !> Puts keys in another unit into those that they stand for.
+   pure subroutine resolve_units(values)
+      !> The group.
+      type(values_type), intent(inout) :: values
+      integer :: i, j
+
+      do i = 1, size(values%keys)
+         if (len_trim(values%keys(i)%is) == 0 .or. .not. values%values(i)%there) cycle
+         j = place_of(values%keys, values%keys(i)%is)
+         values%values(j)%numbers = values%values(i)%numbers*values%keys(i)%factor
+         values%values(j)%there = .true.
+         values%values(i)%there = .false.
+      end do
+   end subroutine resolve_units
+
+   !> One key is above another.
+   pure subroutine check_order(values)
+      !> The group.
+      type(values_type), intent(inout) :: values
+      integer :: i, n
+      logical :: good
+
+      do i = 1, size(values%keys)
+         if (len_trim(values%keys(i)%over) == 0 .or. .not. values%values(i)%there) cycle
+         associate (low => values%values(place_of(values%keys, values%keys(i)%over)), &
+            high => values%values(i))
+            if (.not. low%there) cycle
+            n = min(size(low%numbers), size(high%numbers))
+            good = all(high%numbers(:n) > low%numbers(:n))
+            if (.not. good .and. size(low%numbers) > 1) then
+               call values%refuse(trim(values%keys(i)%name))
+            else if (.not. good) then
+               call values%refuse(trim(values%keys(i)%name), trim(values%keys(i)%over)//' is '// &
+                  trim(number_text(low%numbers(1), .false.)))
+            end if
+         end associate
+      end do
+   end subroutine check_order
+
+   !> Keeps a fault of an assignment, if it is the first.
+   pure subroutine blame(values, item, why)
+      !> The group.
+      type(values_type), intent(inout) :: values
+      !> The assignment.
+      type(assignment_type), intent(in) :: item
+      !> What is wrong, or what must be.
+      character(*), intent(in) :: why
+
+      if (len(values%fault) > 0) return
+      values%fault = '&'//values%name//' '//item%target//' = '//item%value//': '//why
+      values%fault_line = item%line
+   end subroutine blame
+
+   !> The value of a key is wrong, or it is missing: keeps the message, if it is the first.
+   pure subroutine refuse(values, name, why)
+      !> The group.
+      class(values_type), intent(inout) :: values
+      !> The key.
+      character(*), intent(in) :: name
+      !> What must hold beyond what the key takes.
+      character(*), intent(in), optional :: why
+      character(:), allocatable :: text
+      integer :: place, i
+
+      if (len(values%fault) > 0) return
+      place = written_as(values, name)
+      call describe_key(values%keys, place, text)
+      if (present(why)) text = text//'; '//why
+      do i = 1, size(values%items)
+         if (values%items(i)%key /= values%keys(place)%name) cycle
+         call blame(values, values%items(i), 'must be '//text)
+         return
+      end do
+      values%fault = '&'//values%name//' '//trim(values%keys(place)%name)//': is missing; must be ' &
+         //text
+      values%fault_line = values%line
+   end subroutine refuse
+
+   !> A key must not stand in the group: keeps the message, if it is the first, and if it does.
+   pure subroutine forbid(values, name, why)
+      !> The group.
+      class(values_type), intent(inout) :: values
+      !> The key.
+      character(*), intent(in) :: name
+      !> How 'must be left out' goes on, such as ' beside states' or ': it is an axis'.
+      character(*), intent(in) :: why
+      integer :: i
+
+      do i = 1, size(values%items)
+         if (values%items(i)%key /= name) cycle
+         call blame(values, values%items(i), 'must be left out'//why)
+         return
+      end do
+   end subroutine forbid
+
+   !> Place of the key, or of the one in another unit that is given for it.
+   pure integer function written_as(values, name) result(place)
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> The key.
+      character(*), intent(in) :: name
+      integer :: i
+
+      place = place_of(values%keys, name)
+      do i = 1, size(values%keys)
+         if (values%keys(i)%is == name .and. values%values(i)%given) place = i
+      end do
+   end function written_as
+
+   !> Names of the keys, for messages.
+   pure subroutine list_keys(keys, text)
+      !> The table.
+      type(key_type), intent(in) :: keys(:)
+      !> With commas.
+      character(:), allocatable, intent(out) :: text
+      integer :: i
+
+      text = trim(keys(1)%name)
+      do i = 2, size(keys)
+         text = text//', '//trim(keys(i)%name)
+      end do
+   end subroutine list_keys
+
+   !> Whether a key stands in the file.
+   pure logical function given(values, name)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key.
+      character(*), intent(in) :: name
+
+      given = values%values(place_of(values%keys, name))%given
+   end function given
+
+   !> Whether a key has a value, given or its default.
+   pure logical function has(values, name)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key; the group may be without such a key.
+      character(*), intent(in) :: name
+      integer :: place
+
+      has = .false.
+      place = place_of(values%keys, name)
+      if (place > 0) has = values%values(place)%there
+   end function has
+
+   !> Whether a key has a certain word.
+   pure logical function is(values, name, word)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key; the group may be without such a key.
+      character(*), intent(in) :: name
+      !> The word, as the table has it.
+      character(*), intent(in) :: word
+
+      is = values%has(name)
+      if (is) is = values%values(place_of(values%keys, name))%words(1)%text == word
+   end function is
+
+   !> The number that a key has.
+   pure real(wp) function number(values, name)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key, which has one.
+      character(*), intent(in) :: name
+
+      number = values%values(place_of(values%keys, name))%numbers(1)
+   end function number
+
+   !> The numbers that a key has.
+   pure function numbers(values, name)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key, which has some.
+      character(*), intent(in) :: name
+      real(wp), allocatable :: numbers(:)
+
+      numbers = values%values(place_of(values%keys, name))%numbers
+   end function numbers
+
+   !> The whole number that a key has.
+   pure integer function whole_number(values, name)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key, which has one.
+      character(*), intent(in) :: name
+
+      whole_number = nint(values%number(name))
+   end function whole_number
+
+   !> The whole numbers that a key has.
+   pure function whole_numbers(values, name)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key, which has some.
+      character(*), intent(in) :: name
+      integer, allocatable :: whole_numbers(:)
+
+      whole_numbers = nint(values%numbers(name))
+   end function whole_numbers
+
+   !> A word of a key, with blanks behind it; blank if the key has none.
+   pure function word(values, name, i)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key.
+      character(*), intent(in) :: name
+      !> Which of several; the first unless given.
+      integer, intent(in), optional :: i
+      character(24) :: word
+      integer :: which
+
+      word = ''
+      which = 1
+      if (present(i)) which = i
+      if (values%has(name)) word = values%values(place_of(values%keys, name))%words(which)%text
+   end function word
+
+   !> A word of any length.
+   pure subroutine text(values, name, words)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key, which has one.
+      character(*), intent(in) :: name
+      !> The word.
+      character(:), allocatable, intent(out) :: words
+
+      words = values%values(place_of(values%keys, name))%words(1)%text
+   end subroutine text
+
+   !> Gives a key numbers, which is how a study completes what was left out.
+   pure subroutine set(values, name, numbers)
+      !> The group.
+      class(values_type), intent(inout) :: values
+      !> The key.
+      character(*), intent(in) :: name
+      !> Its numbers.
+      real(wp), intent(in) :: numbers(:)
+
+      associate (value => values%values(place_of(values%keys, name)))
+         value%numbers = numbers
+         value%there = .true.
+      end associate
+   end subroutine set
+
+   !> Gives a key a word.
+   pure subroutine set_word(values, name, word)
+      !> The group.
+      class(values_type), intent(inout) :: values
+      !> The key.
+      character(*), intent(in) :: name
+      !> Its word.
+      character(*), intent(in) :: word
+
+      associate (value => values%values(place_of(values%keys, name)))
+         if (allocated(value%words)) deallocate (value%words)
+         allocate (value%words(1))
+         value%words(1)%text = word
+         value%there = .true.
+      end associate
+   end subroutine set_word
+
+   !> Takes a key's value away.
+   pure subroutine drop(values, name)
+      !> The group.
+      class(values_type), intent(inout) :: values
+      !> The key.
+      character(*), intent(in) :: name
+
+      values%values(place_of(values%keys, name))%there = .false.
+   end subroutine drop
+
+   !> The group with all that it has, behind `#`: the form in which it can be read again.
+   pure subroutine echo(values, lines)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The header so far.
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      character(:), allocatable :: text
+      integer :: i, j
+
+      call append(lines, '# &'//values%name)
+      do i = 1, size(values%keys)
+         associate (key => values%keys(i), value => values%values(i))
+            if (.not. value%there) cycle
+            text = '#   '//trim(key%name)//' = '
+            if (key%kind == a_number) then
+               text = text//exact_list(value%numbers)
+            else if (key%kind == a_word) then
+               do j = 1, size(value%words)
+                  if (j > 1) text = text//', '
+                  text = text//''''//value%words(j)%text//''''
+               end do
+            else
+               do j = 1, size(value%numbers)
+                  if (j > 1) text = text//', '
+                  text = text//whole(nint(value%numbers(j)))
+               end do
+            end if
+            call append(lines, text)
+         end associate
+      end do
+      call append(lines, '# /')
+   end subroutine echo
+
+end module vi_values

@@ -1,0 +1,136 @@
+!> The language of namelists, described from the tables of keys: for people and for programs.
+module vi_describe
+   use vi_case, only: output_keys, system_keys
+   use vi_key, only: a_whole, a_word, describe_key, key_type, unbounded
+   use vi_kinds, only: wp
+   use vi_study_list, only: list_keys_of, study_names
+   use vi_text, only: append, line_type, number_text, whole
+   implicit none (type, external)
+   private
+
+   public :: describe_all, describe_group
+
+   !> All groups of the language.
+   character(11), parameter, public :: group_names(*) = [character(11) :: 'system', study_names, 'output']
+
+contains
+
+   !> The keys of a group for people: name, what it takes, default, meaning.
+   pure subroutine describe_group(name, lines)
+      !> One of `group_names`.
+      character(*), intent(in) :: name
+      !> The text.
+      type(line_type), allocatable, intent(out) :: lines(:)
+      type(key_type), allocatable :: keys(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      call keys_of(name, keys)
+      call append(lines, '&'//trim(name))
+      do i = 1, size(keys)
+         call describe_key(keys, i, text)
+         call append(lines, '  '//trim(keys(i)%name)//': '//text)
+         text = trim(keys(i)%meaning)
+         if (len_trim(keys(i)%unit) > 0) text = text//' ['//trim(keys(i)%unit)//']'
+         if (len_trim(keys(i)%default) > 0) text = text//'; '//trim(keys(i)%default)//' if it is left &
+            &out'
+         call append(lines, '      '//text)
+      end do
+   end subroutine describe_group
+
+   !> The keys of all groups for programs, as JSON: an object of lists of objects.
+   pure subroutine describe_all(lines)
+      !> The text.
+      type(line_type), allocatable, intent(out) :: lines(:)
+      type(key_type), allocatable :: keys(:)
+      character(:), allocatable :: text
+      integer :: i, j
+
+      call append(lines, '{')
+      do i = 1, size(group_names)
+         call append(lines, quoted(group_names(i))//': [')
+         call keys_of(trim(group_names(i)), keys)
+         do j = 1, size(keys)
+            call describe_json(keys, j, text)
+            if (j < size(keys)) text = text//','
+            call append(lines, text)
+         end do
+         call append(lines, trim(merge('], ', ']  ', i < size(group_names))))
+      end do
+      call append(lines, '}')
+   end subroutine describe_all
+
+   !> One key as an object.
+   pure subroutine describe_json(keys, place, text)
+      !> The table of its group.
+      type(key_type), intent(in) :: keys(:)
+      !> Of the key.
+      integer, intent(in) :: place
+      !> The object.
+      character(:), allocatable, intent(out) :: text
+      character(:), allocatable :: takes
+      character(6), parameter :: kinds(3) = [character(6) :: 'number', 'whole', 'word']
+
+      call describe_key(keys, place, takes)
+      associate (key => keys(place))
+         text = '  {"name": '//quoted(key%name)//', "kind": '//quoted(kinds(key%kind))// &
+            ', "least": '//whole(key%least)//', "most": '//whole(key%most)
+         if (key%kind /= a_word) text = text//', "low": '//bound(key%low, key)//', "high": '// &
+            bound(key%high, key)//', "above": '//truth(key%above)//', "below": '//truth(key%below)
+         text = text//', "may_miss": '//truth(key%may_miss)//', "default": '//quoted(key%default)// &
+            ', "words": '//quoted(key%words)//', "takes": '//quoted(takes)//', "or": '// &
+            quoted(key%or)//', "over": '//quoted(key%over)//', "only": '//quoted(key%only)// &
+            ', "never": '//quoted(key%never)//', "is": '//quoted(key%is)//', "unit": '// &
+            quoted(key%unit)//', "meaning": '//quoted(key%meaning)//'}'
+      end associate
+   end subroutine describe_json
+
+   !> The keys of a group.
+   pure subroutine keys_of(name, keys)
+      !> One of `group_names`.
+      character(*), intent(in) :: name
+      !> Its table.
+      type(key_type), allocatable, intent(out) :: keys(:)
+
+      select case (name)
+      case ('system')
+         keys = system_keys
+      case ('output')
+         keys = output_keys
+      case default
+         call list_keys_of(name, keys)
+      end select
+   end subroutine keys_of
+
+   !> A text as a JSON string; no text of the tables holds a double quote or a backslash.
+   pure function quoted(text) result(string)
+      !> Blanks behind it are left out.
+      character(*), intent(in) :: text
+      character(len_trim(text) + 2) :: string
+
+      string = '"'//trim(text)//'"'
+   end function quoted
+
+   !> An end of a range; null if there is none.
+   pure function bound(value, key) result(text)
+      !> The end.
+      real(wp), intent(in) :: value
+      !> Whose it is.
+      type(key_type), intent(in) :: key
+      character(merge(4, len_trim(number_text(value, key%kind == a_whole)), abs(value) &
+         >= unbounded)) :: text
+
+      text = 'null'
+      if (abs(value) < unbounded) text = number_text(value, key%kind == a_whole)
+   end function bound
+
+   !> A logical value as JSON has it.
+   pure function truth(value) result(word)
+      !> Either.
+      logical, intent(in) :: value
+      character(merge(4, 5, value)) :: word
+
+      word = merge('true ', 'false', value)
+   end function truth
+
+end module vi_describe

@@ -1,0 +1,194 @@
+!> The study &motion: a motion from its phases (eq. 26), from its clearance, or the equispaced pair.
+module vi_motion_study
+   use vi_case, only: case_type
+   use vi_chain, only: equispaced_chain, exact_chain, periodic_chain
+   use vi_common_keys, only: cycles_key
+   use vi_key, only: a_word, key_type
+   use vi_kinds, only: wp
+   use vi_motion, only: motion_type
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_letters
+   use vi_periodic, only: linear_system_type
+   use vi_precision, only: equispaced_in_single, periodic_in_single
+   use vi_text, only: counted, shown, whole
+   use vi_values, only: values_type
+   implicit none (type, external)
+   private
+
+   public :: check_motion, find_motions, motion_request
+
+   integer, parameter :: most_impacts = 1000
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+   character(*), parameter :: known = ', which knows it', equispaced = 'kind=equispaced'
+   type(key_type), parameter, public :: motion_keys(*) = [ &
+      key_type('kind', a_word, default='''periodic''', words='periodic equispaced exact', &
+      takes='''periodic'' (phases given), ''equispaced'' (clearance given) or ''exact'' &
+      &(clearance given, phases guessed)', meaning='what is known of the motion'), &
+      cycles_key, &
+      key_type('clearance', low=1.0e-12_wp, high=1.0e12_wp, never='kind=periodic', &
+      why=', which finds the clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      key_type('sides', a_word, never=equispaced, why=known, &
+      takes='letters R and L, one an impact, 2 to 1000 of them, each wall at least once', &
+      meaning='the walls in the order of impacts'), &
+      key_type('phases', most=most_impacts, or='phases_over_pi', never=equispaced, why=known, &
+      takes='one number an impact, increasing from 0 to below 2 pi cycles', unit='rad', &
+      meaning='load phases of the impacts, from the first one'), &
+      key_type('phases_over_pi', most=most_impacts, or='phases', never=equispaced, why=known, &
+      takes='one number an impact, increasing from 0 to below 2 cycles', is='phases', &
+      factor=pi, unit='pi rad', meaning='the same in units of pi'), &
+      key_type('impact_restitution', most=most_impacts, low=0.0_wp, high=1.0_wp, &
+      never=equispaced, why=known, may_miss=.true., &
+      takes='one number an impact, each with 0 <= R <= 1', &
+      meaning='a coefficient of restitution for each impact; else the wall decides'), &
+      key_type('precision', a_word, default='''double''', words='double single', &
+      meaning='arithmetic; single only with given phases or equispaced'), &
+      key_type('acceptance', default='0.03', low=0.0_wp, high=1.0_wp, never='kind=exact', &
+      why=', which leaves no residual', &
+      meaning='largest relative residual that counts as consistent')]
+
+   !> What is known of a motion.
+   type, public :: motion_request_type
+      !> 'periodic', 'equispaced' or 'exact'.
+      character(10) :: kind = ''
+      type(pattern_type) :: pattern
+      !> Load phases and coefficients of restitution (n).
+      real(wp), allocatable :: phases(:), restitution(:)
+      real(wp) :: clearance = 0, acceptance = 0
+      logical :: single = .false.
+   end type motion_request_type
+
+contains
+
+   !> Checks what depends on several keys.
+   subroutine check_motion(osc, values)
+      !> The system.
+      type(oscillator_type), intent(in) :: osc
+      !> The group; complete on return.
+      type(values_type), intent(inout) :: values
+      type(pattern_type) :: pattern
+      character(:), allocatable :: letters
+      integer :: n, given
+
+      if (len(values%fault) > 0) return
+      if (values%is('kind', 'equispaced')) then
+         if (modulo(values%whole_number('cycles'), 2) == 0) call values%refuse('cycles', &
+            'and must be odd for kind = ''equispaced''')
+         if (abs(osc%restitution(1) - osc%restitution(2)) > 0) call values%refuse('kind', &
+            '''equispaced'' needs equal restitution on both walls')
+         return
+      end if
+      call values%text('sides', letters)
+      pattern = new_pattern(letters, 1)
+      n = size(pattern%sides)
+      if (n < 2 .or. n > most_impacts .or. any(pattern%sides == 0) .or. abs(sum(pattern%sides)) &
+         == n) then
+         call values%refuse('sides')
+         return
+      end if
+      call values%set_word('sides', side_letters(pattern%sides))
+      if (values%is('kind', 'exact') .and. values%is('precision', 'single')) call values%refuse( &
+         'precision', 'and ''double'' for kind = ''exact''')
+      call check_phases(values, n)
+      if (.not. values%has('impact_restitution')) return
+      given = size(values%numbers('impact_restitution'))
+      if (given /= n) call values%refuse('impact_restitution', counted(n, 'impact')//' are in sides')
+   end subroutine check_motion
+
+   !> The phases begin with 0 and increase within the period.
+   subroutine check_phases(values, n)
+      !> The group.
+      type(values_type), intent(inout) :: values
+      !> Impacts in the period.
+      integer, intent(in) :: n
+      real(wp), allocatable :: phases(:)
+      real(wp) :: period, unit
+      integer :: i
+
+      phases = values%numbers('phases')
+      unit = merge(pi, 1.0_wp, values%given('phases_over_pi'))
+      period = 2*pi*values%whole_number('cycles')
+      if (size(phases) /= n) then
+         call values%refuse('phases', counted(size(phases), 'number')//' for '//counted(n, &
+            'impact')//' in sides')
+      else if (abs(phases(1)) > 0) then
+         call values%refuse('phases', 'the first must be 0, it sets the origin')
+      else if (.not. phases(n) < period) then
+         call values%refuse('phases', 'the last must be below '//shown(period/unit, 'g0.6'))
+      else
+         do i = 2, n
+            if (phases(i) <= phases(i - 1)) call values%refuse('phases', 'number '//whole(i)// &
+               ' is not above number '//whole(i - 1))
+         end do
+      end if
+   end subroutine check_phases
+
+   !> What a checked group says of its motion.
+   pure subroutine motion_request(osc, values, request)
+      !> The system.
+      type(oscillator_type), intent(in) :: osc
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> The same as numbers.
+      type(motion_request_type), intent(out) :: request
+      character(:), allocatable :: letters
+
+      letters = 'RL'
+      if (values%has('sides')) call values%text('sides', letters)
+      request%kind = values%word('kind')
+      request%pattern = new_pattern(letters, values%whole_number('cycles'))
+      if (request%kind == 'equispaced') then
+         request%phases = [0.0_wp, request%pattern%cycles*pi]
+      else
+         request%phases = values%numbers('phases')
+      end if
+      if (values%has('impact_restitution')) then
+         request%restitution = values%numbers('impact_restitution')
+      else
+         request%restitution = default_restitution(request%pattern%sides, osc%restitution(1), &
+            osc%restitution(2))
+      end if
+      if (values%has('clearance')) request%clearance = values%number('clearance')
+      if (values%has('acceptance')) request%acceptance = values%number('acceptance')
+      request%single = values%is('precision', 'single')
+   end subroutine motion_request
+
+   !> The motions of a group: two of the equispaced kind, else one.
+   subroutine find_motions(case, values, motions)
+      !> With the system.
+      type(case_type), intent(in) :: case
+      !> The group &motion, checked.
+      type(values_type), intent(in) :: values
+      !> The motions, each with its status.
+      type(motion_type), allocatable, intent(out) :: motions(:)
+      type(linear_system_type) :: system
+      type(motion_request_type) :: wanted
+
+      call motion_request(case%osc, values, wanted)
+      allocate (motions(merge(2, 1, wanted%kind == 'equispaced')))
+      associate (osc => case%osc, r => case%r, w => wanted)
+         select case (w%kind)
+         case ('equispaced')
+            if (w%single) then
+               call equispaced_in_single(osc, r, w%clearance, w%pattern%cycles, w%acceptance, &
+                  .true., motions)
+            else
+               call equispaced_chain(osc, r, w%clearance, w%pattern%cycles, w%acceptance, .true., &
+                  system, motions)
+            end if
+         case ('exact')
+            call exact_chain(osc, r, w%clearance, w%pattern, w%restitution, w%phases, system, &
+               motions(1))
+         case default
+            if (w%single) then
+               call periodic_in_single(osc, r, w%pattern, w%restitution, w%phases, w%acceptance, &
+                  .true., motions(1))
+            else
+               call periodic_chain(osc, r, w%pattern, w%restitution, w%phases, w%acceptance, &
+                  .true., system, motions(1))
+            end if
+         end select
+      end associate
+   end subroutine find_motions
+
+end module vi_motion_study
