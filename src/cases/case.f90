@@ -90,7 +90,8 @@ contains
       type(line_type), allocatable, intent(out) :: lines(:)
       type(values_type) :: system
 
-      call append(lines, '# ! vibroimpact '//version//'; lengths in F0/K, time in 1/omega, angles in &
+      call append(lines, &
+         '# ! vibroimpact '//version//'; lengths in F0/K, time in 1/omega, angles in &
          &radians; this file is an input too')
       system = case%system
       if (case%r <= 0) call system%drop('r')

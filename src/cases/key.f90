@@ -82,7 +82,8 @@ contains
          else
             call describe_range(key, text)
          end if
-         if (len_trim(key%over) > 0) text = text//', and '//trim(key%over)//' below '//trim(key%name)
+         if (len_trim(key%over) > 0) text = &
+            text//', and '//trim(key%over)//' below '//trim(key%name)
          do i = 1, size(keys)
             if (keys(i)%over == key%name) text = text//', and '//trim(key%name)//' below '// &
                trim(keys(i)%name)

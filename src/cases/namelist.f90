@@ -1,6 +1,7 @@
 !> Splits the text of a namelist into groups and assignments that remember their lines.
 !!
-!! Values are not interpreted here. A text that starts with `#` is a result of ours: only the lines with
+!! Values are not interpreted here. A text that starts with `#` is a result of ours: only the lines
+!! with
 !! a `#` in front are read, without it, so that every table is an input that reproduces it.
 module vi_namelist
    use vi_text, only: detab, line_type, lower, whole

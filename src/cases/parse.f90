@@ -207,10 +207,12 @@ contains
             ! as in any namelist, more values go to the places behind it
          else
             if (colon > 1) call parse_number(inside(:colon - 1), .true., low, good)
-            if (good .and. colon < len(inside)) call parse_number(inside(colon + 1:), .true., high, &
+            if (good .and. colon < len(inside)) call parse_number(inside(colon + 1:), .true., &
+               high, &
                good)
          end if
-         good = good .and. text(len(text):) == ')' .and. low >= 1 .and. low <= high .and. high <= most
+         good = good .and. text(len(text):) == ')' .and. low >= 1 .and. low <= high .and. high <= &
+            most
          if (.not. good) return
          first = nint(low)
          last = nint(high)

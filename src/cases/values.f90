@@ -1,6 +1,7 @@
 !> The values of one namelist group: read by the table of its keys, checked, complete.
 !!
-!! The first fault is kept, with its line; what follows it is not looked at by the reader, and a study
+!! The first fault is kept, with its line; what follows it is not looked at by the reader, and a
+!! study
 !! may go on to check: its faults come second.
 module vi_values
    use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, place_of
@@ -357,7 +358,8 @@ contains
          call blame(values, values%items(i), 'must be '//text)
          return
       end do
-      values%fault = '&'//values%name//' '//trim(values%keys(place)%name)//': is missing; must be ' &
+      values%fault = &
+         '&'//values%name//' '//trim(values%keys(place)%name)//': is missing; must be ' &
          //text
       values%fault_line = values%line
    end subroutine refuse

@@ -71,8 +71,8 @@ contains
          else if (item == '--' .and. .not. files_only) then
             files_only = .true.
          else if (index(item, '-') == 1 .and. .not. files_only) then
-            call refuse(item//': is not an option; must be -o DIR, --keys GROUP, --describe, --help or &
-               &--version', status)
+            call refuse(item//': is not an option; must be -o DIR, --keys GROUP, --describe, &
+               &--help or --version', status)
          else
             call append(files, item)
          end if

@@ -11,7 +11,8 @@ module vi_describe
    public :: describe_all, describe_group
 
    !> All groups of the language.
-   character(11), parameter, public :: group_names(*) = [character(11) :: 'system', study_names, 'output']
+   character(11), parameter, public :: group_names(*) = [character(11) :: 'system', study_names, &
+      'output']
 
 contains
 
@@ -32,7 +33,8 @@ contains
          call append(lines, '  '//trim(keys(i)%name)//': '//text)
          text = trim(keys(i)%meaning)
          if (len_trim(keys(i)%unit) > 0) text = text//' ['//trim(keys(i)%unit)//']'
-         if (len_trim(keys(i)%default) > 0) text = text//'; '//trim(keys(i)%default)//' if it is left &
+         if (len_trim(keys(i)%default) > 0) text = &
+            text//'; '//trim(keys(i)%default)//' if it is left &
             &out'
          call append(lines, '      '//text)
       end do
@@ -77,7 +79,8 @@ contains
             ', "least": '//whole(key%least)//', "most": '//whole(key%most)
          if (key%kind /= a_word) text = text//', "low": '//bound(key%low, key)//', "high": '// &
             bound(key%high, key)//', "above": '//truth(key%above)//', "below": '//truth(key%below)
-         text = text//', "may_miss": '//truth(key%may_miss)//', "default": '//quoted(key%default)// &
+         text = &
+            text//', "may_miss": '//truth(key%may_miss)//', "default": '//quoted(key%default)// &
             ', "words": '//quoted(key%words)//', "takes": '//quoted(takes)//', "or": '// &
             quoted(key%or)//', "over": '//quoted(key%over)//', "only": '//quoted(key%only)// &
             ', "never": '//quoted(key%never)//', "is": '//quoted(key%is)//', "unit": '// &

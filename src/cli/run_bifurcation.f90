@@ -104,7 +104,8 @@ contains
          end do
          windows = windows + n
       end do
-      call append(lines, 'run,'//trim(parameter_of(case))//',label,side,phase,x,x_dot_before,x_dot_after,'// &
+      call append(lines, &
+         'run,'//trim(parameter_of(case))//',label,side,phase,x,x_dot_before,x_dot_after,'// &
          'z_dot_before,z_dot_after')
       n = size(lines)
       call lengthen(lines, sum(found%found))

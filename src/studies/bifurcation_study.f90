@@ -11,10 +11,12 @@ module vi_bifurcation_study
 
    public :: check_bifurcation, start_state
 
-   character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = 'sweep=states'
+   character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = &
+      'sweep=states'
    type(key_type), parameter, public :: bifurcation_keys(*) = [ &
       key_type('clearance', low=clearance_key%low, high=clearance_key%high, &
-      never='parameter=clearance', why='=: it is the parameter', unit='F0/K', meaning=clearance_key%meaning), &
+      never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
+      meaning=clearance_key%meaning), &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
       meaning='what changes'), &
       key_type('low', takes=range_takes, meaning='first value'), &
@@ -61,7 +63,8 @@ contains
             study%whole_number('points')], 'values x runs x points')
          if (.not. any([(study%has(trim(state_keys(i)%name)), i=1, 5)])) return
          do i = 1, 5
-            if (.not. study%has(trim(state_keys(i)%name))) call study%set(trim(state_keys(i)%name), &
+            if (.not. study%has(trim(state_keys(i)%name))) call &
+               study%set(trim(state_keys(i)%name), &
                [0.0_wp])
          end do
          if (study%has('clearance')) then

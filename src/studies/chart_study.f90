@@ -58,7 +58,7 @@ contains
          == n) then
          call case%study%refuse('sides')
       else if (points > most_points) then
-         call case%study%refuse('clearance_points')
+         call case%study%refuse('clearance_points', 'r_points is '//whole(window%r_points))
       else if (window%symmetry > 0 .and. .not. allows_symmetry(case%osc, pattern)) then
          call case%study%refuse('symmetric', '''yes'' takes equal restitution, an odd number of &
             &cycles and sides whose second half mirrors the first')

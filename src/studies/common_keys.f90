@@ -220,7 +220,8 @@ contains
       character(*), intent(in) :: words
 
       if (len(study%fault) > 0) return
-      if (product(real(factors, wp)) > most_numbers) call study%refuse(key, words//' must be at most ' &
+      if (product(real(factors, wp)) > most_numbers) call study%refuse(key, &
+         words//' must be at most ' &
          //whole(most_numbers))
    end subroutine check_product
 

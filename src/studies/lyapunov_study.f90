@@ -5,21 +5,25 @@ module vi_lyapunov_study
       parameter_values, spacing_key, state_keys
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
+   use vi_text, only: whole
    implicit none (type, external)
    private
 
    public :: check_lyapunov, line_points
 
-   character(*), parameter :: with = 'parameter'
+   character(*), parameter :: with = 'parameter', range_takes = 'a number in the range of the &
+      &parameter (1e-6 <= r <= 1e6, 1e-12 <= clearance <= 1e12)'
    type(key_type), parameter, public :: lyapunov_keys(*) = [ &
       key_type('clearance', low=clearance_key%low, high=clearance_key%high, &
-      never='parameter=clearance', why='=: it is the parameter', unit='F0/K', meaning=clearance_key%meaning), &
+      never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
+      meaning=clearance_key%meaning), &
       key_type('parameter', a_word, may_miss=.true., words='r clearance', &
-      takes='''r'' or ''clearance''; low, high and values go with it', meaning='a line of points'), &
+      takes='''r'' or ''clearance''; low, high and values go with it', &
+      meaning='a line of points'), &
       key_type('low', only=with, meaning='first value', &
-      takes='a number in the range of the parameter (1e-6 <= r <= 1e6, 1e-12 <= clearance <= 1e12)'), &
+      takes=range_takes), &
       key_type('high', only=with, over='low', meaning='last value', &
-      takes='a number in the range of the parameter (1e-6 <= r <= 1e6, 1e-12 <= clearance <= 1e12)'), &
+      takes=range_takes), &
       key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, only=with, meaning='how many'), &
       key_type('spacing', a_word, default=spacing_key%default, words=spacing_key%words, &
       takes='''linear'' or ''geometric'' (of the values); it goes with parameter', only=with, &
@@ -43,7 +47,8 @@ contains
       call check_parameter(case)
       associate (study => case%study)
          if (len(study%fault) > 0) return
-         if (study%whole_number('cycles') < 2*study%whole_number('batches')) call study%refuse('cycles')
+         if (study%whole_number('cycles') < 2*study%whole_number('batches')) call &
+            study%refuse('cycles', 'batches is '//whole(study%whole_number('batches')))
          ! the walls may move with the parameter: the state is between the nearest of them
          if (study%has('clearance')) then
             call check_start(study, study%number('clearance'))

@@ -92,7 +92,8 @@ contains
       call check_phases(values, n)
       if (.not. values%has('impact_restitution')) return
       given = size(values%numbers('impact_restitution'))
-      if (given /= n) call values%refuse('impact_restitution', counted(n, 'impact')//' are in sides')
+      if (given /= n) call values%refuse('impact_restitution', counted(n, &
+         'impact')//' are in sides')
    end subroutine check_motion
 
    !> The phases begin with 0 and increase within the period.

@@ -41,7 +41,8 @@ contains
       if (len(case%study%fault) > 0) return
       pattern = zone_pattern(case%study)
       n = size(pattern%sides)
-      if (n < 2 .or. n > most_impacts .or. any(pattern%sides == 0) .or. all(pattern%sides > 0) .or. &
+      if (n < 2 .or. n > most_impacts .or. any(pattern%sides == 0) .or. all(pattern%sides > 0) &
+         .or. &
          all(pattern%sides < 0)) then
          call case%study%refuse('sides')
       else if (case%study%is('symmetric', 'yes') .and. .not. can_be_symmetric(pattern, &
