@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import Any, NamedTuple
 
@@ -9,20 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, checks
-from .errors import ParameterError, ParameterTypeError
+from .errors import ParameterError, ParameterTypeError, SingularError
 from .events import event_table, segments
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .solve import frozen, impact_restitution, periodic
 from .states import TWO_PI
 from .status import VERDICT, raise_status
-from .trajectory import Trajectory, simulate
+from .trajectory import Trajectory
 
 __all__ = ["exact"]
 
 MOST_ITERATIONS = 50
 #: Impacts and rests that a period of a motion with rest may have.
 REST_EVENTS = 20_000
+#: Load phase within which one period and the next are the same.
+SETTLED = 1e-9
+#: How much better a longer period must repeat to be tried after a shorter one.
+NEARER = 0.3
 
 
 class Period(NamedTuple):
@@ -101,15 +106,7 @@ def exact(
             given = guess.phases
         x, theta = scale * guess.X, guess.phases + guess.tau
     elif isinstance(guess, Trajectory):
-        period = last_period(guess)
-        pattern = period.pattern
-        if pattern.has_rest:
-            return rest_motion(osc, r, clearance, load, pattern.cycles, period.events)
-        x = period.letters["x"] * (clearance / guess.clearance)
-        phases = np.mod(period.letters["phase"] - period.letters["phase"][0], TWO_PI)
-        whole = np.rint((period.letters["time"] - period.letters["time"][0]) * guess.r - phases)
-        phases = phases + TWO_PI * np.rint(whole / TWO_PI)
-        theta = phases + period.letters["phase"][0] - lag(osc, r)
+        return from_simulation(osc, r, clearance, load, guess)
     elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], Pattern):
         linear = periodic(osc, r, guess[0], guess[1])
         pattern = linear.pattern
@@ -120,6 +117,45 @@ def exact(
             f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, Pattern)"
         )
     return newton(osc, r, clearance, load, pattern, x, theta, each, given)
+
+
+def from_simulation(
+    osc: Oscillator, r: float, clearance: float, load: float, run: Trajectory
+) -> Motion:
+    """The exact motion that a trajectory ends with.
+
+    After a period doubling the shorter period nearly repeats too, and Newton's method finds its unstable motion:
+    a longer period that repeats better is tried first, and taken unless it is the shorter one repeated.
+    """
+    period = last_period(run)
+    if period.mismatch < SETTLED:
+        return from_period(osc, r, clearance, load, run, period)
+    try:
+        longer = last_period(run, tolerance=NEARER * period.mismatch)
+    except ParameterError:
+        return from_period(osc, r, clearance, load, run, period)
+    with contextlib.suppress(SingularError):
+        motion = from_period(osc, r, clearance, load, run, longer)
+        n = len(period.pattern)
+        repeated = np.roll(motion.X, -n) - motion.X
+        if np.abs(repeated).max() > 1e-6 * max(1.0, clearance):
+            return motion
+    return from_period(osc, r, clearance, load, run, period)
+
+
+def from_period(
+    osc: Oscillator, r: float, clearance: float, load: float, run: Trajectory, period: Period
+) -> Motion:
+    """The exact motion near one period of a trajectory."""
+    if period.pattern.has_rest:
+        return rest_motion(osc, r, clearance, load, period.pattern.cycles, period.events)
+    start = period.letters[0]
+    phases = np.mod(period.letters["phase"] - start["phase"], TWO_PI)
+    whole = np.rint((period.letters["time"] - start["time"]) * run.r - phases)
+    phases = phases + TWO_PI * np.rint(whole / TWO_PI)
+    x = period.letters["x"] * (clearance / run.clearance)
+    theta = phases + start["phase"] - lag(osc, r)
+    return newton(osc, r, clearance, load, period.pattern, x, theta, None, None)
 
 
 def lag(osc: Oscillator, r: float) -> float:
@@ -273,20 +309,3 @@ def last_period(trajectory: Trajectory, most_cycles: int = 16, tolerance: float 
         f"guess = {trajectory!r}: must end about periodic; its last cycles do not repeat within "
         f"{most_cycles} load cycles. Simulate longer (discard more), or give phases and a pattern"
     )
-
-
-def settle(
-    osc: Oscillator,
-    r: float,
-    clearance: float,
-    load: float,
-    state: Any,
-    discard: int,
-    most_cycles: int,
-) -> Period | None:
-    """The periodic part that a state settles on, or None."""
-    run = simulate(osc, r, clearance, 2 * most_cycles + 2, state=state, load=load, discard=discard)
-    try:
-        return last_period(run, most_cycles)
-    except ParameterError:
-        return None

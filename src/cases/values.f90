@@ -107,7 +107,8 @@ contains
             call parse_subscript(item%target(len(item%key) + 1:), key%most, first, last, good)
             if (good) call interpret(key, item%value, numbers, words, good)
             n = 0
-            if (good) n = merge(size(words), size(numbers), key%kind == a_word)
+            if (good .and. key%kind == a_word) n = size(words)
+            if (good .and. key%kind /= a_word) n = size(numbers)
             if (.not. good .or. n > last - first + 1) then
                call describe_key(values%keys, place, text)
                call blame(values, item, 'must be '//text)

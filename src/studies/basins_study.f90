@@ -5,6 +5,7 @@ module vi_basins_study
    use vi_common_keys, only: check_product, clearance_key, half_gap, load_key
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
+   use vi_text, only: whole
    use vi_values, only: values_type
    use vi_window, only: even, most_numbers
    implicit none (type, external)
@@ -72,7 +73,8 @@ contains
             if (high(i) > reach(study)) call study%refuse('high', &
                'y must be within half the clearance')
          end do
-         call check_product(study, 'values', study%whole_numbers('values'), 'all states together')
+         call check_product(study, 'values', study%whole_numbers('values'), 'together at most '// &
+            whole(most_numbers)//' states')
          do i = 1, 2
             call study%forbid(trim(study%word('axes', i)), ': it is an axis')
             call study%drop(trim(study%word('axes', i)))

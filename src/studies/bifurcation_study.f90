@@ -6,6 +6,8 @@ module vi_bifurcation_study
       state_of
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
+   use vi_text, only: whole
+   use vi_window, only: most_numbers
    implicit none (type, external)
    private
 
@@ -57,10 +59,11 @@ contains
       call check_parameter(case)
       associate (study => case%study)
          if (len(study%fault) > 0) return
-         runs = 2
+         runs = merge(2, 1, study%is('sweep', 'both'))
          if (study%has('states')) runs = study%whole_number('states')
          call check_product(study, 'points', [study%whole_number('values'), runs, &
-            study%whole_number('points')], 'values x runs x points')
+            study%whole_number('points')], 'values x runs x points must be at most '//whole( &
+            most_numbers))
          if (.not. any([(study%has(trim(state_keys(i)%name)), i=1, 5)])) return
          do i = 1, 5
             if (.not. study%has(trim(state_keys(i)%name))) call &

@@ -4,7 +4,7 @@ module vi_common_keys
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_orbit, only: by_right, n_parameters
-   use vi_text, only: exact, number_text, whole
+   use vi_text, only: exact, number_text
    use vi_values, only: values_type
    use vi_window, only: most_numbers, spaced
    implicit none (type, external)
@@ -133,7 +133,7 @@ contains
    end function rise
 
    !> The parameter of a study; blank if it has none.
-   pure character(11) function parameter_of(case)
+   pure character(24) function parameter_of(case)
       !> The case.
       type(case_type), intent(in) :: case
 
@@ -216,13 +216,11 @@ contains
       character(*), intent(in) :: key
       !> What is multiplied.
       integer, intent(in) :: factors(:)
-      !> The same in words.
+      !> The limit in words.
       character(*), intent(in) :: words
 
       if (len(study%fault) > 0) return
-      if (product(real(factors, wp)) > most_numbers) call study%refuse(key, &
-         words//' must be at most ' &
-         //whole(most_numbers))
+      if (product(real(factors, wp)) > most_numbers) call study%refuse(key, words)
    end subroutine check_product
 
 end module vi_common_keys

@@ -4,7 +4,8 @@ module vi_response_study
    use vi_common_keys, only: check_product, clearance_key, resonance, window_keys
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
-   use vi_window, only: even
+   use vi_text, only: whole
+   use vi_window, only: even, most_numbers
    implicit none (type, external)
    private
 
@@ -39,7 +40,8 @@ contains
                'among the values')
          end if
          call check_product(study, 'states', [study%whole_number('r_points'), &
-            study%whole_number('states')], 'r_points x states')
+            study%whole_number('states')], 'r_points x states must be at most '// &
+            whole(most_numbers))
       end associate
    end subroutine check_response
 

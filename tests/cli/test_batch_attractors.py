@@ -254,7 +254,7 @@ BAD_PLANE = [
     *[("high = 30, 30", f"high = {v}", "two finite numbers", 4) for v in ("30", "30, -30", "30, inf")],
     *[("values = 8, 9", f"values = {v}", "two whole numbers", 4)
       for v in ("8", "8, 1", "1, 9", "8, 9, 9", "8.5, 9", "100001, 2")],
-    ("values = 8, 9", "values = 100000, 100000", "all states together must be at most 12500000", 4),
+    ("values = 8, 9", "values = 100000, 100000", "together at most 12500000 states", 4),
     *[("clearance = 37", f"clearance = {v}", "1e-12 <= clearance", 2) for v in ("0", "nan", "1e13", "-1")],
     ("clearance = 37", "", "clearance: is missing", 2),
     ("'x', 'x_dot'", "'y', 'x_dot'", "y must be within half the clearance", 4),

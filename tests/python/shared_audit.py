@@ -165,11 +165,12 @@ def repeats(lanes):
     for k in range(1, MOST_CYCLES + 1):
         off = np.abs(strobe_[-1] - strobe_[-1 - k]).max(1)
         use = np.flatnonzero(off < NEARLY * scale_of(lanes.systems))
-        # one that failed has no events to read
-        use = use[[found[lane] is None and len(each[lane][0]) > 0 for lane in use]]
+        # one that failed, or is between two impacts long apart, has no events to read
+        end = last // ls.CELLS
+        use = use[[found[lane] is None and bool((each[lane][0] > end - 2 * k).any()) for lane in use]]
         if not use.size:
             continue
-        cell = np.array([section(each[lane], k, last // ls.CELLS) for lane in use])
+        cell = np.array([section(each[lane], k, end) for lane in use])
         there = lanes.take(use)
         there.run(last + cell)
         state = there.state()
@@ -265,7 +266,7 @@ def strobe_matrix(systems, cell, cycles, state):
     """
     n = cell.size
     matrix, smooth = np.full((n, 4, 4), np.nan), np.zeros(n, bool)
-    for size in (3e-5, 3e-6, 3e-7):
+    for size in (3e-5, 3e-6, 3e-7, 3e-8, 3e-9):
         todo = np.flatnonzero(~smooth)
         if not todo.size:
             break
@@ -288,9 +289,7 @@ def strobe_matrix(systems, cell, cycles, state):
             all(names[j * todo.size + i] == names[i] for j in range(m)) for i in range(todo.size)
         ])  # fmt: skip
         rough = np.moveaxis(np.abs(fine - wide), 0, 2).max((1, 2))
-        good = same & np.isfinite(new).all((1, 2))
-        if size > 3e-7:
-            good &= rough <= 3e-4 * np.abs(new).max((1, 2))
+        good = same & np.isfinite(new).all((1, 2)) & (rough <= 3e-4 * np.abs(new).max((1, 2)))
         matrix[todo[good]], smooth[todo[good]] = new[good], True
     return matrix, smooth
 

@@ -93,3 +93,27 @@ def test_a_small_perturbation_of_a_stable_motion_dies_out():
     rate = math.exp(np.polyfit(np.arange(len(tops)) * 20, np.log(tops), 1)[0])
     assert rate == pytest.approx(abs(motion.multipliers[0]), rel=0.01)
     assert off[-20:].max() < 1e-10
+
+
+def test_period_that_has_just_doubled():
+    """Newton's method finds what the trajectory is on, not the unstable motion of half the period near it.
+
+    The system was drawn at random by an audit; past the flip of RRRLLLL/1 the two halves of the period differ by
+    less than 0.05 in phase.
+    """
+    osc, r, clearance = vi.Oscillator(0.05365, 0.25679, 0.82717), 0.9134, 2.1487
+    run = vi.simulate(osc, r, clearance, 24, discard=2000)
+    motion = vi.exact(osc, r, clearance, run)
+    assert (motion.pattern.cycles, motion.stable) == (2, True)
+    last = run.events[-len(motion.pattern) :]
+    for name, column in (("x", motion.X), ("z_dot_after", motion.Z_dot_after)):
+        off = [np.abs(np.roll(column, k) - last[name]).max() for k in range(len(column))]
+        assert min(off) < 1e-9
+    # the motion that the halves are near to is there too, and unstable
+    n = len(motion.pattern) // 2
+    half = (motion.phases[:n], vi.Pattern(motion.pattern.sides[:n], 1))
+    short = vi.exact(osc, r, clearance, half)
+    assert short.stable is False
+    # a trajectory that alternates towards a motion of one cycle is not taken for one of two
+    low = vi.simulate(osc, r, 1.9, 24, discard=20)
+    assert vi.exact(osc, r, 1.9, low).pattern.cycles == 1

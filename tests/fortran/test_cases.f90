@@ -1,0 +1,148 @@
+!> The room of cases: values as they are written, and the descriptions of keys.
+program test_cases
+   use checks, only: check, check_close, finish
+   use random_numbers, only: draw, draw_integer, random_type
+   use vi_key, only: a_whole, a_word, describe_key, key_type
+   use vi_kinds, only: wp
+   use vi_parse, only: parse_numbers, parse_subscript, parse_words
+   use vi_text, only: exact, line_type, number_text
+   implicit none (type, external)
+
+   type(random_type) :: random
+
+   call test_numbers_read_back()
+   call test_forms_of_numbers()
+   call test_lists()
+   call test_words()
+   call test_subscripts()
+   call test_descriptions()
+   call finish()
+
+contains
+
+   !> A number as it is printed, with all digits or with the fewest, is the same number when read.
+   subroutine test_numbers_read_back()
+      real(wp), allocatable :: values(:)
+      real(wp) :: value
+      logical :: good
+      integer :: i
+
+      do i = 1, 5000
+         value = draw(random, -1.0_wp, 1.0_wp)*10.0_wp**draw_integer(random, -300, 300)
+         if (mod(i, 3) == 0) value = draw_integer(random, -100000, 100000)/10.0_wp**mod(i, 5)
+         call parse_numbers(exact(value), .false., 1, values, good)
+         call check(good .and. size(values) == 1, 'a number with all digits is read')
+         call check(abs(values(1) - value) <= 0, 'all digits give the same bits')
+         call parse_numbers(trim(number_text(value, .false.)), .false., 1, values, good)
+         call check(good .and. size(values) == 1, 'a number with few digits is read')
+         call check(abs(values(1) - value) <= 0, 'few digits give the same bits')
+      end do
+   end subroutine test_numbers_read_back
+
+   !> What is a number, and what only looks like one.
+   subroutine test_forms_of_numbers()
+      character(8), parameter :: right(*) = [character(8) :: '1', '1.', '.5', '-1.5d-3', '+7', &
+         '1E5', &
+         '0e9', '1d0', '00.1']
+      character(8), parameter :: wrong(*) = [character(8) :: '2+1', '2-1', '1e-5000', '1e400', &
+         '1.5.2', &
+         '.', '1e', '0x10', 'nan', 'inf', '1e+', '+', '1 2', '1,', ',1', ',', '', '1_8', '3*', &
+         '*3', &
+         '0*1', '-1*1', '1;2', 'e5', '1e1.5']
+      real(wp), allocatable :: values(:)
+      logical :: good
+      integer :: i
+
+      do i = 1, size(right)
+         call parse_numbers(trim(right(i)), .false., 1, values, good)
+         call check(good .and. size(values) == 1, trim(right(i))//' is a number')
+         call parse_numbers(trim(right(i)), .true., 1, values, good)
+         call check(good .eqv. verify(trim(right(i)), '+0123456789') == 0, trim(right(i))// &
+            ' is a whole number only if it has no point and no exponent')
+      end do
+      do i = 1, size(wrong)
+         call parse_numbers(trim(wrong(i)), .false., 1, values, good)
+         call check(.not. good, trim(wrong(i))//' is not one number')
+      end do
+   end subroutine test_forms_of_numbers
+
+   !> Lists with commas, blanks and repeats.
+   subroutine test_lists()
+      real(wp), allocatable :: values(:)
+      logical :: good
+
+      call parse_numbers(' 1, 2  3 ,4', .true., 4, values, good)
+      call check(good .and. all(nint(values) == [1, 2, 3, 4]), 'commas and blanks')
+      call parse_numbers('2*0.5, 3*1', .false., 5, values, good)
+      call check(good .and. size(values) == 5, 'repeats')
+      call check_close(sum(values), 4.0_wp, 0.0_wp, 'repeats')
+      call parse_numbers('2*0.5, 3*1', .false., 4, values, good)
+      call check(.not. good, 'more than there is room for')
+      call parse_numbers('1,, 2', .false., 4, values, good)
+      call check(.not. good, 'nothing between two commas')
+      call parse_numbers('99999999999*1', .false., 4, values, good)
+      call check(.not. good, 'more repeats than any list has')
+   end subroutine test_lists
+
+   !> Words in quotes of either kind.
+   subroutine test_words()
+      type(line_type), allocatable :: words(:)
+      logical :: good
+
+      call parse_words('''it''''s'' "a ""b"" "', 2, words, good)
+      call check(good .and. size(words) == 2, 'two words')
+      call check(words(1)%text == 'it''s' .and. words(2)%text == 'a "b"', 'doubled quotes')
+      call check(len(words(2)%text) == 5, 'blanks behind a word')
+      call parse_words('''a'' b', 2, words, good)
+      call check(.not. good, 'a word without quotes')
+      call parse_words('''a', 2, words, good)
+      call check(.not. good, 'a quote that is not closed')
+      call parse_words('''a'', ''b'', ''c''', 2, words, good)
+      call check(.not. good, 'more words than there is room for')
+   end subroutine test_words
+
+   !> The places that a subscript means.
+   subroutine test_subscripts()
+      character(6), parameter :: texts(*) = [character(6) :: '', '(2)', '(2:4)', '(3:)', '(:2)', &
+         '(:)']
+      integer, parameter :: places(2, 6) = reshape([1, 9, 2, 9, 2, 4, 3, 9, 1, 2, 1, 9], [2, 6])
+      character(6), parameter :: wrong(*) = [character(6) :: '(0)', '(10)', '(4:2)', '(1,1)', &
+         '(::1)', &
+         '()', '(', '(a)', '%x', '(1.0)']
+      integer :: first, last, i
+      logical :: good
+
+      do i = 1, size(texts)
+         call parse_subscript(trim(texts(i)), 9, first, last, good)
+         call check(good .and. first == places(1, i) .and. last == places(2, i), &
+            'subscript '//texts(i))
+      end do
+      do i = 1, size(wrong)
+         call parse_subscript(trim(wrong(i)), 9, first, last, good)
+         call check(.not. good, 'no subscript '//wrong(i))
+      end do
+      call parse_subscript('(1)', 1, first, last, good)
+      call check(.not. good, 'subscript of what is no list')
+   end subroutine test_subscripts
+
+   !> What a key takes, from its row.
+   subroutine test_descriptions()
+      type(key_type), parameter :: keys(*) = [ &
+         key_type('low', low=1.0e-6_wp, high=1.0_wp, above=.true., below=.true.), &
+         key_type('high', over='low'), &
+         key_type('n', a_whole, low=1.0_wp, high=12500000.0_wp), &
+         key_type('kind', a_word, words='a b c')]
+      character(60), parameter :: texts(*) = [character(60) :: &
+         'a number with 1e-6 < low < 1, and low below high', &
+         'a finite number, and low below high', &
+         'a whole number with 1 <= n <= 12500000', '''a'', ''b'' or ''c''']
+      character(:), allocatable :: text
+      integer :: i
+
+      do i = 1, size(keys)
+         call describe_key(keys, i, text)
+         call check(text == texts(i), text)
+      end do
+   end subroutine test_descriptions
+
+end program test_cases
