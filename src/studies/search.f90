@@ -21,18 +21,15 @@ module vi_search
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
    integer, parameter :: most_iterations = 40
-   !> Of an iteration that is to be given up early: steps of which less than half was left, and the
-   !! load phase of its shortest flight. Of guesses at random points a quarter of the iterations
-   !! stay then, and seven in eight of the admissible motions.
-   integer, parameter :: most_cuts = 5
-   real(wp), parameter :: shortest_flight = 0.01_wp
+   !> Load phase of a flight so short that no iteration with one was seen to succeed.
+   real(wp), parameter :: shortest_flight = 1.0e-4_wp
    !> Load phase between impacts that are not told apart.
    real(wp), parameter :: at_once = 1.0e-6_wp
 
 contains
 
    !> Exact motions of a pattern from a number of guesses.
-   pure subroutine search_pattern(pattern, c, guesses, found, n_found, tried, skip, brief)
+   pure subroutine search_pattern(pattern, c, guesses, found, n_found, tried, skip)
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
@@ -47,18 +44,13 @@ contains
       integer, intent(out) :: tried
       !> Guesses of the sequence to leave out, at neighbouring points others each time.
       integer, intent(in) :: skip
-      !> Whether an iteration is given up early where few like it succeed: for searches at many
-      !! points, each of which needs to succeed at one of them only. Otherwise it is not.
-      logical, intent(in), optional :: brief
       type(linear_system_type) :: system
       type(motion_type) :: motion
       type(family_type) :: family
       real(wp) :: phases(size(found, 1)/2), restitution(size(found, 1)/2), unknowns(size(found, 1))
       integer :: i, n
-      logical :: good, give_up
+      logical :: good
 
-      give_up = .false.
-      if (present(brief)) give_up = brief
       n = size(phases)
       family%sides = pattern%sides
       family%cycles = pattern%cycles
@@ -72,7 +64,7 @@ contains
          if (motion%status /= stat%ok) cycle
          tried = tried + 1
          unknowns = [motion%x/motion%clearance, phases + motion%tau]
-         call iterate(family, c, found(:, :n_found), give_up, unknowns, good)
+         call iterate(family, c, found(:, :n_found), unknowns, good)
          if (.not. good) cycle
          n_found = n_found + 1
          found(:, n_found) = unknowns
@@ -80,29 +72,26 @@ contains
    end subroutine search_pattern
 
    !> Newton's method from a guess, repelled by known motions.
-   pure subroutine iterate(family, c, known, brief, unknowns, good)
+   pure subroutine iterate(family, c, known, unknowns, good)
       type(family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       !> (2N, m)
       real(wp), intent(in) :: known(:, :)
-      !> Whether it is given up early where few succeed.
-      logical, intent(in) :: brief
       !> In: the guess (2N). Out: the motion.
       real(wp), intent(inout) :: unknowns(:)
       logical, intent(out) :: good
       type(orbit_type) :: o
       real(wp) :: a(most, most), b(2, most), step(size(unknowns)), share, unused
-      integer :: i, n, cuts
+      integer :: i, n
       logical :: last, regular
 
       n = size(unknowns)
       good = .false.
       last = .false.
-      cuts = 0
       do i = 1, most_iterations
          call set_orbit(family, unknowns, c, o)
-         if (brief .and. any(o%time(1:o%n)*o%r < shortest_flight)) return
+         if (any(o%time(1:o%n)*o%r < shortest_flight)) return
          call orbit_slopes(o, a, b(1, :n))
          b(2, :n) = 0
          call eliminate(n, a, b, regular, unused)
@@ -112,8 +101,6 @@ contains
          if (.not. last) step = step*deflation(unknowns, step, known, 1.0_wp)
          share = step_share(family%cycles, unknowns, step)
          if (share < 1.0e-6_wp) return
-         if (share < 0.5_wp) cuts = cuts + 1
-         if (brief .and. cuts == most_cuts) return
          unknowns = unknowns + share*step
          if (last) exit
          ! quadratic convergence: after a step of 1e-7 the next one ends at rounding

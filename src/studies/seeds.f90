@@ -56,7 +56,7 @@ contains
          return
       end if
       n = 0
-      call search_pattern(pattern, c, guesses, whole, n, tried, skip, brief=.true.)
+      call search_pattern(pattern, c, guesses, whole, n, tried, skip)
       allocate (found(unknown_count(frame), n))
       do k = 1, n
          found(:, k) = part_of(frame, c, whole(:, k))

@@ -196,7 +196,7 @@ contains
       ! motions with rest are looked for by simulation, which takes longer and finds them at once
       passes = merge(1, 2, net%sheet%frame%resting)
       do pass = 1, passes
-         guesses = merge(request%guesses, request%guesses/2, pass == 1)
+         guesses = merge(request%guesses, request%guesses/4, pass == 1)
          do j = 1, size(net%lines%axes(2)%at)
             do i = 1, size(net%lines%axes(1)%at)
                if ((mod(i, 2) == 1 .and. mod(j, 2) == 1) .neqv. pass == 1) cycle

@@ -26,7 +26,10 @@ SMALLEST = {
     "lyapunov": (SYSTEM, "clearance = 37"),
     "bifurcation": (SYSTEM, "parameter = 'clearance', low = 2, high = 9, values = 3"),
     "response": (WALLS, "r_min = 0.9, r_max = 1.1, r_points = 3, clearance = 37"),
-    "basins": (SYSTEM, "clearance = 37, axes = 'x', 'z_dot', low = -1, -1, high = 1, 1, values = 2, 2"),
+    "basins": (
+        SYSTEM,
+        "clearance = 37, axes = 'x', 'z_dot', low = -1, -1, high = 1, 1, values = 2, 2",
+    ),
 }
 #: What a call from Python takes beside the oscillator, for the keys that it has by their names.
 CALLS = {
@@ -35,7 +38,7 @@ CALLS = {
     "atlas": lambda osc, **keys: vi.atlas(osc, (0.8, 1.2), (2, 200), **keys),
     "lyapunov": lambda osc, **keys: vi.lyapunov(osc, 0.94, **{"clearance": 37} | keys),
     "response": lambda osc, **keys: vi.response(
-        osc, [0.94], **({} if "inverse_clearance" in keys else {"clearance": 37}) | keys),
+        osc, [0.94], **({} if {"clearance", "inverse_clearance"} & set(keys) else {"clearance": 37}) | keys),
     "basins": lambda osc, states=None, **keys: vi.basins(osc, 0.94, **{"clearance": 37} | (
         {"plane": (("x", -1, 1, 2), ("z_dot", -1, 1, 2))} if states is None and "seed" not in keys
         else {"states": 9 if states is None else states}) | keys),
@@ -43,7 +46,9 @@ CALLS = {
         vi.equispaced(osc, 0.94, 37)[0], bounds=(10, 60), **keys),
 }  # fmt: skip
 
-TABLES = json.loads(subprocess.run([find_batch(), "--describe"], capture_output=True, check=True).stdout)
+TABLES = json.loads(
+    subprocess.run([find_batch(), "--describe"], capture_output=True, check=True).stdout
+)
 STUDIES = list(SMALLEST)
 KEYS = [(group, key["name"]) for group in STUDIES for key in TABLES[group]]
 
@@ -134,7 +139,9 @@ def test_range_of_a_number(group, name, tmp_path):
         assert not str(said).endswith(f"{name} = {text}: must be {key['takes']}")
 
 
-@pytest.mark.parametrize("group", [group for group in STUDIES if group not in ("motion", "bifurcation")])
+@pytest.mark.parametrize(
+    "group", [group for group in STUDIES if group not in ("motion", "bifurcation")]
+)
 def test_python_has_the_same_defaults(group):
     """A call from Python that leaves a key out takes what a namelist takes."""
     compared = 0

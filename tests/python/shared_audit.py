@@ -167,7 +167,9 @@ def repeats(lanes):
         use = np.flatnonzero(off < NEARLY * scale_of(lanes.systems))
         # one that failed, or is between two impacts long apart, has no events to read
         end = last // ls.CELLS
-        use = use[[found[lane] is None and bool((each[lane][0] > end - 2 * k).any()) for lane in use]]
+        use = use[
+            [found[lane] is None and bool((each[lane][0] > end - 2 * k).any()) for lane in use]
+        ]
         if not use.size:
             continue
         cell = np.array([section(each[lane], k, end) for lane in use])
