@@ -167,12 +167,11 @@ def response(
         )
     if along.size > 1:
         checks.integer(along.size, "r_points", 2, checks.MOST_VALUES)
-    if np.any(given <= 0):
-        raise ParameterError(f"{name} = {float(given.min())!r}: must be positive")
-    distance = np.broadcast_to(given if inverse_clearance is None else 1 / given, along.shape)
-    for one_r, one in zip(along.tolist(), distance.tolist(), strict=True):
+    for one_r in along.tolist():
         checks.frequency_ratio(one_r, osc.xi)
-        checks.number(one, "clearance")
+    for one in given.ravel().tolist():
+        checks.number(one, "clearance", name)
+    distance = np.broadcast_to(given if inverse_clearance is None else 1 / given, along.shape)
     states = checks.integer(states, "states", 1, 10**6)
     settling = checks.integer(settling, "settling", 0, 10**7)
     keep = checks.integer(keep, "keep", 3, 10**4)
