@@ -50,7 +50,7 @@ module vi_motion_study
    !> What is known of a motion.
    type, public :: motion_request_type
       !> 'periodic', 'equispaced' or 'exact'.
-      character(10) :: kind = ''
+      character(24) :: kind = ''
       type(pattern_type) :: pattern
       !> Load phases and coefficients of restitution (n).
       real(wp), allocatable :: phases(:), restitution(:)
@@ -106,7 +106,7 @@ contains
       real(wp) :: period, unit
       integer :: i
 
-      phases = values%numbers('phases')
+      allocate (phases, source=values%numbers('phases'))
       unit = merge(pi, 1.0_wp, values%given('phases_over_pi'))
       period = 2*pi*values%whole_number('cycles')
       if (size(phases) /= n) then

@@ -321,6 +321,8 @@ def matches(motion, orbit_, tolerance=1e-8):
     """Whether an exact motion is an orbit: letters, phases and states after the first impacts."""
     letters = motion.pattern.letters
     n, turn = len(letters), ls.TURN * motion.pattern.cycles
+    # an orbit is not known better than its Newton iteration converged
+    tolerance = max(tolerance, 100 * orbit_.residual)
     if n != len(orbit_.letters) or motion.pattern.cycles != orbit_.cycles:
         return False
     phase = np.asarray(motion.phases) + motion.load_phase
@@ -336,6 +338,29 @@ def matches(motion, orbit_, tolerance=1e-8):
         if np.all(np.abs(off) <= limits):
             return True
     return False
+
+
+def primitive(orbit_):
+    """The orbit over its shortest period: a slow transient may repeat first over several.
+
+    Of its multipliers only the moduli are kept then.
+    """
+    n = len(orbit_.letters)
+    for times in (4, 3, 2):
+        m = n // times
+        if n % times or orbit_.cycles % times or orbit_.letters != orbit_.letters[:m] * times:
+            continue
+        shift = [ls.TURN * orbit_.cycles / times, 0, 0, 0]
+        off = np.abs(orbit_.starts[m:] - orbit_.starts[:-m] - shift)
+        if off.max() < 1e-6 * max(1.0, np.abs(orbit_.starts[:, 1:]).max()):
+            return replace(
+                orbit_,
+                cycles=orbit_.cycles // times,
+                letters=orbit_.letters[:m],
+                starts=orbit_.starts[:m],
+                multipliers=np.abs(orbit_.multipliers) ** (1 / times),
+            )
+    return orbit_
 
 
 def mirrored(orbit_):
@@ -528,7 +553,7 @@ def compared(oscillators, r, clearance, found, searched=8):
     points, claimed = r.shape[1], []
     for i, osc in enumerate(oscillators):
         here = [
-            (r[i, j], clearance[i, j], found[i * points + j])
+            (r[i, j], clearance[i, j], primitive(found[i * points + j]))
             for j in range(points)
             if not isinstance(found[i * points + j], str)
         ]
