@@ -321,8 +321,9 @@ def matches(motion, orbit_, tolerance=1e-8):
     """Whether an exact motion is an orbit: letters, phases and states after the first impacts."""
     letters = motion.pattern.letters
     n, turn = len(letters), ls.TURN * motion.pattern.cycles
-    # an orbit is not known better than its Newton iteration converged
-    tolerance = max(tolerance, 100 * orbit_.residual)
+    # what the residual of the orbit's Newton iteration leaves open
+    error = orbit_.residual / np.abs(1 - orbit_.multipliers).min()
+    tolerance = max(tolerance, 100 * error)
     if n != len(orbit_.letters) or motion.pattern.cycles != orbit_.cycles:
         return False
     phase = np.asarray(motion.phases) + motion.load_phase
