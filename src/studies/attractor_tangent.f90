@@ -8,7 +8,7 @@ module vi_attractor_tangent
    use vi_drive, only: drive_type, event_type, impact_event, stick_event, two_pi
    use vi_kinds, only: wp
    use vi_oscillator, only: left, right
-   use vi_variation, only: columns, moment_type, new_variation, release, through_contact, &
+   use vi_variation, only: columns, contact_derivative, identity, moment_type, release, &
       through_rest, through_stick, variation_type
    implicit none (type, external)
    private
@@ -24,31 +24,42 @@ contains
       real(wp), intent(out) :: p(4, 4)
       !> False if there is no derivative: an impact or a release at which nothing approaches.
       logical, intent(out) :: regular
+
+      if (after%kind == impact_event) then
+         call contact_derivative(drive, moment_of(before), lapse(drive, before, after), &
+            after%side, restitution_at(drive, after), p, regular)
+      else
+         call rest_derivative(drive, before, after, p, regular)
+      end if
+   end subroutine event_derivative
+
+   !> The same for the beginning or the end of a rest.
+   pure subroutine rest_derivative(drive, before, after, p, regular)
+      type(drive_type), intent(in) :: drive
+      type(event_type), intent(in) :: before, after
+      real(wp), intent(out) :: p(4, 4)
+      logical, intent(out) :: regular
       type(variation_type) :: change
       type(moment_type) :: from
-      real(wp), dimension(columns) :: unused
-      real(wp) :: time
+      real(wp) :: time, unused(columns)
 
-      change = new_variation()
+      change%n = 4
+      change%state(:, :4) = identity
       from = moment_of(before)
       time = lapse(drive, before, after)
       regular = .true.
-      select case (after%kind)
-      case (impact_event)
-         call through_contact(drive, from, time, after%side, restitution_at(drive, after), change, &
-            unused, regular)
-      case (stick_event)
+      if (after%kind == stick_event) then
          ! the common motion begins with the last impact, as far as its derivative goes
          call through_stick(drive, change)
          from%x_dot = (from%x_dot + drive%osc%mu*from%z_dot)/(1 + drive%osc%mu)
          from%z_dot = from%x_dot
          call through_rest(drive, from, time, change)
-      case default
+      else
          call through_rest(drive, from, time, change)
          call release(drive, moment_of(after), change, unused, regular)
-      end select
+      end if
       p = change%state(:, :4)
-   end subroutine event_derivative
+   end subroutine rest_derivative
 
    !> The state just after an event.
    pure function moment_of(event) result(moment)
@@ -106,7 +117,7 @@ contains
          end if
          q(:, j) = q(:, j)/rest
          call project_out(q, j)
-         q(:, j) = q(:, j)/norm2(q(:, j))
+         q(:, j) = q(:, j)/sqrt(sum(q(:, j)**2))                  ! of the order of 1: no overflow
       end do
    end subroutine orthonormalise
 

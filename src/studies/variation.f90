@@ -13,17 +13,22 @@
 module vi_variation
    use vi_drive, only: drive_type
    use vi_kinds, only: wp
-   use vi_oscillation, only: derivatives, new_oscillation, oscillation_type
+   use vi_oscillation, only: oscillation_type
    use vi_oscillator, only: eta
    use vi_rest, only: new_rest
    implicit none (type, external)
    private
 
-   public :: gap_change, new_variation, release, through_contact, through_flight, through_rest, &
-      through_stick
+   public :: contact_derivative, gap_change, release, through_contact, through_flight, &
+      through_rest, through_stick
 
    !> Most quantities that are varied.
    integer, parameter, public :: columns = 28
+
+   !> The changes of a state by its own four components.
+   real(wp), parameter, public :: identity(4, 4) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
+      0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
+      1.0_wp], [4, 4])
 
    !> The changes of a state and of two parameters, by each of the first n quantities.
    type, public :: variation_type
@@ -44,18 +49,16 @@ module vi_variation
       integer :: side = 0
    end type moment_type
 
+   !> What a given time of an oscillation does to small changes.
+   type :: flow_type
+      real(wp) :: time
+      !> Of x and x' at the end: by x and by x' at the start, the load phase, and r.
+      real(wp) :: by_x(2), by_x_dot(2), by_phase(2), by_r(2)
+      !> Velocity and acceleration at the end.
+      real(wp) :: x_dot, x_ddot
+   end type flow_type
+
 contains
-
-   !> The changes of a state by its own four components.
-   pure function new_variation() result(change)
-      type(variation_type) :: change
-      integer :: i
-
-      change%n = 4
-      do i = 1, 4
-         change%state(i, i) = 1
-      end do
-   end function new_variation
 
    !> A flight that ends with an impact on a wall.
    pure subroutine through_contact(drive, from, time, side, restitution, change, before, regular)
@@ -73,23 +76,69 @@ contains
       real(wp), intent(out) :: before(columns)
       !> False if the impact has no approach speed.
       logical, intent(out) :: regular
-      type(oscillation_type) :: o
-      real(wp) :: d(0:5), rate
-      real(wp), dimension(columns) :: y, instant
-      integer :: n
 
-      n = change%n
-      o = flight_oscillation(drive, from)
-      d = derivatives(o, time)
-      rate = from%z_dot - d(1)
       before = 0
-      regular = abs(rate) > 8*epsilon(rate)*(abs(from%z_dot) + abs(d(1)))
-      if (.not. regular) return
-      ! z - x is where the wall is
-      y = gap_change(drive, from, time, change)
-      instant(:n) = (0.5_wp*side*change%clearance(:n) - y(:n))/rate
-      call through_flight(drive, from, time, instant, restitution, change, y, before)
+      call vary_contact(drive, from, time, side, restitution, change%n, change%state, change%r, &
+         change%clearance, before, regular)
    end subroutine through_contact
+
+   !> The derivative of the state just after an impact by that just after the event before it.
+   pure subroutine contact_derivative(drive, from, time, side, restitution, p, regular)
+      type(drive_type), intent(in) :: drive
+      !> The state with which the flight begins.
+      type(moment_type), intent(in) :: from
+      !> Duration of the flight in 1/omega.
+      real(wp), intent(in) :: time
+      !> The wall of the impact, +1 or -1, and its coefficient of restitution.
+      integer, intent(in) :: side
+      real(wp), intent(in) :: restitution
+      real(wp), intent(out) :: p(4, 4)
+      !> False if the impact has no approach speed.
+      logical, intent(out) :: regular
+      real(wp), parameter :: none(4) = 0
+      real(wp) :: unused(4)
+
+      p = identity
+      call vary_contact(drive, from, time, side, restitution, 4, p, none, none, unused, regular)
+   end subroutine contact_derivative
+
+   !> A flight that ends with an impact on a wall, by the first n quantities.
+   pure subroutine vary_contact(drive, from, time, side, restitution, n, state, r, clearance, &
+      before, regular)
+      type(drive_type), intent(in) :: drive
+      !> The state with which the flight begins.
+      type(moment_type), intent(in) :: from
+      !> Duration of the flight in 1/omega.
+      real(wp), intent(in) :: time
+      !> The wall of the impact, +1 or -1, and its coefficient of restitution.
+      integer, intent(in) :: side
+      real(wp), intent(in) :: restitution
+      integer, intent(in) :: n
+      !> In: changes just after the event that begins the flight. Out: just after the impact.
+      real(wp), intent(inout) :: state(4, n)
+      !> Changes of r and of the clearance.
+      real(wp), dimension(n), intent(in) :: r, clearance
+      !> Changes of z' - x' just before the impact.
+      real(wp), intent(inout) :: before(n)
+      !> False if the impact has no approach speed.
+      logical, intent(out) :: regular
+      type(flow_type) :: flow
+      real(wp) :: rate, k(4), x, x_dot, longer
+      integer :: i
+
+      flow = flight_flow(drive, from, time, any(abs(r) > 0))
+      rate = from%z_dot - flow%x_dot
+      regular = abs(rate) > 8*epsilon(rate)*(abs(from%z_dot) + abs(flow%x_dot))
+      if (.not. regular) return
+      k = shares(drive%osc%mu, restitution)
+      do i = 1, n
+         call carry(flow, state(:, i), r(i), x, x_dot)
+         ! z - x is where the wall is
+         longer = (0.5_wp*side*clearance(i) - gap_by(from%side, time, state(:, i), clearance(i), &
+            x))/rate
+         call strike(drive%r, flow, k, longer, x, x_dot, r(i), state(:, i), before(i))
+      end do
+   end subroutine vary_contact
 
    !> A flight of given duration that ends with an impact.
    pure subroutine through_flight(drive, from, time, longer, restitution, change, y, before)
@@ -104,29 +153,58 @@ contains
       type(variation_type), intent(inout) :: change
       !> Changes of z - x at the end, and of z' - x' just before the impact.
       real(wp), dimension(columns), intent(out) :: y, before
-      type(oscillation_type) :: o
-      real(wp) :: d(0:5)
-      real(wp), dimension(columns) :: x, x_dot
-      integer :: n
+      type(flow_type) :: flow
+      real(wp) :: k(4), x, x_dot
+      integer :: i
 
-      n = change%n
-      o = flight_oscillation(drive, from)
-      d = derivatives(o, time)
+      flow = flight_flow(drive, from, time, any(abs(change%r(:change%n)) > 0))
+      k = shares(drive%osc%mu, restitution)
       y = 0
       before = 0
-      associate (mu => drive%osc%mu, z_dot => change%state(3, :n), t => longer(:n))
-         call flow(o, 1.0_wp, drive%osc%xi, time, change, x, x_dot)
-         y(:n) = change%state(1, :n) + 0.5_wp*from%side*change%clearance(:n) + time*z_dot - x(:n) &
-            + (from%z_dot - d(1))*t
-         x_dot(:n) = x_dot(:n) + d(2)*t
-         before(:n) = z_dot - x_dot(:n)
-         change%state(1, :n) = x(:n) + d(1)*t
-         change%state(2, :n) = ((1 - mu*restitution)*x_dot(:n) &
-            + mu*(1 + restitution)*z_dot)/(1 + mu)                                        ! (11)
-         z_dot = ((1 + restitution)*x_dot(:n) + (mu - restitution)*z_dot)/(1 + mu)        ! (12)
-         change%state(4, :n) = change%state(4, :n) + time*change%r(:n) + drive%r*t
+      associate (state => change%state, r => change%r, clearance => change%clearance)
+         do i = 1, change%n
+            call carry(flow, state(:, i), r(i), x, x_dot)
+            y(i) = gap_by(from%side, time, state(:, i), clearance(i), x) &
+               + (from%z_dot - flow%x_dot)*longer(i)
+            call strike(drive%r, flow, k, longer(i), x, x_dot, r(i), state(:, i), before(i))
+         end do
       end associate
    end subroutine through_flight
+
+   !> What the velocities x' and z' before an impact contribute to those after it: (11), (12).
+   pure function shares(mu, restitution) result(k)
+      real(wp), intent(in) :: mu, restitution
+      !> Of x' and z' to x', of x' and z' to z'.
+      real(wp) :: k(4)
+
+      k = [1 - mu*restitution, mu*(1 + restitution), 1 + restitution, mu - restitution]/(1 + mu)
+   end function shares
+
+   !> The impact at the end of a flight, by one quantity.
+   pure subroutine strike(r, flow, k, longer, x, x_dot, by_r, state, before)
+      real(wp), intent(in) :: r
+      !> Of the flight.
+      type(flow_type), intent(in) :: flow
+      !> The `shares`.
+      real(wp), intent(in) :: k(4)
+      !> Change of the duration of the flight, and of x and x' at the end of its former duration.
+      real(wp), intent(in) :: longer, x, x_dot
+      !> Change of r.
+      real(wp), intent(in) :: by_r
+      !> In: just after the event that begins the flight. Out: just after the impact.
+      real(wp), intent(inout) :: state(4)
+      !> Change of z' - x' just before the impact.
+      real(wp), intent(out) :: before
+      real(wp) :: arrival, z_dot
+
+      z_dot = state(3)
+      arrival = x_dot + flow%x_ddot*longer
+      before = z_dot - arrival
+      state(1) = x + flow%x_dot*longer
+      state(2) = k(1)*arrival + k(2)*z_dot
+      state(3) = k(3)*arrival + k(4)*z_dot
+      state(4) = state(4) + flow%time*by_r + r*longer
+   end subroutine strike
 
    !> Both masses take the velocity of their centre of mass.
    pure subroutine through_stick(drive, change)
@@ -146,17 +224,18 @@ contains
       type(moment_type), intent(in) :: from
       real(wp), intent(in) :: time
       type(variation_type), intent(inout) :: change
-      type(oscillation_type) :: o
-      real(wp), dimension(columns) :: x, x_dot
+      type(flow_type) :: flow
+      real(wp) :: x, x_dot
+      integer :: i
 
-      associate (state => change%state, n => change%n)
-         o = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, from%phase, from%x, &
-            from%x_dot)
-         call flow(o, 1 + drive%osc%mu, drive%osc%xi, time, change, x, x_dot)
-         state(1, :n) = x(:n)
-         state(2, :n) = x_dot(:n)
-         state(3, :n) = x_dot(:n)
-         state(4, :n) = state(4, :n) + time*change%r(:n)
+      flow = new_flow(new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, from%phase, &
+         from%x, from%x_dot), from%x, from%x_dot, 1 + drive%osc%mu, drive%osc%xi, time, &
+         any(abs(change%r(:change%n)) > 0))
+      associate (state => change%state, r => change%r)
+         do i = 1, change%n
+            call carry(flow, state(:, i), r(i), x, x_dot)
+            state(:, i) = [x, x_dot, x_dot, state(4, i) + time*r(i)]
+         end do
       end associate
    end subroutine through_rest
 
@@ -193,75 +272,104 @@ contains
       real(wp), intent(in) :: time
       type(variation_type), intent(in) :: change
       real(wp) :: y(columns)
-      real(wp), dimension(columns) :: x, x_dot
-      integer :: n
+      type(flow_type) :: flow
+      real(wp) :: x, x_dot
+      integer :: i
 
-      n = change%n
-      call flow(flight_oscillation(drive, from), 1.0_wp, drive%osc%xi, time, change, x, x_dot)
+      flow = flight_flow(drive, from, time, any(abs(change%r(:change%n)) > 0))
       y = 0
-      y(:n) = change%state(1, :n) + 0.5_wp*from%side*change%clearance(:n) &
-         + time*change%state(3, :n) - x(:n)
+      do i = 1, change%n
+         call carry(flow, change%state(:, i), change%r(i), x, x_dot)
+         y(i) = gap_by(from%side, time, change%state(:, i), change%clearance(i), x)
+      end do
    end function gap_change
 
+   !> Change of z - x a given time after the beginning of a flight, by one quantity.
+   pure real(wp) function gap_by(side, time, state, clearance, x) result(y)
+      !> The wall on which the flight begins.
+      integer, intent(in) :: side
+      real(wp), intent(in) :: time
+      !> Changes of the state at the beginning, of the clearance, and of x after that time.
+      real(wp), intent(in) :: state(4), clearance, x
+
+      y = state(1) + 0.5_wp*side*clearance + time*state(3) - x
+   end function gap_by
+
    !> The primary mass in the flight that begins at an event.
-   pure function flight_oscillation(drive, from) result(o)
+   pure function flight_flow(drive, from, time, with_r) result(flow)
       type(drive_type), intent(in) :: drive
       type(moment_type), intent(in) :: from
-      type(oscillation_type) :: o
+      real(wp), intent(in) :: time
+      !> Whether r changes.
+      logical, intent(in) :: with_r
+      type(flow_type) :: flow
 
-      o = new_oscillation(drive%osc%xi, eta(drive%osc%xi), drive%r, drive%amplitude, &
-         from%phase - drive%lag, from%x, from%x_dot)
-   end function flight_oscillation
+      flow = new_flow(oscillation_type(decay=drive%osc%xi, frequency=eta(drive%osc%xi), a=0.0_wp, &
+         b=0.0_wp, r=drive%r, amplitude=drive%amplitude, phase=from%phase - drive%lag), from%x, &
+         from%x_dot, 1.0_wp, drive%osc%xi, time, with_r)
+   end function flight_flow
 
-   !> Changes of x and x' of an oscillation after a given time.
-   pure subroutine flow(o, mass, xi, time, change, x, x_dot)
+   !> An oscillation over a given time.
+   pure function new_flow(o, x, x_dot, mass, xi, time, with_r) result(flow)
+      !> Its constants; the free part is not used.
       type(oscillation_type), intent(in) :: o
+      !> State at the start.
+      real(wp), intent(in) :: x, x_dot
       !> What moves, over the primary mass, and the damping ratio of the primary mass alone.
       real(wp), intent(in) :: mass, xi
       real(wp), intent(in) :: time
-      !> At the start.
-      type(variation_type), intent(in) :: change
-      !> Of the first n quantities; the others are left undefined.
-      real(wp), dimension(columns), intent(inout) :: x, x_dot
-      real(wp) :: s(4), first(0:2), last(0:2), growth, lag, elastic, viscous, by(2), by_r(2)
-      integer :: n
+      !> Whether r changes; if it does not, the derivatives by r are left at 0.
+      logical, intent(in) :: with_r
+      type(flow_type) :: flow
+      real(wp) :: shrink, s, c, first(0:2), last(0:2), free(2), growth, lag, elastic, viscous, by(2)
 
-      s(2) = exp(-o%decay*time)*sin(o%frequency*time)/o%frequency
-      s(1) = exp(-o%decay*time)*cos(o%frequency*time)
-      s(4) = s(1) - o%decay*s(2)
-      s(1) = s(1) + o%decay*s(2)
-      s(3) = -(o%decay**2 + o%frequency**2)*s(2)
-      first = forced(0.0_wp)
-      last = forced(time)
-      ! by the phase of the load
-      by = [last(1) - s(1)*first(1) - s(2)*first(2), last(2) - s(3)*first(1) - s(4)*first(2)]/o%r
-      n = change%n
-      x(:n) = s(1)*change%state(1, :n) + s(2)*change%state(2, :n) + by(1)*change%state(4, :n)
-      x_dot(:n) = s(3)*change%state(1, :n) + s(4)*change%state(2, :n) + by(2)*change%state(4, :n)
-      if (.not. any(abs(change%r(:n)) > 0)) return
-      ! by r: logarithmic derivative of the amplitude, derivative of the lag
+      shrink = exp(-o%decay*time)
+      s = shrink*sin(o%frequency*time)/o%frequency
+      c = shrink*cos(o%frequency*time)
+      flow%time = time
+      flow%by_x = [c + o%decay*s, -(o%decay**2 + o%frequency**2)*s]
+      flow%by_x_dot = [s, c - o%decay*s]
+      first = forced(o, 0.0_wp)
+      last = forced(o, time)
+      free = flow%by_x*(x - first(0)) + flow%by_x_dot*(x_dot - first(1))
+      flow%x_dot = free(2) + last(1)
+      flow%x_ddot = last(2) - 2*o%decay*free(2) - (o%decay**2 + o%frequency**2)*free(1)
+      flow%by_phase = (last(1:2) - flow%by_x*first(1) - flow%by_x_dot*first(2))/o%r
+      flow%by_r = 0
+      if (.not. with_r) return
+      ! logarithmic derivative of the amplitude, derivative of the lag
       elastic = 1 - mass*o%r**2
       viscous = 2*xi*o%r
       growth = 2*o%r*(mass*elastic - 2*xi**2)/(elastic**2 + viscous**2)
       lag = 2*(xi*elastic + mass*o%r*viscous)/(elastic**2 + viscous**2)
       by = [growth*first(0) - lag*first(1)/o%r, (growth + 1/o%r)*first(1) - lag*first(2)/o%r]
-      by_r = [growth*last(0) + (time - lag)*last(1)/o%r, &
-         (growth + 1/o%r)*last(1) + (time - lag)*last(2)/o%r]
-      x(:n) = x(:n) + (by_r(1) - s(1)*by(1) - s(2)*by(2))*change%r(:n)
-      x_dot(:n) = x_dot(:n) + (by_r(2) - s(3)*by(1) - s(4)*by(2))*change%r(:n)
+      flow%by_r = [growth*last(0) + (time - lag)*last(1)/o%r, &
+         (growth + 1/o%r)*last(1) + (time - lag)*last(2)/o%r] - flow%by_x*by(1) &
+         - flow%by_x_dot*by(2)
+   end function new_flow
 
-   contains
+   !> The forced part, its velocity and its acceleration.
+   pure function forced(o, time) result(f)
+      type(oscillation_type), intent(in) :: o
+      real(wp), intent(in) :: time
+      real(wp) :: f(0:2)
 
-      !> The forced part, its velocity and its acceleration.
-      pure function forced(t) result(f)
-         real(wp), intent(in) :: t
-         real(wp) :: f(0:2)
+      f(0) = o%amplitude*sin(o%r*time + o%phase)
+      f(1) = o%amplitude*o%r*cos(o%r*time + o%phase)
+      f(2) = -o%r**2*f(0)
+   end function forced
 
-         f(0) = o%amplitude*sin(o%r*t + o%phase)
-         f(1) = o%amplitude*o%r*cos(o%r*t + o%phase)
-         f(2) = -o%r**2*f(0)
-      end function forced
+   !> Changes of x and x' at the end of an oscillation, by one quantity.
+   pure subroutine carry(flow, state, r, x, x_dot)
+      type(flow_type), intent(in) :: flow
+      !> Changes of the state at the start, and of r.
+      real(wp), intent(in) :: state(4), r
+      real(wp), intent(out) :: x, x_dot
 
-   end subroutine flow
+      x = flow%by_x(1)*state(1) + flow%by_x_dot(1)*state(2) + flow%by_phase(1)*state(4) &
+         + flow%by_r(1)*r
+      x_dot = flow%by_x(2)*state(1) + flow%by_x_dot(2)*state(2) + flow%by_phase(2)*state(4) &
+         + flow%by_r(2)*r
+   end subroutine carry
 
 end module vi_variation
