@@ -77,11 +77,11 @@ contains
                values%values(i)%words, values%values(i)%there)
          end if
       end do
+      if (len(values%fault) == 0) call check_order(values)
       do i = 1, size(keys)
          if (len(values%fault) == 0) call check_company(values, i)
       end do
       if (len(values%fault) == 0) call resolve_units(values)
-      if (len(values%fault) == 0) call check_order(values)
    end subroutine read_values
 
    !> Puts one assignment into its key.

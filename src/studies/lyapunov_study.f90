@@ -29,7 +29,7 @@ module vi_lyapunov_study
       takes='''linear'' or ''geometric'' (of the values); it goes with parameter', only=with, &
       meaning='of the values'), &
       key_type('cycles', a_whole, default='10000', low=4.0_wp, high=1.0e9_wp, &
-      takes='a whole number, 2 batches <= cycles <= 1e9 (batches: 20)', &
+      takes='a whole number, 2 batches <= cycles <= 1e9', &
       meaning='load cycles averaged over'), &
       key_type('discard', a_whole, default='1000', low=0.0_wp, high=1.0e9_wp, &
       meaning='load cycles simulated before'), &

@@ -186,7 +186,7 @@ def test_control_characters_are_not_echoed(batch):
     (["init", "zone", "-o", "no/zone.nml"],
      "init: -o no/zone.nml: there is no folder no; must be in one that is there"),
     (["lyapunov", *POINT, "--cycles", "39"],
-     "lyapunov: --cycles 39: must be a whole number, 2 batches <= cycles <= 1e9 (batches: 20)"),
+     "lyapunov: --cycles 39: must be a whole number, 2 batches <= cycles <= 1e9; batches is 20"),
 ])  # fmt: skip
 def test_what_is_allowed(words, said, tool):
     """In the words of options, and in numbers."""

@@ -49,7 +49,7 @@ from shared_systems import FIGURE6, TABLE
             "it is an axis",
         ),
         (lambda: vi.response(FIGURE6, [1.0]), "must be one of them, the other left out"),
-        (lambda: vi.response(FIGURE6, [1.0], clearance=-1.0), "positive"),
+        (lambda: vi.response(FIGURE6, [1.0], clearance=-1.0), "1e-12 <= clearance"),
         (lambda: vi.response(FIGURE6, [1.0], clearance=9.0, load=0), "load"),
     ],
 )
