@@ -3,7 +3,6 @@
 !! The compiler's own namelist input also takes what nobody means to write (`1+2`, half a list, the
 !! name of a variable as the end of one); what is taken here is what the description says.
 module vi_parse
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use vi_kinds, only: wp
    use vi_text, only: line_type
    implicit none (type, external)
@@ -71,41 +70,49 @@ contains
       logical, intent(in) :: whole
       !> The number, rounded to nearest.
       real(wp), intent(out) :: value
-      !> Whether the text is one, and finite.
+      !> Whether the text is one, below 1e308, and not rounded to 0.
       logical, intent(out) :: good
-      integer :: i, j, n_digits, status
-      logical :: nonzero
+      integer :: i, j, n_digits, status, first, point, power
 
       value = 0
       i = 1
       if (len(text) > 0) i = 1 + merge(1, 0, scan(text(1:1), '+-') > 0)
       j = skip(text, i)
       n_digits = j - i
-      nonzero = scan(text(i:j - 1), '123456789') > 0
+      point = j
       i = j
       if (.not. whole .and. i <= len(text)) then
          if (text(i:i) == '.') then
             j = skip(text, i + 1)
             n_digits = n_digits + j - i - 1
-            nonzero = nonzero .or. scan(text(i + 1:j - 1), '123456789') > 0
             i = j
          end if
       end if
       good = n_digits > 0
+      power = 0
       if (good .and. .not. whole .and. i <= len(text)) then
          good = scan(text(i:i), 'eEdD') > 0
          i = i + 1
          if (i <= len(text)) i = i + merge(1, 0, scan(text(i:i), '+-') > 0)
          j = skip(text, i)
          good = good .and. j > i .and. j - i < 7
+         if (good) read (text(scan(text, 'eEdD') + 1:j - 1), '(i7)') power
          i = j
       end if
       good = good .and. i > len(text) .and. len(text) <= 400
       if (.not. good) return
+      ! where the first digit that counts stands tells the size, so that reading cannot overflow
+      first = scan(text, '123456789')
+      if (scan(text(:max(0, first)), 'eEdD') > 0) first = 0
+      if (first == 0) then
+         if (text(1:1) == '-') value = -value
+         return
+      end if
+      good = power + point - first - merge(1, 0, first < point) < 308
+      if (.not. good) return
       read (text, '(f400.0)', iostat=status) value
       ! a number that has become 0 is not what was written
-      good = status == 0 .and. ieee_is_finite(value)
-      if (good .and. nonzero) good = abs(value) > 0
+      good = status == 0 .and. abs(value) > 0
    end subroutine parse_number
 
    !> The place behind the digits that start at a place.

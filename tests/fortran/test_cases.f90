@@ -43,8 +43,9 @@ contains
    subroutine test_forms_of_numbers()
       character(8), parameter :: right(*) = [character(8) :: '1', '1.', '.5', '-1.5d-3', '+7', &
          '1E5', &
-         '0e9', '1d0', '00.1']
+         '0e9', '1d0', '00.1', '0e999', '9.9e307', '.001e310']
       character(8), parameter :: wrong(*) = [character(8) :: '2+1', '2-1', '1e-5000', '1e400', &
+         '1e308', '.01e310', &
          '1.5.2', &
          '.', '1e', '0x10', 'nan', 'inf', '1e+', '+', '1 2', '1,', ',1', ',', '', '1_8', '3*', &
          '*3', &
