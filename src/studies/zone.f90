@@ -76,7 +76,12 @@ contains
          call sow(net, [seeds(1, i), log(seeds(2, i))], seeds(3:, i), items(i))
       end do
       call cover(net, 1, tally)
-      call search_window(request, net, told, tally, releases)
+      ! gfortran computes with the bounds of an array that is passed on absent
+      if (present(releases)) then
+         call search_window(request, net, told, tally, releases)
+      else
+         call search_window(request, net, told, tally)
+      end if
       call trace_borders(request, net, items, zone, told, tally)
       zone%nodes = net%n
       zone%steps = net%steps
