@@ -1,19 +1,21 @@
 !> An atlas: the zones of all patterns in a window, found without being told the patterns.
 !!
-!! Patterns are enumerated up to a number of impacts and cycles; those with rest come from a survey
-!! by simulation, whose attractors also are seeds of the zones. An attractor that lies in no zone of
-!! its pattern is sought once more on a finer lattice. What became of the other points of the survey
-!! is kept beside the zones.
+!! Patterns are enumerated up to a number of impacts and cycles. Those with rest come from a survey
+!! by simulation, whose attractors also are seeds of the zones, and from the simulations at the
+!! nodes of the lattice that the searches for zones with rest begin with. An attractor that lies in
+!! no zone of its pattern is sought once more on a finer lattice. What became of the other points of
+!! the survey is kept beside the zones.
 module vi_atlas
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
    use vi_letters, only: standard_letters
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
+   use vi_seeds, only: initial_state_of
    use vi_sheet, only: zone_request_type
-   use vi_survey, only: attractor_type, survey
+   use vi_survey, only: attractor_type, settle_from, survey
    use vi_survey_outcome, only: count_outcomes, outcome_names
-   use vi_tally, only: add_sight
+   use vi_tally, only: add_sight, is_stopped
    use vi_zone, only: find_zone, release_type, simulate_nodes, zone_type, zone_work
    use vi_zone_table, only: count_zone
    implicit none (type, external)
@@ -42,9 +44,19 @@ module vi_atlas
       type(sheet_type), allocatable :: sheets(:)
       !> Every point of the survey, and those with a motion within the limits.
       type(attractor_type), allocatable :: points(:), attractors(:)
+      !> Attractors with rest, each of another pattern that the survey did not meet.
+      type(attractor_type), allocatable :: sighted(:)
       !> Whether each attractor lies in a zone of its pattern.
       logical, allocatable :: explained(:)
    end type atlas_type
+
+   !> A pattern with rest that simulations at nodes seem to repeat.
+   type :: sight_type
+      type(pattern_type) :: pattern
+      !> Simulations, and of the first, the second, the fourth, the eighth .. which they are: their
+      !! number at the node, and the lines of the lattice.
+      integer :: n = 0, nodes(3, bit_size(0)) = 0
+   end type sight_type
 
 contains
 
@@ -54,20 +66,24 @@ contains
       type(atlas_type), intent(out) :: atlas
       !> As of vi_tally.
       integer, intent(inout), optional :: tally(3)
+      type(release_type), allocatable :: releases(:, :, :)
+      real(wp), allocatable :: places(:, :, :)
       logical, allocatable :: again(:)
       integer :: i, j, announced
 
       ! the zones of patterns without rest are in sight before the survey begins
-      allocate (atlas%attractors(0))
+      allocate (atlas%attractors(0), atlas%sighted(0))
       call list_sheets(request, atlas)
       announced = zone_work*size(atlas%sheets)
       call add_sight(announced, tally)
       call survey_window(request, atlas, tally)
-      deallocate (atlas%sheets)
+      call list_sheets(request, atlas)
+      if (any_rests(request, atlas, tally)) call sight_rests(request, atlas, releases, tally)
+      if (.not. allocated(releases)) allocate (releases(0, 0, 0))
       call list_sheets(request, atlas)
       allocate (again(size(atlas%sheets)), source=.true.)
       call add_sight(zone_work*size(again) - announced, tally)
-      call trace_sheets(request, atlas, again, 1, tally)
+      call trace_sheets(request, atlas, again, 1, releases, tally)
       call explain(request, atlas)
       again = .false.
       do j = 1, size(atlas%sheets)
@@ -81,7 +97,10 @@ contains
       end do
       if (.not. any(again)) return
       call add_sight(zone_work*count(again), tally)
-      call trace_sheets(request, atlas, again, 2, tally)
+      if (any([(again(j) .and. rests(atlas%sheets(j)%pattern), j=1, size(again))])) then
+         call simulate_lattice(request, 2, releases, places, tally)
+      end if
+      call trace_sheets(request, atlas, again, 2, releases, tally)
       call explain(request, atlas)
    end subroutine find_atlas
 
@@ -113,23 +132,149 @@ contains
       end do
    end subroutine survey_window
 
+   !> The simulations that all searches for zones with rest share.
+   subroutine simulate_lattice(request, finer, releases, places, tally)
+      type(atlas_request_type), intent(in) :: request
+      !> Times as many lattice lines.
+      integer, intent(in) :: finer
+      !> As of `simulate_nodes`.
+      type(release_type), allocatable, intent(out) :: releases(:, :, :)
+      real(wp), allocatable, intent(out) :: places(:, :, :)
+      integer, intent(inout), optional :: tally(3)
+
+      ! any pattern with rest will do
+      call simulate_nodes(zone_request(request, sheet_type(pattern_type([2, -2], 1)), finer), &
+         [request%max_impacts, request%max_cycles], request%threads, releases, places, tally)
+   end subroutine simulate_lattice
+
+   !> Whether the free mass comes to rest on a wall in the survey's motions within the limits or,
+   !! if not, in the second half of a simulation at any node of the lattice.
+   logical function any_rests(request, atlas, tally)
+      type(atlas_request_type), intent(in) :: request
+      type(atlas_type), intent(in) :: atlas
+      integer, intent(inout), optional :: tally(3)
+      type(atlas_request_type) :: sparse
+      type(release_type), allocatable :: releases(:, :, :)
+      real(wp), allocatable :: places(:, :, :)
+      integer :: i, j, k
+
+      any_rests = any([(rests(atlas%sheets(i)%pattern), i=1, size(atlas%sheets))])
+      if (any_rests) return
+      sparse = request
+      sparse%guesses = min(1, request%guesses)
+      call simulate_lattice(sparse, 1, releases, places, tally)
+      any_rests = any([(((releases(k, i, j)%late, k=1, size(releases, 1)), &
+         i=1, size(releases, 2)), j=1, size(releases, 3))])
+   end function any_rests
+
+   !> Looks in these simulations for patterns with rest that the survey has not met.
+   !!
+   !! Of each pattern that some of them seem to repeat at their end a few are carried on for as long
+   !! as those of the survey, and count if Newton's method confirms the motion they are on then.
+   subroutine sight_rests(request, atlas, releases, tally)
+      type(atlas_request_type), intent(in) :: request
+      type(atlas_type), intent(inout) :: atlas
+      !> As of `simulate_nodes`.
+      type(release_type), allocatable, intent(out) :: releases(:, :, :)
+      integer, intent(inout), optional :: tally(3)
+      type(sight_type), allocatable :: sights(:)
+      type(attractor_type), allocatable :: tried(:)
+      real(wp), allocatable :: places(:, :, :)
+      integer, allocatable :: nodes(:, :)
+      integer :: i, j
+
+      call simulate_lattice(request, 1, releases, places, tally)
+      call list_sights(request, atlas, releases, sights)
+      nodes = reshape([(sights(i)%nodes(:, :kept(sights(i))), i=1, size(sights))], &
+         [3, sum([(kept(sights(i)), i=1, size(sights))])])
+      allocate (tried(size(nodes, 2)))
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
+      do i = 1, size(tried)
+         associate (at => places(:, nodes(2, i), nodes(3, i)))
+            tried(i) = attractor_type(r=at(1), clearance=at(2))
+            if (is_stopped(tally)) cycle
+            call settle_from(request%osc, initial_state_of(nodes(1, i), size(releases, 1), at(2)), &
+               request%settling, request%max_impacts, request%max_cycles, tried(i), tally)
+         end associate
+      end do
+      !$omp end parallel do
+      do i = 1, size(tried)
+         if (.not. tried(i)%found) cycle
+         if (.not. any(abs(tried(i)%letters) == 2)) cycle
+         if (is_listed(atlas%sheets, pattern_type(tried(i)%letters, tried(i)%cycles))) cycle
+         if (any([(is_of(atlas%sighted(j), pattern_type(tried(i)%letters, tried(i)%cycles)), &
+            j=1, size(atlas%sighted))])) cycle
+         atlas%sighted = [atlas%sighted, tried(i)]
+      end do
+   end subroutine sight_rests
+
+   !> The patterns not listed so far that simulations at nodes seem to repeat, and those nodes.
+   pure subroutine list_sights(request, atlas, releases, sights)
+      type(atlas_request_type), intent(in) :: request
+      type(atlas_type), intent(in) :: atlas
+      !> As of `simulate_nodes`.
+      type(release_type), intent(in) :: releases(:, :, :)
+      type(sight_type), allocatable, intent(out) :: sights(:)
+      type(pattern_type) :: pattern
+      integer :: i, j, k, m, shift
+      logical :: mirrored
+
+      allocate (sights(0))
+      do j = 1, size(releases, 3)
+         do i = 1, size(releases, 2)
+            do k = 1, size(releases, 1)
+               associate (one => releases(k, i, j))
+                  if (one%cycles == 0) cycle
+                  pattern = pattern_type(one%letters, one%cycles)
+                  call standard_letters(one%letters, equal_walls(request%osc), pattern%sides, &
+                     shift, mirrored)
+               end associate
+               if (is_listed(atlas%sheets, pattern)) cycle
+               do m = 1, size(sights)
+                  if (same_pattern(sights(m)%pattern, pattern)) exit
+               end do
+               if (m > size(sights)) sights = [sights, sight_type(pattern)]
+               sights(m)%n = sights(m)%n + 1
+               if (popcnt(sights(m)%n) == 1) sights(m)%nodes(:, 1 + trailz(sights(m)%n)) = [k, i, j]
+            end do
+         end do
+      end do
+   end subroutine list_sights
+
+   !> How many simulations of a pattern are kept.
+   pure integer function kept(sight)
+      type(sight_type), intent(in) :: sight
+
+      kept = bit_size(sight%n) - leadz(sight%n)
+   end function kept
+
+   pure logical function equal_walls(osc)
+      type(oscillator_type), intent(in) :: osc
+
+      equal_walls = abs(osc%restitution(1) - osc%restitution(2)) <= 0
+   end function equal_walls
+
+   !> Whether a pattern is that of a sheet.
+   pure logical function is_listed(sheets, pattern)
+      type(sheet_type), intent(in) :: sheets(:)
+      type(pattern_type), intent(in) :: pattern
+      integer :: i
+
+      is_listed = any([(same_pattern(sheets(i)%pattern, pattern), i=1, size(sheets))])
+   end function is_listed
+
    !> Finds the zones of some sheets, one task each.
-   subroutine trace_sheets(request, atlas, wanted, finer, tally)
+   subroutine trace_sheets(request, atlas, wanted, finer, releases, tally)
       type(atlas_request_type), intent(in) :: request
       type(atlas_type), intent(inout) :: atlas
       logical, intent(in) :: wanted(:)
       !> Times as many lattice lines.
       integer, intent(in) :: finer
+      !> As of `simulate_nodes`, with as many lines.
+      type(release_type), intent(in) :: releases(:, :, :)
       integer, intent(inout), optional :: tally(3)
-      type(release_type), allocatable :: releases(:, :, :)
       integer :: j, status
 
-      do j = 1, size(atlas%sheets)
-         if (.not. wanted(j) .or. .not. rests(atlas%sheets(j)%pattern)) cycle
-         call simulate_nodes(zone_request(request, atlas%sheets(j), finer), request%threads, &
-            releases, tally)
-         exit
-      end do
       ! patterns with rest and long ones take longest: they come first
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status)
       do j = size(atlas%sheets), 1, -1
@@ -175,12 +320,13 @@ contains
       if (rests(pattern)) lattice = max(lattice, 33)
    end function lattice
 
-   !> All patterns up to the limits, shortest first, and those with rest that the survey met.
+   !> All patterns up to the limits, shortest first, and those with rest that have been met.
    pure subroutine list_sheets(request, atlas)
       type(atlas_request_type), intent(in) :: request
       type(atlas_type), intent(inout) :: atlas
       integer :: letters(request%max_impacts), n, bits, cycles, i
 
+      if (allocated(atlas%sheets)) deallocate (atlas%sheets)
       allocate (atlas%sheets(0))
       do n = 2, request%max_impacts
          do bits = 2**n - 2, 1, -1
@@ -194,6 +340,10 @@ contains
          if (any(abs(atlas%attractors(i)%letters) == 2)) call add_sheets(request%osc, &
             pattern_type(atlas%attractors(i)%letters, atlas%attractors(i)%cycles), atlas%sheets)
       end do
+      do i = 1, size(atlas%sighted)
+         call add_sheets(request%osc, pattern_type(atlas%sighted(i)%letters, &
+            atlas%sighted(i)%cycles), atlas%sheets)
+      end do
    end subroutine list_sheets
 
    !> Adds a pattern in standard order that is not there yet: symmetric motions, then the others.
@@ -205,13 +355,10 @@ contains
       integer :: standard(size(pattern%sides)), shift, i, n, more
       logical :: mirrored, symmetric
 
-      call standard_letters(pattern%sides, abs(osc%restitution(1) - osc%restitution(2)) <= 0, &
-         standard, shift, mirrored)
+      call standard_letters(pattern%sides, equal_walls(osc), standard, shift, mirrored)
       if (any(standard /= pattern%sides)) return
+      if (is_listed(sheets, pattern)) return
       n = size(sheets)
-      do i = 1, n
-         if (same_pattern(sheets(i)%pattern, pattern)) return
-      end do
       symmetric = can_be_symmetric(pattern, osc%restitution)
       more = merge(2, 1, symmetric)
       allocate (longer(n + more))
@@ -235,18 +382,18 @@ contains
       type(atlas_type), intent(in) :: atlas
       type(pattern_type), intent(in) :: pattern
       real(wp), allocatable :: seeds(:, :)
+      type(attractor_type), allocatable :: items(:)
       integer :: i, m
 
-      associate (items => atlas%attractors)
-         allocate (seeds(2 + 2*size(pattern%sides), count([(is_of(items(i), pattern), &
-            i=1, size(items))])))
-         m = 0
-         do i = 1, size(items)
-            if (.not. is_of(items(i), pattern)) cycle
-            m = m + 1
-            seeds(:, m) = [items(i)%r, items(i)%clearance, items(i)%unknowns]
-         end do
-      end associate
+      items = [atlas%attractors, atlas%sighted]
+      allocate (seeds(2 + 2*size(pattern%sides), count([(is_of(items(i), pattern), &
+         i=1, size(items))])))
+      m = 0
+      do i = 1, size(items)
+         if (.not. is_of(items(i), pattern)) cycle
+         m = m + 1
+         seeds(:, m) = [items(i)%r, items(i)%clearance, items(i)%unknowns]
+      end do
    end function seeds_of
 
    pure logical function is_of(attractor, pattern)

@@ -1,6 +1,7 @@
 !> Motions of a family at a point, from guesses or from simulation.
 module vi_seeds
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_event_letters, only: last_of_period, mismatch, read_window, reading_type, total_phase
    use vi_frame, only: frame_type, unknown_count
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
@@ -13,18 +14,29 @@ module vi_seeds
    implicit none (type, external)
    private
 
-   public :: motions_at, part_of, simulate_releases
+   public :: initial_state_of, motions_at, part_of, simulate_releases
 
    !> Motions of a pattern kept at a point; load cycles simulated before a release is looked for.
    integer, parameter :: room = 64, settling = 60
    !> Most simulations at a point for motions with rest.
    integer, parameter, public :: most_simulations = 6
 
+   !> How far apart the letters of two periods may be in phase, and how much nearer those of a
+   !! longer period must be.
+   real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+
    !> The last releases of a simulation, from the right wall and from the left one: load phase and
    !! asinh(v/D) (2, 2), and whether there are such.
    type, public :: release_type
       real(wp) :: at(2, 2) = 0
       logical :: there(2) = .false.
+      !> Whether one of them is in the second half of the simulation.
+      logical :: late = .false.
+      !> The period that nearly repeats itself at the end, up to the last release: its load cycles,
+      !! 0 if there is none that short, and its letters.
+      integer :: cycles = 0
+      integer, allocatable :: letters(:)
    end type release_type
 
 contains
@@ -106,10 +118,12 @@ contains
    end subroutine releases_at
 
    !> Simulates from some initial states; which motions they settle on depends on no family.
-   pure subroutine simulate_releases(c, releases)
+   pure subroutine simulate_releases(c, releases, longest)
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       type(release_type), intent(out) :: releases(:)
+      !> Letters and load cycles of the longest period looked for at the end; none if absent.
+      integer, intent(in), optional :: longest(2)
       integer, parameter :: chunk = 4000
       type(drive_type) :: drive
       type(state_type) :: state, final
@@ -120,9 +134,7 @@ contains
          1.0_wp, exp(c(by_clearance)))
       allocate (events(chunk))
       do k = 1, size(releases)
-         state = state_type()
-         state%phase = 6.283_wp*(k - 1)/size(releases)
-         state%x_dot = 0.3_wp*drive%clearance*mod(k, 3)
+         state = initial_state_of(k, size(releases), drive%clearance)
          status = stat%more_events
          calls = 0
          do while (status == stat%more_events .and. calls < 10)
@@ -134,7 +146,47 @@ contains
             releases(k)%there(right))
          call last_release(-1, events(:n), drive%clearance, releases(k)%at(:, left), &
             releases(k)%there(left))
+         if (present(longest)) call read_end(events(:n), longest, releases(k))
       end do
    end subroutine simulate_releases
+
+   !> The state that one of some simulations begins with.
+   pure function initial_state_of(k, n, clearance) result(state)
+      !> Which simulation, of how many.
+      integer, intent(in) :: k, n
+      real(wp), intent(in) :: clearance
+      type(state_type) :: state
+
+      state%phase = 6.283_wp*(k - 1)/n
+      state%x_dot = 0.3_wp*clearance*mod(k, 3)
+   end function initial_state_of
+
+   !> The period up to the last release that nearly repeats the one before it.
+   pure subroutine read_end(events, longest, release)
+      type(event_type), intent(in) :: events(:)
+      !> Most letters and load cycles.
+      integer, intent(in) :: longest(2)
+      type(release_type), intent(inout) :: release
+      type(reading_type) :: now, before
+      real(wp) :: finish, apart, least
+      integer :: k, last
+
+      if (.not. any(release%there)) return
+      last = last_of_period(events)
+      release%late = 2*events(last)%cycle >= settling
+      ! a thousandth of a cycle: the release one period before belongs to the window before
+      finish = total_phase(events(last)) + 1.0e-3_wp*two_pi
+      least = about
+      do k = 1, longest(2)
+         call read_window(events(:last), finish - two_pi*k, finish, now)
+         call read_window(events(:last), finish - 2*two_pi*k, finish - two_pi*k, before)
+         if (now%n > longest(1)) exit
+         apart = mismatch(events, now, before, k)
+         if (.not. apart < least) cycle
+         least = nearer*apart
+         release%cycles = k
+         release%letters = now%letters
+      end do
+   end subroutine read_end
 
 end module vi_seeds

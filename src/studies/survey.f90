@@ -23,7 +23,7 @@ module vi_survey
    implicit none (type, external)
    private
 
-   public :: survey
+   public :: settle_from, survey
 
    !> What a point counts in a tally of work.
    integer, parameter, public :: survey_work = 5
@@ -130,6 +130,23 @@ contains
       end if
       if (chaos) attractor%outcome = chaotic
    end subroutine settle
+
+   !> What a simulation from a state is on after some load cycles, if it repeats itself by then.
+   subroutine settle_from(osc, state, settling, most_letters, most_cycles, attractor, tally)
+      type(oscillator_type), intent(in) :: osc
+      type(state_type), intent(in) :: state
+      integer, intent(in) :: settling
+      !> As of `survey`.
+      integer, intent(in) :: most_letters, most_cycles
+      !> In: the point.
+      type(attractor_type), intent(inout) :: attractor
+      integer, intent(inout), optional :: tally(3)
+      type(state_type) :: final
+
+      final = state
+      call look(osc, new_drive(osc, attractor%r, 1.0_wp, attractor%clearance), settling, &
+         most_cycles, limits_type(most_letters, most_cycles), final, attractor, tally)
+   end subroutine settle_from
 
    !> Simulates, then looks at the cycles after that.
    subroutine look(osc, drive, settling, longest, limits, state, attractor, tally)

@@ -12,7 +12,7 @@ module vi_zone
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, nearest_lines, new_lattice
    use vi_net, only: add_seed, cover, cover_from, net_type, new_net
-   use vi_orbit, only: n_parameters
+   use vi_orbit, only: by_clearance, by_r, n_parameters
    use vi_outline, only: ring_of
    use vi_rings, only: passes, winding
    use vi_seeds, only: most_simulations, motions_at, part_of, release_type, simulate_releases
@@ -228,27 +228,33 @@ contains
    end subroutine search_window
 
    !> The simulations at the nodes of the lattice of a pattern with rest, each node a task.
-   subroutine simulate_nodes(request, threads, releases, tally)
+   subroutine simulate_nodes(request, longest, threads, releases, places, tally)
       type(zone_request_type), intent(in) :: request
+      !> Letters and load cycles of the longest period that is looked for at the end.
+      integer, intent(in) :: longest(2)
       integer, intent(in) :: threads
       !> (simulations, r, D)
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
+      !> (2, r, D): r and D of the nodes.
+      real(wp), allocatable, intent(out) :: places(:, :, :)
       integer, intent(inout), optional :: tally(3)
       type(curve_type) :: sheet
+      real(wp) :: c(n_parameters)
       type(lattice_type) :: lines
       integer :: i, j, k, n(2), status
 
       call make_sheet(request, sheet, status)
       lines = new_lattice(request%lines, [request%r, log(request%clearance)], sheet%scale)
       n = [size(lines%axes(1)%at), size(lines%axes(2)%at)]
-      allocate (releases(min(request%guesses, most_simulations), n(1), n(2)))
-      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(i, k)
+      allocate (releases(min(request%guesses, most_simulations), n(1), n(2)), places(2, n(1), n(2)))
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(i, k, c)
       do j = 1, n(2)
          do i = 1, n(1)
+            c = parameters_of(sheet, [(0.0_wp, k=1, unknown_count(sheet%frame)), &
+               lines%axes(1)%at(i), lines%axes(2)%at(j)])
+            places(:, i, j) = [c(by_r), exp(c(by_clearance))]
             if (is_stopped(tally)) exit
-            call simulate_releases(parameters_of(sheet, [(0.0_wp, k=1, &
-               unknown_count(sheet%frame)), lines%axes(1)%at(i), lines%axes(2)%at(j)]), &
-               releases(:, i, j))
+            call simulate_releases(c, releases(:, i, j), longest)
          end do
       end do
       !$omp end parallel do

@@ -43,6 +43,32 @@ def test_simulated_attractors_lie_in_a_zone_of_their_pattern(atlas):
     assert checked > 30
 
 
+def test_patterns_with_rest_do_not_depend_on_the_survey():
+    """Without a survey, too, what simulations reach within the limits lies in a zone of its pattern.
+
+    At the first point random states settle on L*R*, an independent simulation says (`lane_simulation.py`); its
+    zone is 0.016 wide in r there, and a survey of 400 points over r .6 to 1.4, D .5 to 150 misses it.
+    """
+    osc = vi.Oscillator(
+        0.010326622929671273, 0.05175260355209453, (0.8960383163200756, 0.5438430355223167)
+    )
+    window = (0.9, 1.1), (0.5, 6.0)
+    atlas = vi.atlas(osc, *window, max_impacts=3, survey=0, guesses=1)
+    random = np.random.default_rng(7)
+    points = [(0.9736908418296962, 0.5947529884967194)]
+    for _ in range(100):
+        points.append((random.uniform(*window[0]), np.exp(random.uniform(*np.log(window[1])))))
+    seen = []
+    for r, clearance in points:
+        pattern = attractor(osc, r, clearance)
+        if pattern is None or len(pattern) > 3:
+            continue
+        seen.append(pattern.sides)
+        assert atlas.explains(vi.Attractor(r, clearance, pattern)), (r, clearance, pattern)
+    assert vi.Pattern(seen[0]) in (vi.Pattern("L*R*"), vi.Pattern("R*L*"))
+    assert len([sides for sides in seen if "*" in sides]) > 5
+
+
 def test_survey_is_explained(atlas):
     assert len(atlas.attractors) > 20
     assert atlas.unexplained == []
