@@ -3,12 +3,12 @@
 !! The length of each result follows from the arguments: gfortran keeps the length of a result that
 !! is `character(:), allocatable` in a static variable of the caller, which threads share.
 module vi_text
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: append, brief, columns, counted, detab, exact, exact_list, join, last_part, &
+   public :: append, brief, counted, detab, exact, exact_list, join, last_part, &
       lengthen, lower, number_text, printable, shown, split, whole, whole_width
 
    !> A line of text.
@@ -155,45 +155,6 @@ contains
 
       width = sum([(exact_width(values(i)) + 2, i=1, size(values))]) - 2
    end function list_width
-
-   !> Numbers as columns of a table, each behind a comma; what is not finite as Python reads it.
-   pure function columns(values) result(text)
-      real(wp), intent(in) :: values(:)
-      character(columns_width(values)) :: text
-      integer :: i, last
-
-      last = 0
-      do i = 1, size(values)
-         associate (cell => text(last + 1:last + column_width(values(i))))
-            if (ieee_is_finite(values(i))) then
-               cell = ','//exact(values(i))
-            else if (ieee_is_nan(values(i))) then
-               cell = ',nan'
-            else
-               cell = merge(',inf ', ',-inf', values(i) > 0)
-            end if
-         end associate
-         last = last + column_width(values(i))
-      end do
-   end function columns
-
-   !> Letters of `columns`.
-   pure integer function columns_width(values) result(width)
-      real(wp), intent(in) :: values(:)
-
-      width = sum(column_width(values))
-   end function columns_width
-
-   !> Letters of one column with its comma.
-   elemental integer function column_width(value) result(width)
-      real(wp), intent(in) :: value
-
-      if (ieee_is_finite(value)) then
-         width = 1 + exact_width(value)
-      else
-         width = merge(5, 4, value < 0)
-      end if
-   end function column_width
 
    !> A number with a few digits, for messages and printed tables.
    pure function shown(value, format) result(text)

@@ -1,29 +1,17 @@
 !> Runs the cases of a namelist file and writes their results.
 module vi_batch
    use vi_case, only: case_type
-   use vi_chart_study, only: chart_pattern, chart_window_of
-   use vi_common_keys, only: state_of
-   use vi_files, only: make_folder, same_file, writable, write_file
-   use vi_log, only: done, failed, log_type, say, write_table, wrong
-   use vi_motion, only: motion_type, yes
-   use vi_motion_study, only: find_motions
-   use vi_pattern, only: pattern_type, side_letters
-   use vi_report, only: csv_lines, describe_verdicts, event_lines, table_lines
-   use vi_report_chart, only: chart_lines
-   use vi_run_atlas, only: run_atlas
-   use vi_run_basins, only: run_basins
-   use vi_run_bifurcation, only: run_bifurcation
-   use vi_run_branch, only: run_branch
-   use vi_run_lyapunov, only: run_lyapunov
-   use vi_run_response, only: run_response
-   use vi_run_zone, only: run_zone
-   use vi_simulate, only: event_type, impact_event, new_drive, state_type, stick_event
-   use vi_status, only: stat, status_text
+   use vi_csv, only: csv_header, csv_rows, row_count
+   use vi_files, only: add_text, close_file, make_folder, new_file_type, open_file, same_file, &
+      writable, write_file
+   use vi_log, only: done, failed, log_type, say, wrong
+   use vi_printout, only: print_motions
+   use vi_processor, only: available_threads
    use vi_read_cases, only: read_cases
    use vi_read_file, only: is_result
-   use vi_text, only: append, counted, line_type, lower, whole
-   use vi_trajectory, only: simulate_case
-   use vi_window, only: chart_window, map_type
+   use vi_result, only: result_type
+   use vi_study_list, only: run_study
+   use vi_text, only: append, line_type, lower, whole
    implicit none (type, external)
    private
 
@@ -69,46 +57,81 @@ contains
       end do
    end subroutine run_file
 
-   !> Runs one case, and names the table that it wrote.
+   !> Runs one case, writes its result and says what was found.
    subroutine run_case(case, folder, log, written, tally)
+      !> Checked.
       type(case_type), intent(in) :: case
+      !> Where results go.
       character(*), intent(in) :: folder
       type(log_type), intent(inout) :: log
       !> False if a result could not be written.
       logical, intent(out) :: written
+      !> As of vi_tally.
       integer, intent(inout), optional :: tally(3)
-      type(motion_type), allocatable :: motions(:)
-      integer :: i, known
+      type(result_type) :: result
+      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: path, message, printed, table
+      integer :: i
 
-      known = size(log%results)
-      select case (case%study%name)
-      case ('simulate')
-         call run_simulation(case, folder, log, written, tally)
-      case ('chart')
-         call run_chart(case, folder, log, written, tally)
-      case ('zone')
-         call run_zone(case, folder, log, written, tally)
-      case ('atlas')
-         call run_atlas(case, folder, log, written, tally)
-      case ('lyapunov')
-         call run_lyapunov(case, folder, log, written, tally)
-      case ('bifurcation')
-         call run_bifurcation(case, folder, log, written, tally)
-      case ('basins')
-         call run_basins(case, folder, log, written, tally)
-      case ('response')
-         call run_response(case, folder, log, written, tally)
-      case ('branch')
-         call find_motions(case, case%start, motions)
-         call run_branch(case, motions, folder, log, written, tally)
-      case default
-         call find_motions(case, case%study, motions)
-         call write_results(case, motions, folder, log, written)
-      end select
-      do i = known + 1, size(log%results)
-         call say(log, done, case%name//': '//log%results(i)%text)
+      call run_study(case, available_threads(), result, tally)
+      path = folder//'/'//case%name
+      printed = ''
+      table = ''
+      message = ''
+      if (case%study%name == 'motion' .and. .not. case%output%is('format', 'csv')) then
+         printed = path//'.txt'
+         call print_motions(case, result, lines)
+         call write_file(printed, lines, message)
+         if (len(message) > 0) message = printed//': '//message
+      end if
+      if (len(message) == 0 .and. .not. result%empty .and. .not. (case%study%name == 'motion' &
+         .and. case%output%is('format', 'table'))) then
+         table = path//'.csv'
+         call write_csv(result, table, message)
+         if (len(message) > 0) message = table//': '//message
+      end if
+      written = len(message) == 0
+      if (.not. written) then
+         call say(log, wrong, message//writable)
+         return
+      end if
+      do i = 1, size(result%notes)
+         call say(log, merge(failed, done, result%notes(i)%fault), case%name//': '// &
+            result%notes(i)%text)
       end do
+      if (len(printed) > 0) call say(log, done, case%name//': '//printed)
+      if (len(table) == 0) return
+      call append(log%results, table)
+      call say(log, done, case%name//': '//table)
    end subroutine run_case
+
+   !> Writes a result as CSV; `message` is empty if that went well.
+   subroutine write_csv(result, path, message)
+      !> The result.
+      type(result_type), intent(in) :: result
+      !> Of the file.
+      character(*), intent(in) :: path
+      !> What went wrong.
+      character(:), allocatable, intent(out) :: message
+      !> Rows that are put into words at a time.
+      integer, parameter :: block = 4096
+      type(new_file_type) :: file
+      type(line_type), allocatable :: head(:)
+      character(:), allocatable :: text
+      integer :: i, rows
+
+      call open_file(path, file)
+      call csv_header(result, head)
+      do i = 1, size(head)
+         call add_text(file, head(i)%text//new_line('a'))
+      end do
+      rows = row_count(result)
+      do i = 1, rows, block
+         call csv_rows(result, i, min(rows, i + block - 1), text)
+         call add_text(file, text)
+      end do
+      call close_file(file, message)
+   end subroutine write_csv
 
    !> Keeps the cases of one kind, of which there has to be one.
    subroutine keep(path, only, cases, message)
@@ -168,105 +191,5 @@ contains
          call append(log%places, path//':'//whole(cases(i)%line))
       end do
    end subroutine take_names
-
-   !> Simulates a case and writes its events.
-   subroutine run_simulation(case, folder, log, written, tally)
-      type(case_type), intent(in) :: case
-      character(*), intent(in) :: folder
-      type(log_type), intent(inout) :: log
-      !> False if the result could not be written.
-      logical, intent(out) :: written
-      integer, intent(inout), optional :: tally(3)
-      type(event_type), allocatable :: events(:)
-      type(state_type) :: state
-      type(line_type), allocatable :: lines(:)
-      integer :: status
-
-      associate (s => case%study)
-         call simulate_case(new_drive(case%osc, case%r, s%number('load'), s%number('clearance')), &
-            state_of(s), s%number('cycles'), s%number('discard'), s%whole_number('max_events'), &
-            state, events, status, tally)
-      end associate
-      written = .true.
-      if (status /= stat%ok .and. status /= stat%more_events) then
-         call say(log, failed, case%name//': '//status_text(status))
-         return
-      end if
-      call event_lines(case, events, state, status == stat%ok, lines)
-      call write_table(folder//'/'//case%name//'.csv', lines, log, written)
-      if (.not. written) return
-      call say(log, done, case%name//': '//counted(count(events%kind == impact_event), &
-         'impact')//', '//counted(count(events%kind == stick_event), 'rest'))
-      if (status /= stat%ok) call say(log, failed, case%name//': cut short, max_events was reached')
-   end subroutine run_simulation
-
-   !> Charts a case and writes its motions; a chart without any is said to be empty, not written.
-   subroutine run_chart(case, folder, log, written, tally)
-      type(case_type), intent(in) :: case
-      character(*), intent(in) :: folder
-      type(log_type), intent(inout) :: log
-      !> False if the result could not be written.
-      logical, intent(out) :: written
-      integer, intent(inout), optional :: tally(3)
-      type(map_type) :: map
-      type(pattern_type) :: pattern
-      type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: what
-
-      pattern = chart_pattern(case%study)
-      call chart_window(case%osc, pattern, chart_window_of(case%study), map, tally)
-      written = .true.
-      what = side_letters(pattern%sides)//'/'//whole(pattern%cycles)
-      if (all(map%status /= stat%ok)) then
-         call say(log, failed, case%name//': no motion '//what//' was found anywhere in the window')
-         return
-      end if
-      call chart_lines(case, map, lines)
-      call write_table(folder//'/'//case%name//'.csv', lines, log, written)
-      if (.not. written) return
-      call say(log, done, case%name//': '//whole(count(map%status == stat%ok))//' motions '// &
-         what//' at '//whole(count(any(map%status == stat%ok, 1)))//' of '// &
-         whole(size(map%status, 2)*size(map%status, 3))//' points, '// &
-         whole(count(all(map%verdicts == yes, 1)))//' admissible and stable')
-   end subroutine run_chart
-
-   subroutine write_results(case, motions, folder, log, written)
-      type(case_type), intent(in) :: case
-      type(motion_type), intent(in) :: motions(:)
-      character(*), intent(in) :: folder
-      type(log_type), intent(inout) :: log
-      !> False if a result could not be written.
-      logical, intent(out) :: written
-      type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: message, path, text
-      integer :: i
-
-      message = ''
-      path = folder//'/'//case%name
-      if (.not. case%output%is('format', 'csv')) then
-         call table_lines(case, motions, lines)
-         call write_file(path//'.txt', lines, message)
-         if (len(message) > 0) message = path//'.txt: '//message
-      end if
-      if (.not. case%output%is('format', 'table') .and. len(message) == 0) then
-         call csv_lines(case, motions, lines)
-         call write_file(path//'.csv', lines, message)
-         if (len(message) > 0) message = path//'.csv: '//message
-      end if
-      written = len(message) == 0
-      if (.not. written) then
-         call say(log, wrong, message//writable)
-         return
-      end if
-      if (.not. case%output%is('format', 'table')) call append(log%results, path//'.csv')
-      if (all(motions%status /= stat%ok)) call say(log, failed, case%name//': '// &
-         status_text(motions(1)%status))
-      do i = 1, size(motions)
-         if (motions(i)%status /= stat%ok) cycle
-         call describe_verdicts(motions(i), text)
-         call say(log, done, case%name//': '//text)
-      end do
-      if (.not. case%output%is('format', 'csv')) call say(log, done, case%name//': '//path//'.txt')
-   end subroutine write_results
 
 end module vi_batch

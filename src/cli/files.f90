@@ -7,7 +7,8 @@ module vi_files
    implicit none (type, external)
    private
 
-   public :: is_folder, make_folder, print_line, same_file, write_file
+   public :: add_text, close_file, is_folder, make_folder, open_file, print_line, same_file, &
+      write_file
 
    interface
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -65,6 +66,17 @@ module vi_files
          type(c_ptr), value :: address
       end subroutine c_free
    end interface
+
+   !> A file that is being written.
+   type, public :: new_file_type
+      private
+      character(:), allocatable :: path, temporary
+      !> What went wrong; empty as long as nothing did.
+      character(:), allocatable :: message
+      integer :: unit = 0
+      integer(int64) :: length = 0
+      logical :: opened = .false.
+   end type new_file_type
 
    !> What is wanted of the place of results.
    character(*), parameter, public :: writable = '; must be a folder and disk that can be written'
@@ -138,36 +150,70 @@ contains
       character(*), intent(in) :: path
       type(line_type), intent(in) :: lines(:)
       character(:), allocatable, intent(out) :: message
-      character(:), allocatable :: temporary
-      character(len(path) + 300) :: reason
-      integer(int64) :: wanted, written
-      integer(c_int) :: ignored
-      integer :: unit, status, i
+      type(new_file_type) :: file
+      integer :: i
 
-      message = ''
-      call open_temporary(path, unit, temporary, message)
-      if (len(message) > 0) return
-      status = 0
-      wanted = 0
+      call open_file(path, file)
       do i = 1, size(lines)
-         write (unit, '(a)', iostat=status, iomsg=reason) lines(i)%text
-         if (status /= 0) exit
-         wanted = wanted + len(lines(i)%text) + 1
+         call add_text(file, lines(i)%text//new_line('a'))
       end do
-      close (unit, iostat=i)
+      call close_file(file, message)
+   end subroutine write_file
+
+   !> Begins a file under a temporary name.
+   subroutine open_file(path, file)
+      !> The name that it gets when it is whole.
+      character(*), intent(in) :: path
+      !> The file; what goes wrong is said when it is closed.
+      type(new_file_type), intent(out) :: file
+
+      file%path = path
+      file%message = ''
+      call open_temporary(path, file%unit, file%temporary, file%message)
+      file%opened = len(file%message) == 0
+   end subroutine open_file
+
+   !> Adds a text to a file.
+   subroutine add_text(file, text)
+      !> The file.
+      type(new_file_type), intent(inout) :: file
+      !> With its line feeds.
+      character(*), intent(in) :: text
+      character(300) :: reason
+      integer :: status
+
+      if (len(file%message) > 0) return
+      write (file%unit, iostat=status, iomsg=reason) text
+      file%length = file%length + len(text)
+      if (status /= 0) file%message = last_part(reason)
+   end subroutine add_text
+
+   !> Gives a file its name; `message` is empty if that went well, and the old file is kept if not.
+   subroutine close_file(file, message)
+      !> The file.
+      type(new_file_type), intent(inout) :: file
+      !> What went wrong.
+      character(:), allocatable, intent(out) :: message
+      integer(int64) :: written
+      integer(c_int) :: ignored
+      integer :: status
+
+      message = file%message
+      if (.not. file%opened) return
+      close (file%unit, iostat=status)
       ! the runtime does not report every failed write: a full disk shows in the size
-      inquire (file=temporary, size=written)
-      if (status /= 0) then
-         message = last_part(reason)
-      else if (i /= 0 .or. written /= wanted) then
+      inquire (file=file%temporary, size=written)
+      if (len(message) > 0) then
+         continue
+      else if (status /= 0 .or. written /= file%length) then
          message = 'the disk is full, or the file could not be written whole'
-      else if (c_rename(temporary//c_null_char, path//c_null_char) /= 0) then
+      else if (c_rename(file%temporary//c_null_char, file%path//c_null_char) /= 0) then
          message = 'the temporary file could not be renamed'
       else
          return
       end if
-      ignored = c_remove(temporary//c_null_char)
-   end subroutine write_file
+      ignored = c_remove(file%temporary//c_null_char)
+   end subroutine close_file
 
    !> Opens a new file beside the wanted one, under a name that no other process or thread uses: a
    !! file of that name was left behind, and stays while the next name is tried.
@@ -184,8 +230,8 @@ contains
       do i = 1, 1000
          write (owner, '(i0, 2("-", i0))') c_getpid(), c_thread(), i
          temporary = path//'.'//trim(owner)//'.part'
-         open (newunit=unit, file=temporary, status='new', action='write', iostat=status, &
-            iomsg=reason)
+         open (newunit=unit, file=temporary, status='new', action='write', access='stream', &
+            form='unformatted', iostat=status, iomsg=reason)
          if (status == 0) return
          inquire (file=temporary, exist=taken)
          if (.not. taken) exit

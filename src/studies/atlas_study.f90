@@ -1,15 +1,21 @@
 !> The study &atlas: the zones of all patterns in a window.
 module vi_atlas_study
-   use vi_atlas, only: atlas_request_type
+   use vi_atlas, only: atlas_request_type, atlas_type, find_atlas, outcomes_of
    use vi_case, only: case_type
    use vi_common_keys, only: check_window, window_keys
+   use vi_family, only: can_be_symmetric
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
+   use vi_pattern, only: starred_letters
+   use vi_result, only: column_type, result_type, truths, wholes, words
+   use vi_survey_outcome, only: beyond, outcome_names
+   use vi_text, only: counted, exact, line_type, whole, whole_width
+   use vi_zone_pieces, only: add_pieces, not_closed, pieces_type, put_pieces
    use vi_zone_study, only: lines_key, vertices_key
    implicit none (type, external)
    private
 
-   public :: atlas_request, check_atlas
+   public :: check_atlas, run_atlas
 
    type(key_type), parameter, public :: atlas_keys(*) = [ &
       key_type('max_impacts', a_whole, default='5', low=2.0_wp, high=8.0_wp, &
@@ -24,6 +30,24 @@ module vi_atlas_study
       key_type('guesses', a_whole, default='24', low=0.0_wp, high=1.0e5_wp, &
       meaning='guesses for motions at every second node each way, for each pattern'), &
       vertices_key]
+
+   type(column_type), parameter, public :: atlas_columns(*) = [ &
+      column_type('sheets', 'sides', words, meaning='walls in the order of impacts'), &
+      column_type('sheets', 'cycles', wholes, meaning='load cycles of the period'), &
+      column_type('sheets', 'symmetric', truths, &
+      meaning='whether the motions are their own mirror images'), &
+      column_type('pieces', 'loop', wholes, &
+      meaning='number of the closed boundary; 0 if it could not be closed'), &
+      column_type('pieces', 'piece', wholes, meaning='number of the piece of the boundary'), &
+      column_type('pieces', 'type', words, meaning='condition that is zero along it'), &
+      column_type('pieces', 'detail', words, meaning='which impact, flight or bound'), &
+      column_type('vertices', 'r', meaning='frequency ratio'), &
+      column_type('vertices', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('vertices', 'corner', truths, meaning='whether pieces meet there')]
+
+   !> Where the motion without impacts exists, in closed form: D > 2A.
+   character(*), parameter :: without_impacts = 'without impacts, the free mass at rest: where &
+      &clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)'
 
 contains
 
@@ -51,5 +75,134 @@ contains
             threads)
       end associate
    end function atlas_request
+
+   !> Finds all zones in a window; says what became of the points of the survey, and which
+   !! attractors
+   !! lie in no zone.
+   subroutine run_atlas(case, threads, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Threads; the answer does not depend on them.
+      integer, intent(in) :: threads
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(atlas_type) :: atlas
+      type(pieces_type), allocatable :: found(:)
+      type(line_type), allocatable :: sides(:)
+      character(:), allocatable :: said, patterns
+      integer :: j, lost
+
+      call find_atlas(atlas_request(case, threads), atlas, tally)
+      allocate (found(size(atlas%sheets)), sides(size(atlas%sheets)))
+      do j = 1, size(found)
+         associate (sheet => atlas%sheets(j))
+            call add_pieces(sheet%zone, sheet%symmetric, .not. sheet%symmetric .and. &
+               can_be_symmetric(sheet%pattern, case%osc%restitution), found(j))
+            sides(j)%text = starred_letters(sheet%pattern%sides)
+         end associate
+      end do
+      lost = count(.not. atlas%explained)
+      call survey_text(atlas, said)
+      result%empty = all(found%n == 0) .and. all(found%closed) .and. lost == 0
+      if (result%empty) then
+         call result%fail('no zone: neither search nor survey found a stable, &
+            &admissible motion within the limits in the window; '//said)
+         return
+      end if
+      call result%open('sheets', 'sheet', [size(found)])
+      call result%put_text('sheets', 'sides', sides)
+      call result%put('sheets', 'cycles', [(atlas%sheets(j)%pattern%cycles, j=1, size(found))])
+      call result%put('sheets', 'symmetric', [(merge(1, 0, atlas%sheets(j)%symmetric), &
+         j=1, size(found))])
+      call put_pieces(found, result)
+      call remark_survey(atlas, found, said, result)
+      call result%say(counted(count(found%loops > 0), 'zone')//', '//counted(sum(found%loops), &
+         'loop')//', '//counted(size(atlas%explained), 'attractor')//' surveyed')
+      call result%say(said)
+      do j = 1, size(found)
+         if (.not. found(j)%closed) call result%fail(pattern_text( &
+            atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//' '//not_closed)
+      end do
+      if (lost == 0) return
+      call list_patterns(atlas, patterns)
+      call result%fail(whole(lost)//' of '//counted(size(atlas%explained), &
+         'attractor')//' in no zone of the pattern:'//patterns)
+   end subroutine run_atlas
+
+   !> Remarks what became of the survey, and what is missing.
+   pure subroutine remark_survey(atlas, found, said, result)
+      !> The atlas.
+      type(atlas_type), intent(in) :: atlas
+      !> The pieces of each sheet.
+      type(pieces_type), intent(in) :: found(:)
+      !> What became of the points, in words.
+      character(*), intent(in) :: said
+      !> The result.
+      type(result_type), intent(inout) :: result
+      integer :: i, j
+
+      call result%remark(said)
+      call result%remark(without_impacts)
+      do j = 1, size(found)
+         if (.not. found(j)%closed) call result%remark(pattern_text( &
+            atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//': '//not_closed// &
+            ' (its loop is 0)')
+      end do
+      do i = 1, size(atlas%attractors)
+         if (atlas%explained(i)) cycle
+         associate (item => atlas%attractors(i))
+            call result%remark('in no zone of its pattern: '//pattern_text(item%letters, &
+               item%cycles)//' at r = '//exact(item%r)//', clearance = '//exact(item%clearance))
+         end associate
+      end do
+      do i = 1, size(atlas%points)
+         associate (item => atlas%points(i))
+            if (item%outcome == beyond) call result%remark('beyond the limits: '//pattern_text( &
+               item%letters, item%cycles)//' at r = '//exact(item%r)//', clearance = '// &
+               exact(item%clearance))
+         end associate
+      end do
+   end subroutine remark_survey
+
+   !> What became of the points of the survey.
+   pure subroutine survey_text(atlas, text)
+      type(atlas_type), intent(in) :: atlas
+      character(:), allocatable, intent(out) :: text
+      integer :: counts(size(outcome_names)), i
+
+      counts = outcomes_of(atlas)
+      text = 'survey of '//counted(sum(counts), 'point')
+      do i = 1, size(counts)
+         if (counts(i) == 0) cycle
+         text = text//merge(': ', ', ', sum(counts(:i - 1)) == 0)//whole(counts(i))//' '// &
+            trim(outcome_names(i))
+      end do
+   end subroutine survey_text
+
+   !> The patterns of attractors in no zone, each once.
+   pure subroutine list_patterns(atlas, text)
+      type(atlas_type), intent(in) :: atlas
+      character(:), allocatable, intent(out) :: text
+      character(:), allocatable :: name
+      integer :: i
+
+      text = ''
+      do i = 1, size(atlas%attractors)
+         if (atlas%explained(i)) cycle
+         name = ' '//pattern_text(atlas%attractors(i)%letters, atlas%attractors(i)%cycles)
+         if (index(text//',', name//',') > 0) cycle
+         text = text//trim(merge(',', ' ', len(text) > 0))//name
+      end do
+   end subroutine list_patterns
+
+   !> Short name of a pattern: RRL/1.
+   pure function pattern_text(sides, cycles) result(text)
+      integer, intent(in) :: sides(:), cycles
+      character(size(sides) + count(abs(sides) > 1) + 1 + whole_width(cycles)) :: text
+
+      text = starred_letters(sides)//'/'//whole(cycles)
+   end function pattern_text
 
 end module vi_atlas_study

@@ -1,20 +1,27 @@
 !> The study &basins: to which attractor states go.
 module vi_basins_study
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use vi_attractor_catalogue, only: catalogue_type, label_states
+   use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
+   use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
    use vi_attractor_spread, only: random_states
    use vi_case, only: case_type
-   use vi_common_keys, only: check_product, clearance_key, half_gap, load_key
+   use vi_common_keys, only: check_product, clearance_key, half_gap, load_key, state_keys
+   use vi_drive, only: new_drive
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
-   use vi_text, only: whole
+   use vi_pattern, only: starred_letters
+   use vi_result, only: column_type, result_type, wholes, words
+   use vi_text, only: counted, exact, exact_list, line_type, shown, whole
    use vi_values, only: values_type
    use vi_window, only: even, most_numbers
    implicit none (type, external)
    private
 
-   public :: check_basins, initial_states
+   public :: check_basins, run_basins
 
    !> Coordinates of a state; y is z - x.
-   character(5), parameter, public :: axis_names(5) = [character(5) :: 't', 'x', 'x_dot', 'y', &
+   character(5), parameter :: axis_names(5) = [character(5) :: 't', 'x', 'x_dot', 'y', &
       'z_dot']
 
    character(*), parameter :: beside = 'states', random = &
@@ -51,6 +58,30 @@ module vi_basins_study
       key_type('max_cycles', a_whole, default='16', low=1.0_wp, high=100.0_wp, &
       meaning='longest period that is looked for, in load cycles'), &
       load_key]
+
+   type(column_type), parameter, public :: basins_columns(*) = [ &
+      column_type('states', 't', unit='1/omega', meaning='time of the initial state'), &
+      column_type('states', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
+      column_type('states', 'x_dot', unit='omega F0/K', meaning='velocity of the primary mass'), &
+      column_type('states', 'z', unit='F0/K', meaning='displacement of the free mass'), &
+      column_type('states', 'z_dot', unit='omega F0/K', meaning='velocity of the free mass'), &
+      column_type('states', 'label', wholes, &
+      meaning='number of its attractor; below 0 if it was not decided'), &
+      column_type('states', 'attractor', words, meaning='name of its attractor'), &
+      column_type('attractors', 'name', words, listed=.false., &
+      meaning='sides and load cycles, or the kind'), &
+      column_type('attractors', 'kind', words, listed=.false., meaning='kind'), &
+      column_type('attractors', 'share', listed=.false., meaning='share of the states'), &
+      column_type('attractors', 'standard_error', listed=.false., meaning='of the share'), &
+      column_type('attractors', 'cycles', wholes, listed=.false., &
+      meaning='load cycles of the period; 0 if there is none'), &
+      column_type('attractors', 'largest', listed=.false., &
+      meaning='greatest modulus of the multipliers, or largest exponent per load cycle'), &
+      column_type('attractors', 'state', each='coordinate', listed=.false., &
+      meaning='a state on it: t, x, x_dot, z, z_dot')]
+
+   character(14), parameter :: kinds(6) = [character(14) :: 'periodic', 'rest', 'quasi-periodic', &
+      'chaotic', 'no impacts', 'periodic?']
 
 contains
 
@@ -134,5 +165,209 @@ contains
       end do
       states(4, :) = states(4, :) + states(2, :)
    end function plane_states
+
+   !> Finds to which attractor each state goes.
+   subroutine run_basins(case, threads, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Threads; the answer does not depend on them.
+      integer, intent(in) :: threads
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(catalogue_type) :: catalogue
+      type(line_type), allocatable :: names(:)
+      real(wp), allocatable :: states(:, :)
+      integer, allocatable :: labels(:)
+      character(:), allocatable :: text
+      real(wp) :: events
+      integer :: i, n, lost
+
+      associate (s => case%study)
+         catalogue%drive = new_drive(case%osc, case%r, s%number('load'), s%number('clearance'))
+         catalogue%max_cycles = s%whole_number('max_cycles')
+         catalogue%threads = threads
+         allocate (states, source=initial_states(case))
+         n = size(states, 2)
+         allocate (labels(n))
+         call label_states(catalogue, states, s%whole_number('cycles'), s%whole_number('probes'), &
+            labels, events, tally)
+      end associate
+      call find_names(catalogue, names)
+      call result%open('states', 'state', [n])
+      do i = 1, 5
+         call result%put('states', trim(state_keys(i)%name), states(i, :))
+      end do
+      call result%put('states', 'label', labels - 1)
+      call result%put_codes('states', 'attractor', max(0, labels), names)
+      call put_attractors(case, catalogue, names, labels, result)
+      lost = count(labels <= 0)
+      result%empty = lost == n
+      if (.not. result%empty) then
+         text = counted(n, 'state')
+         do i = 1, catalogue%n
+            text = text//', '//names(i)%text//' '//shown(100*share(labels, i), 'f12.2')//'% +- '// &
+               shown(100*standard_error(labels, i), 'f12.2')//'%'
+         end do
+         call result%say(text)
+      end if
+      if (lost > 0) call result%fail(whole(lost)//' of '//counted(n, 'state')//' not decided')
+   end subroutine run_basins
+
+   !> Puts the attractors into the result, and remarks them.
+   pure subroutine put_attractors(case, catalogue, names, labels, result)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> The attractors.
+      type(catalogue_type), intent(in) :: catalogue
+      !> Of them.
+      type(line_type), intent(in) :: names(:)
+      !> Of the states.
+      integer, intent(in) :: labels(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      type(line_type), allocatable :: list(:)
+      character(:), allocatable :: text
+      real(wp) :: states(5, catalogue%n)
+      integer :: i, n
+
+      n = catalogue%n
+      allocate (list(size(kinds)))
+      do i = 1, size(kinds)
+         list(i)%text = trim(kinds(i))
+      end do
+      call result%open('attractors', 'attractor', [n])
+      call result%put_text('attractors', 'name', names)
+      associate (known => catalogue%known(:n))
+         do i = 1, n
+            states(:, i) = known(i)%state
+            text = whole(i - 1)//': '//names(i)%text//' ('//trim(kinds(known(i)%kind))// &
+               '), share '//exact(share(labels, i))
+            call add_details(known(i), text)
+            call result%remark(text)
+         end do
+         call result%put_codes('attractors', 'kind', known%kind, list)
+         call result%put('attractors', 'cycles', known%cycles)
+         call result%put('attractors', 'largest', known%largest)
+      end associate
+      call result%put('attractors', 'share', [(share(labels, i), i=1, n)])
+      call result%put('attractors', 'standard_error', [(standard_error(labels, i), i=1, n)])
+      call result%put('attractors', 'state', [states])
+      call remark_safety(case, n, labels, result)
+   end subroutine put_attractors
+
+   !> Share of the states that go to an attractor.
+   pure real(wp) function share(labels, i)
+      integer, intent(in) :: labels(:), i
+
+      share = real(count(labels == i), wp)/size(labels)
+   end function share
+
+   !> Of the share, as of as many independent states: an upper bound for those of a plane.
+   pure real(wp) function standard_error(labels, i)
+      integer, intent(in) :: labels(:), i
+
+      standard_error = sqrt(share(labels, i)*(1 - share(labels, i))/size(labels))
+   end function standard_error
+
+   !> How sure the shares are, and of a plane how safe its states.
+   pure subroutine remark_safety(case, n, labels, result)
+      type(case_type), intent(in) :: case
+      !> Attractors.
+      integer, intent(in) :: n, labels(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      integer, allocatable :: plane(:, :)
+      character(:), allocatable :: text
+      real(wp) :: exponent
+      integer :: sizes(2), i
+
+      if (case%study%has('values')) then
+         sizes = case%study%whole_numbers('values')
+         plane = reshape(labels, [sizes(2), sizes(1)])
+      end if
+      do i = 1, n
+         text = whole(i - 1)//': standard error of the share '//exact(standard_error( &
+            labels, i))
+         if (allocated(plane)) call add_disc(case, plane, i, text)
+         call result%remark(text)
+      end do
+      if (.not. allocated(plane)) return
+      exponent = uncertainty_exponent(uncertain_pairs(plane))
+      if (.not. ieee_is_nan(exponent)) call result%remark('uncertainty exponent '//exact(exponent))
+   end subroutine remark_safety
+
+   !> Adds the largest disc of the plane inside a basin.
+   pure subroutine add_disc(case, plane, i, text)
+      type(case_type), intent(in) :: case
+      !> (second axis, first axis)
+      integer, intent(in) :: plane(:, :), i
+      character(:), allocatable, intent(inout) :: text
+      real(wp) :: low(2), high(2), cells(2), radius, first(size(plane, 2)), second(size(plane, 1))
+      integer :: place(2), n(2)
+
+      low = case%study%numbers('low')
+      high = case%study%numbers('high')
+      n = case%study%whole_numbers('values')
+      first = even(low(1), high(1), n(1))
+      second = even(low(2), high(2), n(2))
+      cells = (high(2:1:-1) - low(2:1:-1))/(n(2:1:-1) - 1)
+      call largest_disc(plane, i, cells, radius, place)
+      text = text//', radius of the largest disc '//exact(radius)//' about '// &
+         trim(case%study%word('axes', 1))//', '//trim(case%study%word('axes', 2))//' = '// &
+         exact(first(place(2)))//', '//exact(second(place(1)))
+   end subroutine add_disc
+
+   !> Adds what else is known of an attractor.
+   pure subroutine add_details(known, text)
+      type(known_type), intent(in) :: known
+      character(:), allocatable, intent(inout) :: text
+      real(wp) :: numbers(2)
+
+      select case (known%kind)
+      case (periodic, resting)
+         numbers = ball(known)
+         text = text//', greatest multiplier '//exact(known%largest)//', radius '// &
+            exact(numbers(1))
+      case (no_impacts, repeating)
+      case default
+         text = text//', largest exponent per load cycle '//exact(known%largest)
+      end select
+      text = text//'; t, x, x_dot, z, z_dot = '//exact_list(known%state)
+   end subroutine add_details
+
+   !> Sides and load cycles, or the kind; a number tells those of one name apart.
+   pure subroutine find_names(catalogue, names)
+      type(catalogue_type), intent(in) :: catalogue
+      type(line_type), allocatable, intent(out) :: names(:)
+      type(line_type) :: plain(catalogue%n)
+      integer :: i, j, before, alike
+
+      allocate (names(catalogue%n))
+      do i = 1, catalogue%n
+         associate (known => catalogue%known(i))
+            select case (known%kind)
+            case (periodic, resting)
+               plain(i)%text = starred_letters(known%letters)//'/'//whole(known%cycles)
+            case (repeating)
+               plain(i)%text = whole(size(known%letters))//'/'//whole(known%cycles)//'?'
+            case default
+               plain(i)%text = trim(kinds(known%kind))
+            end select
+         end associate
+      end do
+      do i = 1, catalogue%n
+         before = 0
+         alike = 0
+         do j = 1, catalogue%n
+            if (plain(j)%text /= plain(i)%text) cycle
+            alike = alike + 1
+            if (j <= i) before = before + 1
+         end do
+         names(i)%text = plain(i)%text
+         if (alike > 1) names(i)%text = names(i)%text//' ('//whole(before)//')'
+      end do
+   end subroutine find_names
 
 end module vi_basins_study

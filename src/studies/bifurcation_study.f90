@@ -1,17 +1,20 @@
 !> The study &bifurcation: the impacts that are left along a parameter.
 module vi_bifurcation_study
+   use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
    use vi_case, only: case_type
    use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, load_key, &
-      parameter_takes, parameter_words, range_takes, spacing_key, state_keys, &
-      state_of
+      parameter_of, parameter_place, parameter_takes, parameter_values, parameter_words, &
+      range_takes, spacing_key, state_keys, state_of
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
-   use vi_text, only: whole
+   use vi_result, only: column_type, result_type, wholes, words
+   use vi_status, only: stat, status_text
+   use vi_text, only: counted, exact, line_type, whole, whole_width
    use vi_window, only: most_numbers
    implicit none (type, external)
    private
 
-   public :: check_bifurcation, start_state
+   public :: check_bifurcation, run_bifurcation
 
    character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = &
       'sweep=states'
@@ -47,6 +50,25 @@ module vi_bifurcation_study
       key_type('z_dot', may_miss=.true., never=states, why=own, unit='omega F0/K', &
       meaning=state_keys(5)%meaning), &
       load_key]
+
+   type(column_type), parameter, public :: bifurcation_columns(*) = [ &
+      column_type('runs', 'run', words, meaning='up, down, or a state'), &
+      column_type('values', 'value', meaning='of the parameter'), &
+      column_type('cells', 'label', words, &
+      meaning='impacts / load cycles of the period; empty if none was seen'), &
+      column_type('impacts', 'side', words, words='R L', meaning='wall'), &
+      column_type('impacts', 'phase', unit='rad', meaning='load phase within a load cycle'), &
+      column_type('impacts', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
+      column_type('impacts', 'x_dot_before', unit='omega F0/K', &
+      meaning='velocity of the primary mass before the impact'), &
+      column_type('impacts', 'x_dot_after', unit='omega F0/K', &
+      meaning='velocity of the primary mass after it'), &
+      column_type('impacts', 'z_dot_before', unit='omega F0/K', &
+      meaning='velocity of the free mass before it'), &
+      column_type('impacts', 'z_dot_after', unit='omega F0/K', &
+      meaning='velocity of the free mass after it'), &
+      column_type('cells', 'status', wholes, listed=.false., &
+      meaning='code of what failed; 0: none')]
 
 contains
 
@@ -88,5 +110,173 @@ contains
       allocate (state(0))
       if (case%study%has('t')) state = state_of(case%study)
    end function start_state
+
+   !> Sweeps, or starts anew at each value, and keeps the impacts that are left.
+   subroutine run_bifurcation(case, threads, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Threads; the answer does not depend on them.
+      integer, intent(in) :: threads
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(path_type) :: path
+      type(diagram_type) :: found
+      type(line_type), allocatable :: names(:), labels(:)
+      integer, allocatable :: directions(:)
+      integer :: windows, lost, m, n, i, j
+
+      path = path_of(case)
+      allocate (directions, source=directions_of(case))
+      associate (s => case%study)
+         call diagram(path, directions, start_state(case), s%whole_number('settling'), &
+            s%whole_number('keep'), s%whole_number('points'), threads, found, tally)
+      end associate
+      m = size(path%values)
+      n = size(directions)
+      allocate (names(n), labels(m*n))
+      do j = 1, n
+         names(j)%text = run_name(directions, j)
+         do i = 1, m
+            labels((j - 1)*m + i)%text = label(found%periods(:, i, j))
+         end do
+      end do
+      call result%open('runs', 'run', [n])
+      call result%put_text('runs', 'run', names)
+      call result%open('values', 'value', [m])
+      call result%label('values', 'value', trim(parameter_of(case)))
+      call result%put('values', 'value', path%values)
+      call result%open('cells', 'value run', [m, n])
+      call result%put_text('cells', 'label', labels)
+      call result%put('cells', 'status', [found%status])
+      call put_impacts(found, result)
+      call remark_windows(path%values, directions, found, result, windows)
+      lost = count(found%status /= stat%ok)
+      result%empty = lost == size(found%status)
+      if (.not. result%empty) call result%say(counted(n, 'run')//' of '//whole(m)//' values, '// &
+         counted(sum(found%found), 'impact')//', '//counted(windows, 'periodic window'))
+      if (lost > 0) call result%fail(whole(lost)//' of '//counted(size(found%status), &
+         'simulation')//' failed: '//status_text(maxval(found%status)))
+   end subroutine run_bifurcation
+
+   !> Puts the impacts of all runs and values into the result.
+   pure subroutine put_impacts(found, result)
+      !> What the runs settle on.
+      type(diagram_type), intent(in) :: found
+      !> With the tables of runs and values.
+      type(result_type), intent(inout) :: result
+      integer, allocatable :: owners(:), sides(:)
+      real(wp), allocatable :: impacts(:, :)
+      character(*), parameter :: names(6) = [character(12) :: 'phase', 'x', 'x_dot_before', &
+         'x_dot_after', 'z_dot_before', 'z_dot_after']
+      integer :: i, j, n, first
+
+      n = sum(found%found)
+      allocate (owners(n), sides(n), impacts(6, n))
+      first = 0
+      do j = 1, size(found%found, 2)
+         do i = 1, size(found%found, 1)
+            n = found%found(i, j)
+            owners(first + 1:first + n) = (j - 1)*size(found%found, 1) + i
+            sides(first + 1:first + n) = merge(1, 2, found%labels(2, :n, i, j) > 0)
+            impacts(:, first + 1:first + n) = found%impacts(2:, :n, i, j)
+            first = first + n
+         end do
+      end do
+      call result%open('impacts', 'impact', [first], 'cells', owners)
+      call result%put('impacts', 'side', sides)
+      do i = 1, size(names)
+         call result%put('impacts', trim(names(i)), impacts(i, :))
+      end do
+   end subroutine put_impacts
+
+   !> Remarks the ranges of values over which each run has one period.
+   pure subroutine remark_windows(values, directions, found, result, windows)
+      !> Of the parameter.
+      real(wp), intent(in) :: values(:)
+      !> Of the runs.
+      integer, intent(in) :: directions(:)
+      !> What the runs settle on.
+      type(diagram_type), intent(in) :: found
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> How many there are.
+      integer, intent(out) :: windows
+      integer :: first(size(values)), last(size(values)), i, j, n
+
+      windows = 0
+      do j = 1, size(directions)
+         call find_windows(found%periods(:, :, j), first, last, n)
+         do i = 1, n
+            call result%remark(run_name(directions, j)//': '//label(found%periods(:, &
+               first(i), j))//' from '//exact(values(first(i)))//' to '//exact(values(last(i))))
+         end do
+         windows = windows + n
+      end do
+   end subroutine remark_windows
+
+   !> The system with its values of the parameter.
+   pure function path_of(case) result(path)
+      type(case_type), intent(in) :: case
+      type(path_type) :: path
+
+      path%osc = case%osc
+      allocate (path%r(1), source=case%r)
+      allocate (path%clearance(1), source=0.0_wp)
+      if (case%study%has('clearance')) path%clearance = case%study%number('clearance')
+      path%load = case%study%number('load')
+      allocate (path%values, source=parameter_values(case))
+      call parameter_place(trim(parameter_of(case)), path%place, path%tied)
+   end function path_of
+
+   !> Of the runs: 1 up, -1 down, 0 anew at each value.
+   pure function directions_of(case) result(directions)
+      type(case_type), intent(in) :: case
+      integer, allocatable :: directions(:)
+
+      select case (case%study%word('sweep'))
+      case ('up')
+         directions = [1]
+      case ('down')
+         directions = [-1]
+      case ('both')
+         directions = [1, -1]
+      case default
+         allocate (directions(case%study%whole_number('states')), source=0)
+      end select
+   end function directions_of
+
+   pure function run_name(directions, j) result(text)
+      integer, intent(in) :: directions(:), j
+      character(len_trim(padded_name(directions, j))) :: text
+
+      text = padded_name(directions, j)
+   end function run_name
+
+   !> The same with blanks behind it.
+   pure function padded_name(directions, j) result(text)
+      integer, intent(in) :: directions(:), j
+      character(20) :: text
+
+      select case (directions(j))
+      case (1)
+         text = 'up'
+      case (-1)
+         text = 'down'
+      case default
+         text = 'state '//whole(j)
+      end select
+   end function padded_name
+
+   !> N/k; empty where no period was seen.
+   pure function label(period) result(text)
+      !> Load cycles, letters, impacts, rests.
+      integer, intent(in) :: period(4)
+      character(merge(whole_width(period(1)) + whole_width(period(2)) + 1, 0, &
+         period(1) > 0)) :: text
+
+      if (period(1) > 0) text = whole(period(2))//'/'//whole(period(1))
+   end function label
 
 end module vi_bifurcation_study

@@ -1,22 +1,29 @@
 !> The study &branch: motions along a parameter, from those of a &motion.
 module vi_branch_study
+   use vi_branch, only: end_bound, end_closed, end_full, end_repetition, end_stopped, end_stuck
+   use vi_branch_of, only: branch_of, points_type
+   use vi_branch_table, only: branch_work
    use vi_case, only: case_type
-   use vi_chain, only: periodic_chain
-   use vi_common_keys, only: parameter_place, parameter_range, parameter_takes, parameter_words, &
+   use vi_chain, only: periodic_chain, refine
+   use vi_common_keys, only: parameter_of, parameter_place, parameter_range, parameter_takes, &
+      parameter_words, &
       parameters, resonance
+   use vi_condition_names, only: condition_detail, condition_name, name_length
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
-   use vi_motion_study, only: check_motion, motion_request, motion_request_type
+   use vi_motion_study, only: check_motion, find_motions, motion_request, motion_request_type
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi, most_impacts
    use vi_periodic, only: linear_system_type
-   use vi_status, only: stat
-   use vi_text, only: shown, whole
+   use vi_result, only: column_type, complexes, result_type, verdicts, wholes, words
+   use vi_status, only: stat, status_text
+   use vi_tally, only: add_sight, add_work
+   use vi_text, only: line_type, shown, whole
    use vi_values, only: values_type
    implicit none (type, external)
    private
 
-   public :: check_branch, check_branch_start
+   public :: check_branch, check_branch_start, run_branch
 
    type(key_type), parameter, public :: branch_keys(*) = [ &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
@@ -29,6 +36,35 @@ module vi_branch_study
       meaning='along the branch, the bounds being 0 and 1'), &
       key_type('max_points', a_whole, default='4000', low=10.0_wp, high=1.0e5_wp, &
       meaning='points each way, after which it is cut short')]
+
+   type(column_type), parameter, public :: branch_columns(*) = [ &
+      column_type('branches', 'branch', wholes, meaning='number of the branch'), &
+      column_type('points', 'point', wholes, meaning='number of the point along it'), &
+      column_type('points', 'r', meaning='frequency ratio'), &
+      column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('points', 'xi', meaning='damping ratio'), &
+      column_type('points', 'mu', meaning='mass ratio'), &
+      column_type('points', 'R1', meaning='coefficient of restitution of the right wall'), &
+      column_type('points', 'R2', meaning='coefficient of restitution of the left wall'), &
+      column_type('points', 'consistent', verdicts, meaning='whether it solves all equations'), &
+      column_type('points', 'admissible', verdicts, meaning='whether it stays between the walls'), &
+      column_type('points', 'stable', verdicts, meaning='whether disturbances decay'), &
+      column_type('points', 'multipliers', complexes, each='multiplier', &
+      label='multiplier_#_modulus', meaning='eigenvalues of [P], by falling modulus'), &
+      column_type('points', 'A', unit='F0/K', meaning='amplitude of the motion without impacts'), &
+      column_type('points', 'tau', unit='rad', meaning='load phase of the first impact'), &
+      column_type('points', 'residual', meaning='relative residual of (26), (30)'), &
+      column_type('points', 'x_min', unit='F0/K', &
+      meaning='least displacement of the primary mass'), &
+      column_type('points', 'x_max', unit='F0/K', &
+      meaning='greatest displacement of the primary mass'), &
+      column_type('points', 'attenuation', meaning='max|X|/A'), &
+      column_type('points', 'phases', each='impact', label='phase_#', unit='rad', &
+      meaning='load phases of the impacts, from the first one'), &
+      column_type('points', 'X', each='impact', label='X_#', unit='F0/K', &
+      meaning='displacements of the primary mass at the impacts'), &
+      column_type('points', 'special', words, meaning='type of a special point'), &
+      column_type('points', 'detail', words, meaning='which impact, flight or bound')]
 
 contains
 
@@ -130,5 +166,181 @@ contains
          value = case%osc%restitution(merge(2, 1, place == by_right + 1))
       end select
    end function start_value
+
+   !> Follows the branches of the motions of a case.
+   subroutine run_branch(case, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(motion_type), allocatable :: motions(:)
+      type(points_type), allocatable :: branches(:)
+      type(motion_type) :: start
+      character(:), allocatable :: text
+      integer :: i, n, place
+      logical :: tied
+
+      call find_motions(case, case%start, motions)
+      call parameter_place(trim(parameter_of(case)), place, tied)
+      allocate (branches(size(motions)))
+      n = 0
+      call add_sight(branch_work*size(motions), tally)
+      do i = 1, size(motions)
+         start = motions(i)
+         if (start%status == stat%ok .and. .not. case%start%is('kind', 'exact')) then
+            call refine(start%clearance, start)
+         end if
+         if (start%status /= stat%ok) then
+            ! that there is neither of a pair is said once
+            if (i == 1 .or. any(motions%status == stat%ok)) then
+               call result%fail(status_text(start%status))
+            end if
+            call add_work(branch_work, tally)
+            cycle
+         end if
+         n = n + 1
+         call branch_of(start, place, tied, [case%study%number('low'), case%study%number('high')], &
+            case%study%number('longest_step'), case%study%whole_number('max_points'), &
+            branches(n), tally)
+         if (branches(n)%n > 0) cycle
+         call result%fail( &
+            'the branch cannot be followed from this motion: it is at a singular point')
+         n = n - 1
+      end do
+      result%empty = n == 0
+      if (n == 0) return
+      call put_points(branches(:n), result)
+      do i = 1, n
+         call result%remark('branch '//whole(i)//': first end: '//end_text( &
+            branches(i)%reasons(1))//'; last end: '//end_text(branches(i)%reasons(2)))
+         call summarize(branches(i), text)
+         call result%say(text)
+         if (any(branches(i)%reasons == end_full)) then
+            call result%fail('cut short, max_points was reached')
+         else if (any(branches(i)%reasons == end_stuck)) then
+            call result%fail('cut short, the branch cannot be followed further')
+         end if
+      end do
+   end subroutine run_branch
+
+   !> Puts the points of all branches into the result, in order along each.
+   pure subroutine put_points(branches, result)
+      !> With points.
+      type(points_type), intent(in) :: branches(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      type(line_type), allocatable :: special(:), detail(:)
+      integer, allocatable :: owners(:), numbers(:), flags(:, :)
+      real(wp), allocatable :: parameters(:, :), scalars(:, :), phases(:, :), x(:, :)
+      complex(wp), allocatable :: multipliers(:, :)
+      character(*), parameter :: parameter_names(6) = [character(9) :: 'r', 'clearance', 'xi', &
+         'mu', 'R1', 'R2'], scalar_names(2:6) = [character(8) :: 'A', 'tau', 'residual', 'x_min', &
+         'x_max'], verdict_names(3) = [character(10) :: 'consistent', 'admissible', 'stable']
+      integer :: i, k, n, impacts
+
+      n = sum(branches%n)
+      impacts = size(branches(1)%phases, 1)
+      allocate (special(n), detail(n), owners(n), numbers(n), flags(3, n), parameters(6, n), &
+         scalars(6, n), phases(impacts, n), x(impacts, n), multipliers(4, n))
+      n = 0
+      do i = 1, size(branches)
+         associate (branch => branches(i), m => branches(i)%n)
+            owners(n + 1:n + m) = i
+            numbers(n + 1:n + m) = [(k, k=1, m)]
+            flags(:, n + 1:n + m) = branch%verdicts(:, :m)
+            parameters(:, n + 1:n + m) = branch%parameters(:, :m)
+            scalars(:, n + 1:n + m) = branch%scalars(:, :m)
+            phases(:, n + 1:n + m) = branch%phases(:, :m)
+            x(:, n + 1:n + m) = branch%impacts(:, 1, :m)
+            multipliers(:, n + 1:n + m) = branch%multipliers(:, :m)
+            do k = 1, m
+               special(n + k)%text = trim(special_name(branch, k))
+               detail(n + k)%text = trim(condition_detail(branch%special(1, k), &
+                  branch%special(2, k), branch%special(3, k)))
+            end do
+            n = n + m
+         end associate
+      end do
+      call result%open('branches', 'branch', [size(branches)])
+      call result%put('branches', 'branch', [(i, i=1, size(branches))])
+      call result%open('points', 'point', [n], 'branches', owners)
+      call result%put('points', 'point', numbers)
+      do i = 1, 6
+         call result%put('points', trim(parameter_names(i)), parameters(i, :))
+      end do
+      do i = 1, 3
+         call result%put('points', trim(verdict_names(i)), flags(i, :))
+      end do
+      call result%put('points', 'multipliers', [multipliers])
+      do i = 2, 6
+         call result%put('points', trim(scalar_names(i)), scalars(i, :))
+      end do
+      call result%put('points', 'attenuation', max(-scalars(5, :), scalars(6, :))/scalars(2, :))
+      call result%put('points', 'phases', [phases])
+      call result%put('points', 'X', [x])
+      call result%put_text('points', 'special', special)
+      call result%put_text('points', 'detail', detail)
+   end subroutine put_points
+
+   !> The type of a special point; blank for another point.
+   pure function special_name(branch, k) result(name)
+      type(points_type), intent(in) :: branch
+      integer, intent(in) :: k
+      character(name_length) :: name
+
+      name = ''
+      if (branch%special(1, k) > 0) name = condition_name(branch%special(1, k), &
+         branch%special(2, k), branch%symmetric, branch%mirrored)
+   end function special_name
+
+   !> Why a branch ends.
+   pure function end_text(reason) result(text)
+      integer, intent(in) :: reason
+      character(len_trim(padded_end(reason))) :: text
+
+      text = padded_end(reason)
+   end function end_text
+
+   !> The same with blanks behind it.
+   pure function padded_end(reason) result(text)
+      integer, intent(in) :: reason
+      character(40) :: text
+
+      select case (reason)
+      case (end_bound)
+         text = 'bound of the parameter'
+      case (end_repetition)
+         text = 'meets a motion that repeats itself'
+      case (end_closed)
+         text = 'closed'
+      case (end_full)
+         text = 'full'
+      case (end_stopped)
+         text = 'stopped'
+      case default
+         text = 'cannot be followed'
+      end select
+   end function padded_end
+
+   !> Points, special points and ends in words.
+   pure subroutine summarize(branch, text)
+      type(points_type), intent(in) :: branch
+      character(:), allocatable, intent(out) :: text
+      character(14), parameter :: names(6) = [character(14) :: 'fold', 'pitchfork', 'flip', &
+         'neimark_sacker', 'grazing', 'zero_approach']
+      integer :: i, k, count
+
+      text = whole(branch%n)//' points'
+      do i = 1, size(names)
+         count = 0
+         do k = 1, branch%n
+            if (special_name(branch, k) == names(i)) count = count + 1
+         end do
+         if (count > 0) text = text//', '//whole(count)//' '//trim(names(i))
+      end do
+      text = text//'; ends: '//end_text(branch%reasons(1))//', '//end_text(branch%reasons(2))
+   end subroutine summarize
 
 end module vi_branch_study

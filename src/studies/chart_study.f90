@@ -6,13 +6,17 @@ module vi_chart_study
    use vi_kinds, only: wp
    use vi_likeness, only: allows_symmetry
    use vi_pattern, only: new_pattern, pattern_type, side_letters
+   use vi_motion, only: yes
+   use vi_result, only: column_type, result_type, verdicts, wholes
+   use vi_status, only: stat
    use vi_text, only: whole
    use vi_values, only: values_type
-   use vi_window, only: most_numbers, most_points, window_type
+   use vi_window, only: chart_window, clearance_axis, map_type, most_numbers, most_points, r_axis, &
+      window_type
    implicit none (type, external)
    private
 
-   public :: chart_pattern, chart_window_of, check_chart
+   public :: check_chart, run_chart
 
    integer, parameter :: most_impacts = 12
    character(*), parameter :: many = &
@@ -37,6 +41,21 @@ module vi_chart_study
       meaning='guesses of a search'), &
       key_type('seeds', a_whole, default='12', low=1.0_wp, high=1.0e4_wp, &
       meaning='searches along each axis')]
+
+   type(column_type), parameter, public :: chart_columns(*) = [ &
+      column_type('ratios', 'r', meaning='frequency ratio'), &
+      column_type('clearances', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('slots', 'slot', wholes, meaning='number of the motion at its point'), &
+      column_type('motions', 'consistent', verdicts, meaning='whether it solves all equations'), &
+      column_type('motions', 'admissible', verdicts, &
+      meaning='whether it stays between the walls'), &
+      column_type('motions', 'stable', verdicts, meaning='whether disturbances decay'), &
+      column_type('motions', 'leading', label='multiplier_1_modulus', &
+      meaning='greatest modulus of the multipliers'), &
+      column_type('motions', 'x_max', unit='F0/K', &
+      meaning='greatest displacement of the primary mass'), &
+      column_type('motions', 'status', wholes, absent=stat%no_motion, &
+      meaning='code of what failed; 0: none')]
 
 contains
 
@@ -96,5 +115,49 @@ contains
       if (study%is('symmetric', 'yes')) window%symmetry = 1
       if (study%is('symmetric', 'no')) window%symmetry = -1
    end function chart_window_of
+
+   !> Finds the motions of a pattern on a grid.
+   subroutine run_chart(case, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(map_type) :: map
+      type(pattern_type) :: pattern
+      type(window_type) :: window
+      character(:), allocatable :: what
+      integer :: i, slots, m, n
+
+      pattern = chart_pattern(case%study)
+      window = chart_window_of(case%study)
+      call chart_window(case%osc, pattern, window, map, tally)
+      what = side_letters(pattern%sides)//'/'//whole(pattern%cycles)
+      slots = size(map%status, 1)
+      m = size(map%status, 2)
+      n = size(map%status, 3)
+      call result%open('ratios', 'r', [n])
+      call result%put('ratios', 'r', r_axis(window))
+      call result%open('clearances', 'clearance', [m])
+      call result%put('clearances', 'clearance', clearance_axis(window))
+      call result%open('slots', 'slot', [slots])
+      call result%put('slots', 'slot', [(i, i=1, slots)])
+      call result%open('motions', 'slot clearance r', [slots, m, n])
+      call result%put('motions', 'consistent', [map%verdicts(1, :, :, :)])
+      call result%put('motions', 'admissible', [map%verdicts(2, :, :, :)])
+      call result%put('motions', 'stable', [map%verdicts(3, :, :, :)])
+      call result%put('motions', 'leading', [map%leading])
+      call result%put('motions', 'x_max', [map%x_max])
+      call result%put('motions', 'status', [map%status])
+      result%empty = all(map%status /= stat%ok)
+      if (result%empty) then
+         call result%fail('no motion '//what//' was found anywhere in the window')
+      else
+         call result%say(whole(count(map%status == stat%ok))//' motions '//what//' at '//whole( &
+            count(any(map%status == stat%ok, 1)))//' of '//whole(m*n)//' points, '//whole(count( &
+            all(map%verdicts == yes, 1)))//' admissible and stable')
+      end if
+   end subroutine run_chart
 
 end module vi_chart_study

@@ -1,15 +1,20 @@
 !> The study &lyapunov: all Lyapunov exponents, at a point or along a line of points.
 module vi_lyapunov_study
+   use vi_attractor_lyapunov, only: lyapunov_points
    use vi_case, only: case_type
    use vi_common_keys, only: check_parameter, check_start, clearance_key, load_key, parameter_of, &
-      parameter_values, spacing_key, state_keys
+      parameter_values, spacing_key, state_keys, state_of
+   use vi_drive, only: initial_state, new_drive, two_pi
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
-   use vi_text, only: whole
+   use vi_result, only: column_type, result_type, wholes
+   use vi_status, only: stat, status_text
+   use vi_text, only: counted, whole
+   use vi_trajectory, only: pack_state
    implicit none (type, external)
    private
 
-   public :: check_lyapunov, line_points
+   public :: check_lyapunov, run_lyapunov
 
    character(*), parameter :: with = 'parameter', range_takes = 'a number in the range of the &
       &parameter (1e-6 <= r <= 1e6, 1e-12 <= clearance <= 1e12)'
@@ -36,6 +41,21 @@ module vi_lyapunov_study
       key_type('batches', a_whole, default='20', low=2.0_wp, high=1000.0_wp, &
       meaning='parts of the cycles whose scatter gives the standard errors'), &
       state_keys, load_key]
+
+   type(column_type), parameter, public :: lyapunov_columns(*) = [ &
+      column_type('points', 'r', meaning='frequency ratio'), &
+      column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('points', 'exponents', each='exponent', label='exponent_#', &
+      unit='1/load cycle', meaning='Lyapunov exponents, the greatest first'), &
+      column_type('points', 'errors', each='exponent', label='error_#', unit='1/load cycle', &
+      meaning='their standard errors'), &
+      column_type('points', 'dimension', meaning='Kaplan-Yorke dimension'), &
+      column_type('points', 'identity_error', &
+      meaning='of the sum of the exponents, which follows from damping and impacts'), &
+      column_type('points', 'impacts', wholes, meaning='impacts in the cycles averaged over'), &
+      column_type('points', 'rests', wholes, meaning='rests in the cycles averaged over'), &
+      column_type('points', 'status', wholes, listed=.false., &
+      meaning='code of what failed; 0: none')]
 
 contains
 
@@ -74,5 +94,61 @@ contains
       if (parameter_of(case) == 'r') r = parameter_values(case)
       if (parameter_of(case) == 'clearance') clearance = parameter_values(case)
    end subroutine line_points
+
+   !> Computes the exponents along a line of points, or at one.
+   subroutine run_lyapunov(case, threads, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Threads; the answer does not depend on them.
+      integer, intent(in) :: threads
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      real(wp), allocatable :: r(:), clearance(:), states(:, :), loads(:), exponents(:, :), &
+         deviations(:, :), dimensions(:), errors(:), cycle_times(:, :)
+      integer, allocatable :: contacts(:, :), counts(:, :), status(:)
+      character(:), allocatable :: reason
+      integer :: j, n, lost, batches
+
+      call line_points(case, r, clearance)
+      n = size(r)
+      allocate (states(7, n), contacts(3, n), loads(n), exponents(4, n), deviations(4, n), &
+         dimensions(n), errors(n), counts(2, n), status(n))
+      associate (s => case%study)
+         loads = s%number('load')
+         batches = s%whole_number('batches')
+         do j = 1, n
+            call pack_state(initial_state(new_drive(case%osc, r(j), loads(j), clearance(j)), &
+               state_of(s)), states(:, j), contacts(:, j))
+         end do
+         call lyapunov_points(case%osc, r, loads, clearance, states, contacts, &
+            s%whole_number('discard'), s%whole_number('cycles')/batches, batches, threads, &
+            exponents, deviations, dimensions, counts, errors, status, tally)
+      end associate
+      allocate (cycle_times, source=spread(two_pi/r, 1, 4))
+      call result%open('points', 'point', [n])
+      call result%put('points', 'r', r)
+      call result%put('points', 'clearance', clearance)
+      call result%put('points', 'exponents', [exponents*cycle_times])
+      call result%put('points', 'errors', [deviations*cycle_times])
+      call result%put('points', 'dimension', dimensions)
+      call result%put('points', 'identity_error', errors)
+      call result%put('points', 'impacts', counts(1, :))
+      call result%put('points', 'rests', counts(2, :))
+      call result%put('points', 'status', status)
+      lost = count(status /= stat%ok)
+      result%empty = lost == n
+      if (.not. result%empty) call result%say(counted(n, 'point')//', '//whole(count( &
+         exponents(1, :) > 3*deviations(1, :)))//' with a positive exponent')
+      if (lost == 0) return
+      j = findloc(status /= stat%ok, .true., 1)
+      if (status(j) == stat%no_motion) then
+         reason = 'no impacts in a batch'
+      else
+         reason = status_text(status(j))
+      end if
+      call result%fail('no exponents at '//whole(lost)//' of '//counted(n, 'point')//': '//reason)
+   end subroutine run_lyapunov
 
 end module vi_lyapunov_study

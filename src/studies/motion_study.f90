@@ -1,21 +1,25 @@
 !> The study &motion: a motion from its phases (eq. 26), from its clearance, or the equispaced pair.
 module vi_motion_study
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use vi_case, only: case_type
    use vi_chain, only: equispaced_chain, exact_chain, periodic_chain
    use vi_common_keys, only: cycles_key
    use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
-   use vi_motion, only: motion_type
+   use vi_motion, only: motion_type, unknown, yes
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_letters
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
-   use vi_text, only: counted, shown, whole
+   use vi_result, only: column_type, complexes, result_type, verdicts, wholes, words
+   use vi_stability, only: leading_kind
+   use vi_status, only: stat, status_text
+   use vi_text, only: counted, line_type, shown, whole
    use vi_values, only: values_type
    implicit none (type, external)
    private
 
-   public :: check_motion, find_motions, motion_request
+   public :: check_motion, find_motions, motion_request, run_motion
 
    integer, parameter :: most_impacts = 1000
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -46,6 +50,45 @@ module vi_motion_study
       key_type('acceptance', default='0.03', low=0.0_wp, high=1.0_wp, never='kind=exact', &
       why=', which leaves no residual', &
       meaning='largest relative residual that counts as consistent')]
+
+   type(column_type), parameter, public :: motion_columns(*) = [ &
+      column_type('motions', 'motion', wholes, meaning='number of the motion'), &
+      column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
+      column_type('impacts', 'side', words, words='R L', meaning='wall'), &
+      column_type('impacts', 'restitution', meaning='coefficient of restitution'), &
+      column_type('impacts', 'phase', unit='rad', meaning='load phase, from the first impact'), &
+      column_type('impacts', 'X', unit='F0/K', meaning='displacement of the primary mass'), &
+      column_type('impacts', 'Z', unit='F0/K', meaning='displacement of the free mass'), &
+      column_type('impacts', 'X_dot_before', unit='omega F0/K', &
+      meaning='velocity of the primary mass before the impact'), &
+      column_type('impacts', 'X_dot_after', unit='omega F0/K', &
+      meaning='velocity of the primary mass after it'), &
+      column_type('impacts', 'Z_dot_before', unit='omega F0/K', &
+      meaning='velocity of the free mass before it'), &
+      column_type('impacts', 'Z_dot_after', unit='omega F0/K', &
+      meaning='velocity of the free mass after it'), &
+      column_type('motions', 'r', meaning='frequency ratio'), &
+      column_type('motions', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('motions', 'A', unit='F0/K', meaning='amplitude of the motion without impacts'), &
+      column_type('motions', 'tau', unit='rad', meaning='load phase of the first impact'), &
+      column_type('motions', 'residual', meaning='relative residual of (26), (30)'), &
+      column_type('motions', 'consistent', verdicts, meaning='whether it solves all equations'), &
+      column_type('motions', 'admissible', verdicts, &
+      meaning='whether it stays between the walls'), &
+      column_type('motions', 'stable', verdicts, meaning='whether disturbances decay'), &
+      column_type('motions', 'x_min', unit='F0/K', &
+      meaning='least displacement of the primary mass'), &
+      column_type('motions', 'x_max', unit='F0/K', &
+      meaning='greatest displacement of the primary mass'), &
+      column_type('motions', 'attenuation', meaning='max|X|/A'), &
+      column_type('motions', 'multipliers', complexes, each='multiplier', label='multiplier_#', &
+      meaning='eigenvalues of [P], by falling modulus'), &
+      column_type('motions', 'sides', words, listed=.false., &
+      meaning='walls in the order of impacts'), &
+      column_type('motions', 'cycles', wholes, listed=.false., &
+      meaning='load cycles of the period'), &
+      column_type('motions', 'status', wholes, listed=.false., &
+      meaning='code of what failed; 0: none')]
 
    !> What is known of a motion.
    type, public :: motion_request_type
@@ -191,5 +234,122 @@ contains
          end select
       end associate
    end subroutine find_motions
+
+   !> Computes the motions of a case.
+   subroutine run_motion(case, result)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Started.
+      type(result_type), intent(inout) :: result
+      type(motion_type), allocatable :: motions(:)
+      character(:), allocatable :: text
+      logical :: none
+      integer :: i
+
+      call find_motions(case, case%study, motions)
+      call put_motions(motions, result)
+      none = all(motions%status /= stat%ok)
+      if (none) then
+         call result%remark(status_text(motions(1)%status))
+         call result%fail(status_text(motions(1)%status))
+      end if
+      do i = 1, size(motions)
+         if (motions(i)%status == stat%ok) then
+            call describe_verdicts(motions(i), text)
+            call result%say(text)
+         else if (.not. none) then
+            call result%remark('motion '//whole(i)//': '//status_text(motions(i)%status))
+         end if
+      end do
+   end subroutine run_motion
+
+   !> Puts motions into the result; one that failed has no impacts, and NaN for numbers.
+   pure subroutine put_motions(motions, result)
+      !> The motions.
+      type(motion_type), intent(in) :: motions(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      type(line_type), allocatable :: sides(:)
+      integer, allocatable :: owners(:), numbers(:), walls(:)
+      real(wp), allocatable :: impacts(:, :)
+      real(wp) :: numbers_of(8, size(motions))
+      complex(wp) :: multipliers(4, size(motions))
+      character(*), parameter :: names(8) = [character(12) :: 'restitution', 'phase', 'X', 'Z', &
+         'X_dot_before', 'X_dot_after', 'Z_dot_before', 'Z_dot_after'], motion_names(8) = &
+         [character(11) :: 'r', 'clearance', 'A', 'tau', 'residual', 'x_min', 'x_max', &
+         'attenuation']
+      integer :: i, j, m, n, total
+
+      n = size(motions)
+      total = sum([(merge(size(motions(i)%pattern%sides), 0, motions(i)%status == stat%ok), &
+         i=1, n)])
+      allocate (sides(n), owners(total), numbers(total), walls(total), impacts(8, total))
+      numbers_of = ieee_value(1.0_wp, ieee_quiet_nan)
+      multipliers = cmplx(numbers_of(1, 1), numbers_of(1, 1), wp)
+      total = 0
+      do i = 1, n
+         sides(i)%text = ''
+         if (motions(i)%status /= stat%ok) cycle
+         associate (motion => motions(i))
+            sides(i)%text = side_letters(motion%pattern%sides)
+            m = size(motion%x)
+            owners(total + 1:total + m) = i
+            numbers(total + 1:total + m) = [(j, j=1, m)]
+            walls(total + 1:total + m) = merge(1, 2, motion%pattern%sides > 0)
+            impacts(:, total + 1:total + m) = transpose(reshape([motion%restitution, &
+               motion%phases, motion%x, motion%z, motion%x_dot_before, motion%x_dot_after, &
+               motion%z_dot_before, motion%z_dot_after], [m, 8]))
+            numbers_of(:, i) = [motion%r, motion%clearance, motion%amplitude, motion%tau, &
+               motion%residual, motion%x_min, motion%x_max, max(-motion%x_min, &
+               motion%x_max)/motion%amplitude]
+            where (.not. ieee_is_nan(motion%multipliers%re)) multipliers(:, i) = motion%multipliers
+            total = total + m
+         end associate
+      end do
+      call result%open('motions', 'motion', [n])
+      call result%put('motions', 'motion', [(i, i=1, n)])
+      do i = 1, 8
+         call result%put('motions', trim(motion_names(i)), numbers_of(i, :))
+      end do
+      call result%put('motions', 'consistent', motions%consistent)
+      call result%put('motions', 'admissible', motions%admissible)
+      call result%put('motions', 'stable', motions%stable)
+      call result%put('motions', 'multipliers', [multipliers])
+      call result%put_text('motions', 'sides', sides)
+      call result%put('motions', 'cycles', motions%pattern%cycles)
+      call result%put('motions', 'status', motions%status)
+      call result%open('impacts', 'impact', [total], 'motions', owners)
+      call result%put('impacts', 'impact', numbers)
+      call result%put('impacts', 'side', walls)
+      do i = 1, 8
+         call result%put('impacts', trim(names(i)), impacts(i, :))
+      end do
+   end subroutine put_motions
+
+   !> The verdicts of a motion in words.
+   pure subroutine describe_verdicts(motion, text)
+      type(motion_type), intent(in) :: motion
+      character(:), allocatable, intent(out) :: text
+
+      text = said(motion%consistent, 'consistent')//', '//said(motion%admissible, 'admissible') &
+         //', '//trim(merge('stable?  ', merge('stable   ', 'unstable ', motion%stable == yes), &
+         motion%stable == unknown))
+      if (ieee_is_nan(motion%multipliers(1)%re)) then
+         text = text//' (no multipliers)'
+      else
+         text = text//' (max|lambda| = '//shown(abs(motion%multipliers(1)), 'g0.4')// &
+            ', '//trim(leading_kind(motion%multipliers))//')'
+      end if
+   end subroutine describe_verdicts
+
+   pure function said(verdict, word) result(text)
+      integer, intent(in) :: verdict
+      character(*), intent(in) :: word
+      character(len(word) + merge(0, merge(1, 4, verdict == unknown), verdict == yes)) :: text
+
+      text = word
+      if (verdict == unknown) text = word//'?'
+      if (verdict /= unknown .and. verdict /= yes) text = 'not '//word
+   end function said
 
 end module vi_motion_study

@@ -1,15 +1,18 @@
 !> The study &response: the greatest displacement of the primary mass along the frequency ratio.
 module vi_response_study
+   use vi_attractor_response, only: respond
    use vi_case, only: case_type
    use vi_common_keys, only: check_product, clearance_key, resonance, window_keys
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
-   use vi_text, only: whole
+   use vi_result, only: column_type, result_type, wholes
+   use vi_status, only: stat, status_text
+   use vi_text, only: counted, shown, whole
    use vi_window, only: even, most_numbers
    implicit none (type, external)
    private
 
-   public :: check_response, r_values, response_clearance
+   public :: check_response, run_response
 
    type(key_type), parameter, public :: response_keys(*) = [window_keys(1:2), &
       key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, meaning='frequency ratios'), &
@@ -25,6 +28,20 @@ module vi_response_study
       meaning='load cycles then looked at'), &
       key_type('load', default='1', low=0.0_wp, above=.true., high=1.0e12_wp, &
       meaning='load amplitude')]
+
+   type(column_type), parameter, public :: response_columns(*) = [ &
+      column_type('points', 'r', meaning='frequency ratio'), &
+      column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('points', 'lowest', meaning='least max|X|/A of the attractors'), &
+      column_type('points', 'highest', meaning='greatest max|X|/A of the attractors'), &
+      column_type('runs', 'attenuation', meaning='max|X|/A', listed=.false.), &
+      column_type('runs', 'cycles', wholes, listed=.false., &
+      meaning='load cycles of the period; 0 if none was seen'), &
+      column_type('runs', 'letters', wholes, listed=.false., &
+      meaning='impacts of a period, each accumulation counted as one'), &
+      column_type('runs', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
+      column_type('runs', 'rests', wholes, listed=.false., meaning='rests of a period'), &
+      column_type('runs', 'status', wholes, listed=.false., meaning='code of what failed; 0: none')]
 
 contains
 
@@ -66,5 +83,47 @@ contains
          clearance = 1/case%study%number('inverse_clearance')
       end if
    end function response_clearance
+
+   !> Finds max|X|/A over the attractors at each frequency ratio, and its least and greatest.
+   subroutine run_response(case, threads, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Threads; the answer does not depend on them.
+      integer, intent(in) :: threads
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      real(wp), allocatable :: r(:), clearance(:), attenuation(:, :), envelope(:, :)
+      integer, allocatable :: periods(:, :, :), status(:, :)
+      integer :: n, states, lost
+
+      allocate (r, source=r_values(case))
+      n = size(r)
+      states = case%study%whole_number('states')
+      allocate (clearance(n), source=response_clearance(case))
+      allocate (attenuation(states, n), envelope(2, n), periods(4, states, n), status(states, n))
+      call respond(case%osc, r, clearance, case%study%number('load'), &
+         case%study%whole_number('settling'), case%study%whole_number('keep'), threads, &
+         attenuation, envelope, periods, status, tally)
+      call result%open('points', 'r', [n])
+      call result%put('points', 'r', r)
+      call result%put('points', 'clearance', clearance)
+      call result%put('points', 'lowest', envelope(1, :))
+      call result%put('points', 'highest', envelope(2, :))
+      call result%open('runs', 'state r', [states, n])
+      call result%put('runs', 'attenuation', [attenuation])
+      call result%put('runs', 'cycles', [periods(1, :, :)])
+      call result%put('runs', 'letters', [periods(2, :, :)])
+      call result%put('runs', 'impacts', [periods(3, :, :)])
+      call result%put('runs', 'rests', [periods(4, :, :)])
+      call result%put('runs', 'status', [status])
+      lost = count(status /= stat%ok)
+      result%empty = lost == size(status)
+      if (.not. result%empty) call result%say('max|X|/A from '//shown(minval(envelope(1, :)), &
+         'f12.4')//' to '//shown(maxval(envelope(2, :)), 'f12.4')//' at '//counted(n, 'point'))
+      if (lost > 0) call result%fail(whole(lost)//' of '//counted(size(status), 'simulation')// &
+         ' failed: '//status_text(maxval(status)))
+   end subroutine run_response
 
 end module vi_response_study

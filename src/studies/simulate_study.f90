@@ -1,13 +1,19 @@
 !> The study &simulate: a simulation from a state.
 module vi_simulate_study
    use vi_case, only: case_type
-   use vi_common_keys, only: check_start, clearance_key, load_key, state_keys
+   use vi_common_keys, only: check_start, clearance_key, load_key, state_keys, state_of
+   use vi_drive, only: new_drive, state_time, state_type
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
+   use vi_result, only: column_type, result_type, words
+   use vi_simulate, only: event_type, impact_event, stick_event
+   use vi_status, only: stat, status_text
+   use vi_text, only: counted, exact_list
+   use vi_trajectory, only: simulate_case
    implicit none (type, external)
    private
 
-   public :: check_simulate
+   public :: check_simulate, run_simulate
 
    type(key_type), parameter, public :: simulate_keys(*) = [clearance_key, &
       key_type('cycles', low=0.0_wp, high=1.0e9_wp, &
@@ -20,6 +26,23 @@ module vi_simulate_study
       key_type('max_events', a_whole, default='10000000', low=1.0_wp, high=1.0e9_wp, &
       meaning='events after which it is cut short')]
 
+   type(column_type), parameter, public :: simulate_columns(*) = [ &
+      column_type('events', 'time', unit='1/omega', meaning='time'), &
+      column_type('events', 'kind', words, words='impact stick release', meaning='kind'), &
+      column_type('events', 'side', words, words='R L', meaning='wall'), &
+      column_type('events', 'phase', unit='rad', meaning='load phase within a load cycle'), &
+      column_type('events', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
+      column_type('events', 'x_dot_before', unit='omega F0/K', &
+      meaning='velocity of the primary mass before the event'), &
+      column_type('events', 'x_dot_after', unit='omega F0/K', &
+      meaning='velocity of the primary mass after it'), &
+      column_type('events', 'z_dot_before', unit='omega F0/K', &
+      meaning='velocity of the free mass before it'), &
+      column_type('events', 'z_dot_after', unit='omega F0/K', &
+      meaning='velocity of the free mass after it'), &
+      column_type('final', 'state', each='coordinate', listed=.false., &
+      meaning='the state at the end: t, x, x_dot, z, z_dot')]
+
 contains
 
    !> Checks what depends on several keys.
@@ -29,5 +52,50 @@ contains
 
       if (len(case%study%fault) == 0) call check_start(case%study, case%study%number('clearance'))
    end subroutine check_simulate
+
+   !> Simulates a case.
+   subroutine run_simulate(case, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(event_type), allocatable :: events(:)
+      type(state_type) :: final
+      real(wp) :: state(5)
+      integer :: status, i
+
+      associate (s => case%study)
+         call simulate_case(new_drive(case%osc, case%r, s%number('load'), s%number('clearance')), &
+            state_of(s), s%number('cycles'), s%number('discard'), s%whole_number('max_events'), &
+            final, events, status, tally)
+      end associate
+      if (status /= stat%ok .and. status /= stat%more_events) then
+         result%empty = .true.
+         call result%fail(status_text(status))
+         return
+      end if
+      state = [state_time(final%cycle, final%phase, case%r), final%x, final%x_dot, final%z, &
+         final%z_dot]
+      call result%open('final', '', [integer ::])
+      call result%put('final', 'state', state)
+      call result%open('events', 'event', [size(events)])
+      call result%put('events', 'time', [(state_time(events(i)%cycle, events(i)%phase, case%r), &
+         i=1, size(events))])
+      call result%put('events', 'kind', events%kind)
+      call result%put('events', 'side', merge(1, 2, events%side > 0))
+      call result%put('events', 'phase', events%phase)
+      call result%put('events', 'x', events%x)
+      call result%put('events', 'x_dot_before', events%x_dot_before)
+      call result%put('events', 'x_dot_after', events%x_dot_after)
+      call result%put('events', 'z_dot_before', events%z_dot_before)
+      call result%put('events', 'z_dot_after', events%z_dot_after)
+      if (status /= stat%ok) call result%remark('cut short: max_events was reached')
+      call result%remark('final state: t, x, x_dot, z, z_dot = '//exact_list(state))
+      call result%say(counted(count(events%kind == impact_event), 'impact')//', '//counted(count( &
+         events%kind == stick_event), 'rest'))
+      if (status /= stat%ok) call result%fail('cut short, max_events was reached')
+   end subroutine run_simulate
 
 end module vi_simulate_study

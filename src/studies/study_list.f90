@@ -1,21 +1,24 @@
 !> The studies by name: the only file that knows them all.
 module vi_study_list
-   use vi_atlas_study, only: atlas_keys, check_atlas
-   use vi_basins_study, only: basins_keys, check_basins
-   use vi_bifurcation_study, only: bifurcation_keys, check_bifurcation
-   use vi_branch_study, only: branch_keys, check_branch
-   use vi_case, only: case_type
-   use vi_chart_study, only: chart_keys, check_chart
+   use vi_atlas_study, only: atlas_columns, atlas_keys, check_atlas, run_atlas
+   use vi_basins_study, only: basins_columns, basins_keys, check_basins, run_basins
+   use vi_bifurcation_study, only: bifurcation_columns, bifurcation_keys, check_bifurcation, &
+      run_bifurcation
+   use vi_branch_study, only: branch_columns, branch_keys, check_branch, run_branch
+   use vi_case, only: case_type, echo
+   use vi_chart_study, only: chart_columns, chart_keys, check_chart, run_chart
    use vi_key, only: key_type
-   use vi_lyapunov_study, only: check_lyapunov, lyapunov_keys
-   use vi_motion_study, only: check_motion, motion_keys
-   use vi_response_study, only: check_response, response_keys
-   use vi_simulate_study, only: check_simulate, simulate_keys
-   use vi_zone_study, only: check_zone, zone_keys
+   use vi_lyapunov_study, only: check_lyapunov, lyapunov_columns, lyapunov_keys, run_lyapunov
+   use vi_motion_study, only: check_motion, motion_columns, motion_keys, run_motion
+   use vi_response_study, only: check_response, response_columns, response_keys, run_response
+   use vi_result, only: column_type, result_type, start_result
+   use vi_simulate_study, only: check_simulate, run_simulate, simulate_columns, simulate_keys
+   use vi_text, only: line_type
+   use vi_zone_study, only: check_zone, run_zone, zone_columns, zone_keys
    implicit none (type, external)
    private
 
-   public :: check_study, list_keys_of
+   public :: check_study, list_columns_of, list_keys_of, run_study
 
    !> The groups that ask for a result.
    character(11), parameter, public :: study_names(10) = [character(11) :: 'motion', 'simulate', &
@@ -82,5 +85,89 @@ contains
          call check_basins(case)
       end select
    end subroutine check_study
+
+   !> The columns of the result of a study.
+   pure subroutine list_columns_of(name, columns, row)
+      !> One of `study_names`.
+      character(*), intent(in) :: name
+      !> As it declares them.
+      type(column_type), allocatable, intent(out) :: columns(:)
+      !> The table whose rows are those of the CSV.
+      character(16), intent(out) :: row
+
+      select case (name)
+      case ('motion')
+         columns = motion_columns
+         row = 'impacts'
+      case ('simulate')
+         columns = simulate_columns
+         row = 'events'
+      case ('chart')
+         columns = chart_columns
+         row = 'motions'
+      case ('branch')
+         columns = branch_columns
+         row = 'points'
+      case ('zone')
+         columns = zone_columns
+         row = 'vertices'
+      case ('atlas')
+         columns = atlas_columns
+         row = 'vertices'
+      case ('lyapunov')
+         columns = lyapunov_columns
+         row = 'points'
+      case ('bifurcation')
+         columns = bifurcation_columns
+         row = 'impacts'
+      case ('response')
+         columns = response_columns
+         row = 'points'
+      case default
+         columns = basins_columns
+         row = 'states'
+      end select
+   end subroutine list_columns_of
+
+   !> Runs a case.
+   subroutine run_study(case, threads, result, tally)
+      !> Checked.
+      type(case_type), intent(in) :: case
+      !> Threads; the answer does not depend on them.
+      integer, intent(in) :: threads
+      !> What was found, and what was not.
+      type(result_type), intent(out) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(column_type), allocatable :: columns(:)
+      type(line_type), allocatable :: lines(:)
+      character(16) :: row
+
+      call echo(case, lines)
+      call list_columns_of(case%study%name, columns, row)
+      call start_result(lines, columns, row, result)
+      select case (case%study%name)
+      case ('motion')
+         call run_motion(case, result)
+      case ('simulate')
+         call run_simulate(case, result, tally)
+      case ('chart')
+         call run_chart(case, result, tally)
+      case ('branch')
+         call run_branch(case, result, tally)
+      case ('zone')
+         call run_zone(case, result, tally)
+      case ('atlas')
+         call run_atlas(case, threads, result, tally)
+      case ('lyapunov')
+         call run_lyapunov(case, threads, result, tally)
+      case ('bifurcation')
+         call run_bifurcation(case, threads, result, tally)
+      case ('response')
+         call run_response(case, threads, result, tally)
+      case default
+         call run_basins(case, threads, result, tally)
+      end select
+   end subroutine run_study
 
 end module vi_study_list

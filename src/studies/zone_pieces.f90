@@ -5,13 +5,18 @@ module vi_zone_pieces
    use vi_frame, only: edge
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
+   use vi_result, only: result_type
    use vi_sheet, only: zone_request_type
    use vi_tally, only: add_sight
+   use vi_text, only: line_type
    use vi_zone, only: find_zone, zone_type, zone_work
    implicit none (type, external)
    private
 
-   public :: add_pieces, zone_pieces
+   public :: add_pieces, put_pieces, zone_pieces
+
+   character(*), parameter, public :: not_closed = &
+      'not closed: a boundary could not be followed until it closes'
 
    !> One piece: its first and last vertices are corners, unless the whole loop is one piece.
    type, public :: piece_type
@@ -141,5 +146,57 @@ contains
          end do
       end associate
    end subroutine append
+
+   !> Puts the pieces of sheets into the result; if there is a table of sheets, they belong to it.
+   pure subroutine put_pieces(found, result)
+      !> The pieces of each sheet.
+      type(pieces_type), intent(in) :: found(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      type(line_type), allocatable :: names(:), details(:)
+      integer, allocatable :: owners(:), numbers(:), loops(:), symmetric(:), vertex_owners(:), &
+         corners(:)
+      real(wp), allocatable :: vertices(:, :)
+      integer :: i, j, k, m, n
+
+      k = sum(found%n)
+      n = sum([((size(found(j)%pieces(i)%corner), i=1, found(j)%n), j=1, size(found))])
+      allocate (names(k), details(k), owners(k), numbers(k), loops(k), symmetric(k), &
+         vertex_owners(n), corners(n), vertices(2, n))
+      k = 0
+      n = 0
+      do j = 1, size(found)
+         do i = 1, found(j)%n
+            associate (piece => found(j)%pieces(i))
+               k = k + 1
+               m = size(piece%corner)
+               owners(k) = j
+               numbers(k) = i
+               loops(k) = piece%loop
+               names(k)%text = piece%name
+               details(k)%text = piece%detail
+               symmetric(k) = merge(1, 0, piece%symmetric)
+               vertex_owners(n + 1:n + m) = k
+               corners(n + 1:n + m) = merge(1, 0, piece%corner)
+               vertices(:, n + 1:n + m) = piece%vertices
+               n = n + m
+            end associate
+         end do
+      end do
+      if (any(result%tables%name == 'sheets')) then
+         call result%open('pieces', 'piece', [k], 'sheets', owners)
+      else
+         call result%open('pieces', 'piece', [k])
+         call result%put('pieces', 'symmetric', symmetric)
+      end if
+      call result%put('pieces', 'loop', loops)
+      call result%put('pieces', 'piece', numbers)
+      call result%put_text('pieces', 'type', names)
+      call result%put_text('pieces', 'detail', details)
+      call result%open('vertices', 'vertex', [n], 'pieces', vertex_owners)
+      call result%put('vertices', 'r', vertices(1, :))
+      call result%put('vertices', 'clearance', vertices(2, :))
+      call result%put('vertices', 'corner', corners)
+   end subroutine put_pieces
 
 end module vi_zone_pieces

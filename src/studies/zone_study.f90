@@ -7,12 +7,15 @@ module vi_zone_study
    use vi_kinds, only: wp
    use vi_orbit, only: most_impacts
    use vi_pattern, only: pattern_type, starred_letters, starred_pattern
+   use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_sheet, only: zone_request_type
+   use vi_text, only: counted, whole
    use vi_values, only: values_type
+   use vi_zone_pieces, only: not_closed, pieces_type, put_pieces, zone_pieces
    implicit none (type, external)
    private
 
-   public :: check_zone, zone_pattern, zone_request
+   public :: check_zone, run_zone
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
       low=5.0_wp, high=129.0_wp, meaning='lattice lines each way; what touches none can be missed')
@@ -28,6 +31,18 @@ module vi_zone_study
       key_type('guesses', a_whole, default='12', low=0.0_wp, high=1.0e5_wp, &
       meaning='guesses for motions at every second node each way, a quarter of them at others'), &
       vertices_key]
+
+   type(column_type), parameter, public :: zone_columns(*) = [ &
+      column_type('pieces', 'loop', wholes, &
+      meaning='number of the closed boundary; 0 if it could not be closed'), &
+      column_type('pieces', 'piece', wholes, meaning='number of the piece of the boundary'), &
+      column_type('pieces', 'type', words, meaning='condition that is zero along it'), &
+      column_type('pieces', 'detail', words, meaning='which impact, flight or bound'), &
+      column_type('pieces', 'symmetric', truths, &
+      meaning='whether the motions are their own mirror images'), &
+      column_type('vertices', 'r', meaning='frequency ratio'), &
+      column_type('vertices', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('vertices', 'corner', truths, meaning='whether pieces meet there')]
 
 contains
 
@@ -78,5 +93,52 @@ contains
             s%whole_number('lines'), s%whole_number('guesses'), s%whole_number('max_points'))
       end associate
    end function zone_request
+
+   !> Finds the zones of a pattern in a window.
+   subroutine run_zone(case, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(pieces_type) :: found
+      character(:), allocatable :: what, types
+
+      call case%study%text('sides', what)
+      what = what//'/'//whole(case%study%whole_number('cycles'))
+      call zone_pieces(zone_request(case), .not. [case%study%is('symmetric', 'no'), &
+         case%study%is('symmetric', 'yes')], found, tally)
+      result%empty = found%motions == 0 .or. (found%n == 0 .and. found%closed)
+      if (found%motions == 0) then
+         call result%fail('no motion '//what//' was found anywhere in the window')
+      else if (result%empty) then
+         call result%fail('no zone: motions '//what// &
+            ' were found in the window, but none that is both stable and admissible')
+      end if
+      if (result%empty) return
+      call put_pieces([found], result)
+      call list_types(found, types)
+      call result%say(what//', '//counted(found%loops, 'loop')//' in '//counted(found%n, &
+         'piece')//types)
+      if (found%closed) return
+      call result%remark(not_closed//' (its loop is 0)')
+      call result%fail(not_closed)
+   end subroutine run_zone
+
+   !> The types of the pieces, each once.
+   pure subroutine list_types(found, text)
+      type(pieces_type), intent(in) :: found
+      character(:), allocatable, intent(out) :: text
+      integer :: i
+
+      text = ''
+      do i = 1, found%n
+         associate (name => found%pieces(i)%name)
+            if (index(text//',', ' '//name//',') > 0) cycle
+            text = text//trim(merge(':', ',', len(text) == 0))//' '//name
+         end associate
+      end do
+   end subroutine list_types
 
 end module vi_zone_study

@@ -1,0 +1,224 @@
+!> A result as CSV: a header that is the case and the remarks, then one row for each row of one
+!! table, with the columns of the tables that it belongs to repeated.
+module vi_csv
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use vi_kinds, only: wp
+   use vi_motion, only: unknown, yes
+   use vi_result, only: complexes, filled_type, reals, result_type, rows_of, table_type, truths, &
+      verdicts, wholes
+   use vi_text, only: append, line_type, whole
+   implicit none (type, external)
+   private
+
+   public :: csv_header, csv_rows, row_count
+
+   !> A text that grows.
+   type :: buffer_type
+      character(:), allocatable :: text
+      integer :: n = 0
+   end type buffer_type
+
+contains
+
+   !> What stands above the rows; the last line names the columns.
+   pure subroutine csv_header(result, lines)
+      !> The result.
+      type(result_type), intent(in) :: result
+      !> The header.
+      type(line_type), allocatable, intent(out) :: lines(:)
+      type(buffer_type) :: buffer
+      character(:), allocatable :: label
+      integer :: i, j
+
+      allocate (lines(0))
+      do i = 1, size(result%case)
+         call append(lines, result%case(i)%text)
+      end do
+      do i = 1, size(result%remarks)
+         call append(lines, result%remarks(i)%text)
+      end do
+      allocate (character(1000) :: buffer%text)
+      do i = 1, size(result%columns)
+         associate (filled => result%columns(i), column => result%columns(i)%column)
+            if (.not. column%listed) cycle
+            label = trim(column%label)
+            if (len(label) == 0) label = trim(column%name)
+            do j = 1, filled%inner
+               if (column%kind == complexes .and. .not. is_modulus(filled)) then
+                  call add(buffer, ','//numbered(label//'_re', j)//','//numbered(label//'_im', j))
+               else
+                  call add(buffer, ','//numbered(label, j))
+               end if
+            end do
+         end associate
+      end do
+      call append(lines, buffer%text(2:buffer%n))
+   end subroutine csv_header
+
+   !> Whether a column of complex numbers shows their moduli.
+   pure logical function is_modulus(filled)
+      !> The column.
+      type(filled_type), intent(in) :: filled
+
+      is_modulus = index(filled%column%label, 'modulus') > 0
+   end function is_modulus
+
+   !> A name with the place within the row.
+   pure function numbered(label, j) result(text)
+      !> With # for the place, if it has one.
+      character(*), intent(in) :: label
+      !> The place.
+      integer, intent(in) :: j
+      character(len(label) + merge(len(whole(j)) - 1, 0, index(label, '#') > 0)) :: text
+      integer :: i
+
+      i = index(label, '#')
+      text = label
+      if (i > 0) text = label(:i - 1)//whole(j)//label(i + 1:)
+   end function numbered
+
+   !> Rows that there may be at most.
+   pure integer function row_count(result) result(n)
+      !> The result.
+      type(result_type), intent(in) :: result
+      integer :: place
+
+      n = 0
+      place = findloc(result%tables%name == result%row, .true., 1)
+      if (place > 0) n = rows_of(result%tables(place))
+   end function row_count
+
+   !> Some rows as one text, with a line feed behind each.
+   pure subroutine csv_rows(result, first, last, text)
+      !> The result.
+      type(result_type), intent(in) :: result
+      !> Which.
+      integer, intent(in) :: first, last
+      !> The rows.
+      character(:), allocatable, intent(out) :: text
+      type(buffer_type) :: buffer
+      integer :: rows(size(result%tables)), i, row, start
+
+      allocate (character(4000) :: buffer%text)
+      each_row: do row = first, last
+         call find_rows(result%tables, findloc(result%tables%name == result%row, .true., 1), row, &
+            rows)
+         start = buffer%n
+         do i = 1, size(result%columns)
+            associate (filled => result%columns(i))
+               if (.not. filled%column%listed) cycle
+               call add_cells(filled, rows(filled%table), buffer)
+               if (filled%column%absent == -huge(1)) cycle
+               if (filled%k(rows(filled%table)) /= filled%column%absent) cycle
+               buffer%n = start
+               cycle each_row
+            end associate
+         end do
+         buffer%text(start + 1:buffer%n - 1) = buffer%text(start + 2:buffer%n)  ! the first comma
+         buffer%text(buffer%n:buffer%n) = new_line('a')
+      end do each_row
+      text = buffer%text(:buffer%n)
+   end subroutine csv_rows
+
+   !> The row of each table that a row of one belongs to: by its parent, or by one of its
+   !! dimensions.
+   pure recursive subroutine find_rows(tables, place, row, rows)
+      !> Of the result.
+      type(table_type), intent(in) :: tables(:)
+      !> Of the table.
+      integer, intent(in) :: place
+      !> Its row.
+      integer, intent(in) :: row
+      !> Of all tables; those that it does not belong to are left alone.
+      integer, intent(inout) :: rows(:)
+      integer :: rest, i, j
+
+      rows(place) = row
+      associate (table => tables(place))
+         rest = row - 1
+         do i = 1, table%n_dims
+            do j = 1, size(tables)
+               if (j /= place .and. tables(j)%n_dims == 1 .and. tables(j)%dims(1) == &
+                  table%dims(i)) &
+                  rows(j) = modulo(rest, table%sizes(i)) + 1
+            end do
+            rest = rest/table%sizes(i)
+         end do
+         do j = 1, size(tables)
+            if (tables(j)%n_dims == 0) rows(j) = 1
+         end do
+         if (table%parent > 0) call find_rows(tables, table%parent, table%owners(row), rows)
+      end associate
+   end subroutine find_rows
+
+   !> Adds the cells of one column, each behind a comma.
+   pure subroutine add_cells(filled, row, buffer)
+      !> The column.
+      type(filled_type), intent(in) :: filled
+      !> The row of its table.
+      integer, intent(in) :: row
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      integer :: i
+
+      do i = (row - 1)*filled%inner + 1, row*filled%inner
+         select case (filled%column%kind)
+         case (reals)
+            call add_number(filled%x(i), buffer)
+         case (complexes)
+            if (is_modulus(filled)) then
+               call add_number(abs(cmplx(filled%x(2*i - 1), filled%x(2*i), wp)), buffer)
+            else
+               call add_number(filled%x(2*i - 1), buffer)
+               call add_number(filled%x(2*i), buffer)
+            end if
+         case (wholes)
+            call add(buffer, ','//whole(filled%k(i)))
+         case (verdicts)
+            call add(buffer, ','//trim(merge('unknown', merge('true   ', 'false  ', &
+               filled%k(i) == yes), filled%k(i) == unknown)))
+         case (truths)
+            call add(buffer, ','//trim(merge('true ', 'false', filled%k(i) == 1)))
+         case default
+            call add(buffer, ',')
+            if (filled%k(i) > 0) call add(buffer, filled%words(filled%k(i))%text)
+         end select
+      end do
+   end subroutine add_cells
+
+   !> Adds a number with all its digits (17) behind a comma; what is not finite as Python reads it.
+   pure subroutine add_number(value, buffer)
+      !> Any.
+      real(wp), intent(in) :: value
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      character(24) :: digits
+
+      if (ieee_is_finite(value)) then
+         write (digits, '(es24.16e3)') value
+         call add(buffer, ','//digits(verify(digits, ' '):))
+      else if (ieee_is_nan(value)) then
+         call add(buffer, ',nan')
+      else
+         call add(buffer, trim(merge(',inf ', ',-inf', value > 0)))
+      end if
+   end subroutine add_number
+
+   !> Adds to a text.
+   pure subroutine add(buffer, text)
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      !> What is added.
+      character(*), intent(in) :: text
+      character(:), allocatable :: longer
+
+      if (buffer%n + len(text) > len(buffer%text)) then
+         allocate (character(2*len(buffer%text) + len(text)) :: longer)
+         longer(:buffer%n) = buffer%text(:buffer%n)
+         call move_alloc(longer, buffer%text)
+      end if
+      buffer%text(buffer%n + 1:buffer%n + len(text)) = text
+      buffer%n = buffer%n + len(text)
+   end subroutine add
+
+end module vi_csv

@@ -1,0 +1,381 @@
+!> A result: named tables of columns, what is to be said of it, and what could not be had.
+!!
+!! A study declares its columns as a constant table, opens the tables that it fills, and puts the
+!! columns into them. All formats are written from that, by code that knows no study. Tables are
+!! relational: a row of a child table names the row of its parent, and a column that depends on one
+!! dimension alone stands in a table of that dimension.
+module vi_result
+   use vi_kinds, only: wp
+   use vi_text, only: append, line_type
+   implicit none (type, external)
+   private
+
+   public :: rows_of, start_result
+
+   !> What a value is: a number, a whole number, a word (its place in a list of words), a verdict
+   !! as in vi_motion, 1 for true and 0 for false, or a complex number.
+   integer, parameter, public :: reals = 1, wholes = 2, words = 3, verdicts = 4, truths = 5, &
+      complexes = 6
+
+   !> A column as a study declares it; its place in the declaration is its place in the CSV.
+   type, public :: column_type
+      character(16) :: table = ''
+      character(24) :: name = ''
+      integer :: kind = reals
+      !> Name of the dimension within a row, if a row has several values: impact, multiplier.
+      character(16) :: each = ''
+      character(16) :: unit = ''
+      character(160) :: meaning = ''
+      !> Of a column of words, with blanks between; empty if the study gives them while it runs.
+      character(100) :: words = ''
+      !> Whether it is in the CSV, and its name there, if another: # is the place within the row,
+      !! and
+      !! a complex number has two columns, the real and the imaginary part, unless the name ends
+      !! with modulus.
+      logical :: listed = .true.
+      character(28) :: label = ''
+      !> A row with this value is not in the CSV.
+      integer :: absent = -huge(1)
+   end type column_type
+
+   !> A table: the size of its rows.
+   type, public :: table_type
+      character(16) :: name = ''
+      !> Dimensions, the first varies first; a table without any has one row.
+      character(16) :: dims(3) = ''
+      integer :: n_dims = 0, sizes(3) = 1
+      !> Place of the table that it is a child of, and the row there of each row here.
+      integer :: parent = 0
+      integer, allocatable :: owners(:)
+   end type table_type
+
+   !> A column with its values: rows of the table, and within a row the places of `each`.
+   type, public :: filled_type
+      type(column_type) :: column
+      !> Place of its table; 0 as long as it has no values.
+      integer :: table = 0
+      !> Values in a row.
+      integer :: inner = 1
+      !> Numbers; of complex ones real and imaginary parts, one after the other.
+      real(wp), allocatable :: x(:)
+      !> All else.
+      integer, allocatable :: k(:)
+      !> What the places of words mean.
+      type(line_type), allocatable :: words(:)
+   end type filled_type
+
+   !> A line for people: a fault, or what was found.
+   type, public :: note_type
+      logical :: fault = .false.
+      character(:), allocatable :: text
+   end type note_type
+
+   type, public :: result_type
+      !> The complete case as a namelist, each line behind `#`.
+      type(line_type), allocatable :: case(:)
+      !> Remarks in the header of a file, beginning with `# !`.
+      type(line_type), allocatable :: remarks(:)
+      type(note_type), allocatable :: notes(:)
+      type(table_type), allocatable :: tables(:)
+      type(filled_type), allocatable :: columns(:)
+      !> Name of the table whose rows are those of the CSV.
+      character(16) :: row = ''
+      !> Whether nothing was found that a file could hold.
+      logical :: empty = .false.
+   contains
+      procedure :: fail, get_reals, get_wholes, label, open, place, put_codes, put_complexes, &
+         put_reals, put_text, put_wholes, remark, say
+      generic :: put => put_reals, put_wholes, put_complexes
+   end type result_type
+
+contains
+
+   !> An empty result with its declared columns.
+   pure subroutine start_result(case, columns, row, result)
+      !> The echo of the case.
+      type(line_type), intent(in) :: case(:)
+      !> As the study declares them.
+      type(column_type), intent(in) :: columns(:)
+      !> The table whose rows are those of the CSV.
+      character(*), intent(in) :: row
+      !> Without values.
+      type(result_type), intent(out) :: result
+      integer :: i
+
+      result%case = case
+      allocate (result%remarks(0), result%notes(0), result%tables(0), &
+         result%columns(size(columns)))
+      do i = 1, size(columns)
+         result%columns(i)%column = columns(i)
+         call split_words(columns(i)%words, result%columns(i)%words)
+      end do
+      result%row = row
+   end subroutine start_result
+
+   !> The words between blanks.
+   pure subroutine split_words(text, list)
+      !> Words.
+      character(*), intent(in) :: text
+      !> Each.
+      type(line_type), allocatable, intent(out) :: list(:)
+      integer :: first, last
+
+      allocate (list(0))
+      last = 0
+      do while (last < len_trim(text))
+         first = last + 1
+         last = first + index(text(first:)//' ', ' ') - 2
+         call append(list, text(first:last))
+         last = last + 1
+      end do
+   end subroutine split_words
+
+   !> Opens a table.
+   pure subroutine open(result, name, dims, sizes, parent, owners)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> Of the table.
+      character(*), intent(in) :: name
+      !> Names of its dimensions with blanks between, the one that varies first at first.
+      character(*), intent(in) :: dims
+      !> Their sizes.
+      integer, intent(in) :: sizes(:)
+      !> The table whose rows own those of this one, which is open already.
+      character(*), intent(in), optional :: parent
+      !> The row there of each row here.
+      integer, intent(in), optional :: owners(:)
+      type(table_type), allocatable :: longer(:)
+      type(line_type), allocatable :: list(:)
+      integer :: n, i
+
+      n = size(result%tables)
+      allocate (longer(n + 1))
+      longer(:n) = result%tables
+      associate (table => longer(n + 1))
+         table%name = name
+         call split_words(dims, list)
+         table%n_dims = size(list)
+         do i = 1, size(list)
+            table%dims(i) = list(i)%text
+            table%sizes(i) = sizes(i)
+         end do
+         if (present(parent)) table%parent = findloc(longer%name == parent, .true., 1)
+         if (present(owners)) table%owners = owners
+      end associate
+      call move_alloc(longer, result%tables)
+   end subroutine open
+
+   !> Place of a column, which may be filled from now on.
+   pure subroutine find(result, table, name, values, i)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> How many it gets, of each row `inner` ones.
+      integer, intent(in) :: values
+      !> Its place.
+      integer, intent(out) :: i
+
+      i = result%place(table, name)
+      associate (filled => result%columns(i))
+         filled%table = findloc(result%tables%name == table, .true., 1)
+         if (rows_of(result%tables(filled%table)) > 0) filled%inner = &
+            values/rows_of(result%tables(filled%table))
+      end associate
+   end subroutine find
+
+   !> Place of a column; 0 if there is none of this name.
+   pure integer function place(result, table, name)
+      !> The result.
+      class(result_type), intent(in) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+
+      do place = size(result%columns), 1, -1
+         if (result%columns(place)%column%table == table .and. &
+            result%columns(place)%column%name == name) return
+      end do
+   end function place
+
+   !> Rows of a table.
+   pure integer function rows_of(table) result(rows)
+      !> Any.
+      type(table_type), intent(in) :: table
+
+      rows = product(table%sizes)
+   end function rows_of
+
+   !> Fills a column of numbers.
+   pure subroutine put_reals(result, table, name, values)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row.
+      real(wp), intent(in) :: values(:)
+      integer :: i
+
+      call find(result, table, name, size(values), i)
+      result%columns(i)%x = values
+   end subroutine put_reals
+
+   !> Fills a column of complex numbers.
+   pure subroutine put_complexes(result, table, name, values)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row.
+      complex(wp), intent(in) :: values(:)
+      integer :: i
+
+      call find(result, table, name, size(values), i)
+      allocate (result%columns(i)%x(2*size(values)))
+      result%columns(i)%x(1::2) = values%re
+      result%columns(i)%x(2::2) = values%im
+   end subroutine put_complexes
+
+   !> Fills a column of whole numbers, verdicts, logical values (1, 0) or places of declared words.
+   pure subroutine put_wholes(result, table, name, values)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row.
+      integer, intent(in) :: values(:)
+      integer :: i
+
+      call find(result, table, name, size(values), i)
+      result%columns(i)%k = values
+   end subroutine put_wholes
+
+   !> Fills a column of words by their places in a list.
+   pure subroutine put_codes(result, table, name, codes, list)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row; 0 for no word.
+      integer, intent(in) :: codes(:)
+      !> The words.
+      type(line_type), intent(in) :: list(:)
+      integer :: i
+
+      call result%put_wholes(table, name, codes)
+      i = result%place(table, name)
+      result%columns(i)%words = list
+   end subroutine put_codes
+
+   !> Fills a column of words; each is kept once.
+   pure subroutine put_text(result, table, name, lines)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row.
+      type(line_type), intent(in) :: lines(:)
+      type(line_type), allocatable :: list(:)
+      integer :: codes(size(lines)), i, j
+
+      allocate (list(0))
+      codes = 0
+      do i = 1, size(lines)
+         do j = 1, size(list)
+            if (len(list(j)%text) == len(lines(i)%text)) then
+               if (list(j)%text == lines(i)%text) exit
+            end if
+         end do
+         codes(i) = j
+         if (j > size(list)) call append(list, lines(i)%text)
+      end do
+      call result%put_codes(table, name, codes, list)
+   end subroutine put_text
+
+   !> The numbers of a column, row by row.
+   pure subroutine get_reals(result, table, name, values)
+      !> The result.
+      class(result_type), intent(in) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> A copy of them; of complex ones real and imaginary parts one after the other.
+      real(wp), allocatable, intent(out) :: values(:)
+
+      values = result%columns(result%place(table, name))%x
+   end subroutine get_reals
+
+   !> The whole numbers of a column, or its codes.
+   pure subroutine get_wholes(result, table, name, values)
+      !> The result.
+      class(result_type), intent(in) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> A copy of them.
+      integer, allocatable, intent(out) :: values(:)
+
+      values = result%columns(result%place(table, name))%k
+   end subroutine get_wholes
+
+   !> Names a column in the CSV for what this case puts into it.
+   pure subroutine label(result, table, name, text)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Its name there.
+      character(*), intent(in) :: text
+      integer :: i
+
+      i = result%place(table, name)
+      result%columns(i)%column%label = text
+   end subroutine label
+
+   !> Adds a line to the header of files.
+   pure subroutine remark(result, text)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> The line.
+      character(*), intent(in) :: text
+
+      call append(result%remarks, '# ! '//text)
+   end subroutine remark
+
+   !> Adds a line on what was found.
+   pure subroutine say(result, text)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> The line.
+      character(*), intent(in) :: text
+
+      call add_note(result, .false., text)
+   end subroutine say
+
+   !> Adds a line on what failed or is not there.
+   pure subroutine fail(result, text)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> The line.
+      character(*), intent(in) :: text
+
+      call add_note(result, .true., text)
+   end subroutine fail
+
+   !> Adds a note.
+   pure subroutine add_note(result, fault, text)
+      !> The result.
+      class(result_type), intent(inout) :: result
+      !> Whether something failed.
+      logical, intent(in) :: fault
+      !> The line.
+      character(*), intent(in) :: text
+      type(note_type), allocatable :: longer(:)
+      integer :: n
+
+      n = size(result%notes)
+      allocate (longer(n + 1))
+      longer(:n) = result%notes
+      longer(n + 1)%fault = fault
+      longer(n + 1)%text = text
+      call move_alloc(longer, result%notes)
+   end subroutine add_note
+
+end module vi_result
