@@ -240,6 +240,187 @@ subroutine read_namelist(n_path, path, room, text, length, status)
    end do
 end subroutine read_namelist
 
+!> Runs the one case of a namelist text; see vi_door. Who gets the handle frees it, once.
+subroutine run_case(n, text, threads, tally, handle, status)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
+   use vi_door, only: run_text
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, threads
+   character(kind=c_char), intent(in) :: text(n)
+   integer(c_int), intent(inout) :: tally(3)
+   integer(c_int64_t), intent(out) :: handle
+   integer(c_int), intent(out) :: status
+   character(n) :: one_case
+
+   one_case = transfer(text, one_case)
+   call run_text(one_case, threads, handle, status, tally)
+end subroutine run_case
+
+!> What a result holds, as JSON: `text` has room for `room` bytes, `length` tells how many are
+!! wanted.
+subroutine describe_result(handle, room, text, length)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
+   use vi_door, only: describe => describe_result
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int64_t), intent(in) :: handle
+   integer(c_int), intent(in) :: room
+   character(kind=c_char), intent(out) :: text(room)
+   integer(c_int), intent(out) :: length
+   character(:), allocatable :: json
+   integer :: i
+
+   call describe(handle, json)
+   length = len(json)
+   text = ' '
+   do i = 1, min(length, room)
+      text(i) = json(i:i)
+   end do
+end subroutine describe_result
+
+!> Frees a result.
+subroutine free_result(handle)
+   use, intrinsic :: iso_c_binding, only: c_int64_t
+   use vi_door, only: free => free_result
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int64_t), intent(in) :: handle
+
+   call free(handle)
+end subroutine free_result
+
+!> A result without tables for the case of a namelist text; see vi_door.
+subroutine new_result(n, text, handle, status)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
+   use vi_door, only: new => new_result
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n
+   character(kind=c_char), intent(in) :: text(n)
+   integer(c_int64_t), intent(out) :: handle
+   integer(c_int), intent(out) :: status
+   character(n) :: one_case
+
+   one_case = transfer(text, one_case)
+   call new(one_case, handle, status)
+end subroutine new_result
+
+!> Opens a table: `names` are its own, its parent's (blank if it has none) and its dimensions'.
+subroutine open_table(handle, names, n, sizes, m, owners)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
+   use vi_door, only: open_one => open_table
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int64_t), intent(in) :: handle
+   character(kind=c_char), intent(in) :: names(96)
+   integer(c_int), intent(in) :: n, sizes(n), m, owners(m)
+   character(96) :: line
+
+   line = transfer(names, line)
+   call open_one(handle, trim(line(:16)), trim(line(33:)), sizes, trim(line(17:32)), owners)
+end subroutine open_table
+
+!> Fills a column of numbers: `names` are its table's and its own.
+subroutine fill_reals(handle, names, n, values)
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_int64_t
+   use vi_door, only: fill => fill_reals
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int64_t), intent(in) :: handle
+   character(kind=c_char), intent(in) :: names(40)
+   integer(c_int), intent(in) :: n
+   real(c_double), intent(in) :: values(n)
+   character(40) :: line
+
+   line = transfer(names, line)
+   call fill(handle, trim(line(:16)), trim(line(17:)), values)
+end subroutine fill_reals
+
+!> Fills a column of all else; `words` with line feeds between, one blank if there are none.
+subroutine fill_wholes(handle, names, n, values, m, words)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
+   use vi_door, only: fill => fill_wholes
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int64_t), intent(in) :: handle
+   character(kind=c_char), intent(in) :: names(40)
+   integer(c_int), intent(in) :: n, values(n), m
+   character(kind=c_char), intent(in) :: words(m)
+   character(40) :: line
+   character(m) :: list
+
+   line = transfer(names, line)
+   list = transfer(words, list)
+   call fill(handle, trim(line(:16)), trim(line(17:)), values, trim(list))
+end subroutine fill_wholes
+
+!> Says what there is to say of a result: a line on how it was cut short (or none), then remarks; a
+!! line feed stands behind each.
+subroutine say_of(handle, n, text)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
+   use vi_door, only: say => say_of
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int64_t), intent(in) :: handle
+   integer(c_int), intent(in) :: n
+   character(kind=c_char), intent(in) :: text(n)
+   character(n) :: lines
+   integer :: first
+
+   lines = transfer(text, lines)
+   first = index(lines, new_line('a'))
+   call say(handle, lines(:first - 1), lines(first + 1:))
+end subroutine say_of
+
+!> Writes a result as CSV; `message` says what went wrong, with blanks behind it.
+subroutine write_result(handle, n, path, message)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
+   use vi_door, only: name_after, result_of
+   use vi_result, only: result_type
+   use vi_write_csv, only: write_csv
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int64_t), intent(in) :: handle
+   integer(c_int), intent(in) :: n
+   character(kind=c_char), intent(in) :: path(n)
+   character(kind=c_char), intent(out) :: message(400)
+   type(result_type), pointer :: result
+   character(n) :: name
+   character(400) :: line
+   character(:), allocatable :: reason
+
+   name = transfer(path, name)
+   result => result_of(handle)
+   call name_after(result, name)
+   call write_csv(result, name, reason)
+   line = reason
+   message = transfer(line, message)
+end subroutine write_result
+
+!> The language of namelists and the columns of all results, as JSON.
+subroutine describe_language(room, text, length)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int
+   use vi_describe, only: describe_all
+   use vi_text, only: join, line_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: room
+   character(kind=c_char), intent(out) :: text(room)
+   integer(c_int), intent(out) :: length
+   type(line_type), allocatable :: lines(:)
+   character(:), allocatable :: json
+   integer :: i
+
+   call describe_all(lines)
+   json = join(lines, new_line('a'))
+   length = len(json)
+   text = ' '
+   do i = 1, min(length, room)
+      text(i) = json(i:i)
+   end do
+end subroutine describe_language
+
 !> Simulates from a state to an end of time, or until there are more than `room` events.
 !!
 !! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released).
@@ -828,25 +1009,6 @@ subroutine periodic_windows(n, periods, first, last, windows)
 
    call find_windows(periods, first, last, windows)
 end subroutine periodic_windows
-
-!> max|X|/A of what initial states settle on at n points, with its least and greatest value;
-!! `periods` as of `settle_chains`.
-subroutine response(n, states, xi, mu, walls, r, clearance, load, settling, keep, threads, &
-   tally, attenuation, envelope, periods, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_attractor_response, only: respond
-   use vi_oscillator, only: oscillator_type
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: n, states, settling, keep, threads
-   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(n), load
-   integer(c_int), intent(inout) :: tally(3)
-   real(c_double), intent(out) :: attenuation(states, n), envelope(2, n)
-   integer(c_int), intent(out) :: periods(4, states, n), status(states, n)
-
-   call respond(oscillator_type(xi, mu, walls), r, clearance, load, settling, keep, threads, &
-      attenuation, envelope, periods, status, tally)
-end subroutine response
 
 !> Numbers from low to high, with equal differences or (1) equal ratios.
 subroutine spaced(n, low, high, geometric, values)

@@ -1,6 +1,5 @@
-# The procedures of boundary.f90, which describes their arguments; .ci/check_stub.py compares the
-# two. At run time each is an object of f2py's that can be called, not a function: hence a protocol
-# for each.
+# The procedures of boundary.f90, which describes their arguments; written by .ci/check_stub.py. At run
+# time each is an object of f2py's that can be called, not a function: hence a protocol for each.
 
 from typing import Protocol, TypeAlias, type_check_only
 
@@ -15,45 +14,149 @@ _Bytes: TypeAlias = NDArray[np.bytes_]
 __f2py_numpy_version__: str
 
 @type_check_only
-class _Periodic(Protocol):
-    # impacts, scalars, multipliers, verdicts, status
+class _Atlas(Protocol):
+    # places, outcomes, sizes, status
     def __call__(
         self,
+        m: int,
         xi: float,
         mu: float,
         walls: ArrayLike,
         r: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        restitution: ArrayLike,
-        phases: ArrayLike,
-        acceptance: float,
-        single: int,
-        flights: int,
-        n: int = ...,
-        m: int = ...,
-    ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
+        clearance: ArrayLike,
+        most_cycles: int,
+        settling: int,
+        lines: int,
+        guesses: int,
+        points: int,
+        threads: int,
+        tally: _Integer,
+        patterns: _Integer,
+        sheets: _Integer,
+        vertices: _Real,
+        unknowns: _Real,
+        labels: _Integer,
+        loops: _Integer,
+        inside: _Real,
+        letters: _Integer,
+        most_letters: int = ...,
+        sheet_room: int = ...,
+        room: int = ...,
+        loop_room: int = ...,
+        letter_room: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, int]: ...
 
 @type_check_only
-class _StabilityFlags(Protocol):
-    # consistent, stable, radius, status, referred
+class _Basins(Protocol):
+    # labels, events, n, kinds, letters, states, balls
+    def __call__(
+        self,
+        most: int,
+        room: int,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        starts: ArrayLike,
+        cycles: int,
+        probes: int,
+        max_cycles: int,
+        threads: int,
+        tally: _Integer,
+        m: int = ...,
+    ) -> tuple[_Integer, float, int, _Integer, _Integer, _Real, _Real]: ...
+
+@type_check_only
+class _Bifurcation(Protocol):
+    # impacts, labels, found, periods, extremes, status
     def __call__(
         self,
         xi: float,
         mu: float,
         walls: ArrayLike,
         r: ArrayLike,
+        clearance: ArrayLike,
+        load: float,
+        place: int,
+        tied: int,
+        along: ArrayLike,
+        directions: ArrayLike,
+        started: int,
+        start: ArrayLike,
+        settling: int,
+        keep: int,
+        points: int,
+        threads: int,
+        tally: _Integer,
+        n: int = ...,
+        runs: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Integer]: ...
+
+@type_check_only
+class _Branch(Protocol):
+    # parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, reasons, status
+    def __call__(
+        self,
+        c: ArrayLike,
+        parameter: int,
+        tied: int,
+        bounds: ArrayLike,
         cycles: int,
         sides: ArrayLike,
-        restitution: ArrayLike,
-        phases: ArrayLike,
-        acceptance: float,
-        with_radius: int,
-        threads: int,
-        wide: int,
+        symmetric: int,
+        x: ArrayLike,
+        theta: ArrayLike,
+        longest: float,
+        room: int,
+        tally: _Integer,
         n: int = ...,
-        m: int = ...,
-    ) -> tuple[_Integer, _Integer, _Real, _Integer, int]: ...
+    ) -> tuple[
+        _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int
+    ]: ...
+
+@type_check_only
+class _ConditionText(Protocol):
+    # name, detail
+    def __call__(
+        self,
+        kind: int,
+        place: int,
+        side: int,
+        symmetric: int,
+        mirrored: int,
+    ) -> tuple[_Bytes, _Bytes]: ...
+
+@type_check_only
+class _DenseRing(Protocol):
+    # ring, n_ring
+    def __call__(
+        self,
+        vertices: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        inside: ArrayLike,
+        room: int,
+        n: int = ...,
+    ) -> tuple[_Real, int]: ...
+
+@type_check_only
+class _DescribeLanguage(Protocol):
+    # text, length
+    def __call__(
+        self,
+        room: int,
+    ) -> tuple[_Bytes, int]: ...
+
+@type_check_only
+class _DescribeResult(Protocol):
+    # text, length
+    def __call__(
+        self,
+        handle: int,
+        room: int,
+    ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
 class _Equispaced(Protocol):
@@ -73,130 +176,21 @@ class _Equispaced(Protocol):
     ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
-class _LinearSystem(Protocol):
-    # matrix, rhs
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        r: float,
-        cycles: int,
-        sides: ArrayLike,
-        restitution: ArrayLike,
-        phases: ArrayLike,
-        n: int = ...,
-    ) -> tuple[_Real, _Real]: ...
-
-@type_check_only
-class _ImpactMaps(Protocol):
-    # p, regular
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        r: float,
-        cycles: int,
-        sides: ArrayLike,
-        restitution: ArrayLike,
-        phases: ArrayLike,
-        impacts: ArrayLike,
-        amplitude: float,
-        tau: float,
-        n: int = ...,
-    ) -> tuple[_Real, int]: ...
-
-@type_check_only
-class _Sample(Protocol):
-    # values
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        r: float,
-        cycles: int,
-        sides: ArrayLike,
-        restitution: ArrayLike,
-        phases: ArrayLike,
-        impacts: ArrayLike,
-        amplitude: float,
-        tau: float,
-        times: ArrayLike,
-        n: int = ...,
-        m: int = ...,
-    ) -> _Real: ...
-
-@type_check_only
-class _StatusText(Protocol):
-    # text, length
-    def __call__(
-        self,
-        code: int,
-    ) -> tuple[_Bytes, int]: ...
-
-@type_check_only
-class _ConditionText(Protocol):
-    # name, detail
-    def __call__(
-        self, kind: int, place: int, side: int, symmetric: int, mirrored: int
-    ) -> tuple[_Bytes, _Bytes]: ...
-
-@type_check_only
-class _RunNamelists(Protocol):
-    # text, length, status
-    def __call__(
-        self,
-        paths: ArrayLike,
-        folder: ArrayLike,
-        only: ArrayLike,
-        room: int,
-        tally: _Integer,
-        n_paths: int = ...,
-        n_folder: int = ...,
-    ) -> tuple[_Bytes, int, int]: ...
-
-@type_check_only
-class _ReadNamelist(Protocol):
-    # text, length, status
-    def __call__(
-        self, path: ArrayLike, room: int, n_path: int = ...
-    ) -> tuple[_Bytes, int, int]: ...
-
-@type_check_only
-class _Simulate(Protocol):
-    # n_events, last_state, last_contact, end_state, end_contact, status
+class _EquispacedChart(Protocol):
+    # scalars, multipliers, verdicts, status
     def __call__(
         self,
         xi: float,
         mu: float,
         walls: ArrayLike,
-        r: float,
-        load: float,
-        clearance: float,
-        state: ArrayLike,
-        contact: ArrayLike,
-        last_cycle: float,
-        last_phase: float,
-        names: ArrayLike,
-        table: _Real,
-        room: int = ...,
-    ) -> tuple[int, _Real, _Integer, _Real, _Integer, int]: ...
-
-@type_check_only
-class _SampleTrajectory(Protocol):
-    # values
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        r: float,
-        load: float,
-        clearance: float,
-        starts: ArrayLike,
-        resting: ArrayLike,
-        times: ArrayLike,
-        n: int = ...,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        cycles: int,
+        with_multipliers: int,
+        threads: int,
         m: int = ...,
-    ) -> _Real: ...
+        n: int = ...,
+    ) -> tuple[_Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
 class _Exact(Protocol):
@@ -235,21 +229,26 @@ class _ExtremePositions(Protocol):
     ) -> tuple[float, float, int]: ...
 
 @type_check_only
-class _RestMotion(Protocol):
-    # point, multipliers, residual, values, labels, n_events, stable, status
+class _FillReals(Protocol):
     def __call__(
         self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: float,
-        load: float,
-        clearance: float,
-        side: int,
-        cycles: int,
-        guess: ArrayLike,
-        room: int,
-    ) -> tuple[_Real, _Complex, float, _Real, _Integer, int, int, int]: ...
+        handle: int,
+        names: ArrayLike,
+        values: ArrayLike,
+        n: int = ...,
+    ) -> None: ...
+
+@type_check_only
+class _FillWholes(Protocol):
+    def __call__(
+        self,
+        handle: int,
+        names: ArrayLike,
+        values: ArrayLike,
+        words: ArrayLike,
+        n: int = ...,
+        m: int = ...,
+    ) -> None: ...
 
 @type_check_only
 class _Find(Protocol):
@@ -288,22 +287,223 @@ class _Find(Protocol):
     ]: ...
 
 @type_check_only
-class _StandardMotion(Protocol):
-    # impacts, own_cycles, own_sides, own_unknowns, own_releases
+class _FinishChart(Protocol):
+    # phases, impacts, scalars, multipliers, verdicts, status
     def __call__(
         self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        clearance: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        room: int,
+        threads: int,
+        unknowns: ArrayLike,
+        ranks: ArrayLike,
+        found: ArrayLike,
+        n_impacts: int = ...,
+        keep: int = ...,
+        m: int = ...,
+        n: int = ...,
+    ) -> tuple[_Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
+
+@type_check_only
+class _FreeResult(Protocol):
+    def __call__(
+        self,
+        handle: int,
+    ) -> None: ...
+
+@type_check_only
+class _ImpactMaps(Protocol):
+    # p, regular
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        r: float,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        phases: ArrayLike,
+        impacts: ArrayLike,
+        amplitude: float,
+        tau: float,
+        n: int = ...,
+    ) -> tuple[_Real, int]: ...
+
+@type_check_only
+class _LargestDisc(Protocol):
+    # radius, place
+    def __call__(
+        self,
+        labels: ArrayLike,
+        label: int,
+        cells: ArrayLike,
+        m: int = ...,
+        n: int = ...,
+    ) -> tuple[float, _Integer]: ...
+
+@type_check_only
+class _LinearSystem(Protocol):
+    # matrix, rhs
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        r: float,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        phases: ArrayLike,
+        n: int = ...,
+    ) -> tuple[_Real, _Real]: ...
+
+@type_check_only
+class _Lyapunov(Protocol):
+    # exponents, deviations, dimensions, counts, errors, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        load: ArrayLike,
+        clearance: ArrayLike,
+        states: ArrayLike,
+        contacts: ArrayLike,
+        discard: int,
+        cycles: int,
+        batches: int,
+        threads: int,
+        tally: _Integer,
+        m: int = ...,
+    ) -> tuple[_Real, _Real, _Real, _Integer, _Real, _Integer]: ...
+
+@type_check_only
+class _NewResult(Protocol):
+    # handle, status
+    def __call__(
+        self,
+        text: ArrayLike,
+        n: int = ...,
+    ) -> tuple[int, int]: ...
+
+@type_check_only
+class _OpenTable(Protocol):
+    def __call__(
+        self,
+        handle: int,
+        names: ArrayLike,
+        sizes: ArrayLike,
+        owners: ArrayLike,
+        n: int = ...,
+        m: int = ...,
+    ) -> None: ...
+
+@type_check_only
+class _OutcomeText(Protocol):
+    # name
+    def __call__(
+        self,
+        outcome: int,
+    ) -> _Bytes: ...
+
+@type_check_only
+class _Periodic(Protocol):
+    # impacts, scalars, multipliers, verdicts, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        phases: ArrayLike,
+        acceptance: float,
+        single: int,
+        flights: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
+
+@type_check_only
+class _PeriodicWindows(Protocol):
+    # first, last, windows
+    def __call__(
+        self,
+        periods: ArrayLike,
+        n: int = ...,
+    ) -> tuple[_Integer, _Integer, int]: ...
+
+@type_check_only
+class _RandomStates(Protocol):
+    # states
+    def __call__(
+        self,
+        n: int,
+        seed: int,
         xi: float,
         r: float,
         load: float,
         clearance: float,
+    ) -> _Real: ...
+
+@type_check_only
+class _ReadNamelist(Protocol):
+    # text, length, status
+    def __call__(
+        self,
+        path: ArrayLike,
+        room: int,
+        n_path: int = ...,
+    ) -> tuple[_Bytes, int, int]: ...
+
+@type_check_only
+class _RestMotion(Protocol):
+    # point, multipliers, residual, values, labels, n_events, stable, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        side: int,
         cycles: int,
-        sides: ArrayLike,
-        unknowns: ArrayLike,
-        releases: ArrayLike,
-        mirror: int,
+        guess: ArrayLike,
+        room: int,
+    ) -> tuple[_Real, _Complex, float, _Real, _Integer, int, int, int]: ...
+
+@type_check_only
+class _RunCase(Protocol):
+    # handle, status
+    def __call__(
+        self,
+        text: ArrayLike,
+        threads: int,
+        tally: _Integer,
         n: int = ...,
-        m: int = ...,
-    ) -> tuple[int, int, _Integer, _Real, _Real]: ...
+    ) -> tuple[int, int]: ...
+
+@type_check_only
+class _RunNamelists(Protocol):
+    # text, length, status
+    def __call__(
+        self,
+        paths: ArrayLike,
+        folder: ArrayLike,
+        only: ArrayLike,
+        room: int,
+        tally: _Integer,
+        n_paths: int = ...,
+        n_folder: int = ...,
+    ) -> tuple[_Bytes, int, int]: ...
 
 @type_check_only
 class _SameMotion(Protocol):
@@ -327,6 +527,52 @@ class _SameMotion(Protocol):
     ) -> int: ...
 
 @type_check_only
+class _Sample(Protocol):
+    # values
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        r: float,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        phases: ArrayLike,
+        impacts: ArrayLike,
+        amplitude: float,
+        tau: float,
+        times: ArrayLike,
+        n: int = ...,
+        m: int = ...,
+    ) -> _Real: ...
+
+@type_check_only
+class _SampleTrajectory(Protocol):
+    # values
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        r: float,
+        load: float,
+        clearance: float,
+        starts: ArrayLike,
+        resting: ArrayLike,
+        times: ArrayLike,
+        n: int = ...,
+        m: int = ...,
+    ) -> _Real: ...
+
+@type_check_only
+class _SayOf(Protocol):
+    def __call__(
+        self,
+        handle: int,
+        text: ArrayLike,
+        n: int = ...,
+    ) -> None: ...
+
+@type_check_only
 class _SearchPattern(Protocol):
     # found, n_found, tried
     def __call__(
@@ -343,101 +589,6 @@ class _SearchPattern(Protocol):
         room: int,
         n: int = ...,
     ) -> tuple[_Real, int, int]: ...
-
-@type_check_only
-class _StartState(Protocol):
-    # state, contact
-    def __call__(
-        self,
-        xi: float,
-        r: float,
-        load: float,
-        clearance: float,
-        start: ArrayLike,
-    ) -> tuple[_Real, _Integer]: ...
-
-@type_check_only
-class _SimulateBundle(Protocol):
-    # end_states, end_contacts, counts, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        load: ArrayLike,
-        clearance: ArrayLike,
-        cycles: float,
-        most_events: int,
-        threads: int,
-        states: ArrayLike,
-        contacts: ArrayLike,
-        m: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, _Integer]: ...
-
-@type_check_only
-class _Branch(Protocol):
-    # parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, reasons,
-    # status
-    def __call__(
-        self,
-        c: ArrayLike,
-        parameter: int,
-        tied: int,
-        bounds: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        symmetric: int,
-        x: ArrayLike,
-        theta: ArrayLike,
-        longest: float,
-        room: int,
-        tally: _Integer,
-        n: int = ...,
-    ) -> tuple[
-        _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int
-    ]: ...
-
-@type_check_only
-class _Zone(Protocol):
-    # vertices, unknowns, labels, n_vertices, loops, inside, n_loops, open_seeds, work, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        symmetric: int,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        lines: int,
-        guesses: int,
-        points: int,
-        seeds: ArrayLike,
-        tally: _Integer,
-        room: int,
-        loop_room: int,
-        n: int = ...,
-        m: int = ...,
-    ) -> tuple[_Real, _Real, _Integer, int, _Integer, _Real, int, _Integer, _Integer, int]: ...
-
-@type_check_only
-class _EquispacedChart(Protocol):
-    # scalars, multipliers, verdicts, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        cycles: int,
-        with_multipliers: int,
-        threads: int,
-        m: int = ...,
-        n: int = ...,
-    ) -> tuple[_Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
 class _SeedFlood(Protocol):
@@ -465,6 +616,115 @@ class _SeedFlood(Protocol):
     ) -> None: ...
 
 @type_check_only
+class _Simulate(Protocol):
+    # n_events, last_state, last_contact, end_state, end_contact, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        state: ArrayLike,
+        contact: ArrayLike,
+        last_cycle: float,
+        last_phase: float,
+        names: ArrayLike,
+        table: _Real,
+        room: int = ...,
+    ) -> tuple[int, _Real, _Integer, _Real, _Integer, int]: ...
+
+@type_check_only
+class _SimulateBundle(Protocol):
+    # end_states, end_contacts, counts, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        load: ArrayLike,
+        clearance: ArrayLike,
+        cycles: float,
+        most_events: int,
+        threads: int,
+        states: ArrayLike,
+        contacts: ArrayLike,
+        m: int = ...,
+    ) -> tuple[_Real, _Integer, _Integer, _Integer]: ...
+
+@type_check_only
+class _Spaced(Protocol):
+    # values
+    def __call__(
+        self,
+        n: int,
+        low: float,
+        high: float,
+        geometric: int,
+    ) -> _Real: ...
+
+@type_check_only
+class _StabilityFlags(Protocol):
+    # consistent, stable, radius, status, referred
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        phases: ArrayLike,
+        acceptance: float,
+        with_radius: int,
+        threads: int,
+        wide: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> tuple[_Integer, _Integer, _Real, _Integer, int]: ...
+
+@type_check_only
+class _StandardMotion(Protocol):
+    # impacts, own_cycles, own_sides, own_unknowns, own_releases
+    def __call__(
+        self,
+        xi: float,
+        r: float,
+        load: float,
+        clearance: float,
+        cycles: int,
+        sides: ArrayLike,
+        unknowns: ArrayLike,
+        releases: ArrayLike,
+        mirror: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> tuple[int, int, _Integer, _Real, _Real]: ...
+
+@type_check_only
+class _StartState(Protocol):
+    # state, contact
+    def __call__(
+        self,
+        xi: float,
+        r: float,
+        load: float,
+        clearance: float,
+        start: ArrayLike,
+    ) -> tuple[_Real, _Integer]: ...
+
+@type_check_only
+class _StatusText(Protocol):
+    # text, length
+    def __call__(
+        self,
+        code: int,
+    ) -> tuple[_Bytes, int]: ...
+
+@type_check_only
 class _SweepFlood(Protocol):
     # gained
     def __call__(
@@ -489,242 +749,106 @@ class _SweepFlood(Protocol):
     ) -> int: ...
 
 @type_check_only
-class _FinishChart(Protocol):
-    # phases, impacts, scalars, multipliers, verdicts, status
+class _UncertainPairs(Protocol):
+    # pairs, count, exponent
     def __call__(
         self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        room: int,
-        threads: int,
-        unknowns: ArrayLike,
-        ranks: ArrayLike,
-        found: ArrayLike,
-        n_impacts: int = ...,
-        keep: int = ...,
+        labels: ArrayLike,
         m: int = ...,
         n: int = ...,
-    ) -> tuple[_Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
-
-@type_check_only
-class _DenseRing(Protocol):
-    # ring, n_ring
-    def __call__(
-        self,
-        vertices: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        inside: ArrayLike,
-        room: int,
-        n: int = ...,
-    ) -> tuple[_Real, int]: ...
+    ) -> tuple[_Real, int, float]: ...
 
 @type_check_only
 class _Winding(Protocol):
     # turns
     def __call__(
-        self, ring: ArrayLike, points: ArrayLike, n: int = ..., m: int = ...
+        self,
+        ring: ArrayLike,
+        points: ArrayLike,
+        n: int = ...,
+        m: int = ...,
     ) -> _Integer: ...
 
 @type_check_only
-class _Atlas(Protocol):
-    # places, outcomes, sizes, status
+class _WriteResult(Protocol):
+    # message
     def __call__(
         self,
-        m: int,
+        handle: int,
+        path: ArrayLike,
+        n: int = ...,
+    ) -> _Bytes: ...
+
+@type_check_only
+class _Zone(Protocol):
+    # vertices, unknowns, labels, n_vertices, loops, inside, n_loops, open_seeds, work, status
+    def __call__(
+        self,
         xi: float,
         mu: float,
         walls: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        symmetric: int,
         r: ArrayLike,
         clearance: ArrayLike,
-        most_cycles: int,
-        settling: int,
         lines: int,
         guesses: int,
         points: int,
-        threads: int,
+        seeds: ArrayLike,
         tally: _Integer,
-        patterns: _Integer,
-        sheets: _Integer,
-        vertices: _Real,
-        unknowns: _Real,
-        labels: _Integer,
-        loops: _Integer,
-        inside: _Real,
-        letters: _Integer,
-        most_letters: int = ...,
-        sheet_room: int = ...,
-        room: int = ...,
-        loop_room: int = ...,
-        letter_room: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, int]: ...
-
-@type_check_only
-class _OutcomeText(Protocol):
-    # name
-    def __call__(self, outcome: int) -> _Bytes: ...
-
-@type_check_only
-class _Lyapunov(Protocol):
-    # exponents, deviations, dimensions, counts, errors, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        load: ArrayLike,
-        clearance: ArrayLike,
-        states: ArrayLike,
-        contacts: ArrayLike,
-        discard: int,
-        cycles: int,
-        batches: int,
-        threads: int,
-        tally: _Integer,
-        m: int = ...,
-    ) -> tuple[_Real, _Real, _Real, _Integer, _Real, _Integer]: ...
-
-@type_check_only
-class _Bifurcation(Protocol):
-    # impacts, labels, found, periods, extremes, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        load: float,
-        place: int,
-        tied: int,
-        along: ArrayLike,
-        directions: ArrayLike,
-        started: int,
-        start: ArrayLike,
-        settling: int,
-        keep: int,
-        points: int,
-        threads: int,
-        tally: _Integer,
-        n: int = ...,
-        runs: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Integer]: ...
-
-@type_check_only
-class _PeriodicWindows(Protocol):
-    # first, last, windows
-    def __call__(self, periods: ArrayLike, n: int = ...) -> tuple[_Integer, _Integer, int]: ...
-
-@type_check_only
-class _Response(Protocol):
-    # attenuation, envelope, periods, status
-    def __call__(
-        self,
-        states: int,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        load: float,
-        settling: int,
-        keep: int,
-        threads: int,
-        tally: _Integer,
-        n: int = ...,
-    ) -> tuple[_Real, _Real, _Integer, _Integer]: ...
-
-@type_check_only
-class _Spaced(Protocol):
-    # values
-    def __call__(self, n: int, low: float, high: float, geometric: int) -> _Real: ...
-
-@type_check_only
-class _RandomStates(Protocol):
-    # states
-    def __call__(
-        self, n: int, seed: int, xi: float, r: float, load: float, clearance: float
-    ) -> _Real: ...
-
-@type_check_only
-class _UncertainPairs(Protocol):
-    # pairs, count, exponent
-    def __call__(
-        self, labels: ArrayLike, m: int = ..., n: int = ...
-    ) -> tuple[_Real, int, float]: ...
-
-@type_check_only
-class _LargestDisc(Protocol):
-    # radius, place
-    def __call__(
-        self, labels: ArrayLike, label: int, cells: ArrayLike, m: int = ..., n: int = ...
-    ) -> tuple[float, _Integer]: ...
-
-@type_check_only
-class _Basins(Protocol):
-    # labels, events, n, kinds, letters, states, balls
-    def __call__(
-        self,
-        most: int,
         room: int,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: float,
-        load: float,
-        clearance: float,
-        starts: ArrayLike,
-        cycles: int,
-        probes: int,
-        max_cycles: int,
-        threads: int,
-        tally: _Integer,
+        loop_room: int,
+        n: int = ...,
         m: int = ...,
-    ) -> tuple[_Integer, float, int, _Integer, _Integer, _Real, _Real]: ...
+    ) -> tuple[_Real, _Real, _Integer, int, _Integer, _Real, int, _Integer, _Integer, int]: ...
 
-periodic: _Periodic
-stability_flags: _StabilityFlags
-equispaced: _Equispaced
-linear_system: _LinearSystem
-impact_maps: _ImpactMaps
-sample: _Sample
-status_text: _StatusText
+atlas: _Atlas
+basins: _Basins
+bifurcation: _Bifurcation
+branch: _Branch
 condition_text: _ConditionText
-run_namelists: _RunNamelists
-read_namelist: _ReadNamelist
-simulate: _Simulate
-sample_trajectory: _SampleTrajectory
+dense_ring: _DenseRing
+describe_language: _DescribeLanguage
+describe_result: _DescribeResult
+equispaced: _Equispaced
+equispaced_chart: _EquispacedChart
 exact: _Exact
 extreme_positions: _ExtremePositions
-rest_motion: _RestMotion
+fill_reals: _FillReals
+fill_wholes: _FillWholes
 find: _Find
-standard_motion: _StandardMotion
-same_motion: _SameMotion
-search_pattern: _SearchPattern
-start_state: _StartState
-simulate_bundle: _SimulateBundle
-branch: _Branch
-zone: _Zone
-equispaced_chart: _EquispacedChart
-seed_flood: _SeedFlood
-sweep_flood: _SweepFlood
 finish_chart: _FinishChart
-dense_ring: _DenseRing
-winding: _Winding
-atlas: _Atlas
-outcome_text: _OutcomeText
-lyapunov: _Lyapunov
-bifurcation: _Bifurcation
-periodic_windows: _PeriodicWindows
-response: _Response
-spaced: _Spaced
-random_states: _RandomStates
-uncertain_pairs: _UncertainPairs
+free_result: _FreeResult
+impact_maps: _ImpactMaps
 largest_disc: _LargestDisc
-basins: _Basins
+linear_system: _LinearSystem
+lyapunov: _Lyapunov
+new_result: _NewResult
+open_table: _OpenTable
+outcome_text: _OutcomeText
+periodic: _Periodic
+periodic_windows: _PeriodicWindows
+random_states: _RandomStates
+read_namelist: _ReadNamelist
+rest_motion: _RestMotion
+run_case: _RunCase
+run_namelists: _RunNamelists
+same_motion: _SameMotion
+sample: _Sample
+sample_trajectory: _SampleTrajectory
+say_of: _SayOf
+search_pattern: _SearchPattern
+seed_flood: _SeedFlood
+simulate: _Simulate
+simulate_bundle: _SimulateBundle
+spaced: _Spaced
+stability_flags: _StabilityFlags
+standard_motion: _StandardMotion
+start_state: _StartState
+status_text: _StatusText
+sweep_flood: _SweepFlood
+uncertain_pairs: _UncertainPairs
+winding: _Winding
+write_result: _WriteResult
+zone: _Zone

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
+from . import _core, door
 from .chart import chart, chart_arrays
 from .chart_arrays import ChartArrays
 from .errors import ParameterError, SingularError, StudyInterrupted
@@ -24,7 +24,7 @@ from .studies.basins import Basins, basins
 from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.branch import Branch, branch
 from .studies.lyapunov import Lyapunov, lyapunov
-from .studies.response import Response, response
+from .studies.response import Response
 from .studies.spacing import spaced
 from .studies.zone import Zone
 from .studies.zone_search import zone
@@ -215,11 +215,7 @@ class Case(NamedTuple):
 
     def response(self, progress: Callable[[float, str], None] | None = None) -> Response:
         """The response that a &response case asks for."""
-        keys = self.keys
-        names = ("clearance", "inverse_clearance", "states", "load", "settling", "keep")
-        line = spaced(keys["r_min"], keys["r_max"], keys["r_points"])
-        given = {name: keys[name] for name in names if name in keys}
-        return response(self.osc, line, **given, progress=progress)
+        return door.run_text(Response, self.text, progress=progress)
 
     def basins(self, progress: Callable[[float, str], None] | None = None) -> Basins:
         """The basins that a &basins case asks for."""
@@ -294,18 +290,25 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     cases: list[dict[str, Any]] = []
     # the reader gives each case as the header of its result has it: one `# key = value` a line
     for line in said.split("\n"):
-        group, (key, equals, value) = line[2:3] == "&", line[2:].strip().partition(" = ")
-        if group and key == "&system":
+        if line.startswith("# &system"):
             cases.append({"text": ""})
-        elif group and key == "&branch":
-            cases[-1].update(motion_kind=cases[-1]["kind"], kind="branch")
-        elif group and key != "&output":
-            cases[-1].setdefault("kind", key[1:])
-        elif equals and not key.startswith("!"):
-            cases[-1][key] = _value(value)
         if cases and not line.startswith("# !"):
             cases[-1]["text"] += line[2:] + "\n"
-    return [_case(keys) for keys in cases]
+    return [_case(keys_of(item["text"]) | item) for item in cases]
+
+
+def keys_of(text: str) -> dict[str, Any]:
+    """The keys of a case that the core completed, one `key = value` a line, and its kind."""
+    keys: dict[str, Any] = {}
+    for line in text.split("\n"):
+        name, equals, value = line.strip().partition(" = ")
+        if name == "&branch":
+            keys |= {"motion_kind": keys["kind"], "kind": "branch"}
+        elif line[:1] == "&" and name not in ("&system", "&output"):
+            keys.setdefault("kind", name[1:])
+        elif equals:
+            keys[name] = _value(value)
+    return keys
 
 
 def _case(keys: dict[str, Any]) -> Case:

@@ -2,6 +2,7 @@
 !! table, with the columns of the tables that it belongs to repeated.
 module vi_csv
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use vi_buffer, only: add, buffer_type
    use vi_kinds, only: wp
    use vi_motion, only: unknown, yes
    use vi_result, only: complexes, filled_type, reals, result_type, rows_of, table_type, truths, &
@@ -11,12 +12,6 @@ module vi_csv
    private
 
    public :: csv_header, csv_rows, row_count
-
-   !> A text that grows.
-   type :: buffer_type
-      character(:), allocatable :: text
-      integer :: n = 0
-   end type buffer_type
 
 contains
 
@@ -34,10 +29,10 @@ contains
       do i = 1, size(result%case)
          call append(lines, result%case(i)%text)
       end do
+      if (len(result%cut) > 0) call append(lines, '# ! cut short: '//result%cut)
       do i = 1, size(result%remarks)
-         call append(lines, result%remarks(i)%text)
+         call append(lines, '# ! '//result%remarks(i)%text)
       end do
-      allocate (character(1000) :: buffer%text)
       do i = 1, size(result%columns)
          associate (filled => result%columns(i), column => result%columns(i)%column)
             if (.not. column%listed) cycle
@@ -99,7 +94,6 @@ contains
       type(buffer_type) :: buffer
       integer :: rows(size(result%tables)), i, row, start
 
-      allocate (character(4000) :: buffer%text)
       each_row: do row = first, last
          call find_rows(result%tables, findloc(result%tables%name == result%row, .true., 1), row, &
             rows)
@@ -117,7 +111,8 @@ contains
          buffer%text(start + 1:buffer%n - 1) = buffer%text(start + 2:buffer%n)  ! the first comma
          buffer%text(buffer%n:buffer%n) = new_line('a')
       end do each_row
-      text = buffer%text(:buffer%n)
+      text = ''
+      if (buffer%n > 0) text = buffer%text(:buffer%n)
    end subroutine csv_rows
 
    !> The row of each table that a row of one belongs to: by its parent, or by one of its
@@ -138,9 +133,8 @@ contains
          rest = row - 1
          do i = 1, table%n_dims
             do j = 1, size(tables)
-               if (j /= place .and. tables(j)%n_dims == 1 .and. tables(j)%dims(1) == &
-                  table%dims(i)) &
-                  rows(j) = modulo(rest, table%sizes(i)) + 1
+               if (j == place .or. tables(j)%n_dims /= 1) cycle
+               if (tables(j)%dims(1) == table%dims(i)) rows(j) = modulo(rest, table%sizes(i)) + 1
             end do
             rest = rest/table%sizes(i)
          end do
@@ -203,22 +197,5 @@ contains
          call add(buffer, trim(merge(',inf ', ',-inf', value > 0)))
       end if
    end subroutine add_number
-
-   !> Adds to a text.
-   pure subroutine add(buffer, text)
-      !> The text so far.
-      type(buffer_type), intent(inout) :: buffer
-      !> What is added.
-      character(*), intent(in) :: text
-      character(:), allocatable :: longer
-
-      if (buffer%n + len(text) > len(buffer%text)) then
-         allocate (character(2*len(buffer%text) + len(text)) :: longer)
-         longer(:buffer%n) = buffer%text(:buffer%n)
-         call move_alloc(longer, buffer%text)
-      end if
-      buffer%text(buffer%n + 1:buffer%n + len(text)) = text
-      buffer%n = buffer%n + len(text)
-   end subroutine add
 
 end module vi_csv

@@ -17,6 +17,10 @@ module vi_result
    integer, parameter, public :: reals = 1, wholes = 2, words = 3, verdicts = 4, truths = 5, &
       complexes = 6
 
+   !> Their names for programs.
+   character(8), parameter, public :: column_kinds(complexes) = [character(8) :: 'real', 'whole', &
+      'word', 'verdict', 'truth', 'complex']
+
    !> A column as a study declares it; its place in the declaration is its place in the CSV.
    type, public :: column_type
       character(16) :: table = ''
@@ -73,7 +77,7 @@ module vi_result
    type, public :: result_type
       !> The complete case as a namelist, each line behind `#`.
       type(line_type), allocatable :: case(:)
-      !> Remarks in the header of a file, beginning with `# !`.
+      !> Remarks for the header of a file.
       type(line_type), allocatable :: remarks(:)
       type(note_type), allocatable :: notes(:)
       type(table_type), allocatable :: tables(:)
@@ -82,6 +86,8 @@ module vi_result
       character(16) :: row = ''
       !> Whether nothing was found that a file could hold.
       logical :: empty = .false.
+      !> How far it came, if it was stopped before its end; else empty.
+      character(:), allocatable :: cut
    contains
       procedure :: fail, get_reals, get_wholes, label, open, place, put_codes, put_complexes, &
          put_reals, put_text, put_wholes, remark, say
@@ -103,6 +109,7 @@ contains
       integer :: i
 
       result%case = case
+      result%cut = ''
       allocate (result%remarks(0), result%notes(0), result%tables(0), &
          result%columns(size(columns)))
       do i = 1, size(columns)
@@ -336,7 +343,7 @@ contains
       !> The line.
       character(*), intent(in) :: text
 
-      call append(result%remarks, '# ! '//text)
+      call append(result%remarks, text)
    end subroutine remark
 
    !> Adds a line on what was found.

@@ -8,7 +8,7 @@ module vi_values
    use vi_kinds, only: wp
    use vi_namelist, only: assignment_type, group_type
    use vi_parse, only: parse_numbers, parse_subscript, parse_words
-   use vi_text, only: append, exact_list, line_type, lower, number_text, whole
+   use vi_text, only: append, exact_list, lengthen, line_type, lower, number_text, whole
    implicit none (type, external)
    private
 
@@ -115,9 +115,9 @@ contains
                return
             end if
             if (.not. value%given) then
-               allocate (value%numbers(key%most), value%words(key%most))
-               allocate (value%origin(key%most), source=0)
+               allocate (value%numbers(0), value%words(0), value%origin(0))
             end if
+            call make_room(value, first + n - 1, key%kind)
             value%given = .true.
             value%there = .true.
             do j = 1, n
@@ -138,6 +138,32 @@ contains
          end associate
       end associate
    end subroutine assign
+
+   !> Makes room for a list.
+   pure subroutine make_room(value, n, kind)
+      !> What the key has so far.
+      type(value_type), intent(inout) :: value
+      !> Length that the list is about to have, at least.
+      integer, intent(in) :: n
+      !> Of the key.
+      integer, intent(in) :: kind
+      integer, allocatable :: origin(:)
+      real(wp), allocatable :: numbers(:)
+      integer :: old
+
+      old = size(value%origin)
+      if (n <= old) return
+      allocate (origin(n), source=0)
+      origin(:old) = value%origin
+      call move_alloc(origin, value%origin)
+      if (kind == a_word) then
+         call lengthen(value%words, n - old)
+      else
+         allocate (numbers(n), source=0.0_wp)
+         numbers(:old) = value%numbers
+         call move_alloc(numbers, value%numbers)
+      end if
+   end subroutine make_room
 
    !> What a text means for a key.
    pure subroutine interpret(key, text, numbers, words, good)

@@ -1,9 +1,7 @@
 !> Runs the cases of a namelist file and writes their results.
 module vi_batch
    use vi_case, only: case_type
-   use vi_csv, only: csv_header, csv_rows, row_count
-   use vi_files, only: add_text, close_file, make_folder, new_file_type, open_file, same_file, &
-      writable, write_file
+   use vi_files, only: make_folder, same_file, writable, write_file
    use vi_log, only: done, failed, log_type, say, wrong
    use vi_printout, only: print_motions
    use vi_processor, only: available_threads
@@ -12,6 +10,7 @@ module vi_batch
    use vi_result, only: result_type
    use vi_study_list, only: run_study
    use vi_text, only: append, line_type, lower, whole
+   use vi_write_csv, only: write_csv
    implicit none (type, external)
    private
 
@@ -104,34 +103,6 @@ contains
       call append(log%results, table)
       call say(log, done, case%name//': '//table)
    end subroutine run_case
-
-   !> Writes a result as CSV; `message` is empty if that went well.
-   subroutine write_csv(result, path, message)
-      !> The result.
-      type(result_type), intent(in) :: result
-      !> Of the file.
-      character(*), intent(in) :: path
-      !> What went wrong.
-      character(:), allocatable, intent(out) :: message
-      !> Rows that are put into words at a time.
-      integer, parameter :: block = 4096
-      type(new_file_type) :: file
-      type(line_type), allocatable :: head(:)
-      character(:), allocatable :: text
-      integer :: i, rows
-
-      call open_file(path, file)
-      call csv_header(result, head)
-      do i = 1, size(head)
-         call add_text(file, head(i)%text//new_line('a'))
-      end do
-      rows = row_count(result)
-      do i = 1, rows, block
-         call csv_rows(result, i, min(rows, i + block - 1), text)
-         call add_text(file, text)
-      end do
-      call close_file(file, message)
-   end subroutine write_csv
 
    !> Keeps the cases of one kind, of which there has to be one.
    subroutine keep(path, only, cases, message)

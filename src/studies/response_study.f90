@@ -14,12 +14,20 @@ module vi_response_study
 
    public :: check_response, run_response
 
-   type(key_type), parameter, public :: response_keys(*) = [window_keys(1:2), &
-      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, meaning='frequency ratios'), &
-      key_type('clearance', low=clearance_key%low, high=clearance_key%high, &
-      or='inverse_clearance', unit='F0/K', meaning='clearance d K/F0'), &
-      key_type('inverse_clearance', low=1.0e-12_wp, high=1.0e12_wp, or='clearance', &
-      unit='K/F0', meaning='F0/(d K)'), &
+   type(key_type), parameter, public :: response_keys(*) = [ &
+      key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
+      may_miss=.true., &
+      meaning='the frequency ratios, if they are not evenly spaced'), &
+      key_type('r_min', low=window_keys(1)%low, high=window_keys(1)%high, never='r', &
+      meaning='first frequency ratio'), &
+      key_type('r_max', low=window_keys(1)%low, high=window_keys(1)%high, over='r_min', never='r', &
+      meaning='last frequency ratio'), &
+      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, never='r', &
+      meaning='frequency ratios'), &
+      key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
+      or='inverse_clearance', unit='F0/K', meaning='clearance d K/F0, one or one for each r'), &
+      key_type('inverse_clearance', most=1000000, low=1.0e-12_wp, high=1.0e12_wp, &
+      or='clearance', unit='K/F0', meaning='F0/(d K), one or one for each r'), &
       key_type('states', a_whole, default='24', low=1.0_wp, high=1.0e6_wp, &
       meaning='initial states at each, spread evenly'), &
       key_type('settling', a_whole, default='600', low=0.0_wp, high=1.0e7_wp, &
@@ -49,16 +57,22 @@ contains
    subroutine check_response(case)
       !> The case.
       type(case_type), intent(inout) :: case
+      character(:), allocatable :: key
+      integer :: n
 
       associate (study => case%study)
          if (len(study%fault) > 0) return
+         n = size(r_values(case))
          if (case%osc%xi <= 0) then
-            if (any(abs(r_values(case) - 1) <= 0)) call study%refuse('r_min', resonance// &
+            key = trim(merge('r    ', 'r_min', study%has('r')))
+            if (any(abs(r_values(case) - 1) <= 0)) call study%refuse(key, resonance// &
                'among the values')
          end if
-         call check_product(study, 'states', [study%whole_number('r_points'), &
-            study%whole_number('states')], 'r_points x states must be at most '// &
-            whole(most_numbers))
+         key = clearance_name(case)
+         if (all(size(study%numbers(key)) /= [1, n])) call study%refuse(key, 'one number, or '// &
+            whole(n)//' as of r')
+         call check_product(study, 'states', [n, study%whole_number('states')], &
+            'r_points x states must be at most '//whole(most_numbers))
       end associate
    end subroutine check_response
 
@@ -68,21 +82,37 @@ contains
       type(case_type), intent(in) :: case
       real(wp), allocatable :: r(:)
 
-      r = even(case%study%number('r_min'), case%study%number('r_max'), &
-         case%study%whole_number('r_points'))
+      if (case%study%has('r')) then
+         r = case%study%numbers('r')
+      else
+         r = even(case%study%number('r_min'), case%study%number('r_max'), &
+            case%study%whole_number('r_points'))
+      end if
    end function r_values
 
-   !> The clearance of a case that has it or its inverse.
-   pure real(wp) function response_clearance(case) result(clearance)
+   !> The key that gives the clearance, or its inverse.
+   pure function clearance_name(case) result(name)
       !> The case.
       type(case_type), intent(in) :: case
+      character(merge(9, 17, case%study%has('clearance'))) :: name
 
-      if (case%study%has('clearance')) then
-         clearance = case%study%number('clearance')
-      else
-         clearance = 1/case%study%number('inverse_clearance')
-      end if
-   end function response_clearance
+      name = merge('clearance        ', 'inverse_clearance', case%study%has('clearance'))
+   end function clearance_name
+
+   !> The clearance at each frequency ratio.
+   pure function clearance_values(case, n) result(clearance)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> Frequency ratios.
+      integer, intent(in) :: n
+      real(wp) :: clearance(n)
+
+      associate (given => case%study%numbers(clearance_name(case)))
+         clearance = given(1)
+         if (size(given) == n) clearance = given
+      end associate
+      if (case%study%has('inverse_clearance')) clearance = 1/clearance
+   end function clearance_values
 
    !> Finds max|X|/A over the attractors at each frequency ratio, and its least and greatest.
    subroutine run_response(case, threads, result, tally)
@@ -95,35 +125,39 @@ contains
       !> As of vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: r(:), clearance(:), attenuation(:, :), envelope(:, :)
-      integer, allocatable :: periods(:, :, :), status(:, :)
-      integer :: n, states, lost
+      integer, allocatable :: periods(:, :, :), status(:, :), done(:)
+      integer :: n, states, lost, i
 
       allocate (r, source=r_values(case))
       n = size(r)
       states = case%study%whole_number('states')
-      allocate (clearance(n), source=response_clearance(case))
+      allocate (clearance, source=clearance_values(case, n))
       allocate (attenuation(states, n), envelope(2, n), periods(4, states, n), status(states, n))
       call respond(case%osc, r, clearance, case%study%number('load'), &
          case%study%whole_number('settling'), case%study%whole_number('keep'), threads, &
          attenuation, envelope, periods, status, tally)
-      call result%open('points', 'r', [n])
-      call result%put('points', 'r', r)
-      call result%put('points', 'clearance', clearance)
-      call result%put('points', 'lowest', envelope(1, :))
-      call result%put('points', 'highest', envelope(2, :))
-      call result%open('runs', 'state r', [states, n])
-      call result%put('runs', 'attenuation', [attenuation])
-      call result%put('runs', 'cycles', [periods(1, :, :)])
-      call result%put('runs', 'letters', [periods(2, :, :)])
-      call result%put('runs', 'impacts', [periods(3, :, :)])
-      call result%put('runs', 'rests', [periods(4, :, :)])
-      call result%put('runs', 'status', [status])
-      lost = count(status /= stat%ok)
-      result%empty = lost == size(status)
-      if (.not. result%empty) call result%say('max|X|/A from '//shown(minval(envelope(1, :)), &
-         'f12.4')//' to '//shown(maxval(envelope(2, :)), 'f12.4')//' at '//counted(n, 'point'))
-      if (lost > 0) call result%fail(whole(lost)//' of '//counted(size(status), 'simulation')// &
-         ' failed: '//status_text(maxval(status)))
+      ! the points that a stop left whole
+      done = pack([(i, i=1, n)], all(status /= stat%not_computed, 1))
+      if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'
+      call result%open('points', 'r', [size(done)])
+      call result%put('points', 'r', r(done))
+      call result%put('points', 'clearance', clearance(done))
+      call result%put('points', 'lowest', envelope(1, done))
+      call result%put('points', 'highest', envelope(2, done))
+      call result%open('runs', 'state r', [states, size(done)])
+      call result%put('runs', 'attenuation', [attenuation(:, done)])
+      call result%put('runs', 'cycles', [periods(1, :, done)])
+      call result%put('runs', 'letters', [periods(2, :, done)])
+      call result%put('runs', 'impacts', [periods(3, :, done)])
+      call result%put('runs', 'rests', [periods(4, :, done)])
+      call result%put('runs', 'status', [status(:, done)])
+      lost = count(status(:, done) /= stat%ok)
+      n = size(done)
+      result%empty = lost == n*states
+      if (.not. result%empty) call result%say('max|X|/A from '//shown(minval(envelope(1, done)), &
+         'f12.4')//' to '//shown(maxval(envelope(2, done)), 'f12.4')//' at '//counted(n, 'point'))
+      if (lost > 0) call result%fail(whole(lost)//' of '//counted(n*states, 'simulation')// &
+         ' failed: '//status_text(maxval(status(:, done))))
    end subroutine run_response
 
 end module vi_response_study

@@ -150,7 +150,7 @@ BAD_RESPONSE = [
     *[("states = 3", f"states = {v}", "1 <= states", 2) for v in ("0", "1.5")],
     ("states = 3", "states = 3, settling = -1", "0 <= settling", 2),
     ("states = 3", "states = 3, keep = 2", "3 <= keep", 2),
-    ("states = 3", "sweep = 'up'", "is not a key of &response; must be one of r_min", 2),
+    ("states = 3", "sweep = 'up'", "is not a key of &response; must be one of r, r_min", 2),
 ]  # fmt: skip
 
 

@@ -48,7 +48,7 @@ CALLS = {
 
 TABLES = json.loads(
     subprocess.run([find_batch(), "--describe"], capture_output=True, check=True).stdout
-)
+)["groups"]
 STUDIES = list(SMALLEST)
 KEYS = [(group, key["name"]) for group in STUDIES for key in TABLES[group]]
 

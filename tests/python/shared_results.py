@@ -31,6 +31,8 @@ def same(one, other):
         return np.float64(one).tobytes() == np.float64(other).tobytes()
     if isinstance(one, dict):
         return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    if hasattr(one, "_result"):
+        return same(one.to_dict(), other.to_dict())
     if hasattr(one, "__dataclass_fields__"):
         return all(
             same(getattr(one, name), getattr(other, name)) for name in one.__dataclass_fields__

@@ -1,5 +1,7 @@
 """The response along r: against exact motions and the laws of scale."""
 
+import gc
+
 import numpy as np
 import pytest
 import vibroimpact as vi
@@ -17,9 +19,45 @@ def test_the_namelist_of_a_response(wall, tmp_path):
     for name in ("r", "clearance", "attenuation", "lowest", "highest", "cycles"):
         np.testing.assert_array_equal(getattr(again, name), getattr(result, name))
     assert again.case == result.case
-    given = {name: np.full(3, value) for name, value in wall.items()}
-    with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
-        vi.response(FIGURE6, line, **given, states=4, settling=30).to_namelist()
+
+
+@pytest.mark.parametrize("name", ["clearance", "inverse_clearance"])
+def test_lists_have_a_namelist_too(name, tmp_path):
+    """Frequency ratios that are not evenly spaced, and a clearance for each: none depends on the others."""
+    line, walls = np.array([1.0, 1.003, 1.02]), {name: np.array([25.0, 0.03, 24.0])}
+    result = vi.response(FIGURE6, line, **walls, states=4, settling=30, keep=9)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    assert again.to_json() == result.to_json()
+    for i in range(3):
+        one = {name: walls[name][i]}
+        alone = vi.response(FIGURE6, line[i : i + 1], **one, states=4, settling=30, keep=9)
+        np.testing.assert_array_equal(alone.attenuation[0], result.attenuation[i])
+
+
+@pytest.mark.parametrize("form", ["json", "nc", "mat"])
+def test_a_file_gives_the_response_again(form, tmp_path):
+    """To the last bit, and its table, which the core writes, too."""
+    result = vi.response(FIGURE6, [1.0, 1.01, 1.03], 25.0, states=3, settling=30, keep=9)
+    result.save(tmp_path / f"one.{form}")
+    again = vi.load(tmp_path / f"one.{form}")
+    assert again.to_json() == result.to_json()
+    tables = []
+    for item in (result, again):
+        item.save(tmp_path / "table.csv")
+        tables.append((tmp_path / "table.csv").read_bytes())
+    assert tables[0] == tables[1]
+
+
+def test_arrays_outlive_the_result():
+    """An array shows the memory of the core, which is freed with the last of them."""
+    lowest = vi.response(FIGURE6, [1.0, 1.01], 25.0, states=3, settling=30, keep=9).lowest
+    copy = lowest.copy()
+    gc.collect()
+    [np.ones(1000) for _ in range(100)]
+    np.testing.assert_array_equal(lowest, copy)
+    assert not lowest.flags.writeable
 
 
 def test_response_is_that_of_the_exact_motions():

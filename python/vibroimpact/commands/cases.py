@@ -26,6 +26,7 @@ from ..interchange.csv_file import cut_of, head_text, notes, rows_text
 from ..interchange.result import save_chart
 from ..interchange.table import branch_columns, chart_columns, columns, numbered
 from ..interrupt import interruptible
+from ..noun import Noun
 from ..plot.animation import check_format
 from ..progress import Progress
 from ..run import run_namelists
@@ -253,7 +254,9 @@ def picture(result: Any, options: argparse.Namespace) -> Any:
 def write(results: Sequence[Any], case: Case, path: Path) -> Path:
     """Results in the form that the name ends with, there; a table has the case in its header."""
     charted = case.kind == "chart"
-    if path.suffix == ".csv":
+    if isinstance(results[0], Noun):
+        results[0].save(path)
+    elif path.suffix == ".csv":
         remarks = [note for i, one in enumerate(results, start=1) for note in notes(one, i)]
         if case.kind == "branch":
             table = numbered(results, branch_columns)

@@ -25,6 +25,13 @@ def singular(case: Case, error: SingularError) -> str:
     return f"no exponents at 1 of 1 point: {reason}" if case.kind == "lyapunov" else reason
 
 
+def noun_words(noun: Any) -> Words:
+    """What the study said."""
+    result = noun._result
+    news, faults = ([text for fault, text in result.notes if fault == bad] for bad in (False, True))
+    return news, faults, not result.empty
+
+
 def simulate_words(run: Any) -> Words:
     """Impacts and rests."""
     impacts, rests = (int((run.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
@@ -131,15 +138,6 @@ def basin_words(basins: Any) -> Words:
     return [said] if there else [], faults, there
 
 
-def response_words(response: Any) -> Words:
-    """The range of max|X|/A."""
-    return simulated(
-        response.status,
-        f"max|X|/A from {response.lowest.min():.4f} to {response.highest.max():.4f} at "
-        f"{counted(response.r.size, 'point')}",
-    )
-
-
 def simulated(status: Any, said: str) -> Words:
     """What came out of simulations, if not all of them failed."""
     lost = int(np.count_nonzero(status))
@@ -153,7 +151,7 @@ def simulated(status: Any, said: str) -> Words:
 WORDS: dict[str, Callable[..., Words]] = {
     "simulate": simulate_words, "branch": branch_words, "zone": zone_words, "atlas": atlas_words,
     "chart": chart_words, "lyapunov": lyapunov_words, "bifurcation": bifurcation_words,
-    "basins": basin_words, "response": response_words,
+    "basins": basin_words, "response": noun_words,
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.
 PARTIAL = ("branch", "chart", "lyapunov", "bifurcation", "basins", "response")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import ParameterError
 from ..files import write_text
+from ..noun import NOUNS
 from . import chart_record, csv_file, dataset, matlab, namelist, netcdf, page, plain, table
 
 if TYPE_CHECKING:
@@ -128,7 +129,7 @@ def load(path: str | Path) -> Any:
         kind = plain.mapping(data, "").get("type")
         if kind == "Chart":
             return chart_record.chart_from_dict(data)
-        known = {item.__name__: item for item in Result.__subclasses__()}
+        known = {item.__name__: item for item in Result.__subclasses__()} | NOUNS
         return known[plain.known(kind, known)].from_dict(data)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)

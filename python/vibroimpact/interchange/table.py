@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ..studies.bifurcation import BifurcationDiagram
     from ..studies.branch import Branch
     from ..studies.lyapunov import Lyapunov
-    from ..studies.response import Response
     from ..studies.zone import Piece, Zone
     from ..trajectory import Trajectory
 
@@ -220,15 +219,9 @@ def basin_columns(basins: Basins) -> Columns:
     return table | {"label": labels, "attractor": [names[label] for label in labels]}
 
 
-def response_columns(response: Response) -> Columns:
-    """One row a frequency ratio."""
-    names = ("r", "clearance", "lowest", "highest")
-    return {name: getattr(response, name).tolist() for name in names}
-
-
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
     "Zone": zone_columns, "Atlas": atlas_columns, "Lyapunov": lyapunov_columns,
-    "BifurcationDiagram": bifurcation_columns, "Basins": basin_columns, "Response": response_columns,
+    "BifurcationDiagram": bifurcation_columns, "Basins": basin_columns,
     "Findings": found_columns,
 }  # fmt: skip

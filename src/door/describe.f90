@@ -3,7 +3,8 @@ module vi_describe
    use vi_case, only: output_keys, system_keys
    use vi_key, only: a_whole, a_word, describe_key, key_type, unbounded
    use vi_kinds, only: wp
-   use vi_study_list, only: list_keys_of, study_names
+   use vi_result, only: column_kinds, column_type
+   use vi_study_list, only: list_columns_of, list_keys_of, study_names
    use vi_text, only: append, line_type, number_text, whole
    implicit none (type, external)
    private
@@ -40,15 +41,19 @@ contains
       end do
    end subroutine describe_group
 
-   !> The keys of all groups for programs, as JSON: an object of lists of objects.
+   !> The keys of all groups and the columns of all results for programs, as JSON.
    pure subroutine describe_all(lines)
-      !> The text.
+      !> An object of two: `groups` holds a list of keys for each group, `results` for each study
+      !! the
+      !! table whose rows are those of the CSV, and a list of columns.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(key_type), allocatable :: keys(:)
+      type(column_type), allocatable :: columns(:)
+      character(16) :: row
       character(:), allocatable :: text
       integer :: i, j
 
-      call append(lines, '{')
+      call append(lines, '{"groups": {')
       do i = 1, size(group_names)
          call append(lines, quoted(group_names(i))//': [')
          call keys_of(trim(group_names(i)), keys)
@@ -59,8 +64,33 @@ contains
          end do
          call append(lines, trim(merge('], ', ']  ', i < size(group_names))))
       end do
-      call append(lines, '}')
+      call append(lines, '}, "results": {')
+      do i = 1, size(study_names)
+         call list_columns_of(trim(study_names(i)), columns, row)
+         call append(lines, quoted(study_names(i))//': {"row": '//quoted(row)//', "columns": [')
+         do j = 1, size(columns)
+            call describe_column(columns(j), text)
+            if (j < size(columns)) text = text//','
+            call append(lines, text)
+         end do
+         call append(lines, trim(merge(']}, ', ']}  ', i < size(study_names))))
+      end do
+      call append(lines, '}}')
    end subroutine describe_all
+
+   !> One column as an object.
+   pure subroutine describe_column(column, text)
+      !> The column.
+      type(column_type), intent(in) :: column
+      !> The object.
+      character(:), allocatable, intent(out) :: text
+
+      text = '  {"table": '//quoted(column%table)//', "name": '//quoted(column%name)// &
+         ', "kind": '//quoted(column_kinds(column%kind))//', "each": '//quoted(column%each)// &
+         ', "unit": '//quoted(column%unit)//', "meaning": '//quoted(column%meaning)// &
+         ', "words": '//quoted(column%words)//', "listed": '//truth(column%listed)// &
+         ', "label": '//quoted(column%label)//'}'
+   end subroutine describe_column
 
    !> One key as an object.
    pure subroutine describe_json(keys, place, text)

@@ -1,0 +1,149 @@
+"""The one way into a study: its case as the text of a namelist, which the core reads, checks and runs."""
+
+from __future__ import annotations
+
+import json
+import operator
+import os
+import re
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+
+from . import _core, checks
+from .errors import ParameterError, ParameterTypeError, StudyInterrupted
+from .interchange import namelist
+from .interrupt import new_tally, stoppable
+from .model import Oscillator
+from .tables import Handle, Result, from_core, language, text_of
+
+Progress = Callable[[float, str], None]
+Found = TypeVar("Found")
+
+
+def run(
+    noun: Callable[[Result], Found], osc: Oscillator, keys: Mapping[str, Any], r: float | None = None,
+    threads: int | None = None, progress: Progress | None = None,
+    parameters: Mapping[str, str] | None = None,
+) -> Found:  # fmt: skip
+    """The noun of a study, computed by the core.
+
+    Parameters
+    ----------
+    noun : class
+        Of the result; its `study` names the group.
+    keys : mapping
+        Of the group; None for what is left out. `r` is that of &system.
+    parameters : mapping, optional
+        What the caller calls a key, where that is another name.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        In the words of the core, with the caller's name of the parameter.
+    StudyInterrupted
+        After Ctrl-C, with what was finished.
+    """
+    study: str = noun.study  # type: ignore[attr-defined]
+    checks.instance(osc, "osc", Oscillator)
+    names = parameters or {}
+    values = {key: plain(study, key, value, names.get(key, key)) for key, value in keys.items()}
+    text = namelist.case(osc, r, **{study: values})
+    try:
+        return run_text(noun, text, threads, progress)
+    except ParameterError as error:
+        told = str(error).removeprefix(f"&{study} ").removeprefix("&system ")
+        key, equals, rest = told.partition(" ")
+        name = names.get(key.rstrip(":"), key)
+        rest = re.sub(rf"\b{re.escape(key)}\b", name, rest)
+        raise ParameterError(f"{name}{equals}{rest}") from None
+
+
+def run_text(
+    noun: Callable[[Result], Found], text: str, threads: int | None = None,
+    progress: Progress | None = None,
+) -> Found:  # fmt: skip
+    """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist."""
+    study: str = noun.study  # type: ignore[attr-defined]
+    workers = checks.integer(
+        os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
+    )
+    (handle, status), complete = stoppable(
+        _core.run_case, np.frombuffer(text.encode(), "S1"), workers, tally=new_tally(),
+        progress=progress, note=study,
+    )  # fmt: skip
+    if status == 2:
+        owner = Handle(handle)
+        raise ParameterError(refusal(owner.number))
+    result = from_core(study, handle)
+    if result.cut and not reached(result):
+        raise KeyboardInterrupt
+    found = noun(result)
+    if not complete:
+        raise StudyInterrupted(found)
+    return found
+
+
+def reached(result: Result) -> bool:
+    """Whether a result that was cut short has rows."""
+    return all(result.tables[result.row].dims.values())
+
+
+def refusal(handle: int) -> str:
+    """Why the core refused a case."""
+    message: str = json.loads(text_of(_core.describe_result, handle))["message"]
+    return message
+
+
+def plain(study: str, key: str, value: Any, name: str) -> Any:
+    """A value as a namelist takes it: float, int, str, or a list of them; the core checks its range."""
+    if value is None:
+        return None
+    declared = next(item for item in language()["groups"][study] if item["name"] == key)
+    wanted = declared["takes"]
+    kind = {"number": number, "whole": whole, "word": word}[declared["kind"]]
+    if declared["most"] == 1 or declared["kind"] == "word" or np.ndim(value) == 0:
+        return kind(value, name, wanted)
+    array = checks.real_array(value, name, wanted)
+    if array.ndim != 1 or array.size == 0:
+        raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}, one list")
+    return array.tolist()
+
+
+def number(value: Any, name: str, wanted: str) -> float:
+    """Any real number as a float."""
+    return checks.to_float(value, name, wanted)
+
+
+def whole(value: Any, name: str, wanted: str) -> int:
+    """Any whole number as an int."""
+    if isinstance(value, (bool, np.bool_)):
+        raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}, not bool")
+    try:
+        return operator.index(value)
+    except TypeError:
+        kind = ParameterError if isinstance(value, float) else ParameterTypeError
+        raise kind(f"{name} = {value!r}: must be {wanted}") from None
+
+
+def word(value: Any, name: str, wanted: str) -> str:
+    """A text."""
+    if not isinstance(value, str):
+        raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}")
+    return value
+
+
+def line(name: str, values: Any) -> dict[str, Any]:
+    """Values along an axis as a namelist tells them: by their ends and number, if that gives them again."""
+    from .studies.spacing import spacing_of
+
+    array = np.atleast_1d(checks.real_array(values, name, "numbers"))
+    if array.ndim != 1 or array.size == 0:
+        raise ParameterError(
+            f"{name} of shape {array.shape}: must be a number or a list of numbers"
+        )
+    if spacing_of(array) == "linear":
+        low, high = float(array[0]), float(array[-1])
+        return {f"{name}_min": low, f"{name}_max": high, f"{name}_points": array.size}
+    return {name: array}

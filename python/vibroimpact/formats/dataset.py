@@ -1,0 +1,64 @@
+"""Results as xarray datasets: named dimensions; unit and meaning of each variable."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..interchange.dataset import xarray
+from ..tables import Result
+
+
+def to_xarray(noun: Any) -> Any:
+    """All tables as one dataset: a column named as its dimension is a coordinate.
+
+    A table that belongs to a parent has a variable with its name, the row of the parent of each row
+    ("indexed ragged arrays" of the CF conventions). A name that several tables have carries that of its table.
+    """
+    result: Result = noun._result
+    names = [column.name for _, column in result.columns()]
+    data: dict[str, Any] = {}
+    coords: dict[str, Any] = {}
+    for name, table in result.tables.items():
+        for column in table.columns.values():
+            key = column.name if names.count(column.name) == 1 else f"{name}_{column.name}"
+            dims = (*table.dims, *([column.each] if column.each else []))
+            attributes: dict[str, Any] = {"long_name": column.meaning, "units": column.unit or "1"}
+            if column.kind == "complex":
+                for part, values in (("real", column.values.real), ("imag", column.values.imag)):
+                    data[f"{key}_{part}"] = (dims, values, attributes)
+                continue
+            values = column.decoded()
+            if column.kind == "word":
+                values = values.astype(object)
+            elif column.kind == "truth":
+                values = values.astype(np.int8)
+            elif column.kind == "verdict":
+                values = values.astype(np.int8)
+                flags = np.array([1, 0, -1], np.int8)
+                attributes |= {"flag_values": flags, "flag_meanings": "yes no unknown"}
+            target = coords if dims == (key,) else data
+            target[key] = (dims, values, attributes)
+        if table.owners is not None:
+            about = {"long_name": f"row of {table.parent}", "instance_dimension": table.parent}
+            data[f"{name}_{table.parent}"] = (tuple(table.dims), table.owners, about)
+    return xarray().Dataset(data, coords, common(noun))
+
+
+def common(noun: Any) -> dict[str, Any]:
+    """Attributes of every dataset: what it is, how it was asked for, and whether it is whole."""
+    from .. import __version__
+
+    osc = noun.osc
+    keys = {
+        key: value for key, value in noun.keys.items()
+        if key not in ("xi", "mu", "restitution", "name", "format") and np.ndim(value) == 0
+    }  # fmt: skip
+    right, left = osc.restitution
+    return {
+        **keys, "xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left, "complete": int(noun.complete),
+        "Conventions": "CF-1.11", "title": repr(noun), "case": noun.case,
+        "source": f"vibroimpact {__version__}", "result": type(noun).__name__,
+        "comment": "lengths in F0/K, time in 1/omega, angles in radians",
+    }  # fmt: skip

@@ -1,0 +1,156 @@
+"""Results as plain values and JSON, and back: the same to the last bit."""
+
+from __future__ import annotations
+
+import json
+import math
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ParameterError
+from ..tables import STORED, Column, Result, Table, declared_column, language
+
+#: What a record has besides its tables, with the type of each.
+HEAD = {"case": str, "cut": str, "empty": bool, "remarks": list, "notes": list}
+
+
+def to_dict(noun: Any) -> dict[str, Any]:
+    """The case, what is to be said, and the tables with their columns."""
+    result: Result = noun._result
+    tables: dict[str, dict[str, Any]] = {}
+    for name, table in result.tables.items():
+        columns = {key: encoded(column) for key, column in table.columns.items()}
+        tables[name] = {"dims": table.dims, "columns": columns}
+        if table.owners is not None:
+            tables[name] |= {"parent": table.parent, "owners": table.owners.tolist()}
+    return {
+        "type": type(noun).__name__, "vibroimpact": version("vibroimpact"), "case": result.case,
+        "cut": result.cut, "empty": result.empty, "remarks": list(result.remarks),
+        "notes": [list(note) for note in result.notes], "tables": tables,
+    }  # fmt: skip
+
+
+def encoded(column: Column) -> Any:
+    """The values of a column; of words their texts, which says the same without a list of them."""
+    if column.kind == "complex":
+        pairs = np.stack([column.values.real, column.values.imag], axis=-1)
+        return no_nan(pairs.tolist())
+    if column.kind == "real":
+        return no_nan(column.values.tolist())
+    values = column.values if column.kind == "verdict" else column.decoded()
+    return values.tolist()
+
+
+def no_nan(item: Any) -> Any:
+    """NaN as None, and infinite numbers as texts: JSON has neither."""
+    if isinstance(item, list):
+        return [no_nan(inner) for inner in item]
+    if math.isfinite(item):
+        return item
+    return None if math.isnan(item) else repr(item)
+
+
+def to_json(noun: Any) -> str:
+    """`to_dict` as JSON text."""
+    return json.dumps(to_dict(noun), allow_nan=False)
+
+
+def from_json(kind: Any, text: str) -> Any:
+    """The inverse of `to_json`."""
+    try:
+        data = json.loads(text)
+    except ValueError as error:
+        raise ParameterError(f"text of {len(text)} characters: must be JSON; {error}") from None
+    return from_dict(kind, data)
+
+
+def from_dict(kind: Any, data: Any) -> Any:
+    """The inverse of `to_dict`."""
+    name = mapping(data, "record").get("type", kind.__name__)
+    if name != kind.__name__:
+        raise ParameterError(f"type = {name!r}: must be {kind.__name__!r}")
+    for key, wanted in HEAD.items():
+        if not isinstance(data.get(key), wanted):
+            raise ParameterError(f"{key} = {data.get(key)!r}: must be of type {wanted.__name__}")
+    declared: dict[str, dict[str, Any]] = {}
+    told = language()["results"][kind.study]
+    for item in told["columns"]:
+        declared.setdefault(item["table"], {})[item["name"]] = item
+    tables = {}
+    for name, table in mapping(data.get("tables"), "tables").items():
+        tables[name] = table_of(name, mapping(table, name), declared.get(name, {}))
+    for name, table in tables.items():
+        if table.parent and table.parent not in tables:
+            raise ParameterError(f"{name}.parent = {table.parent!r}: must be one of the tables")
+    notes = tuple((bool(note[0]), str(note[1])) for note in data["notes"])
+    return kind(
+        Result(
+            kind.study, data["case"], data["cut"], data["empty"], tuple(map(str, data["remarks"])),
+            notes, told["row"], tables,
+        )
+    )  # fmt: skip
+
+
+def mapping(data: Any, name: str) -> dict[str, Any]:
+    """Data that must be an object of JSON."""
+    if not isinstance(data, dict):
+        raise ParameterError(f"{name} = {str(data)[:60]!r}: must be an object with names")
+    return data
+
+
+def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table:
+    """A table from its record."""
+    dims = {str(key): int(size) for key, size in mapping(data.get("dims"), f"{name}.dims").items()}
+    shape = tuple(dims.values())
+    owners = None
+    if data.get("parent"):
+        owners = array_of(f"{name}.owners", data.get("owners"), shape, "<i4")
+    columns = {}
+    for key, values in mapping(data.get("columns"), f"{name}.columns").items():
+        if key not in declared:
+            raise ParameterError(f"{name}.{key}: must be one of {', '.join(declared)}")
+        columns[key] = column_of(f"{name}.{key}", declared[key], values, shape)
+    return Table(dims, str(data.get("parent", "")), owners, columns)
+
+
+def column_of(label: str, declared: dict[str, Any], data: Any, shape: tuple[int, ...]) -> Column:
+    """A column from its record."""
+    kind, own = declared["kind"], bool(declared["each"])
+    words = tuple(declared["words"].split())
+    if kind == "word":
+        texts = array_of(label, data, shape, object)
+        words += tuple(dict.fromkeys(text for text in texts.ravel() if text and text not in words))
+        places = {text: i for i, text in enumerate(("", *words))}
+        values = np.array([places[text] for text in texts.ravel()], "<i4").reshape(shape)
+    elif kind in STORED:
+        if kind == "complex":
+            pairs = array_of(label, data, (*shape, -1, 2) if own else (*shape, 2), "<f8")
+            values = np.ascontiguousarray(pairs).view("<c16")[..., 0]
+        else:
+            values = array_of(label, data, (*shape, -1) if own else shape, "<f8")
+    else:
+        values = array_of(label, data, (*shape, -1) if own else shape, "<i4")
+    values.flags.writeable = False
+    return declared_column(declared, words, values)
+
+
+def array_of(label: str, data: Any, shape: tuple[int, ...], stored: Any) -> NDArray[Any]:
+    """An array of a shape, -1 where any size will do."""
+    try:
+        if stored == "<f8":
+            data = np.array(data, dtype=object)
+            data = np.where(data == None, np.nan, data)  # noqa: E711 (elementwise)
+        array = np.array(data, dtype=stored)
+        fits = array.ndim == len(shape) and all(
+            want in (-1, size) for want, size in zip(shape, array.shape, strict=True)
+        )
+        if fits:
+            return array
+        if array.size == 0 and 0 in shape:
+            return array.reshape([max(0, size) for size in shape])
+    except (TypeError, ValueError):
+        pass
+    raise ParameterError(f"{label} = {str(data)[:60]}: must be numbers of shape {shape}")

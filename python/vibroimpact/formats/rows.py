@@ -1,0 +1,86 @@
+"""The rows of a result: one table, with what it belongs to repeated, as the CSV has it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import MissingExtraError
+from ..tables import Column, Result
+
+#: What verdicts mean.
+VERDICTS = np.array([None, False, True], dtype=object)
+
+
+def rows(result: Result) -> dict[str, NDArray[Any]]:
+    """The listed columns by their names in the CSV, a value a row."""
+    places = places_of(result, result.row)
+    found: dict[str, NDArray[Any]] = {}
+    for table, column in result.columns():
+        if not column.listed:
+            continue
+        name = next(key for key, item in result.tables.items() if item is table)
+        size = int(np.prod(list(table.dims.values())))
+        values = column.values.reshape(size, -1)[places[name]]
+        for i, part in enumerate(values.T, start=1):
+            found |= cells(column, part, i)
+    keep = listed(result, found)
+    return {name: values[keep] for name, values in found.items()}
+
+
+def cells(column: Column, values: NDArray[Any], i: int) -> dict[str, NDArray[Any]]:
+    """One column of the CSV, or two of a complex number."""
+    label = (column.label or column.name).replace("#", str(i))
+    if column.kind == "complex":
+        if "modulus" in label:
+            return {label: np.hypot(values.real, values.imag)}
+        return {f"{label}_re": values.real, f"{label}_im": values.imag}
+    if column.kind == "word":
+        return {label: np.array(("", *column.words), dtype=object)[values]}
+    if column.kind == "verdict":
+        return {label: VERDICTS[values + 1]}
+    return {label: values == 1 if column.kind == "truth" else values}
+
+
+def listed(result: Result, found: dict[str, NDArray[Any]]) -> NDArray[np.bool_]:
+    """Which rows the CSV has: not the empty slots of a chart."""
+    from ..status import NO_MOTION, NOT_COMPUTED
+
+    size = next(iter(found.values())).size
+    if result.study != "chart":
+        return np.ones(size, dtype=bool)
+    return ~np.isin(found["status"], (NO_MOTION, NOT_COMPUTED))
+
+
+def places_of(result: Result, name: str) -> dict[str, NDArray[np.intp]]:
+    """The row of each table that the rows of one belong to: by its parent, or by a dimension."""
+    table = result.tables[name]
+    sizes = tuple(table.dims.values())
+    own = np.arange(int(np.prod(sizes)))
+    places: dict[str, NDArray[np.intp]] = {name: own}
+    along = np.unravel_index(own, sizes) if sizes else ()
+    for dim, place in zip(table.dims, along, strict=True):
+        for other, item in result.tables.items():
+            if other != name and list(item.dims) == [dim]:
+                places[other] = place
+    for other, item in result.tables.items():
+        if not item.dims:
+            places[other] = np.zeros_like(own)
+    if table.owners is not None:
+        upper = places_of(result, table.parent)
+        places |= {other: place[table.owners] for other, place in upper.items()}
+        places[name] = own
+    return places
+
+
+def to_pandas(noun: Any) -> Any:
+    """The rows as a DataFrame."""
+    try:
+        import pandas
+    except ImportError:
+        raise MissingExtraError(
+            "data frames need pandas: pip install 'vibroimpact[data]'"
+        ) from None
+    return pandas.DataFrame(rows(noun._result))

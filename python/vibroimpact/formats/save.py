@@ -1,0 +1,87 @@
+"""Files of results by their extension, and back."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import _core
+from ..door import refusal
+from ..errors import ParameterError
+from ..files import write_text
+from ..interchange import matlab, netcdf
+from ..tables import STORED, Handle, Result
+
+
+def save(noun: Any, path: str | Path) -> None:
+    """Write a file, whole or not at all."""
+    place = Path(path)
+    suffix = place.suffix.lower()
+    if suffix not in WRITERS:
+        wanted = ", ".join(WRITERS)
+        raise ParameterError(f"path = {str(path)!r}: must end with one of {wanted}")
+    if not place.parent.is_dir():
+        raise ParameterError(f"path = {str(path)!r}: must be in a folder that is there")
+    WRITERS[suffix](noun, place)
+
+
+def write_csv(noun: Any, path: Path) -> None:
+    """Write the rows with the case in the header, by the core."""
+    handle = noun._result.handle or restored(noun._result)
+    message = _core.write_result(handle.number, np.frombuffer(os.fsencode(path), "S1"))
+    reason = bytes(message.tobytes()).decode(errors="replace").strip()
+    if reason:
+        raise OSError(f"{path}: {reason}")
+
+
+def restored(result: Result) -> Handle:
+    """A result that is not in the core, put there: one that was read from a file."""
+    number, status = _core.new_result(np.frombuffer(result.case.encode(), "S1"))
+    handle = Handle(number)
+    if status:
+        raise ParameterError(f"case: {refusal(number)}")
+    _core.say_of(number, characters("\n".join([result.cut, *result.remarks]) + "\n"))
+    for name, table in result.tables.items():
+        names = f"{name:16}{table.parent:16}{' '.join(reversed(table.dims)):64}"
+        sizes = np.array(list(table.dims.values()), np.int32)[::-1]
+        owners = np.array([], np.int32) if table.owners is None else table.owners + 1
+        _core.open_table(number, characters(names), sizes, owners)
+        for column in table.columns.values():
+            place = characters(f"{name:16}{column.name:24}")
+            values = column.values.ravel()
+            if column.kind in STORED:
+                _core.fill_reals(number, place, values.view(np.float64))
+            else:
+                words = "\n".join(column.words) or " "
+                _core.fill_wholes(number, place, values, characters(words))
+    return handle
+
+
+def characters(text: str) -> Any:
+    """A text as the core takes it."""
+    return np.frombuffer(text.encode(), "S1")
+
+
+def write_matlab(noun: Any, path: Path) -> None:
+    """Write a struct with a field for each column."""
+    fields: dict[str, Any] = {"case": noun.case}
+    names = [column.name for _, column in noun._result.columns()]
+    for name, table in noun._result.tables.items():
+        for column in table.columns.values():
+            key = column.name if names.count(column.name) == 1 else f"{name}_{column.name}"
+            fields[key] = matlab.value_of(column.decoded())
+        if table.owners is not None:
+            fields[f"{name}_{table.parent}"] = table.owners + 1  # as MATLAB counts
+    matlab.write_struct(type(noun).__name__, fields, noun.to_json(), path)
+
+
+WRITERS: dict[str, Callable[[Any, Path], None]] = {
+    ".json": lambda noun, path: write_text(path, noun.to_json()),
+    ".csv": write_csv,
+    ".nc": netcdf.write_netcdf,
+    ".mat": write_matlab,
+}

@@ -1,0 +1,154 @@
+"""A result as named tables: arrays that show the memory of the core, or that were read from a file."""
+
+from __future__ import annotations
+
+import json
+import weakref
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+
+#: How values are stored, by the kind of their column.
+STORED = {"real": "<f8", "complex": "<c16"}
+
+
+def text_of(function: Any, *arguments: Any, room: int = 16_384) -> str:
+    """A text that a function of the core writes into the room that it is given."""
+    text, length = function(*arguments, room)
+    if length > room:
+        text, length = function(*arguments, length)
+    return bytes(text[:length].tobytes()).decode()
+
+
+@cache
+def language() -> Any:
+    """The keys of all groups and the columns of all results, as the core declares them."""
+    return json.loads(text_of(_core.describe_language, room=200_000))
+
+
+class Handle:
+    """Owns a result of the core, which is freed with the last array that shows it."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        weakref.finalize(self, _core.free_result, number)
+
+
+class Memory:
+    """Memory of a result as NumPy wants to see it: read-only, alive as long as an array shows it."""
+
+    def __init__(self, owner: Handle, address: int, shape: tuple[int, ...], stored: str) -> None:
+        self.owner = owner
+        self.__array_interface__ = {
+            "version": 3, "data": (address, True), "shape": shape, "typestr": stored,
+        }  # fmt: skip
+
+
+def shown(owner: Handle, address: int, shape: tuple[int, ...], stored: str = "<i4") -> NDArray[Any]:
+    """An array of the core, not copied."""
+    if 0 in shape:
+        empty: NDArray[Any] = np.empty(shape, stored)
+        empty.flags.writeable = False
+        return empty
+    array: NDArray[Any] = np.asarray(Memory(owner, address, shape, stored))
+    return array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Column:
+    """A column with its declaration; `values` has the dimensions of its table, then its own."""
+
+    name: str
+    kind: str
+    each: str
+    unit: str
+    meaning: str
+    label: str
+    listed: bool
+    words: tuple[str, ...]
+    values: NDArray[Any]
+
+    def decoded(self) -> NDArray[Any]:
+        """Words as texts, logical values as bool, verdicts as codes, numbers as they are."""
+        if self.kind == "word":
+            return np.array(("", *self.words))[self.values]
+        return self.values == 1 if self.kind == "truth" else self.values
+
+
+def declared_column(told: dict[str, Any], words: tuple[str, ...], values: NDArray[Any]) -> Column:
+    """A column from its declaration."""
+    names = ("name", "kind", "each", "unit", "meaning", "label", "listed")
+    return Column(**{name: told[name] for name in names}, words=words, values=values)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """Rows of one size; the row of its parent that owns each, counted from 0, if it has one."""
+
+    dims: dict[str, int]
+    parent: str = ""
+    owners: NDArray[np.int32] | None = None
+    columns: dict[str, Column] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Result:
+    """What a study gave: its case, what is to be said of it, and its tables.
+
+    `cut` tells how far it came if it was stopped, `row` names the table whose rows are those of the CSV.
+    """
+
+    study: str
+    case: str
+    cut: str
+    empty: bool
+    remarks: tuple[str, ...]
+    notes: tuple[tuple[bool, str], ...]
+    row: str
+    tables: dict[str, Table]
+    handle: Handle | None = None
+
+    def __reduce__(self) -> Any:
+        items = [getattr(self, name) for name in self.__slots__[:-1]]
+        return Result, tuple(items)
+
+    def columns(self) -> Iterator[tuple[Table, Column]]:
+        """All columns with their tables, in the order of their declaration."""
+        for declared in language()["results"][self.study]["columns"]:
+            table = self.tables.get(declared["table"])
+            if table is not None and declared["name"] in table.columns:
+                yield table, table.columns[declared["name"]]
+
+
+def from_core(study: str, number: int) -> Result:
+    """The result behind a handle, which is freed with it."""
+    handle = Handle(number)
+    told = json.loads(text_of(_core.describe_result, number))
+    tables = {}
+    for item in told["tables"]:
+        # the core counts rows from 1, and its first dimension varies first
+        dims = dict(reversed(item["dims"]))
+        owners = None
+        if item["parent"]:
+            owners = shown(handle, item["owners"], tuple(dims.values())) - 1
+        tables[item["name"]] = Table(dims, item["parent"], owners)
+    for item in told["columns"]:
+        if item["address"] is None:
+            continue
+        table = tables[item["table"]]
+        own = (item["inner"],) if item["each"] else ()
+        stored = STORED.get(item["kind"], "<i4")
+        values = shown(handle, item["address"], (*table.dims.values(), *own), stored)
+        table.columns[item["name"]] = declared_column(item, tuple(item["words"]), values)
+    lines = [line[2:] for line in told["case"] if not line.startswith("# !")]
+    case = "".join(f"{line}\n" for line in lines[: lines.index("&output")])
+    return Result(
+        study, case, told["cut"], told["empty"], tuple(told["remarks"]),
+        tuple((bool(fault), text) for fault, text in told["notes"]), told["row"], tables, handle,
+    )  # fmt: skip

@@ -1,0 +1,55 @@
+!> A text that grows without being copied each time.
+module vi_buffer
+   implicit none (type, external)
+   private
+
+   public :: add, add_quoted
+
+   type, public :: buffer_type
+      !> The text, with room behind it.
+      character(:), allocatable :: text
+      !> Letters of the text.
+      integer :: n = 0
+   end type buffer_type
+
+contains
+
+   !> Adds to a text.
+   pure subroutine add(buffer, text)
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      !> What is added.
+      character(*), intent(in) :: text
+      character(:), allocatable :: longer
+
+      if (.not. allocated(buffer%text)) allocate (character(4000) :: buffer%text)
+      if (buffer%n + len(text) > len(buffer%text)) then
+         allocate (character(2*len(buffer%text) + len(text)) :: longer)
+         longer(:buffer%n) = buffer%text(:buffer%n)
+         call move_alloc(longer, buffer%text)
+      end if
+      buffer%text(buffer%n + 1:buffer%n + len(text)) = text
+      buffer%n = buffer%n + len(text)
+   end subroutine add
+
+   !> Adds a text as a JSON string.
+   pure subroutine add_quoted(buffer, text)
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      !> Any text; a control character is left out.
+      character(*), intent(in) :: text
+      integer :: i
+
+      call add(buffer, '"')
+      if (scan(text, '"\') == 0) then
+         call add(buffer, text)
+      else
+         do i = 1, len(text)
+            if (scan(text(i:i), '"\') > 0) call add(buffer, '\')
+            call add(buffer, text(i:i))
+         end do
+      end if
+      call add(buffer, '"')
+   end subroutine add_quoted
+
+end module vi_buffer

@@ -1,0 +1,376 @@
+!> The one door for other languages: a case comes in as the text of a namelist, and its result goes
+!! out as tables behind a handle.
+!!
+!! A handle is the address of a holder on the heap: there is no list of handles, no lock and no
+!! global state, so that threads need not know of each other. Who asked for it frees it, once.
+module vi_door
+   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int64_t, c_intptr_t, c_loc, &
+      c_null_ptr, c_ptr
+   use vi_buffer, only: add, add_quoted, buffer_type
+   use vi_case, only: case_type, echo
+   use vi_parse_cases, only: find_name, parse_cases
+   use vi_kinds, only: wp
+   use vi_result, only: column_kinds, column_type, complexes, filled_type, result_type, &
+      start_result, &
+      table_type
+   use vi_study_list, only: list_columns_of, run_study
+   use vi_text, only: line_type, split, whole
+   implicit none (type, external)
+   private
+
+   public :: describe_result, fill_reals, fill_wholes, free_result, name_after, new_result, &
+      open_table, &
+      result_of, run_text, say_of
+
+   !> Of the whole: done; ran, but something failed or is not there; the case is wrong.
+   integer, parameter, public :: done = 0, failed = 1, wrong = 2
+   !> What a handle's memory begins with, which catches most of those that were freed.
+   integer(c_int64_t), parameter :: mark = 8387236825288893542_c_int64_t
+
+   type :: holder_type
+      integer(c_int64_t) :: mark = 0
+      !> What is wrong with the case; empty if nothing is.
+      character(:), allocatable :: message
+      type(result_type) :: result
+   end type holder_type
+
+contains
+
+   !> Runs the one case of a namelist.
+   subroutine run_text(text, threads, handle, status, tally)
+      !> The namelist.
+      character(*), intent(in) :: text
+      !> Threads; the answer does not depend on them.
+      integer, intent(in) :: threads
+      !> To be freed by `free_result`; there is one whatever the status.
+      integer(c_int64_t), intent(out) :: handle
+      !> `done`, `failed` or `wrong`.
+      integer, intent(out) :: status
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(holder_type), pointer :: holder
+      type(case_type), allocatable :: cases(:)
+
+      allocate (holder)
+      holder%mark = mark
+      handle = address_of(c_loc(holder))
+      call parse_cases(split(text, new_line('a')), '', cases, holder%message)
+      if (len(holder%message) == 0 .and. size(cases) /= 1) holder%message = &
+         'the text holds '//whole(size(cases))//' cases; must hold one'
+      status = wrong
+      if (len(holder%message) > 0) return
+      call run_study(cases(1), threads, holder%result, tally)
+      status = merge(failed, done, any(holder%result%notes%fault))
+   end subroutine run_text
+
+   !> A result without tables, for values that were computed before: those of a file.
+   subroutine new_result(text, handle, status)
+      !> The namelist of its case.
+      character(*), intent(in) :: text
+      !> To be freed by `free_result`; there is one whatever the status.
+      integer(c_int64_t), intent(out) :: handle
+      !> `done` or `wrong`.
+      integer, intent(out) :: status
+      type(holder_type), pointer :: holder
+      type(case_type), allocatable :: cases(:)
+      type(column_type), allocatable :: columns(:)
+      type(line_type), allocatable :: lines(:)
+      character(16) :: row
+
+      allocate (holder)
+      holder%mark = mark
+      handle = address_of(c_loc(holder))
+      call parse_cases(split(text, new_line('a')), '', cases, holder%message)
+      if (len(holder%message) == 0 .and. size(cases) /= 1) holder%message = &
+         'the text holds '//whole(size(cases))//' cases; must hold one'
+      status = merge(wrong, done, len(holder%message) > 0)
+      if (status == wrong) return
+      call echo(cases(1), lines)
+      call list_columns_of(cases(1)%study%name, columns, row)
+      call start_result(lines, columns, row, holder%result)
+   end subroutine new_result
+
+   !> Opens a table of a result.
+   subroutine open_table(handle, name, dims, sizes, parent, owners)
+      !> As `new_result` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      !> Of the table, and its dimensions with blanks between, the one that varies first at first.
+      character(*), intent(in) :: name, dims
+      !> Their sizes.
+      integer, intent(in) :: sizes(:)
+      !> The table that it is a child of; empty if of none.
+      character(*), intent(in) :: parent
+      !> The row there of each row here.
+      integer, intent(in) :: owners(:)
+      type(result_type), pointer :: result
+
+      result => result_of(handle)
+      if (.not. associated(result)) return
+      if (len(parent) > 0) then
+         call result%open(name, dims, sizes, parent, owners)
+      else
+         call result%open(name, dims, sizes)
+      end if
+   end subroutine open_table
+
+   !> Fills a column of numbers; one that is not declared is left out.
+   subroutine fill_reals(handle, table, name, values)
+      !> As `new_result` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row; of complex ones real and imaginary parts one after the other.
+      real(wp), intent(in) :: values(:)
+      type(result_type), pointer :: result
+      integer :: i
+
+      result => result_of(handle)
+      if (.not. associated(result)) return
+      i = result%place(table, name)
+      if (i == 0) return
+      if (result%columns(i)%column%kind == complexes) then
+         call result%put(table, name, cmplx(values(1::2), values(2::2), wp))
+      else
+         call result%put(table, name, values)
+      end if
+   end subroutine fill_reals
+
+   !> Fills a column of all else; one that is not declared is left out.
+   subroutine fill_wholes(handle, table, name, values, words)
+      !> As `new_result` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row; of words their places.
+      integer, intent(in) :: values(:)
+      !> With line feeds between; empty if the column has none.
+      character(*), intent(in) :: words
+      type(result_type), pointer :: result
+
+      result => result_of(handle)
+      if (.not. associated(result)) return
+      if (result%place(table, name) == 0) return
+      if (len(words) > 0) then
+         call result%put_codes(table, name, values, split(words, new_line('a')))
+      else
+         call result%put(table, name, values)
+      end if
+   end subroutine fill_wholes
+
+   !> What is to be said of a result that is filled from outside.
+   subroutine say_of(handle, cut, remarks)
+      !> As `new_result` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      !> How far it came, if it was stopped before its end; else empty.
+      character(*), intent(in) :: cut
+      !> With a line feed behind each.
+      character(*), intent(in) :: remarks
+      type(result_type), pointer :: result
+      type(line_type), allocatable :: lines(:)
+      integer :: i
+
+      result => result_of(handle)
+      if (.not. associated(result)) return
+      result%cut = cut
+      lines = split(remarks, new_line('a'))
+      do i = 1, size(lines) - 1
+         call result%remark(lines(i)%text)
+      end do
+   end subroutine say_of
+
+   !> Gives the case of a result the name of the file that it is about to be written to.
+   subroutine name_after(result, path)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> Of the file.
+      character(*), intent(in) :: path
+      character(*), parameter :: start = '#   name = '
+      character(:), allocatable :: name
+      integer :: i
+
+      call find_name(path, 1, 1, name)
+      do i = 1, size(result%case)
+         if (index(result%case(i)%text, start) == 1) result%case(i)%text = start//''''//name//''''
+      end do
+   end subroutine name_after
+
+   !> The address that a pointer of C holds.
+   pure integer(c_int64_t) function address_of(pointer) result(address)
+      !> Any.
+      type(c_ptr), intent(in) :: pointer
+
+      address = 0
+      if (c_associated(pointer)) address = int(transfer(pointer, 0_c_intptr_t), c_int64_t)
+   end function address_of
+
+   !> The holder of a handle; null if it is none.
+   function holder_of(handle) result(holder)
+      !> As `run_text` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      type(holder_type), pointer :: holder
+
+      holder => null()
+      if (handle == 0) return
+      call c_f_pointer(transfer(int(handle, c_intptr_t), c_null_ptr), holder)
+      if (holder%mark /= mark) holder => null()
+   end function holder_of
+
+   !> The result behind a handle; null if there is none.
+   function result_of(handle) result(result)
+      !> As `run_text` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      type(result_type), pointer :: result
+      type(holder_type), pointer :: holder
+
+      result => null()
+      holder => holder_of(handle)
+      if (associated(holder)) result => holder%result
+   end function result_of
+
+   !> Frees a result; no array that shows its memory may be used from then on.
+   subroutine free_result(handle)
+      !> As `run_text` gave it; another is left alone.
+      integer(c_int64_t), intent(in) :: handle
+      type(holder_type), pointer :: holder
+
+      holder => holder_of(handle)
+      if (.not. associated(holder)) return
+      holder%mark = 0
+      deallocate (holder)
+   end subroutine free_result
+
+   !> What a result holds, as JSON: message, case, remarks, notes, tables, and columns with the
+   !! addresses of their values.
+   subroutine describe_result(handle, text)
+      !> As `run_text` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      !> An object; empty if there is no result.
+      character(:), allocatable, intent(out) :: text
+      type(holder_type), pointer :: holder
+      type(buffer_type) :: buffer
+      integer :: i
+
+      text = ''
+      holder => holder_of(handle)
+      if (.not. associated(holder)) return
+      call add(buffer, '{"message": ')
+      call add_quoted(buffer, holder%message)
+      if (allocated(holder%result%tables)) then
+         associate (result => holder%result)
+            call add(buffer, ', "cut": ')
+            call add_quoted(buffer, result%cut)
+            call add(buffer, ', "empty": '//trim(merge('true ', 'false', result%empty))// &
+               ', "row": ')
+            call add_quoted(buffer, trim(result%row))
+            call add_lines(buffer, 'case', result%case)
+            call add_lines(buffer, 'remarks', result%remarks)
+            call add(buffer, ', "notes": [')
+            do i = 1, size(result%notes)
+               call add(buffer, trim(merge(', [', '[  ', i > 1))//trim(merge('true ', 'false', &
+                  result%notes(i)%fault))//', ')
+               call add_quoted(buffer, result%notes(i)%text)
+               call add(buffer, ']')
+            end do
+            call add(buffer, '], "tables": [')
+            do i = 1, size(result%tables)
+               if (i > 1) call add(buffer, ', ')
+               call add_table(buffer, result%tables, i)
+            end do
+            call add(buffer, '], "columns": [')
+            do i = 1, size(result%columns)
+               if (i > 1) call add(buffer, ', ')
+               call add_column(buffer, result%columns(i))
+            end do
+         end associate
+         call add(buffer, ']')
+      end if
+      call add(buffer, '}')
+      text = buffer%text(:buffer%n)
+   end subroutine describe_result
+
+   !> Adds lines as a list of strings.
+   pure subroutine add_lines(buffer, name, lines)
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      !> Of the list.
+      character(*), intent(in) :: name
+      !> What is listed.
+      type(line_type), intent(in) :: lines(:)
+      integer :: i
+
+      call add(buffer, ', "'//name//'": [')
+      do i = 1, size(lines)
+         if (i > 1) call add(buffer, ', ')
+         call add_quoted(buffer, lines(i)%text)
+      end do
+      call add(buffer, ']')
+   end subroutine add_lines
+
+   !> Adds a table as an object.
+   subroutine add_table(buffer, tables, place)
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      !> All of the result.
+      type(table_type), intent(in), target :: tables(:)
+      !> Of the table.
+      integer, intent(in) :: place
+      integer :: i
+
+      associate (table => tables(place))
+         call add(buffer, '{"name": "'//trim(table%name)//'", "dims": [')
+         do i = 1, table%n_dims
+            if (i > 1) call add(buffer, ', ')
+            call add(buffer, '["'//trim(table%dims(i))//'", '//whole(table%sizes(i))//']')
+         end do
+         call add(buffer, '], "parent": "')
+         if (table%parent > 0) call add(buffer, trim(tables(table%parent)%name))
+         call add(buffer, '", "owners": ')
+      end associate
+      if (allocated(tables(place)%owners)) then
+         call add_address(buffer, c_loc(tables(place)%owners))
+      else
+         call add(buffer, '0')
+      end if
+      call add(buffer, '}')
+   end subroutine add_table
+
+   !> Adds a column as an object.
+   subroutine add_column(buffer, filled)
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      !> The column.
+      type(filled_type), intent(in), target :: filled
+
+      associate (column => filled%column)
+         call add(buffer, '{"table": "'//trim(column%table)//'", "name": "'//trim(column%name)// &
+            '", "kind": "'//trim(column_kinds(column%kind))//'", "each": "'//trim(column%each)// &
+            '", "unit": "'//trim(column%unit)//'", "meaning": ')
+         call add_quoted(buffer, trim(column%meaning))
+         call add(buffer, ', "listed": '//trim(merge('true ', 'false', column%listed))// &
+            ', "label": "'//trim(column%label)//'", "inner": '//whole(filled%inner))
+      end associate
+      call add_lines(buffer, 'words', filled%words)
+      call add(buffer, ', "address": ')
+      if (allocated(filled%x)) then
+         call add_address(buffer, c_loc(filled%x))
+      else if (allocated(filled%k)) then
+         call add_address(buffer, c_loc(filled%k))
+      else
+         call add(buffer, 'null')                     ! not filled
+      end if
+      call add(buffer, '}')
+   end subroutine add_column
+
+   !> Adds an address as a whole number.
+   pure subroutine add_address(buffer, pointer)
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      !> Null of an array without values.
+      type(c_ptr), intent(in) :: pointer
+      character(20) :: digits
+
+      write (digits, '(i0)') address_of(pointer)
+      call add(buffer, trim(digits))
+   end subroutine add_address
+
+end module vi_door

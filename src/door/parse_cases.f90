@@ -1,0 +1,316 @@
+!> The cases of a namelist, checked.
+!!
+!! Each group but `&system` and `&output` makes a case. It uses the `&system` before it, and the
+!! `&output` that follows it, if one does. A `&branch` starts from the `&motion` before it; a
+!! `&motion` with a `&branch` right behind it is this start and nothing else.
+module vi_parse_cases
+   use vi_case, only: case_type, check_output, check_system, longest_name, name_letters, &
+      output_keys, system_keys
+   use vi_branch_study, only: check_branch_start
+   use vi_key, only: key_type, place_of
+   use vi_namelist, only: group_type, scan_namelist
+   use vi_oscillator, only: oscillator_type
+   use vi_study_list, only: check_study, list_keys_of, study_names
+   use vi_text, only: brief, line_type, lower, whole, whole_width
+   use vi_values, only: read_values, values_type
+   implicit none (type, external)
+   private
+
+   public :: find_name, parse_cases
+
+contains
+
+   !> All cases of a namelist; at the first fault `message` says file, line, key and remedy.
+   subroutine parse_cases(lines, path, cases, message)
+      !> The namelist.
+      type(line_type), intent(in) :: lines(:)
+      !> The file that it stands in; empty if it stands in none.
+      character(*), intent(in) :: path
+      !> Its cases, in order.
+      type(case_type), allocatable, intent(out) :: cases(:)
+      !> Empty if there is no fault.
+      character(:), allocatable, intent(out) :: message
+      type(group_type), allocatable :: groups(:)
+      type(values_type) :: system
+      integer :: line, i, n
+
+      allocate (cases(0))
+      call scan_namelist(lines, groups, line, message)
+      if (len(message) == 0) call check_names(groups, line, message)
+      if (len(message) == 0) then
+         deallocate (cases)
+         allocate (cases(count([(is_case(groups(i:)), i=1, size(groups))])))
+         n = 0
+         do i = 1, size(groups)
+            line = groups(i)%line
+            select case (groups(i)%name)
+            case ('system')
+               call take_system(groups(i:), system, line, message)
+            case ('output')
+               if (.not. ends_in_case(groups(:i - 1))) message = '&output: no '//list_studies('') &
+                  //' stands before it'
+            case default
+               if (.not. allocated(system%name)) then
+                  message = '&'//groups(i)%name//': no &system stands before it'
+               else if (is_case(groups(i:))) then
+                  n = n + 1
+                  call take_case(groups, i, system, cases(n), line, message)
+                  if (len(message) == 0) call take_output(path, groups(i:), n, size(cases), &
+                     cases(n), line, message)
+               end if
+            end select
+            if (len(message) > 0) exit
+         end do
+      end if
+      if (len(message) == 0) return
+      message = brief(message)
+      if (len(path) > 0) message = place(path, line)//message
+   end subroutine parse_cases
+
+   !> The names of all groups come first: a wrong one changes what the other groups mean.
+   pure subroutine check_names(groups, line, message)
+      !> All of the file.
+      type(group_type), intent(in) :: groups(:)
+      !> Of the fault.
+      integer, intent(inout) :: line
+      !> What is wrong.
+      character(:), allocatable, intent(inout) :: message
+      integer :: i
+
+      do i = 1, size(groups)
+         associate (name => groups(i)%name)
+            if (name == 'system' .or. name == 'output' .or. any(name == study_names)) cycle
+            line = groups(i)%line
+            message = '&'//name//': is not a group; must be &system, &output, '//list_studies('')
+            return
+         end associate
+      end do
+   end subroutine check_names
+
+   !> Reads and checks &system, which needs a case after it.
+   pure subroutine take_system(groups, system, line, message)
+      !> The group, and all after it.
+      type(group_type), intent(in) :: groups(:)
+      !> Its values.
+      type(values_type), intent(out) :: system
+      !> Of the fault.
+      integer, intent(inout) :: line
+      !> What is wrong; empty if nothing is.
+      character(:), allocatable, intent(inout) :: message
+
+      if (.not. ends_in_case(groups(2:min(2, size(groups))))) then
+         message = '&system: no '//list_studies('branch')//' follows'
+         return
+      end if
+      call read_values('system', system_keys, groups(1), system)
+      call check_system(system, needs_r(groups(2:)))
+      call pass_on(system, line, message)
+   end subroutine take_system
+
+   !> Whether a case of this system has one frequency ratio, and not its own.
+   pure logical function needs_r(groups)
+      !> All that follows the system.
+      type(group_type), intent(in) :: groups(:)
+      integer :: i
+
+      needs_r = .false.
+      do i = 1, size(groups)
+         if (groups(i)%name == 'system') return
+         if (any(groups(i)%name == study_names)) needs_r = needs_r .or. .not. has_own_r(groups(i))
+      end do
+   end function needs_r
+
+   !> Whether a study has frequency ratios of its own: a window, or values of r.
+   pure logical function has_own_r(group)
+      !> The group of the study.
+      type(group_type), intent(in) :: group
+      type(key_type), allocatable :: keys(:)
+      integer :: i
+
+      call list_keys_of(group%name, keys)
+      has_own_r = place_of(keys, 'r_min') > 0
+      if (has_own_r .or. group%name == 'branch') return
+      do i = 1, size(group%items)
+         associate (value => group%items(i)%value)
+            if (group%items(i)%key /= 'parameter' .or. len(value) < 3) cycle
+            has_own_r = lower(value(2:len(value) - 1)) == 'r'
+         end associate
+      end do
+   end function has_own_r
+
+   !> Reads and checks the groups of one case.
+   subroutine take_case(groups, i, system, case, line, message)
+      !> All of the file.
+      type(group_type), intent(in) :: groups(:)
+      !> Place of the group that asks for the result.
+      integer, intent(in) :: i
+      !> The system before it.
+      type(values_type), intent(in) :: system
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> Of the fault.
+      integer, intent(inout) :: line
+      !> What is wrong; empty if nothing is.
+      character(:), allocatable, intent(inout) :: message
+      type(key_type), allocatable :: keys(:)
+      integer :: j
+
+      case%system = system
+      case%osc = oscillator_type(system%number('xi'), system%number('mu'), &
+         system%numbers('restitution'))
+      if (system%has('r') .and. .not. has_own_r(groups(i))) case%r = system%number('r')
+      if (groups(i)%name == 'branch') then
+         do j = i - 1, 1, -1
+            if (groups(j)%name == 'motion' .or. groups(j)%name == 'system') exit
+         end do
+         if (groups(j)%name == 'system') then
+            message = '&branch: no &motion of this &system stands before it'
+            return
+         end if
+         call list_keys_of('motion', keys)
+         call read_values('motion', keys, groups(j), case%start)
+         call check_branch_start(case, groups(i)%line)
+         call pass_on(case%start, line, message)
+         if (len(message) > 0) return
+      end if
+      call list_keys_of(groups(i)%name, keys)
+      call read_values(groups(i)%name, keys, groups(i), case%study)
+      call check_study(case)
+      call pass_on(case%study, line, message)
+   end subroutine take_case
+
+   !> Name and format of the result; the name is that of the file (numbered) unless given.
+   subroutine take_output(path, groups, number, total, case, line, message)
+      !> The file.
+      character(*), intent(in) :: path
+      !> The group of the case, and all after it.
+      type(group_type), intent(in) :: groups(:)
+      !> Number of the case, and how many there are.
+      integer, intent(in) :: number, total
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> Of the fault.
+      integer, intent(inout) :: line
+      !> What is wrong; empty if nothing is.
+      character(:), allocatable, intent(inout) :: message
+      character(:), allocatable :: name
+      logical :: follows
+      integer :: i
+
+      follows = size(groups) > 1
+      if (follows) follows = groups(2)%name == 'output'
+      case%line = groups(1)%line
+      if (follows) then
+         call read_values('output', output_keys, groups(2), case%output)
+         call check_output(case%output)
+         call pass_on(case%output, line, message)
+         if (len(message) > 0) return
+         do i = 1, size(groups(2)%items)
+            if (groups(2)%items(i)%key == 'name') case%line = groups(2)%items(i)%line
+         end do
+      else
+         call read_values('output', output_keys, values=case%output)
+      end if
+      if (.not. case%output%has('name')) then
+         call find_name(path, number, total, name)
+         call case%output%set_word('name', name)
+      end if
+      call case%output%text('name', case%name)
+   end subroutine take_output
+
+   !> Hands on the fault of a group.
+   pure subroutine pass_on(values, line, message)
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> Of the fault; kept if there is none.
+      integer, intent(inout) :: line
+      !> The fault.
+      character(:), allocatable, intent(inout) :: message
+
+      message = values%fault
+      if (len(message) > 0) line = values%fault_line
+   end subroutine pass_on
+
+   !> Whether the last of some groups is a case.
+   pure logical function ends_in_case(groups)
+      !> Some groups of the file.
+      type(group_type), intent(in) :: groups(:)
+
+      ends_in_case = .false.
+      if (size(groups) > 0) ends_in_case = any(groups(size(groups))%name == study_names)
+   end function ends_in_case
+
+   !> Whether a group is a case: not a &motion that is but the start of a &branch.
+   pure logical function is_case(groups)
+      !> The group, and all after it.
+      type(group_type), intent(in) :: groups(:)
+
+      is_case = any(groups(1)%name == study_names)
+      if (groups(1)%name == 'motion' .and. size(groups) > 1) is_case = groups(2)%name /= 'branch'
+   end function is_case
+
+   !> The studies for messages, without one: '&motion, &simulate or ...'.
+   pure function list_studies(without) result(text)
+      !> Name of the one that is left out.
+      character(*), intent(in) :: without
+      character(len_trim(padded_list(without))) :: text
+
+      text = padded_list(without)
+   end function list_studies
+
+   !> The same with blanks behind it.
+   pure function padded_list(without) result(text)
+      !> Name of the one that is left out.
+      character(*), intent(in) :: without
+      character(15*size(study_names)) :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(study_names)
+         if (study_names(i) == without) cycle
+         if (i == size(study_names)) then
+            text = trim(text)//' or'
+         else if (len_trim(text) > 0) then
+            text = trim(text)//','
+         end if
+         text = adjustl(trim(text)//' &'//study_names(i))
+      end do
+   end function padded_list
+
+   !> Where a fault is.
+   pure function place(path, line) result(text)
+      !> The file.
+      character(*), intent(in) :: path
+      !> 0 if it is none in particular.
+      integer, intent(in) :: line
+      character(len(path) + 2 + merge(1 + whole_width(line), 0, line > 0)) :: text
+
+      text = path//': '
+      if (line > 0) text = path//':'//whole(line)//': '
+   end function place
+
+   !> The name of a result from that of the file, numbered if it holds several cases.
+   pure subroutine find_name(path, number, total, name)
+      !> The file.
+      character(*), intent(in) :: path
+      !> Number of the case, and how many there are.
+      integer, intent(in) :: number, total
+      !> The name.
+      character(:), allocatable, intent(out) :: name
+      character(:), allocatable :: suffix
+      integer :: i
+
+      name = path(index(path, '/', back=.true.) + 1:)
+      i = index(name, '.', back=.true.)
+      if (i > 1) name = name(:i - 1)
+      suffix = ''
+      if (total > 1) suffix = '_'//whole(number)
+      name = name(:min(len(name), longest_name - len(suffix)))//suffix
+      do i = 1, len(name)
+         if (verify(name(i:i), name_letters) > 0) name(i:i) = '_'
+      end do
+      if (index(name, '.') == 1) name(1:1) = '_'
+      if (len(name) == 0) name = 'case'
+   end subroutine find_name
+
+end module vi_parse_cases
