@@ -56,8 +56,8 @@ def shown(owner: Handle, address: int, shape: tuple[int, ...], stored: str = "<i
         empty: NDArray[Any] = np.empty(shape, stored)
         empty.flags.writeable = False
         return empty
-    array: NDArray[Any] = np.asarray(Memory(owner, address, shape, stored))
-    return array
+    memory: Any = Memory(owner, address, shape, stored)
+    return np.asarray(memory)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
