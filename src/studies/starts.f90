@@ -12,11 +12,20 @@ module vi_starts
 contains
 
    !> About the greatest position that a motion with impacts has.
-   pure real(wp) function reach_of(osc, r, load, clearance) result(reach)
+   !!
+   !! Where the free mass rests on a wall for long, the two masses move as one, and their resonance
+   !! is below that of the primary mass alone. Every second start is for the masses together.
+   pure real(wp) function reach_of(osc, r, load, clearance, i) result(reach)
       type(oscillator_type), intent(in) :: osc
       real(wp), intent(in) :: r, load, clearance
+      !> The number of the start.
+      integer, intent(in) :: i
+      real(wp) :: heavier
 
-      reach = 1.5_wp*max(min(load*gain(osc%xi, r), 3*clearance), 0.1_wp*clearance)
+      reach = gain(osc%xi, r)
+      heavier = sqrt(1 + osc%mu)
+      if (modulo(i, 2) == 0) reach = max(reach, gain(osc%xi/heavier, r*heavier))
+      reach = 1.5_wp*max(min(load*reach, 3*clearance), 0.1_wp*clearance)
    end function reach_of
 
    !> Number i >= 1 of initial states t, x, x', z, z' that fill a box about the motion without
@@ -33,7 +42,7 @@ contains
       do j = 1, 40
          golden = (1 + golden)**(1.0_wp/6)
       end do
-      reach = reach_of(osc, r, load, clearance)
+      reach = reach_of(osc, r, load, clearance, i)
       u = [(modulo(0.5_wp + i/golden**j, 1.0_wp), j=1, 5)]
       state(1) = two_pi*u(5)/r
       state(2) = reach*(2*u(1) - 1)
@@ -55,7 +64,7 @@ contains
       real(wp), parameter :: golden = 1.324717957244746_wp
 
       release(1) = two_pi*modulo(0.5_wp + i/golden, 1.0_wp)
-      release(2) = load*r*cos(release(1)) - 2*side*reach_of(osc, r, load, clearance) &
+      release(2) = load*r*cos(release(1)) - 2*side*reach_of(osc, r, load, clearance, i) &
          *max(1.0_wp, r)*modulo(0.5_wp + i/golden**2, 1.0_wp)
    end function release_start
 

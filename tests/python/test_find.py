@@ -266,6 +266,38 @@ def test_unstable_motion_with_rest_is_found():
     assert not any(motion.pattern.has_rest for motion in without)
 
 
+@pytest.mark.parametrize(("r", "clearance"), [
+    (0.8373877928058429, 14.073636669583083), (0.8364626148185172, 14.479751428411182),
+])  # fmt: skip
+def test_what_settles_where_the_masses_resonate_together_is_listed(r, clearance):
+    """The heavier mass of both resonates at r = 1/sqrt(1 + mu) = 0.845; |x| reaches 15 A with long rests.
+
+    A fifth of the states that begin with such velocities settle on it.
+    """
+    osc = vi.Oscillator(
+        0.008523192404041762, 0.401053499446079, (0.8517960973509633, 0.9457629788111999)
+    )
+    together = 1 / abs(1 - (1 + osc.mu) * r**2 + 2j * osc.xi * r)
+    found = vi.find(osc, r, clearance, max_impacts=3, max_cycles=1, guesses=4)
+    random = np.random.default_rng(5)
+    settled = []
+    for _ in range(40):
+        x, x_dot, z_dot = random.normal(size=3) * together
+        z = x + random.uniform(-0.5, 0.5) * clearance
+        state = {"t": 0.0, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot}
+        run = vi.simulate(osc, r, clearance, 4, state, discard=600)
+        try:
+            motion = vi.exact(osc, r, clearance, run)
+        except vi.errors.VibroimpactError:
+            continue
+        if motion.stable and motion.admissible and abs(motion.multipliers[0]) ** 600 < 1e-3:
+            settled.append(motion)
+    assert len(settled) >= 4
+    assert max(np.abs(motion.X).max() for motion in settled) > 10 * settled[0].A
+    for motion in settled:
+        assert any(same_orbit(motion, other) for other in found), motion
+
+
 def test_a_mirror_image_that_is_lost_ends_no_search():
     """The motion whose image Newton's method loses, at the edge of what it can do, is there all the same."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
