@@ -151,9 +151,11 @@ def find(
         Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. What simulations and releases lead to
         is listed whatever its number of impacts and cycles.
     guesses : int
-        Guesses for each pattern.
+        Guesses for each pattern. Few make a short search: the lines of a pattern get at most as many steps as the
+        square of this number (and 3000).
     states : int
-        Initial states simulated.
+        Initial states simulated, every second one in a box so large as the resonance of both masses together asks
+        for.
     settling : int
         Load cycles simulated before an attractor is looked for.
     releases : int

@@ -28,7 +28,8 @@ module vi_passages
    !> A motion that is farther beyond a wall (over D) is not looked at for births. Their lines may
    !! well lead to admissible motions: seen from 0.38 beyond.
    real(wp), parameter :: depth = 0.5_wp
-   !> Motions and births kept of a pattern, and steps made along its lines.
+   !> Motions and births kept of a pattern, and steps made along its lines at most; a search with
+   !! few guesses is to be a short one, and makes no more than the square of their number.
    integer, parameter :: room = 128, most_births = 32, most_steps = 3000
 
    !> A motion that just touches a wall, written with the touch as an impact: in standard order.
@@ -48,7 +49,8 @@ module vi_passages
       type(curve_type) :: curve
       !> Unit of x_i/D.
       real(wp) :: scale = 1
-      integer :: steps = 0
+      !> Steps made, and at most.
+      integer :: steps = 0, most_steps = 0
       !> Most impacts of a pattern that is begun, and whether the walls are alike.
       integer :: letters = 0
       logical :: alike = .false.
@@ -77,6 +79,7 @@ contains
 
       call new_lines(pattern, c, lines)
       lines%letters = letters
+      lines%most_steps = min(most_steps, min(guesses, most_steps)**2)
       lines%alike = abs(c(by_right) - c(by_left)) <= 0
       call search_pattern(pattern, c, guesses, lines%unknowns, lines%n, tried, 0)
       call follow_all(lines, 1)
@@ -169,7 +172,7 @@ contains
       allocate (now%bend(n, 2), source=0.0_wp)
       call tangent_at(lines%curve, none, now%point, along, now%tangent, good)
       now%step = 0.02_wp
-      do while (good .and. lines%steps < most_steps)
+      do while (good .and. lines%steps < lines%most_steps)
          lines%steps = lines%steps + 1
          call take_step(lines%curve, none, stride_type(longest=0.06_wp, turn=0.4_wp), now, next, &
             good, blind=.true.)
