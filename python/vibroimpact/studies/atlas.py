@@ -273,9 +273,10 @@ def atlas(
     """All zones of stable motions in a window, for all patterns up to a number of impacts and cycles.
 
     Patterns come from enumeration (all sequences of sides up to rotation, and up to the mirror image when
-    R1 = R2) and from a survey by simulation over the window, which also finds those with rest. Each pattern's
-    `zone` is traced; the surveyed attractors are seeds of it. Attractors that lie in no zone of their pattern
-    afterwards are sought once more on a finer lattice, and listed as `unexplained` if that does not help.
+    R1 = R2) and, those with rest, from a survey by simulation over the window and from simulations at the nodes
+    of the zones' lattice. Each pattern's `zone` is traced; the surveyed attractors are seeds of it. Attractors
+    that lie in no zone of their pattern afterwards are sought once more on a finer lattice, and listed as
+    `unexplained` if that does not help.
     Every point of the survey is counted by what became of it (`Atlas.counts`, see `Survey`).
 
     Parameters
