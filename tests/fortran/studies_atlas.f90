@@ -102,17 +102,35 @@ contains
       type(zone_request_type) :: requests(2)
       type(release_type), allocatable :: one(:, :, :), two(:, :, :)
       type(zone_type) :: alone, shared
+      real(wp), allocatable :: places(:, :, :)
       real(wp) :: none(8, 0)
-      integer :: i, j, status
+      integer :: i, j, k, status
 
       do j = 1, 2
          requests(j) = zone_request_type(oscillator_type(0.0188_wp, 0.42728_wp, &
             [0.8054_wp, 0.9253_wp]), pattern_type(patterns(:j + 1, j), 1), .false., &
             [0.82_wp, 0.88_wp], [7.0_wp, 12.0_wp], 33, 6)
       end do
-      call simulate_nodes(requests(1), 1, one)
-      call simulate_nodes(requests(2), 2, two)
+      call simulate_nodes(requests(1), [3, 2], 1, one, places)
+      call simulate_nodes(requests(2), [3, 2], 2, two, places)
       call check(all(shape(one) == shape(two)), 'one lattice for all patterns with rest')
+      call check(all(shape(places) == [2, size(one, 2), size(one, 3)]) .and. &
+         all(places(1, :, :) >= 0.82_wp*(1 - 1.0e-12_wp) .and. &
+         places(2, :, :) <= 12*(1 + 1.0e-12_wp)), 'nodes lie in the window')
+      call check(any(one%cycles > 0), 'some simulations end in a period with rest')
+      do j = 1, size(one, 3)
+         do i = 1, size(one, 2)
+            do k = 1, size(one, 1)
+               call check(one(k, i, j)%cycles == two(k, i, j)%cycles, 'threads change no period')
+               if (one(k, i, j)%cycles == 0) cycle
+               associate (letters => one(k, i, j)%letters)
+                  call check(size(letters) <= 3 .and. abs(letters(size(letters))) == 2, &
+                     'a period ends with a rest')
+                  call check(any(letters > 0) .and. any(letters < 0), 'a period has both walls')
+               end associate
+            end do
+         end do
+      end do
       do j = 1, 2
          call find_zone(requests(j), none(:4 + 2*j, :), alone, status)
          if (j == 1) call find_zone(requests(j), none(:4 + 2*j, :), shared, status, releases=two)
