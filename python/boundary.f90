@@ -945,26 +945,6 @@ subroutine outcome_text(outcome, name)
    name = transfer(outcome_names(outcome), name)
 end subroutine outcome_text
 
-!> Lyapunov exponents (per unit of time) at m points, their standard errors, and Kaplan and Yorke's
-!! dimension.
-subroutine lyapunov(m, xi, mu, walls, r, load, clearance, states, contacts, discard, cycles, &
-   batches, threads, tally, exponents, deviations, dimensions, counts, errors, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_attractor_lyapunov, only: lyapunov_points
-   use vi_oscillator, only: oscillator_type
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: m, contacts(3, m), discard, cycles, batches, threads
-   real(c_double), intent(in) :: xi, mu, walls(2), r(m), load(m), clearance(m), states(7, m)
-   integer(c_int), intent(inout) :: tally(3)
-   real(c_double), intent(out) :: exponents(4, m), deviations(4, m), dimensions(m), errors(m)
-   integer(c_int), intent(out) :: counts(2, m), status(m)
-
-   call lyapunov_points(oscillator_type(xi, mu, walls), r, load, clearance, states, contacts, &
-      discard, cycles, batches, threads, exponents, deviations, dimensions, counts, errors, &
-      status, tally)
-end subroutine lyapunov
-
 !> What runs along a parameter settle on: arrays (.., values, runs), per impact time, phase, x,
 !! x_dot and z_dot before and after, and kind and side; `periods`: load cycles, letters, impacts,
 !! rests.

@@ -112,9 +112,7 @@ class _Branch(Protocol):
         room: int,
         tally: _Integer,
         n: int = ...,
-    ) -> tuple[
-        _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int
-    ]: ...
+    ) -> tuple[_Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int]: ...
 
 @type_check_only
 class _ConditionText(Protocol):
@@ -271,20 +269,7 @@ class _Find(Protocol):
         releases_tried: int,
         threads: int,
         tally: _Integer,
-    ) -> tuple[
-        int,
-        int,
-        _Integer,
-        _Integer,
-        _Real,
-        _Integer,
-        _Real,
-        _Real,
-        _Real,
-        _Complex,
-        _Integer,
-        _Integer,
-    ]: ...
+    ) -> tuple[int, int, _Integer, _Integer, _Real, _Integer, _Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
 class _FinishChart(Protocol):
@@ -360,27 +345,6 @@ class _LinearSystem(Protocol):
         phases: ArrayLike,
         n: int = ...,
     ) -> tuple[_Real, _Real]: ...
-
-@type_check_only
-class _Lyapunov(Protocol):
-    # exponents, deviations, dimensions, counts, errors, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        load: ArrayLike,
-        clearance: ArrayLike,
-        states: ArrayLike,
-        contacts: ArrayLike,
-        discard: int,
-        cycles: int,
-        batches: int,
-        threads: int,
-        tally: _Integer,
-        m: int = ...,
-    ) -> tuple[_Real, _Real, _Real, _Integer, _Real, _Integer]: ...
 
 @type_check_only
 class _NewResult(Protocol):
@@ -823,7 +787,6 @@ free_result: _FreeResult
 impact_maps: _ImpactMaps
 largest_disc: _LargestDisc
 linear_system: _LinearSystem
-lyapunov: _Lyapunov
 new_result: _NewResult
 open_table: _OpenTable
 outcome_text: _OutcomeText

@@ -23,7 +23,7 @@ from .studies.atlas import Atlas, atlas
 from .studies.basins import Basins, basins
 from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.branch import Branch, branch
-from .studies.lyapunov import Lyapunov, lyapunov
+from .studies.lyapunov import Lyapunov, with_exponents
 from .studies.response import Response
 from .studies.spacing import spaced
 from .studies.zone import Zone
@@ -192,12 +192,7 @@ class Case(NamedTuple):
 
     def lyapunov(self, progress: Callable[[float, str], None] | None = None) -> Lyapunov:
         """The exponents that a &lyapunov case asks for."""
-        keys = self.keys
-        line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
-        return lyapunov(
-            self.osc, line["r"], line["clearance"], keys["cycles"], self._state(), keys["load"],
-            keys["discard"], keys["batches"], progress=progress,
-        )  # fmt: skip
+        return with_exponents(door.run_text(Lyapunov, self.text, progress=progress))
 
     def bifurcation(
         self, progress: Callable[[float, str], None] | None = None

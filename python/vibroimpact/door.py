@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core, checks
 from .errors import ParameterError, ParameterTypeError, StudyInterrupted
@@ -103,8 +104,10 @@ def plain(study: str, key: str, value: Any, name: str) -> Any:
     declared = next(item for item in language()["groups"][study] if item["name"] == key)
     wanted = declared["takes"]
     kind = {"number": number, "whole": whole, "word": word}[declared["kind"]]
-    if declared["most"] == 1 or declared["kind"] == "word" or np.ndim(value) == 0:
+    if declared["most"] == 1 or np.ndim(value) == 0:
         return kind(value, name, wanted)
+    if declared["kind"] != "number":
+        return [kind(item, name, wanted) for item in value]
     array = checks.real_array(value, name, wanted)
     if array.ndim != 1 or array.size == 0:
         raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}, one list")
@@ -147,3 +150,14 @@ def line(name: str, values: Any) -> dict[str, Any]:
         low, high = float(array[0]), float(array[-1])
         return {f"{name}_min": low, f"{name}_max": high, f"{name}_points": array.size}
     return {name: array}
+
+
+def swept(values: NDArray[np.float64]) -> dict[str, Any] | None:
+    """The keys of the values of a parameter, if their ends, number and spacing give them again."""
+    from .studies.spacing import spacing_of
+
+    spacing = spacing_of(values) if values.ndim == 1 else None
+    if spacing is None:
+        return None
+    low, high = float(values[0]), float(values[-1])
+    return {"low": low, "high": high, "values": values.size, "spacing": spacing}

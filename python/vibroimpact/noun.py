@@ -20,11 +20,12 @@ NOUNS: dict[str, type[Noun]] = {}
 
 
 class column:  # noqa: N801 (a descriptor, written as property is)
-    """A column of a table as an attribute, read-only."""
+    """A column of a table as an attribute, read-only; its own dimension comes last, or `first`."""
 
-    def __init__(self, table: str, name: str = "") -> None:
+    def __init__(self, table: str, name: str = "", first: bool = False) -> None:
         self.table = table
         self.name = name
+        self.first = first
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = self.name or name
@@ -36,7 +37,8 @@ class column:  # noqa: N801 (a descriptor, written as property is)
     def __get__(self, noun: Noun | None, owner: type) -> Any:
         if noun is None:
             return self
-        return noun._result.tables[self.table].columns[self.name].decoded()
+        values = noun._result.tables[self.table].columns[self.name].decoded()
+        return np.moveaxis(values, -1, 0) if self.first else values
 
 
 class Noun:

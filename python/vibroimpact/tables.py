@@ -77,7 +77,8 @@ class Column:
     def decoded(self) -> NDArray[Any]:
         """Words as texts, logical values as bool, verdicts as codes, numbers as they are."""
         if self.kind == "word":
-            return np.array(("", *self.words))[self.values]
+            texts: NDArray[Any] = np.array(("", *self.words))[self.values]
+            return texts
         return self.values == 1 if self.kind == "truth" else self.values
 
 

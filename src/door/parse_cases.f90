@@ -132,8 +132,9 @@ contains
       if (has_own_r .or. group%name == 'branch') return
       do i = 1, size(group%items)
          associate (value => group%items(i)%value)
+            if (group%items(i)%key == 'r') has_own_r = .true.
             if (group%items(i)%key /= 'parameter' .or. len(value) < 3) cycle
-            has_own_r = lower(value(2:len(value) - 1)) == 'r'
+            has_own_r = has_own_r .or. lower(value(2:len(value) - 1)) == 'r'
          end associate
       end do
    end function has_own_r

@@ -3,7 +3,7 @@ module vi_lyapunov_study
    use vi_attractor_lyapunov, only: lyapunov_points
    use vi_case, only: case_type
    use vi_common_keys, only: check_parameter, check_start, clearance_key, load_key, parameter_of, &
-      parameter_values, spacing_key, state_keys, state_of
+      parameter_values, resonance, spacing_key, state_keys, state_of, window_keys
    use vi_drive, only: initial_state, new_drive, two_pi
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
@@ -19,9 +19,15 @@ module vi_lyapunov_study
    character(*), parameter :: with = 'parameter', range_takes = 'a number in the range of the &
       &parameter (1e-6 <= r <= 1e6, 1e-12 <= clearance <= 1e12)'
    type(key_type), parameter, public :: lyapunov_keys(*) = [ &
-      key_type('clearance', low=clearance_key%low, high=clearance_key%high, &
+      key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
-      meaning=clearance_key%meaning), &
+      meaning='clearance d K/F0, one or one for each point'), &
+      key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
+      may_miss=.true., never=with, meaning='the frequency ratios of points that are no line with &
+      &equal spaces, one or one for each point'), &
+      key_type('shape', a_whole, most=3, low=1.0_wp, high=1.0e6_wp, may_miss=.true., only='r', &
+      meaning='the points as an array of two or three dimensions, of which the last varies &
+      &first'), &
       key_type('parameter', a_word, may_miss=.true., words='r clearance', &
       takes='''r'' or ''clearance''; low, high and values go with it', &
       meaning='a line of points'), &
@@ -45,15 +51,19 @@ module vi_lyapunov_study
    type(column_type), parameter, public :: lyapunov_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
       column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
-      column_type('points', 'exponents', each='exponent', label='exponent_#', &
+      column_type('points', 'per_cycle', each='direction', label='exponent_#', &
       unit='1/load cycle', meaning='Lyapunov exponents, the greatest first'), &
-      column_type('points', 'errors', each='exponent', label='error_#', unit='1/load cycle', &
-      meaning='their standard errors'), &
+      column_type('points', 'error_per_cycle', each='direction', label='error_#', &
+      unit='1/load cycle', meaning='standard errors of per_cycle'), &
       column_type('points', 'dimension', meaning='Kaplan-Yorke dimension'), &
       column_type('points', 'identity_error', &
       meaning='of the sum of the exponents, which follows from damping and impacts'), &
       column_type('points', 'impacts', wholes, meaning='impacts in the cycles averaged over'), &
       column_type('points', 'rests', wholes, meaning='rests in the cycles averaged over'), &
+      column_type('points', 'exponents', each='direction', unit='omega', listed=.false., &
+      meaning='Lyapunov exponents, the greatest first'), &
+      column_type('points', 'standard_error', each='direction', unit='omega', listed=.false., &
+      meaning='standard errors of exponents'), &
       column_type('points', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
 
@@ -69,31 +79,81 @@ contains
          if (len(study%fault) > 0) return
          if (study%whole_number('cycles') < 2*study%whole_number('batches')) call &
             study%refuse('cycles', 'batches is '//whole(study%whole_number('batches')))
+         call check_points(case)
          ! the walls may move with the parameter: the state is between the nearest of them
          if (study%has('clearance')) then
-            call check_start(study, study%number('clearance'))
+            call check_start(study, minval(study%numbers('clearance')))
          else
             call check_start(study, study%number('low'))
          end if
       end associate
    end subroutine check_lyapunov
 
-   !> The points of a line along r or the clearance, or the one of the case.
-   pure subroutine line_points(case, r, clearance)
+   !> Checks that lists of points fit together.
+   subroutine check_points(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      integer :: n
+
+      n = count_points(case)
+      associate (study => case%study)
+         if (study%has('clearance')) then
+            if (all(size(study%numbers('clearance')) /= [1, n])) call study%refuse('clearance', &
+               'one number, or '//whole(n)//' as of r')
+         end if
+         if (.not. study%has('r')) return
+         if (all(size(study%numbers('r')) /= [1, n])) call study%refuse('r', 'one number, or '// &
+            whole(n)//' as of clearance')
+         if (case%osc%xi <= 0 .and. any(abs(study%numbers('r') - 1) <= 0)) call &
+            study%refuse('r', resonance//'among the values')
+         if (.not. study%has('shape')) return
+         if (abs(product(study%numbers('shape')) - n) > 0) call study%refuse('shape', &
+            'together as many as there are points, '//whole(n))
+      end associate
+   end subroutine check_points
+
+   !> How many points there are.
+   pure integer function count_points(case) result(n)
+      !> The case.
+      type(case_type), intent(in) :: case
+
+      n = 1
+      if (case%study%has('parameter')) then
+         n = case%study%whole_number('values')
+      else if (case%study%has('r')) then
+         n = max(size(case%study%numbers('r')), size(case%study%numbers('clearance')))
+      end if
+   end function count_points
+
+   !> The points of a line or a list, or the one of the case.
+   pure subroutine list_points(case, r, clearance)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> The points (n).
       real(wp), allocatable, intent(out) :: r(:), clearance(:)
       integer :: n
 
-      n = 1
-      if (case%study%has('parameter')) n = case%study%whole_number('values')
+      n = count_points(case)
       allocate (r(n), source=case%r)
       allocate (clearance(n))
-      if (case%study%has('clearance')) clearance = case%study%number('clearance')
+      associate (study => case%study)
+         if (study%has('r')) call spread_out(study%numbers('r'), r)
+         if (study%has('clearance')) call spread_out(study%numbers('clearance'), clearance)
+      end associate
       if (parameter_of(case) == 'r') r = parameter_values(case)
       if (parameter_of(case) == 'clearance') clearance = parameter_values(case)
-   end subroutine line_points
+   end subroutine list_points
+
+   !> One number for each point, or one for all.
+   pure subroutine spread_out(given, values)
+      !> As the case has them.
+      real(wp), intent(in) :: given(:)
+      !> At each point.
+      real(wp), intent(out) :: values(:)
+
+      values = given(1)
+      if (size(given) == size(values)) values = given
+   end subroutine spread_out
 
    !> Computes the exponents along a line of points, or at one.
    subroutine run_lyapunov(case, threads, result, tally)
@@ -107,11 +167,11 @@ contains
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: r(:), clearance(:), states(:, :), loads(:), exponents(:, :), &
          deviations(:, :), dimensions(:), errors(:), cycle_times(:, :)
-      integer, allocatable :: contacts(:, :), counts(:, :), status(:)
+      integer, allocatable :: contacts(:, :), counts(:, :), status(:), done(:)
       character(:), allocatable :: reason
       integer :: j, n, lost, batches
 
-      call line_points(case, r, clearance)
+      call list_points(case, r, clearance)
       n = size(r)
       allocate (states(7, n), contacts(3, n), loads(n), exponents(4, n), deviations(4, n), &
          dimensions(n), errors(n), counts(2, n), status(n))
@@ -126,22 +186,29 @@ contains
             s%whole_number('discard'), s%whole_number('cycles')/batches, batches, threads, &
             exponents, deviations, dimensions, counts, errors, status, tally)
       end associate
-      allocate (cycle_times, source=spread(two_pi/r, 1, 4))
-      call result%open('points', 'point', [n])
-      call result%put('points', 'r', r)
-      call result%put('points', 'clearance', clearance)
-      call result%put('points', 'exponents', [exponents*cycle_times])
-      call result%put('points', 'errors', [deviations*cycle_times])
-      call result%put('points', 'dimension', dimensions)
-      call result%put('points', 'identity_error', errors)
-      call result%put('points', 'impacts', counts(1, :))
-      call result%put('points', 'rests', counts(2, :))
-      call result%put('points', 'status', status)
-      lost = count(status /= stat%ok)
+      ! the points that a stop left whole
+      done = pack([(j, j=1, n)], status /= stat%not_computed)
+      if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'
+      allocate (cycle_times, source=spread(two_pi/r(done), 1, 4))
+      call open_points(case, size(done), result)
+      call result%put('points', 'r', r(done))
+      call result%put('points', 'clearance', clearance(done))
+      call result%put('points', 'per_cycle', [exponents(:, done)*cycle_times])
+      call result%put('points', 'error_per_cycle', [deviations(:, done)*cycle_times])
+      call result%put('points', 'dimension', dimensions(done))
+      call result%put('points', 'identity_error', errors(done))
+      call result%put('points', 'impacts', counts(1, done))
+      call result%put('points', 'rests', counts(2, done))
+      call result%put('points', 'exponents', [exponents(:, done)])
+      call result%put('points', 'standard_error', [deviations(:, done)])
+      call result%put('points', 'status', status(done))
+      n = size(done)
+      lost = count(status(done) /= stat%ok)
       result%empty = lost == n
       if (.not. result%empty) call result%say(counted(n, 'point')//', '//whole(count( &
-         exponents(1, :) > 3*deviations(1, :)))//' with a positive exponent')
+         exponents(1, done) > 3*deviations(1, done)))//' with a positive exponent')
       if (lost == 0) return
+      status = status(done)
       j = findloc(status /= stat%ok, .true., 1)
       if (status(j) == stat%no_motion) then
          reason = 'no impacts in a batch'
@@ -150,5 +217,27 @@ contains
       end if
       call result%fail('no exponents at '//whole(lost)//' of '//counted(n, 'point')//': '//reason)
    end subroutine run_lyapunov
+
+   !> Opens the table of the points: of the one point, a list, or an array.
+   pure subroutine open_points(case, n, result)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> Points that were come to.
+      integer, intent(in) :: n
+      !> The result.
+      type(result_type), intent(inout) :: result
+      character(*), parameter :: axes(3) = [character(23) :: 'point', 'point_1 point_0', &
+         'point_2 point_1 point_0']
+
+      if (len(result%cut) == 0 .and. case%study%has('shape')) then
+         associate (shape => case%study%whole_numbers('shape'))
+            call result%open('points', trim(axes(size(shape))), shape(size(shape):1:-1))
+         end associate
+      else if (n == 1 .and. .not. (case%study%has('r') .or. case%study%has('parameter'))) then
+         call result%open('points', '', [integer ::])
+      else
+         call result%open('points', 'point', [n])
+      end if
+   end subroutine open_points
 
 end module vi_lyapunov_study

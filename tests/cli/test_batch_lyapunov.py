@@ -86,6 +86,8 @@ def test_points_without_impacts(batch, command):
 BAD_LYAPUNOV = [
     *[("parameter = 'clearance'", f"parameter = {v}", "'r' or 'clearance'", 2)
       for v in ("'xi'", "'q'", "''", "r", "1")],
+    ("parameter = 'clearance'\n  low = 5, high = 40, values = 6", "clearance = 9, 10",
+     "one number, or 1 as of r", 2),
     *[("low = 5", f"low = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("nan", "0", "-1", "5, 6")],
     *[("high = 40", f"high = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("5", "1", "nan", "1e13")],
     *[("values = 6", f"values = {v}", "2 <= values", 3) for v in ("1", "0", "6, 7", "2000000")],
@@ -120,6 +122,10 @@ def test_r_is_where_it_belongs(batch):
     assert_refused(EQUAL + along_r, "system", "r = 1.04: must be left out", 1, batch)
     assert_refused(
         FREE + f"&lyapunov clearance = 9, {MOVING} /\n", "system", "r: is missing", 1, batch
+    )
+    both = along_r.replace(" /", ", r = .9, 1 /")
+    assert_refused(
+        FREE + both, "lyapunov", "r = .9, 1: must be left out beside parameter", 2, batch
     )
     undamped = FREE.replace("0.0114", "0")
     assert_refused(undamped + along_r, "lyapunov", "r = 1 with xi = 0", 2, batch)

@@ -130,12 +130,57 @@ def test_the_namelist_of_exponents(r, clearance, state, tmp_path):
     assert again.case == result.case
 
 
-def test_exponents_without_a_namelist():
-    """A grid, a diagonal, points spaced otherwise, and a start that goes on from another trajectory."""
-    grid = np.meshgrid([1.0, 1.02], [20.0, 30.0])
+GRID = np.meshgrid([1.0, 1.02, 1.05], [20.0, 30.0])
+
+
+@pytest.mark.parametrize(
+    ("r", "clearance"),
+    [
+        GRID,
+        (np.stack([GRID[0]] * 2), 25.0),
+        ([1.0, 1.02], [20.0, 30.0]),
+        ([1.0, 1.01, 1.04], 20.0),
+        (1.04, [20.0, 20.0]),
+        ([1.04], 25.0),
+    ],
+)
+def test_lists_and_arrays_have_a_namelist_too(r, clearance, tmp_path):
+    """A grid, a diagonal, points spaced otherwise: it gives them again, and none depends on the others."""
+    result = vi.lyapunov(FIGURE6, r, clearance, 61, STATE, discard=20, batches=3)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    assert again.to_json() == result.to_json()
+    points = np.broadcast_arrays(r, clearance)
+    assert result.r.shape == result.dimension.shape == points[0].shape
+    assert result.per_cycle.shape == (4, *points[0].shape)
+    for place in np.ndindex(points[0].shape):
+        one = (values[place] for values in points)
+        alone = vi.lyapunov(FIGURE6, *one, 61, STATE, discard=20, batches=3)
+        np.testing.assert_array_equal(alone.exponents, result.exponents[(slice(None), *place)])
+
+
+def test_the_final_state_of_a_simulation_is_a_start_too(tmp_path):
+    """As the five numbers that tell it."""
     final = vi.simulate(FIGURE6, 1.04, 25.0, 3).final_state
-    calls = [(grid, None), (([1.0, 1.02], [20.0, 30.0]), None), (([1.0, 1.01, 1.04], 20.0), None)]
-    for (r, clearance), state in [*calls, ((1.04, 25.0), final)]:
-        result = vi.lyapunov(FIGURE6, r, clearance, 40, state)
-        with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
-            result.to_namelist()
+    result = vi.lyapunov(FIGURE6, 1.04, 25.0, 40, final)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (again,) = vi.read_namelist(tmp_path / "case.nml")[0].run()
+    assert again.to_json() == result.to_json()
+    five = {name: final[name] for name in STATE}
+    assert vi.lyapunov(FIGURE6, 1.04, 25.0, 40, five).to_json() == result.to_json()
+
+
+@pytest.mark.parametrize("form", ["json", "nc", "mat"])
+@pytest.mark.parametrize("r", [1.04, [1.0, 1.01, 1.04], GRID[0]])
+def test_a_file_gives_the_exponents_again(r, form, tmp_path):
+    """To the last bit, and its table, which the core writes, too."""
+    result = vi.lyapunov(FIGURE6, r, 25.0, 61, STATE, discard=20, batches=3)
+    result.save(tmp_path / f"one.{form}")
+    again = vi.load(tmp_path / f"one.{form}")
+    assert again.to_json() == result.to_json()
+    tables = []
+    for item in (result, again):
+        item.save(tmp_path / "table.csv")
+        tables.append((tmp_path / "table.csv").read_bytes())
+    assert tables[0] == tables[1]

@@ -33,7 +33,7 @@ from ..run import run_namelists
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .options import Request, case_files, in_options, read_cases
 from .run import tell
-from .words import PARTIAL, WORDS, singular
+from .words import PARTIAL, WORDS
 
 #: What writes the figure of some axes to a file, if that is wanted.
 Save = Callable[[Any, Path], Path] | None
@@ -178,7 +178,7 @@ def finish(
             results = stop.result if isinstance(stop.result, list) else [stop.result]
             stopped = True
         except SingularError as error:
-            record.fault(f"{case.name}: {singular(case, error)}")
+            record.fault(f"{case.name}: {error}")
             return 1
         except ParameterError as error:
             if case.kind != "simulate":

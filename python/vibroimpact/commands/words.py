@@ -7,22 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ..case import Case
-from ..errors import SingularError
 from ..interchange.csv_file import NOT_CLOSED, counted, tag
-from ..status import NO_MOTION, status_text
+from ..status import status_text
 from ..studies.branch import REASONS
 
 #: What was said, what is missing, and whether there is a result.
 Words = tuple[list[str], list[str], bool]
 #: What is counted on a branch, in this order.
 BIFURCATIONS = ("fold", "pitchfork", "flip", "neimark_sacker", "grazing", "zero_approach")
-
-
-def singular(case: Case, error: SingularError) -> str:
-    """Why a case has no result."""
-    reason = str(error).removeprefix("Lyapunov exponents: ")
-    return f"no exponents at 1 of 1 point: {reason}" if case.kind == "lyapunov" else reason
 
 
 def noun_words(noun: Any) -> Words:
@@ -102,20 +94,6 @@ def chart_words(data: Any) -> Words:
     ], [], True  # fmt: skip
 
 
-def lyapunov_words(found: Any) -> Words:
-    """Points, and those in chaos."""
-    points = counted(found.r.size, "point")
-    positive = int((found.largest > 3 * found.standard_error[0]).sum())
-    lost = found.status[found.status != 0]
-    faults = []
-    if lost.size:
-        reason = "no impacts in a batch" if lost[0] == NO_MOTION else status_text(int(lost[0]))
-        faults = [f"no exponents at {lost.size} of {points}: {reason}"]
-    if lost.size == found.r.size:
-        return [], faults, False
-    return [f"{points}, {positive} with a positive exponent"], faults, True
-
-
 def bifurcation_words(diagram: Any) -> Words:
     """Runs, impacts and windows."""
     return simulated(
@@ -150,7 +128,7 @@ def simulated(status: Any, said: str) -> Words:
 #: The kinds that are computed once, in Python, for table, picture and document.
 WORDS: dict[str, Callable[..., Words]] = {
     "simulate": simulate_words, "branch": branch_words, "zone": zone_words, "atlas": atlas_words,
-    "chart": chart_words, "lyapunov": lyapunov_words, "bifurcation": bifurcation_words,
+    "chart": chart_words, "lyapunov": noun_words, "bifurcation": bifurcation_words,
     "basins": basin_words, "response": noun_words,
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ..studies.basins import Basins
     from ..studies.bifurcation import BifurcationDiagram
     from ..studies.branch import Branch
-    from ..studies.lyapunov import Lyapunov
     from ..studies.zone import Piece, Zone
     from ..trajectory import Trajectory
 
@@ -185,19 +184,6 @@ def chart_columns(data: Any) -> Columns:
     return table | {"status": status[i, j, k].tolist()}
 
 
-def lyapunov_columns(found: Lyapunov) -> Columns:
-    """One row a point; exponents and their standard errors per load cycle."""
-    exponents, errors = (
-        item.reshape(4, -1).tolist()
-        for item in (found.per_cycle, found.standard_error * (2 * np.pi / found.r))
-    )
-    table: Columns = {name: getattr(found, name).ravel().tolist() for name in ("r", "clearance")}
-    table |= {f"exponent_{i}": row for i, row in enumerate(exponents, start=1)}
-    table |= {f"error_{i}": row for i, row in enumerate(errors, start=1)}
-    names = ("dimension", "identity_error", "impacts", "rests")
-    return table | {name: getattr(found, name).ravel().tolist() for name in names}
-
-
 def bifurcation_columns(diagram: BifurcationDiagram) -> Columns:
     """One row an impact."""
     points = diagram.points
@@ -221,7 +207,7 @@ def basin_columns(basins: Basins) -> Columns:
 
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
-    "Zone": zone_columns, "Atlas": atlas_columns, "Lyapunov": lyapunov_columns,
+    "Zone": zone_columns, "Atlas": atlas_columns,
     "BifurcationDiagram": bifurcation_columns, "Basins": basin_columns,
     "Findings": found_columns,
 }  # fmt: skip

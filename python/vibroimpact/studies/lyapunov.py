@@ -2,32 +2,24 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core, checks
-from ..errors import ParameterError, SingularError, StudyInterrupted
-from ..interchange import namelist
-from ..interchange.dataset import xarray
-from ..interchange.result import Result
-from ..interrupt import new_tally, stoppable
+from .. import checks, door
+from ..errors import ParameterError, SingularError
 from ..model import Oscillator
-from ..states import TWO_PI, start_of, told
-from ..status import NO_MOTION, NOT_COMPUTED, status_text
-from .spacing import spacing_of
+from ..noun import Noun, column
+from ..states import NEEDED, checked_state
 
 __all__ = ["Lyapunov", "lyapunov"]
 
 _Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Lyapunov(Result):
+class Lyapunov(Noun, study="lyapunov"):
     """The four Lyapunov exponents of a trajectory, or of many on a grid of points.
 
     They are those of the map from impact to impact in (x, x', z', alpha), over the time: how fast small
@@ -47,6 +39,8 @@ class Lyapunov(Result):
         Per unit of time 1/omega, largest first; NaN where there were no impacts.
     standard_error : ndarray (4, ...)
         Of the exponents, from the scatter of the batches.
+    per_cycle : ndarray (4, ...)
+        The exponents per load cycle: logarithms of the mean factors over a cycle.
     dimension : ndarray (...)
         Kaplan and Yorke's dimension of the attractor in the section, 0 to 4.
     identity_error : ndarray (...)
@@ -60,62 +54,38 @@ class Lyapunov(Result):
     status : ndarray (...) of int
         0 done; see `status_text`.
     case : str
-        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
+        What was asked for as a namelist.
     complete : bool
-        False if Ctrl-C cut it short.
-    asked : int
-        Points that were asked for, if it was cut short; else 0.
+        False if Ctrl-C cut it short; `cut` then tells how far it came.
     """
 
-    osc: Oscillator
-    r: _Array
-    clearance: _Array
-    load: float
-    exponents: _Array
-    standard_error: _Array
-    dimension: _Array
-    identity_error: _Array
-    impacts: NDArray[np.int32]
-    rests: NDArray[np.int32]
-    cycles: int
-    status: NDArray[np.int32]
-    case: str = ""
-    complete: bool = True
-    asked: int = 0
+    __slots__ = ()
+    r = column("points")
+    clearance = column("points")
+    exponents = column("points", first=True)
+    standard_error = column("points", first=True)
+    per_cycle = column("points", first=True)
+    dimension = column("points")
+    identity_error = column("points")
+    impacts = column("points")
+    rests = column("points")
+    status = column("points")
 
     @property
-    def cut(self) -> str:
-        """How far it came if it was cut short; else empty."""
-        return "" if self.complete else f"{self.r.size} of {self.asked} points were reached"
+    def load(self) -> float:
+        load: float = self.keys["load"]
+        return load
 
     @property
-    def per_cycle(self) -> _Array:
-        """The exponents per load cycle, (4, ...): logarithms of the mean factors over a cycle."""
-        return np.asarray(self.exponents * (TWO_PI / self.r))
+    def cycles(self) -> int:
+        keys = self.keys
+        cycles: int = keys["cycles"] // keys["batches"] * keys["batches"]
+        return cycles
 
     @property
     def largest(self) -> _Array:
         """The largest exponent per unit of time (...): positive in chaos."""
         return np.asarray(self.exponents[0])
-
-    def to_xarray(self) -> Any:
-        """The numbers as an xarray.Dataset over the points (extra `data`)."""
-        points = [f"point_{i}" for i in range(self.r.ndim)] if self.r.ndim > 1 else ["point"]
-        points = points[: self.r.ndim]
-        data: dict[str, Any] = {
-            name: (points, getattr(self, name))
-            for name in ("r", "clearance", "identity_error", "impacts", "rests", "dimension")
-        }
-        for name in ("exponents", "per_cycle", "standard_error"):
-            data[name] = (["direction", *points], getattr(self, name))
-        attributes = {
-            "load": self.load,
-            "cycles": self.cycles,
-            "xi": self.osc.xi,
-            "mu": self.osc.mu,
-            "complete": int(self.complete),
-        }
-        return xarray().Dataset(data, attrs=attributes | {"restitution": self.osc.restitution})
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the exponents against r or clearance, whichever varies (extra `plot`); returns the Axes."""
@@ -202,90 +172,49 @@ def lyapunov(
     >>> result
     <Lyapunov exponents per load cycle at r = 0.94, d K/F0 = 37: -0.0674, -0.0674, -0.5414, -0.5414>
     """
-    checks.instance(osc, "osc", Oscillator)
-    batches = checks.integer(batches, "batches", 2, 1000)
-    cycles = checks.integer(cycles, "cycles", 2 * batches, 10**9)
-    discard = checks.integer(discard, "discard", 0, 10**9)
-    load = checks.number(load, "load")
-    threads = checks.integer(
-        os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
-    )
     rs, clearances = (
         checks.real_array(value, name, "numbers")
         for value, name in ((r, "r"), (clearance, "clearance"))
     )
     try:
-        rs, clearances = (np.array(item) for item in np.broadcast_arrays(rs, clearances))
+        rs, clearances = np.broadcast_arrays(rs, clearances)
     except ValueError:
         raise ParameterError(
             f"r {rs.shape}, clearance {clearances.shape}: must have one shape"
         ) from None
-    if not rs.size:
-        raise ParameterError(f"r, clearance of shape {rs.shape}: must have at least one point")
-    if rs.size > 1:
-        checks.integer(rs.size, "values", 2, checks.MOST_VALUES)
-    states, contacts = (
-        np.empty((7, rs.size), order="F"),
-        np.empty((3, rs.size), np.int32, order="F"),
-    )
-    for j, (one_r, one_clearance) in enumerate(zip(rs.ravel(), clearances.ravel(), strict=True)):
-        each_r = checks.frequency_ratio(float(one_r), osc.xi)
-        each_clearance = checks.number(float(one_clearance), "clearance")
-        system = (osc.xi, osc.mu, osc.restitution, each_r, load, each_clearance)
-        states[:, j], contacts[:, j] = start_of(system, state)[1]
-    keys = {"cycles": cycles, "discard": discard, "batches": batches, "load": load}
-    asked = _case(osc, rs, clearances, told(state), keys)
-    found, complete = stoppable(
-        _core.lyapunov, osc.xi, osc.mu, osc.restitution, rs.ravel(), np.full(rs.size, load),
-        clearances.ravel(), states, contacts, discard, cycles // batches, batches, threads,
-        tally=new_tally(), progress=progress, note="Lyapunov exponents",
-    )  # fmt: skip
-    status, wanted = found[-1], rs.size
-    if not complete:
-        done = status != NOT_COMPUTED
-        if rs.ndim == 0 or not done.any():
-            raise KeyboardInterrupt
-        rs, clearances = rs.ravel()[done], clearances.ravel()[done]
-        found = [item[..., done] for item in found]
-    exponents, deviations, dimensions, counts, errors, status = found
-    if rs.ndim == 0 and status[0] != 0:
-        why = "no impacts in a batch" if status[0] == NO_MOTION else status_text(int(status[0]))
-        raise SingularError(f"Lyapunov exponents: {why}")
-    shape = rs.shape
-    result = Lyapunov(
-        osc, rs, clearances, load, exponents.reshape(4, *shape), deviations.reshape(4, *shape),
-        dimensions.reshape(shape), errors.reshape(shape), counts[0].reshape(shape),
-        counts[1].reshape(shape), cycles // batches * batches, status.reshape(shape), asked,
-        rs.size == wanted, 0 if rs.size == wanted else wanted,
-    )  # fmt: skip
-    if not complete:
-        raise StudyInterrupted(result)
-    return result
+    if not rs.size or rs.ndim > 3:
+        raise ParameterError(
+            f"r, clearance of shape {rs.shape}: must have at least one point, and at most 3 dimensions"
+        )
+    points, one_r = points_of(rs, clearances)
+    if state is not None:
+        start = checked_state(state, float(clearances.min()))
+        points |= {name: start[name] for name in NEEDED}
+    keys = {**points, "load": load, "cycles": cycles, "discard": discard, "batches": batches}
+    swept = str(points.get("parameter"))
+    names = {"low": swept, "high": swept}
+    return with_exponents(door.run(Lyapunov, osc, keys, one_r, threads, progress, names))
 
 
-def _case(
-    osc: Oscillator, r: _Array, clearance: _Array, start: dict[str, float] | None, keys: dict[str, Any]
-) -> str:  # fmt: skip
-    """What was asked for as a namelist, empty if it cannot tell the start or the points."""
-    if start is None or r.ndim > 1:
-        return ""
+def with_exponents(found: Lyapunov) -> Lyapunov:
+    """What was found, unless it is a single point that has no exponents."""
+    if not found.r.ndim and found.status:
+        raise SingularError(found._result.notes[0][1])
+    return found
+
+
+def points_of(r: _Array, clearance: _Array) -> tuple[dict[str, Any], float | None]:
+    """The keys that tell the points, and r of the system: of one point, a line along one of both, or a list."""
     if r.ndim == 0:
-        group = {"clearance": float(clearance), **keys, **start}
-        return namelist.case(osc, float(r), lyapunov=group)
-    name, along, other = (
-        ("r", r, clearance) if np.ptp(clearance) == 0 else ("clearance", clearance, r)
-    )
-    spacing = spacing_of(along)
-    if spacing is None or np.ptp(other):
-        return ""
-    line = {
-        "parameter": name,
-        "low": float(along[0]),
-        "high": float(along[-1]),
-        "values": along.size,
+        return {"clearance": float(clearance)}, float(r)
+    if np.ptp(clearance) == 0 and (line := door.swept(r)):
+        return {"parameter": "r", **line, "clearance": clearance[0]}, None
+    if np.ptp(r) == 0 and (line := door.swept(clearance)):
+        return {"parameter": "clearance", **line}, float(r[0])
+    lists = {
+        name: item.ravel()[: None if np.ptp(item) else 1]
+        for name, item in (("r", r), ("clearance", clearance))
     }
-    fixed = {"clearance": float(other[0])} if name == "r" else {}
-    return namelist.case(
-        osc, None if name == "r" else float(other[0]),
-        lyapunov={**fixed, **line, "spacing": spacing, **keys, **start},
-    )  # fmt: skip
+    if r.size > 1 and lists["r"].size == lists["clearance"].size == 1:
+        lists["r"] = r.ravel()
+    return {**lists, "shape": r.shape if r.ndim > 1 else None}, None
