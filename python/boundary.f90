@@ -723,35 +723,6 @@ subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_ev
       end_states, end_contacts, counts, status)
 end subroutine simulate_bundle
 
-!> The zones of a pattern in a window: the vertices of all loops, one after the other.
-!!
-!! Rows of `vertices`: r, D, derivatives of r and log D by length, length to the next; of `labels`:
-!! kind of the condition, index, side, corner; of `loops`: vertices, closed; of `work`: motions,
-!! steps, borders left, lattice lines of constant r and of constant D. `open_seeds`: 1 for seeds
-!! inside a zone around which nothing closed.
-subroutine zone(n, m, xi, mu, walls, cycles, sides, symmetric, r, clearance, lines, guesses, &
-   points, seeds, tally, room, loop_room, vertices, unknowns, labels, n_vertices, loops, inside, &
-   n_loops, open_seeds, work, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: pattern_type
-   use vi_sheet, only: zone_request_type
-   use vi_zone_table, only: zone_arrays
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: n, m, cycles, sides(n), symmetric, lines, guesses, points, room, &
-      loop_room
-   real(c_double), intent(in) :: xi, mu, walls(2), r(2), clearance(2), seeds(2 + 2*n, m)
-   integer(c_int), intent(inout) :: tally(3)
-   real(c_double), intent(out) :: vertices(5, room), unknowns(2*n, room), inside(2, loop_room)
-   integer(c_int), intent(out) :: labels(4, room), n_vertices, loops(2, loop_room), n_loops, &
-      open_seeds(m), work(5), status
-
-   call zone_arrays(zone_request_type(oscillator_type(xi, mu, walls), pattern_type(sides, cycles), &
-      symmetric /= 0, r, clearance, lines, guesses, points), seeds, vertices, unknowns, labels, &
-      n_vertices, loops, inside, n_loops, open_seeds, work, status, tally)
-end subroutine zone
-
 !> A branch of exact motions along a parameter, both ways from one of them.
 !!
 !! `c` and the rows of `parameters` are r, D, xi, mu, R1, R2; of `special`: kind of the condition
@@ -869,26 +840,6 @@ subroutine finish_chart(n_impacts, keep, m, n, xi, mu, walls, r, clearance, cycl
       verdicts, status)
 end subroutine finish_chart
 
-!> A polygon along a closed loop of a zone; `inside` is a point of the zone beside it.
-!!
-!! Nothing is written if `room` is too small for the `n_ring` points.
-subroutine dense_ring(n, vertices, r, clearance, inside, room, ring, n_ring)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_rings, only: run => dense_ring
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: n, room
-   real(c_double), intent(in) :: vertices(5, n), r(2), clearance(2), inside(2)
-   real(c_double), intent(out) :: ring(2, room)
-   integer(c_int), intent(out) :: n_ring
-   real(c_double), allocatable :: points(:, :)
-
-   call run(vertices, r, clearance, inside, points)
-   n_ring = size(points, 2)
-   ring = 0
-   if (n_ring <= room) ring(:, :n_ring) = points
-end subroutine dense_ring
-
 !> How often a polygon goes round points, counter-clockwise in the plane (r, log D).
 subroutine winding(n, m, ring, points, turns)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
@@ -902,48 +853,6 @@ subroutine winding(n, m, ring, points, turns)
    turns = run(ring, points)
 end subroutine winding
 
-!> An atlas: its zones one after the other, and what became of the points of its survey.
-!!
-!! Rows of `sheets`: cycles, symmetric, vertices, loops, then as `work` of `zone`; `vertices`,
-!! `unknowns`, `labels`, `loops` and `inside` as of `zone`; rows of `places`: r, D; of `outcomes`:
-!! outcome, cycles, letters, whether it lies in a zone of its pattern; `letters` those of the points
-!! with a pattern, one after the other; `sizes`: sheets, vertices, loops and letters in all.
-subroutine atlas(m, most_letters, sheet_room, room, loop_room, letter_room, xi, mu, walls, r, &
-   clearance, most_cycles, settling, lines, guesses, points, threads, tally, patterns, sheets, &
-   vertices, unknowns, labels, loops, inside, letters, places, outcomes, sizes, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_atlas, only: atlas_request_type
-   use vi_atlas_table, only: atlas_arrays
-   use vi_oscillator, only: oscillator_type
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: m, most_letters, sheet_room, room, loop_room, letter_room, &
-      most_cycles, settling, lines, guesses, points, threads
-   real(c_double), intent(in) :: xi, mu, walls(2), r(2), clearance(2)
-   integer(c_int), intent(inout) :: tally(3), patterns(most_letters, sheet_room), &
-      sheets(9, sheet_room), labels(4, room), loops(2, loop_room), letters(letter_room)
-   real(c_double), intent(inout) :: vertices(5, room), unknowns(2*most_letters, room), &
-      inside(2, loop_room)
-   real(c_double), intent(out) :: places(2, m)
-   integer(c_int), intent(out) :: outcomes(4, m), sizes(4), status
-
-   call atlas_arrays(atlas_request_type(oscillator_type(xi, mu, walls), r, clearance, &
-      most_letters, most_cycles, m, settling, lines, guesses, points, threads), patterns, sheets, &
-      vertices, unknowns, labels, loops, inside, places, outcomes, letters, sizes, status, tally)
-end subroutine atlas
-
-!> The name of an outcome of a point of a survey; blank if there is none of this number.
-subroutine outcome_text(outcome, name)
-   use, intrinsic :: iso_c_binding, only: c_char, c_int
-   use vi_survey_outcome, only: outcome_names
-   implicit none (type, external)
-   integer(c_int), intent(in) :: outcome
-   character(kind=c_char), intent(out) :: name(20)
-
-   name = ' '
-   if (outcome < 1 .or. outcome > size(outcome_names)) return
-   name = transfer(outcome_names(outcome), name)
-end subroutine outcome_text
 
 !> What runs along a parameter settle on: arrays (.., values, runs), per impact time, phase, x,
 !! x_dot and z_dot before and after, and kind and side; `periods`: load cycles, letters, impacts,

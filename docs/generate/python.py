@@ -8,7 +8,7 @@ SUBJECTS = {
     "System, pattern, units": ("model",),
     "Motions": ("solve", "newton", "find", "found", "motion", "events", "flags", "status"),
     "Simulation": ("trajectory", "bundle"),
-    "Branches, zones, atlases, charts": ("studies.branch", "studies.zone_search", "studies.zone",
+    "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
                    "studies.response", "studies.spacing"),

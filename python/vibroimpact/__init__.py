@@ -24,8 +24,7 @@ from .studies.branch import Branch, SpecialPoint, branch
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
 from .studies.spacing import spaced
-from .studies.zone import Piece, Zone, ZoneSearch
-from .studies.zone_search import zone
+from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
 __version__ = _version("vibroimpact")

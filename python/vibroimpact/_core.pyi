@@ -14,39 +14,6 @@ _Bytes: TypeAlias = NDArray[np.bytes_]
 __f2py_numpy_version__: str
 
 @type_check_only
-class _Atlas(Protocol):
-    # places, outcomes, sizes, status
-    def __call__(
-        self,
-        m: int,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        most_cycles: int,
-        settling: int,
-        lines: int,
-        guesses: int,
-        points: int,
-        threads: int,
-        tally: _Integer,
-        patterns: _Integer,
-        sheets: _Integer,
-        vertices: _Real,
-        unknowns: _Real,
-        labels: _Integer,
-        loops: _Integer,
-        inside: _Real,
-        letters: _Integer,
-        most_letters: int = ...,
-        sheet_room: int = ...,
-        room: int = ...,
-        loop_room: int = ...,
-        letter_room: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, int]: ...
-
-@type_check_only
 class _Basins(Protocol):
     # labels, events, n, kinds, letters, states, balls
     def __call__(
@@ -112,7 +79,9 @@ class _Branch(Protocol):
         room: int,
         tally: _Integer,
         n: int = ...,
-    ) -> tuple[_Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int]: ...
+    ) -> tuple[
+        _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int
+    ]: ...
 
 @type_check_only
 class _ConditionText(Protocol):
@@ -125,19 +94,6 @@ class _ConditionText(Protocol):
         symmetric: int,
         mirrored: int,
     ) -> tuple[_Bytes, _Bytes]: ...
-
-@type_check_only
-class _DenseRing(Protocol):
-    # ring, n_ring
-    def __call__(
-        self,
-        vertices: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        inside: ArrayLike,
-        room: int,
-        n: int = ...,
-    ) -> tuple[_Real, int]: ...
 
 @type_check_only
 class _DescribeLanguage(Protocol):
@@ -269,7 +225,20 @@ class _Find(Protocol):
         releases_tried: int,
         threads: int,
         tally: _Integer,
-    ) -> tuple[int, int, _Integer, _Integer, _Real, _Integer, _Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
+    ) -> tuple[
+        int,
+        int,
+        _Integer,
+        _Integer,
+        _Real,
+        _Integer,
+        _Real,
+        _Real,
+        _Real,
+        _Complex,
+        _Integer,
+        _Integer,
+    ]: ...
 
 @type_check_only
 class _FinishChart(Protocol):
@@ -366,14 +335,6 @@ class _OpenTable(Protocol):
         n: int = ...,
         m: int = ...,
     ) -> None: ...
-
-@type_check_only
-class _OutcomeText(Protocol):
-    # name
-    def __call__(
-        self,
-        outcome: int,
-    ) -> _Bytes: ...
 
 @type_check_only
 class _Periodic(Protocol):
@@ -743,36 +704,10 @@ class _WriteResult(Protocol):
         n: int = ...,
     ) -> _Bytes: ...
 
-@type_check_only
-class _Zone(Protocol):
-    # vertices, unknowns, labels, n_vertices, loops, inside, n_loops, open_seeds, work, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        symmetric: int,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        lines: int,
-        guesses: int,
-        points: int,
-        seeds: ArrayLike,
-        tally: _Integer,
-        room: int,
-        loop_room: int,
-        n: int = ...,
-        m: int = ...,
-    ) -> tuple[_Real, _Real, _Integer, int, _Integer, _Real, int, _Integer, _Integer, int]: ...
-
-atlas: _Atlas
 basins: _Basins
 bifurcation: _Bifurcation
 branch: _Branch
 condition_text: _ConditionText
-dense_ring: _DenseRing
 describe_language: _DescribeLanguage
 describe_result: _DescribeResult
 equispaced: _Equispaced
@@ -789,7 +724,6 @@ largest_disc: _LargestDisc
 linear_system: _LinearSystem
 new_result: _NewResult
 open_table: _OpenTable
-outcome_text: _OutcomeText
 periodic: _Periodic
 periodic_windows: _PeriodicWindows
 random_states: _RandomStates
@@ -814,4 +748,3 @@ sweep_flood: _SweepFlood
 uncertain_pairs: _UncertainPairs
 winding: _Winding
 write_result: _WriteResult
-zone: _Zone

@@ -19,7 +19,7 @@ from .motion import Motion
 from .newton import exact
 from .solve import equispaced, periodic
 from .status import NO_MOTION, status_text
-from .studies.atlas import Atlas, atlas
+from .studies.atlas import Atlas
 from .studies.basins import Basins, basins
 from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.branch import Branch, branch
@@ -27,7 +27,6 @@ from .studies.lyapunov import Lyapunov, with_exponents
 from .studies.response import Response
 from .studies.spacing import spaced
 from .studies.zone import Zone
-from .studies.zone_search import zone
 from .trajectory import Trajectory, simulate
 
 __all__ = ["Case", "read_namelist"]
@@ -165,30 +164,11 @@ class Case(NamedTuple):
 
     def zone(self, progress: Callable[[float, str], None] | None = None) -> Zone:
         """The zone that a &zone case asks for."""
-        keys = self.keys
-        return zone(
-            self.osc, Pattern(keys["sides"], keys["cycles"]), (keys["r_min"], keys["r_max"]),
-            (keys["clearance_min"], keys["clearance_max"]),
-            {"yes": True, "no": False, "both": None}[keys["symmetric"]], keys["lines"], keys["guesses"],
-            max_points=keys["max_points"], progress=progress,
-        )  # fmt: skip
+        return door.run_text(Zone, self.text, progress=progress)
 
     def atlas(self, progress: Callable[[float, str], None] | None = None) -> Atlas:
         """The atlas that an &atlas case asks for."""
-        keys = self.keys
-        limits = (
-            "max_impacts",
-            "max_cycles",
-            "survey",
-            "settling",
-            "lines",
-            "guesses",
-            "max_points",
-        )
-        return atlas(
-            self.osc, (keys["r_min"], keys["r_max"]), (keys["clearance_min"], keys["clearance_max"]),
-            **{name: keys[name] for name in limits}, progress=progress,
-        )  # fmt: skip
+        return door.run_text(Atlas, self.text, progress=progress)
 
     def lyapunov(self, progress: Callable[[float, str], None] | None = None) -> Lyapunov:
         """The exponents that a &lyapunov case asks for."""

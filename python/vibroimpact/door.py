@@ -37,7 +37,7 @@ def run(
     keys : mapping
         Of the group; None for what is left out. `r` is that of &system.
     parameters : mapping, optional
-        What the caller calls a key, where that is another name.
+        What the caller calls a key or a word of the core, where that is another name.
 
     Raises
     ------
@@ -55,10 +55,15 @@ def run(
         return run_text(noun, text, threads, progress)
     except ParameterError as error:
         told = str(error).removeprefix(f"&{study} ").removeprefix("&system ")
-        key, equals, rest = told.partition(" ")
-        name = names.get(key.rstrip(":"), key)
-        rest = re.sub(rf"\b{re.escape(key)}\b", name, rest)
-        raise ParameterError(f"{name}{equals}{rest}") from None
+        raise ParameterError(translated(told, names)) from None
+
+
+def translated(told: str, names: Mapping[str, str]) -> str:
+    """A message of the core in the words of the caller."""
+    for word, name in names.items():
+        whole_word = rf"\b{word}\b" if word.isidentifier() else re.escape(word)
+        told = re.sub(whole_word, lambda _, name=name: name, told)  # type: ignore[misc]
+    return told
 
 
 def run_text(
@@ -88,7 +93,8 @@ def run_text(
 
 def reached(result: Result) -> bool:
     """Whether a result that was cut short has rows."""
-    return all(result.tables[result.row].dims.values())
+    table = result.tables.get(result.row)
+    return table is not None and all(table.dims.values())
 
 
 def refusal(handle: int) -> str:

@@ -48,9 +48,14 @@ def stoppable(
     if progress is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments, tally), True
 
+    share = 0.0
+
     def watch() -> None:
+        nonlocal share
+        # more work can come in sight
+        share = max(share, float(tally[0] / max(1, tally[1])))
         if progress is not None:
-            progress(float(tally[0] / max(1, tally[1])), note)
+            progress(share, note)
 
     call = _started(function, *arguments, tally)
     try:

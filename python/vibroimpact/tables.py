@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import weakref
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -125,6 +125,33 @@ class Result:
             table = self.tables.get(declared["table"])
             if table is not None and declared["name"] in table.columns:
                 yield table, table.columns[declared["name"]]
+
+    def part(self, table: str, row: int, study: str, case: str, remark: str) -> Result:
+        """One row of a table with all rows that belong to it, as the result of another study: views, no copies."""
+        told = language()["results"][study]
+        known = {(item["table"], item["name"]) for item in told["columns"]}
+        rows = {table: slice(row, row + 1)}
+        tables = {}
+        for name, item in self.tables.items():
+            if item.parent in rows and item.owners is not None:
+                # rows stand in the order of their owners
+                own = rows[item.parent]
+                first, last = np.searchsorted(item.owners, (own.start, own.stop)).tolist()
+                rows[name] = slice(first, last)
+        for name, here in rows.items():
+            item = self.tables[name]
+            owners = None
+            if item.parent in rows and item.owners is not None:
+                owners = item.owners[here] - rows[item.parent].start
+            columns = {
+                key: replace(column, values=column.values[here])
+                for key, column in item.columns.items()
+                if (name, key) in known
+            }
+            (dim,) = item.dims
+            size = {dim: here.stop - here.start}
+            tables[name] = Table(size, item.parent if owners is not None else "", owners, columns)
+        return Result(study, case, self.cut, False, (remark,), (), told["row"], tables)
 
 
 def from_core(study: str, number: int) -> Result:

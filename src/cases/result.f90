@@ -6,7 +6,7 @@
 !! dimension alone stands in a table of that dimension.
 module vi_result
    use vi_kinds, only: wp
-   use vi_text, only: append, line_type
+   use vi_text, only: append, line_type, split
    implicit none (type, external)
    private
 
@@ -30,8 +30,8 @@ module vi_result
       character(16) :: each = ''
       character(16) :: unit = ''
       character(160) :: meaning = ''
-      !> Of a column of words, with blanks between; empty if the study gives them while it runs.
-      character(100) :: words = ''
+      !> Of a column of words, with commas between; empty if the study gives them while it runs.
+      character(160) :: words = ''
       !> Whether it is in the CSV, and its name there, if another: # is the place within the row,
       !! and
       !! a complex number has two columns, the real and the imaginary part, unless the name ends
@@ -114,27 +114,25 @@ contains
          result%columns(size(columns)))
       do i = 1, size(columns)
          result%columns(i)%column = columns(i)
-         call split_words(columns(i)%words, result%columns(i)%words)
+         call split_words(columns(i)%words, ',', result%columns(i)%words)
       end do
       result%row = row
    end subroutine start_result
 
-   !> The words between blanks.
-   pure subroutine split_words(text, list)
+   !> The words between separators.
+   pure subroutine split_words(text, separator, list)
       !> Words.
       character(*), intent(in) :: text
+      !> What stands between them.
+      character, intent(in) :: separator
       !> Each.
       type(line_type), allocatable, intent(out) :: list(:)
-      integer :: first, last
 
-      allocate (list(0))
-      last = 0
-      do while (last < len_trim(text))
-         first = last + 1
-         last = first + index(text(first:)//' ', ' ') - 2
-         call append(list, text(first:last))
-         last = last + 1
-      end do
+      if (len_trim(text) > 0) then
+         list = split(trim(text), separator)
+      else
+         allocate (list(0))
+      end if
    end subroutine split_words
 
    !> Opens a table.
@@ -160,7 +158,7 @@ contains
       longer(:n) = result%tables
       associate (table => longer(n + 1))
          table%name = name
-         call split_words(dims, list)
+         call split_words(dims, ' ', list)
          table%n_dims = size(list)
          do i = 1, size(list)
             table%dims(i) = list(i)%text

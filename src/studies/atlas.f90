@@ -16,8 +16,7 @@ module vi_atlas
    use vi_survey, only: attractor_type, settle_from, survey
    use vi_survey_outcome, only: count_outcomes, outcome_names
    use vi_tally, only: add_sight, is_stopped
-   use vi_zone, only: find_zone, release_type, simulate_nodes, zone_type, zone_work
-   use vi_zone_table, only: count_zone
+   use vi_zone, only: count_zone, find_zone, release_type, simulate_nodes, zone_type, zone_work
    implicit none (type, external)
    private
 

@@ -8,9 +8,12 @@ module vi_atlas_study
    use vi_kinds, only: wp
    use vi_pattern, only: starred_letters
    use vi_result, only: column_type, result_type, truths, wholes, words
-   use vi_survey_outcome, only: beyond, outcome_names
+   use vi_sheet, only: zone_request_type
+   use vi_survey_outcome, only: beyond, outcome_names, periodic
+   use vi_tally, only: is_stopped
    use vi_text, only: counted, exact, line_type, whole, whole_width
-   use vi_zone_pieces, only: add_pieces, not_closed, pieces_type, put_pieces
+   use vi_zone_pieces, only: add_pieces, not_closed, piece_columns, pieces_type, put_pieces, &
+      vertex_columns
    use vi_zone_study, only: lines_key, vertices_key
    implicit none (type, external)
    private
@@ -36,14 +39,22 @@ module vi_atlas_study
       column_type('sheets', 'cycles', wholes, meaning='load cycles of the period'), &
       column_type('sheets', 'symmetric', truths, &
       meaning='whether the motions are their own mirror images'), &
-      column_type('pieces', 'loop', wholes, &
-      meaning='number of the closed boundary; 0 if it could not be closed'), &
-      column_type('pieces', 'piece', wholes, meaning='number of the piece of the boundary'), &
-      column_type('pieces', 'type', words, meaning='condition that is zero along it'), &
-      column_type('pieces', 'detail', words, meaning='which impact, flight or bound'), &
-      column_type('vertices', 'r', meaning='frequency ratio'), &
-      column_type('vertices', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
-      column_type('vertices', 'corner', truths, meaning='whether pieces meet there')]
+      piece_columns, vertex_columns, &
+      column_type('pieces', 'symmetric', truths, listed=.false., &
+      meaning='whether the motions are their own mirror images'), &
+      column_type('points', 'r', listed=.false., &
+      meaning='frequency ratio of a point of the survey'), &
+      column_type('points', 'clearance', unit='F0/K', listed=.false., &
+      meaning='clearance of a point of the survey'), &
+      column_type('points', 'outcome', words, words='periodic,beyond the limits,without impacts,&
+      &chaotic,not settled,not confirmed,event limit reached', listed=.false., &
+      meaning='what became of the point'), &
+      column_type('points', 'sides', words, listed=.false., &
+      meaning='walls in the order of impacts, of a periodic motion'), &
+      column_type('points', 'cycles', wholes, listed=.false., &
+      meaning='load cycles of the period; 0 if it has none'), &
+      column_type('points', 'explained', truths, listed=.false., &
+      meaning='whether it lies in a zone of its pattern')]
 
    !> Where the motion without impacts exists, in closed form: D > 2A.
    character(*), parameter :: without_impacts = 'without impacts, the free mass at rest: where &
@@ -88,35 +99,44 @@ contains
       type(result_type), intent(inout) :: result
       !> As of vi_tally.
       integer, intent(inout), optional :: tally(3)
+      type(atlas_request_type) :: request
       type(atlas_type) :: atlas
       type(pieces_type), allocatable :: found(:)
       type(line_type), allocatable :: sides(:)
       character(:), allocatable :: said, patterns
       integer :: j, lost
 
-      call find_atlas(atlas_request(case, threads), atlas, tally)
+      request = atlas_request(case, threads)
+      call find_atlas(request, atlas, tally)
+      if (is_stopped(tally)) then
+         result%cut = 'it was stopped before all zones were found'
+         result%empty = .true.
+         return
+      end if
       allocate (found(size(atlas%sheets)), sides(size(atlas%sheets)))
       do j = 1, size(found)
          associate (sheet => atlas%sheets(j))
-            call add_pieces(sheet%zone, sheet%symmetric, .not. sheet%symmetric .and. &
+            call add_pieces(sheet%zone, zone_request_type(case%osc, sheet%pattern, &
+               sheet%symmetric, request%r, request%clearance), .not. sheet%symmetric .and. &
                can_be_symmetric(sheet%pattern, case%osc%restitution), found(j))
             sides(j)%text = starred_letters(sheet%pattern%sides)
          end associate
       end do
       lost = count(.not. atlas%explained)
       call survey_text(atlas, said)
-      result%empty = all(found%n == 0) .and. all(found%closed) .and. lost == 0
-      if (result%empty) then
-         call result%fail('no zone: neither search nor survey found a stable, &
-            &admissible motion within the limits in the window; '//said)
-         return
-      end if
       call result%open('sheets', 'sheet', [size(found)])
       call result%put_text('sheets', 'sides', sides)
       call result%put('sheets', 'cycles', [(atlas%sheets(j)%pattern%cycles, j=1, size(found))])
       call result%put('sheets', 'symmetric', [(merge(1, 0, atlas%sheets(j)%symmetric), &
          j=1, size(found))])
       call put_pieces(found, result)
+      call put_points(atlas, result)
+      result%empty = all(found%n == 0) .and. all(found%closed) .and. lost == 0
+      if (result%empty) then
+         call result%fail('no zone: neither search nor survey found a stable, &
+            &admissible motion within the limits in the window; '//said)
+         return
+      end if
       call remark_survey(atlas, found, said, result)
       call result%say(counted(count(found%loops > 0), 'zone')//', '//counted(sum(found%loops), &
          'loop')//', '//counted(size(atlas%explained), 'attractor')//' surveyed')
@@ -130,6 +150,39 @@ contains
       call result%fail(whole(lost)//' of '//counted(size(atlas%explained), &
          'attractor')//' in no zone of the pattern:'//patterns)
    end subroutine run_atlas
+
+   !> Puts the points of the survey into the result.
+   pure subroutine put_points(atlas, result)
+      !> The atlas.
+      type(atlas_type), intent(in) :: atlas
+      !> The result.
+      type(result_type), intent(inout) :: result
+      type(line_type), allocatable :: sides(:)
+      integer :: explained(size(atlas%points)), cycles(size(atlas%points)), i, found
+
+      allocate (sides(size(atlas%points)))
+      explained = 0
+      cycles = 0
+      found = 0
+      do i = 1, size(atlas%points)
+         associate (point => atlas%points(i))
+            sides(i)%text = ''
+            if (point%outcome /= periodic .and. point%outcome /= beyond) cycle
+            sides(i)%text = starred_letters(point%letters)
+            cycles(i) = point%cycles
+            if (.not. point%found) cycle
+            found = found + 1
+            explained(i) = merge(1, 0, atlas%explained(found))
+         end associate
+      end do
+      call result%open('points', 'point', [size(sides)])
+      call result%put('points', 'r', atlas%points%r)
+      call result%put('points', 'clearance', atlas%points%clearance)
+      call result%put('points', 'outcome', atlas%points%outcome)
+      call result%put_text('points', 'sides', sides)
+      call result%put('points', 'cycles', cycles)
+      call result%put('points', 'explained', explained)
+   end subroutine put_points
 
    !> Remarks what became of the survey, and what is missing.
    pure subroutine remark_survey(atlas, found, said, result)

@@ -56,7 +56,7 @@ module vi_bifurcation_study
       column_type('values', 'value', meaning='of the parameter'), &
       column_type('cells', 'label', words, &
       meaning='impacts / load cycles of the period; empty if none was seen'), &
-      column_type('impacts', 'side', words, words='R L', meaning='wall'), &
+      column_type('impacts', 'side', words, words='R,L', meaning='wall'), &
       column_type('impacts', 'phase', unit='rad', meaning='load phase within a load cycle'), &
       column_type('impacts', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
       column_type('impacts', 'x_dot_before', unit='omega F0/K', &

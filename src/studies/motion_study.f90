@@ -54,7 +54,7 @@ module vi_motion_study
    type(column_type), parameter, public :: motion_columns(*) = [ &
       column_type('motions', 'motion', wholes, meaning='number of the motion'), &
       column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
-      column_type('impacts', 'side', words, words='R L', meaning='wall'), &
+      column_type('impacts', 'side', words, words='R,L', meaning='wall'), &
       column_type('impacts', 'restitution', meaning='coefficient of restitution'), &
       column_type('impacts', 'phase', unit='rad', meaning='load phase, from the first impact'), &
       column_type('impacts', 'X', unit='F0/K', meaning='displacement of the primary mass'), &

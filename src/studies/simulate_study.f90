@@ -28,8 +28,8 @@ module vi_simulate_study
 
    type(column_type), parameter, public :: simulate_columns(*) = [ &
       column_type('events', 'time', unit='1/omega', meaning='time'), &
-      column_type('events', 'kind', words, words='impact stick release', meaning='kind'), &
-      column_type('events', 'side', words, words='R L', meaning='wall'), &
+      column_type('events', 'kind', words, words='impact,stick,release', meaning='kind'), &
+      column_type('events', 'side', words, words='R,L', meaning='wall'), &
       column_type('events', 'phase', unit='rad', meaning='load phase within a load cycle'), &
       column_type('events', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
       column_type('events', 'x_dot_before', unit='omega F0/K', &

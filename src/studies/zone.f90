@@ -23,7 +23,7 @@ module vi_zone
    implicit none (type, external)
    private
 
-   public :: find_zone, release_type, simulate_nodes, zone_type
+   public :: count_zone, find_zone, release_type, simulate_nodes, zone_type
 
    !> What one zone counts in a tally of work.
    integer, parameter, public :: zone_work = 1000
@@ -342,5 +342,24 @@ contains
       call add_seed(net, place(1), place(2), point(:n), node)
       planted = node > 0
    end subroutine plant
+
+   !> How many stable, admissible motions there are at points.
+   pure function count_zone(zone, r, clearance, points) result(counts)
+      type(zone_type), intent(in) :: zone
+      !> The window.
+      real(wp), intent(in) :: r(2), clearance(2)
+      !> (2, m): r, D
+      real(wp), intent(in) :: points(:, :)
+      integer :: counts(size(points, 2))
+      real(wp), allocatable :: ring(:, :)
+      integer :: i
+
+      counts = 0
+      do i = 1, zone%n
+         if (.not. zone%loops(i)%closed) cycle
+         call ring_of(zone%sheet, zone%loops(i), zone%inside(:, i), r, clearance, ring)
+         counts = counts + winding(ring, points)
+      end do
+   end function count_zone
 
 end module vi_zone

@@ -1,11 +1,14 @@
 !> Zones as lists of pieces: the runs of vertices along which one condition is zero.
 module vi_zone_pieces
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_condition_names, only: condition_detail, condition_name
-   use vi_family, only: can_be_symmetric
+   use vi_curve, only: curve_type
+   use vi_family, only: can_be_symmetric, whole_unknowns
    use vi_frame, only: edge
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
-   use vi_result, only: result_type
+   use vi_outline, only: ring_of
+   use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_sheet, only: zone_request_type
    use vi_tally, only: add_sight
    use vi_text, only: line_type
@@ -18,6 +21,37 @@ module vi_zone_pieces
    character(*), parameter, public :: not_closed = &
       'not closed: a boundary could not be followed until it closes'
 
+   !> Columns of the results of zones and atlases. A sheet is what was searched at once: the motions
+   !! of a pattern, of an atlas the symmetric ones or the others.
+   type(column_type), parameter, public :: piece_columns(*) = [ &
+      column_type('pieces', 'loop', wholes, &
+      meaning='number of the closed boundary; 0 if it could not be closed'), &
+      column_type('pieces', 'piece', wholes, meaning='number of the piece of the boundary'), &
+      column_type('pieces', 'type', words, meaning='condition that is zero along it'), &
+      column_type('pieces', 'detail', words, meaning='which impact, flight or bound')], &
+      vertex_columns(*) = [ &
+      column_type('vertices', 'r', meaning='frequency ratio'), &
+      column_type('vertices', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('vertices', 'corner', truths, meaning='whether pieces meet there'), &
+      column_type('vertices', 'x', each='impact', listed=.false., &
+      meaning='x/D of the motion at its impacts; with rest, velocity over D at the last release'), &
+      column_type('vertices', 'theta', each='impact', unit='rad', listed=.false., &
+      meaning='load phases of the impacts; with rest, of the last release'), &
+      column_type('rings', 'r', listed=.false., &
+      meaning='frequency ratio along a closed loop, counter-clockwise around a zone'), &
+      column_type('rings', 'clearance', unit='F0/K', listed=.false., &
+      meaning='clearance along a closed loop'), &
+      column_type('sheets', 'motions', wholes, listed=.false., &
+      meaning='motions at nodes of the lattice'), &
+      column_type('sheets', 'steps', wholes, listed=.false., &
+      meaning='steps along the lattice lines'), &
+      column_type('sheets', 'untraced', wholes, listed=.false., &
+      meaning='places on a boundary from which it could not be followed'), &
+      column_type('sheets', 'lines', wholes, each='axis', listed=.false., &
+      meaning='lattice lines of constant r and of constant clearance'), &
+      column_type('sheets', 'closed', truths, listed=.false., &
+      meaning='whether all boundaries that were met could be closed')]
+
    !> One piece: its first and last vertices are corners, unless the whole loop is one piece.
    type, public :: piece_type
       character(:), allocatable :: name, detail
@@ -26,14 +60,29 @@ module vi_zone_pieces
       integer :: loop = 0
       !> (2, m): r, D
       real(wp), allocatable :: vertices(:, :)
+      !> (n, m) each: x_i/D and theta_i of the motion; with rest, velocity over D and load phase at
+      !! the last release (n = 1).
+      real(wp), allocatable :: x(:, :), theta(:, :)
       logical, allocatable :: corner(:)
    end type piece_type
+
+   !> A closed loop as a polygon, counter-clockwise around a zone and clockwise around a hole.
+   type, public :: ring_type
+      !> (2, n): r, D
+      real(wp), allocatable :: points(:, :)
+   end type ring_type
 
    !> What was found.
    type, public :: pieces_type
       type(piece_type), allocatable :: pieces(:)
       !> Pieces, loops that are closed, motions found on the lattice.
       integer :: n = 0, loops = 0, motions = 0
+      !> One for each loop that is closed.
+      type(ring_type), allocatable :: rings(:)
+      !> Steps along lattice lines, borders left untraced, and lattice lines of constant r and D.
+      integer :: steps = 0, untraced = 0, lines(2) = 0
+      !> Whether each seed is stable and admissible, inside the window, and in no closed loop.
+      logical, allocatable :: open_seeds(:)
       !> Whether all boundaries that were found could be closed.
       logical :: closed = .true.
    end type pieces_type
@@ -41,8 +90,10 @@ module vi_zone_pieces
 contains
 
    !> The zones of a pattern: of symmetric motions, of the others, or of both, in this order.
-   subroutine zone_pieces(request, families, found, tally)
+   subroutine zone_pieces(request, seeds, families, found, tally)
       type(zone_request_type), intent(in) :: request
+      !> As of `find_zone`.
+      real(wp), intent(in) :: seeds(:, :)
       !> Whether symmetric motions and whether others are wanted.
       logical, intent(in) :: families(2)
       type(pieces_type), intent(out) :: found
@@ -50,7 +101,6 @@ contains
       integer, intent(inout), optional :: tally(3)
       type(zone_request_type) :: one
       type(zone_type) :: zone
-      real(wp) :: none(2 + 2*size(request%pattern%sides), 0)
       logical :: possible, wanted(2)
       integer :: i, status
 
@@ -63,27 +113,58 @@ contains
       do i = 1, 2
          if (.not. wanted(i)) cycle
          one%symmetric = i == 1
-         call find_zone(one, none, zone, status, tally)
-         call add_pieces(zone, one%symmetric, possible .and. .not. one%symmetric, found)
+         call find_zone(one, seeds, zone, status, tally)
+         call add_pieces(zone, one, possible .and. .not. one%symmetric, found)
+         if (.not. allocated(found%open_seeds)) allocate ( &
+            found%open_seeds(size(seeds, 2)), source=.false.)
+         if (any(zone%open_seeds)) found%open_seeds = found%open_seeds .or. zone%open_seeds
       end do
+      found%closed = found%closed .and. .not. any(found%open_seeds)
    end subroutine zone_pieces
 
    !> Adds the pieces of one family.
-   pure subroutine add_pieces(zone, symmetric, mirrored, found)
+   pure subroutine add_pieces(zone, request, mirrored, found)
       type(zone_type), intent(in) :: zone
-      !> The motions are their own mirror images; they are not, but others of the pattern are.
-      logical, intent(in) :: symmetric, mirrored
+      !> What was asked for: its window, and whether motions are their own mirror images.
+      type(zone_request_type), intent(in) :: request
+      !> They are not, but others of the pattern are.
+      logical, intent(in) :: mirrored
       type(pieces_type), intent(inout) :: found
       integer :: j
 
-      if (.not. allocated(found%pieces)) allocate (found%pieces(16))
+      if (.not. allocated(found%pieces)) allocate (found%pieces(16), found%rings(0))
       found%motions = found%motions + zone%nodes
+      found%steps = found%steps + zone%steps
+      found%untraced = found%untraced + zone%untraced
+      if (all(found%lines == 0)) found%lines = zone%lines
       ! a full list of loops may have lost some
       found%closed = found%closed .and. zone%untraced == 0 .and. zone%n < size(zone%loops)
       do j = 1, zone%n
-         call split(zone, zone%loops(j), symmetric, mirrored, found)
+         call split(zone, zone%loops(j), request%symmetric, mirrored, found)
+         if (zone%loops(j)%closed) call add_ring(zone, j, request, found)
       end do
    end subroutine add_pieces
+
+   !> Adds a closed loop as a polygon.
+   pure subroutine add_ring(zone, j, request, found)
+      !> The zone.
+      type(zone_type), intent(in) :: zone
+      !> Place of the loop.
+      integer, intent(in) :: j
+      !> What was asked for.
+      type(zone_request_type), intent(in) :: request
+      !> The rings before it.
+      type(pieces_type), intent(inout) :: found
+      type(ring_type), allocatable :: longer(:)
+      integer :: n
+
+      n = size(found%rings)
+      allocate (longer(n + 1))
+      longer(:n) = found%rings
+      call ring_of(zone%sheet, zone%loops(j), zone%inside(:, j), request%r, request%clearance, &
+         longer(n + 1)%points)
+      call move_alloc(longer, found%rings)
+   end subroutine add_ring
 
    !> Splits a loop at its corners, which are there twice: where a piece ends and where one begins.
    pure subroutine split(zone, loop, symmetric, mirrored, found)
@@ -144,10 +225,42 @@ contains
             piece%vertices(:, j) = zone%sheet%origin + zone%sheet%scale*loop%points(m + 1:, run(j))
             piece%vertices(2, j) = exp(piece%vertices(2, j))
          end do
+         call write_motions(zone%sheet, loop, run, piece)
       end associate
    end subroutine append
 
-   !> Puts the pieces of sheets into the result; if there is a table of sheets, they belong to it.
+   !> Writes the motions at the vertices of a piece.
+   pure subroutine write_motions(sheet, loop, run, piece)
+      !> The sheet of the loop.
+      type(curve_type), intent(in) :: sheet
+      !> The loop.
+      type(loop_type), intent(in) :: loop
+      !> Its vertices on the piece.
+      integer, intent(in) :: run(:)
+      !> The piece.
+      type(piece_type), intent(inout) :: piece
+      real(wp), allocatable :: whole(:)
+      integer :: j, m, n
+
+      m = size(loop%points, 1) - 2
+      n = 1
+      if (.not. sheet%frame%resting) n = size(whole_unknowns(sheet%frame%family, &
+         loop%points(:m, 1)))/2
+      allocate (piece%x(n, size(run)), piece%theta(n, size(run)))
+      do j = 1, size(run)
+         associate (point => loop%points(:, run(j)))
+            if (sheet%frame%resting) then
+               whole = [sinh(point(2)), point(1)]
+            else
+               whole = whole_unknowns(sheet%frame%family, point(:m))
+            end if
+            piece%x(:, j) = whole(:n)
+            piece%theta(:, j) = whole(n + 1:)
+         end associate
+      end do
+   end subroutine write_motions
+
+   !> Puts the pieces of sheets into the result, and their rings.
    pure subroutine put_pieces(found, result)
       !> The pieces of each sheet.
       type(pieces_type), intent(in) :: found(:)
@@ -156,13 +269,21 @@ contains
       type(line_type), allocatable :: names(:), details(:)
       integer, allocatable :: owners(:), numbers(:), loops(:), symmetric(:), vertex_owners(:), &
          corners(:)
-      real(wp), allocatable :: vertices(:, :)
-      integer :: i, j, k, m, n
+      real(wp), allocatable :: vertices(:, :), x(:, :), theta(:, :)
+      integer :: i, j, k, m, n, most
 
       k = sum(found%n)
-      n = sum([((size(found(j)%pieces(i)%corner), i=1, found(j)%n), j=1, size(found))])
+      n = 0
+      most = 1
+      do j = 1, size(found)
+         do i = 1, found(j)%n
+            n = n + size(found(j)%pieces(i)%corner)
+            most = max(most, size(found(j)%pieces(i)%x, 1))
+         end do
+      end do
       allocate (names(k), details(k), owners(k), numbers(k), loops(k), symmetric(k), &
          vertex_owners(n), corners(n), vertices(2, n))
+      allocate (x(most, n), theta(most, n), source=ieee_value(1.0_wp, ieee_quiet_nan))
       k = 0
       n = 0
       do j = 1, size(found)
@@ -179,16 +300,19 @@ contains
                vertex_owners(n + 1:n + m) = k
                corners(n + 1:n + m) = merge(1, 0, piece%corner)
                vertices(:, n + 1:n + m) = piece%vertices
+               x(:size(piece%x, 1), n + 1:n + m) = piece%x
+               theta(:size(piece%x, 1), n + 1:n + m) = piece%theta
                n = n + m
             end associate
          end do
       end do
-      if (any(result%tables%name == 'sheets')) then
-         call result%open('pieces', 'piece', [k], 'sheets', owners)
-      else
-         call result%open('pieces', 'piece', [k])
-         call result%put('pieces', 'symmetric', symmetric)
-      end if
+      call result%put('sheets', 'motions', found%motions)
+      call result%put('sheets', 'steps', found%steps)
+      call result%put('sheets', 'untraced', found%untraced)
+      call result%put('sheets', 'lines', [(found(j)%lines, j=1, size(found))])
+      call result%put('sheets', 'closed', merge(1, 0, found%closed))
+      call result%open('pieces', 'piece', [k], 'sheets', owners)
+      call result%put('pieces', 'symmetric', symmetric)
       call result%put('pieces', 'loop', loops)
       call result%put('pieces', 'piece', numbers)
       call result%put_text('pieces', 'type', names)
@@ -197,6 +321,45 @@ contains
       call result%put('vertices', 'r', vertices(1, :))
       call result%put('vertices', 'clearance', vertices(2, :))
       call result%put('vertices', 'corner', corners)
+      call result%put('vertices', 'x', [x])
+      call result%put('vertices', 'theta', [theta])
+      call put_rings(found, result)
    end subroutine put_pieces
+
+   !> Puts the closed loops into the result.
+   pure subroutine put_rings(found, result)
+      !> The pieces of each sheet.
+      type(pieces_type), intent(in) :: found(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      integer, allocatable :: owners(:), point_owners(:)
+      real(wp), allocatable :: points(:, :)
+      integer :: i, j, k, m, n
+
+      k = sum(found%loops)
+      n = 0
+      do j = 1, size(found)
+         do i = 1, found(j)%loops
+            n = n + size(found(j)%rings(i)%points, 2)
+         end do
+      end do
+      allocate (owners(k), point_owners(n), points(2, n))
+      k = 0
+      n = 0
+      do j = 1, size(found)
+         do i = 1, found(j)%loops
+            k = k + 1
+            m = size(found(j)%rings(i)%points, 2)
+            owners(k) = j
+            point_owners(n + 1:n + m) = k
+            points(:, n + 1:n + m) = found(j)%rings(i)%points
+            n = n + m
+         end do
+      end do
+      call result%open('loops', 'ring', [k], 'sheets', owners)
+      call result%open('rings', 'ring_point', [n], 'loops', point_owners)
+      call result%put('rings', 'r', points(1, :))
+      call result%put('rings', 'clearance', points(2, :))
+   end subroutine put_rings
 
 end module vi_zone_pieces

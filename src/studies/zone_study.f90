@@ -9,9 +9,11 @@ module vi_zone_study
    use vi_pattern, only: pattern_type, starred_letters, starred_pattern
    use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_sheet, only: zone_request_type
-   use vi_text, only: counted, whole
+   use vi_tally, only: is_stopped
+   use vi_text, only: counted, exact, whole
    use vi_values, only: values_type
-   use vi_zone_pieces, only: not_closed, pieces_type, put_pieces, zone_pieces
+   use vi_zone_pieces, only: not_closed, piece_columns, pieces_type, put_pieces, vertex_columns, &
+      zone_pieces
    implicit none (type, external)
    private
 
@@ -30,19 +32,19 @@ module vi_zone_study
       cycles_key, symmetric_key, window_keys, lines_key, &
       key_type('guesses', a_whole, default='12', low=0.0_wp, high=1.0e5_wp, &
       meaning='guesses for motions at every second node each way, a quarter of them at others'), &
-      vertices_key]
+      vertices_key, &
+      key_type('seeds', most=100000, may_miss=.true., &
+      takes='for each motion r, clearance, then x/D and load phase of all its impacts; with rest &
+      &load phase and velocity over D of the last release, then zeros', &
+      meaning='motions that are known to be there, for sheets that the search could miss')]
 
-   type(column_type), parameter, public :: zone_columns(*) = [ &
-      column_type('pieces', 'loop', wholes, &
-      meaning='number of the closed boundary; 0 if it could not be closed'), &
-      column_type('pieces', 'piece', wholes, meaning='number of the piece of the boundary'), &
-      column_type('pieces', 'type', words, meaning='condition that is zero along it'), &
-      column_type('pieces', 'detail', words, meaning='which impact, flight or bound'), &
+   type(column_type), parameter, public :: zone_columns(*) = [piece_columns, &
       column_type('pieces', 'symmetric', truths, &
-      meaning='whether the motions are their own mirror images'), &
-      column_type('vertices', 'r', meaning='frequency ratio'), &
-      column_type('vertices', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
-      column_type('vertices', 'corner', truths, meaning='whether pieces meet there')]
+      meaning='whether the motions are their own mirror images'), vertex_columns, &
+      column_type('open_seeds', 'r', listed=.false., &
+      meaning='frequency ratio of a seed around which no boundary could be closed'), &
+      column_type('open_seeds', 'clearance', unit='F0/K', listed=.false., &
+      meaning='clearance of a seed around which no boundary could be closed')]
 
 contains
 
@@ -64,6 +66,11 @@ contains
          case%osc%restitution)) then
          call case%study%refuse('symmetric', '''yes'' needs equal restitution, an odd number of &
             &cycles and sides whose second half mirrors the first')
+      else if (any(abs(pattern%sides) == 2) .and. .not. case%study%is('symmetric', 'both')) then
+         call case%study%refuse('symmetric', 'and ''both'' for a pattern with rest, whose motions &
+            &are not told apart')
+      else if (modulo(seed_numbers(case%study), 2 + 2*n) > 0) then
+         call case%study%refuse('seeds', whole(2 + 2*n)//' numbers each')
       else
          call case%study%set_word('sides', starred_letters(pattern%sides))
          call check_window(case)
@@ -107,8 +114,18 @@ contains
 
       call case%study%text('sides', what)
       what = what//'/'//whole(case%study%whole_number('cycles'))
-      call zone_pieces(zone_request(case), .not. [case%study%is('symmetric', 'no'), &
+      call zone_pieces(zone_request(case), seeds_of(case), .not. [case%study%is('symmetric', &
+         'no'), &
          case%study%is('symmetric', 'yes')], found, tally)
+      if (is_stopped(tally)) then
+         result%cut = 'it was stopped before all boundaries were followed'
+         result%empty = .true.
+         return
+      end if
+      call result%open('sheets', 'sheet', [1])
+      call put_pieces([found], result)
+      if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
+      call put_open_seeds(case, found%open_seeds, result)
       result%empty = found%motions == 0 .or. (found%n == 0 .and. found%closed)
       if (found%motions == 0) then
          call result%fail('no motion '//what//' was found anywhere in the window')
@@ -117,14 +134,59 @@ contains
             ' were found in the window, but none that is both stable and admissible')
       end if
       if (result%empty) return
-      call put_pieces([found], result)
       call list_types(found, types)
       call result%say(what//', '//counted(found%loops, 'loop')//' in '//counted(found%n, &
          'piece')//types)
-      if (found%closed) return
-      call result%remark(not_closed//' (its loop is 0)')
-      call result%fail(not_closed)
+      if (.not. found%closed) call result%fail(not_closed)
    end subroutine run_zone
+
+   !> How many numbers the seeds have.
+   pure integer function seed_numbers(study) result(n)
+      !> The group.
+      type(values_type), intent(in) :: study
+
+      n = 0
+      if (study%has('seeds')) n = size(study%numbers('seeds'))
+   end function seed_numbers
+
+   !> The seeds: r, D, x_i/D, theta_i of each.
+   pure function seeds_of(case) result(seeds)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      real(wp), allocatable :: seeds(:, :)
+      type(pattern_type) :: pattern
+      integer :: n
+
+      pattern = zone_pattern(case%study)
+      n = 2 + 2*size(pattern%sides)
+      allocate (seeds(n, 0))
+      if (case%study%has('seeds')) then
+         associate (list => case%study%numbers('seeds'))
+            seeds = reshape(list, [n, size(list)/n])
+         end associate
+      end if
+   end function seeds_of
+
+   !> Puts the seeds into the result around which nothing closed, and remarks them.
+   pure subroutine put_open_seeds(case, is_open, result)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Of the seeds.
+      logical, intent(in) :: is_open(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      real(wp), allocatable :: seeds(:, :)
+      integer :: i
+
+      allocate (seeds, source=seeds_of(case))
+      do i = 1, size(is_open)
+         if (is_open(i)) call result%remark('no boundary closes around the seed at r = '// &
+            exact(seeds(1, i))//', clearance = '//exact(seeds(2, i)))
+      end do
+      call result%open('open_seeds', 'seed', [count(is_open)])
+      call result%put('open_seeds', 'r', pack(seeds(1, :), is_open))
+      call result%put('open_seeds', 'clearance', pack(seeds(2, :), is_open))
+   end subroutine put_open_seeds
 
    !> The types of the pieces, each once.
    pure subroutine list_types(found, text)

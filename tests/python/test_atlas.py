@@ -8,6 +8,7 @@ import pytest
 import vibroimpact as vi
 from vibroimpact.newton import last_period
 from vibroimpact.studies.atlas import OUTCOMES, standard
+from vibroimpact.tables import language
 
 pytestmark = pytest.mark.xdist_group("atlas")
 
@@ -242,35 +243,41 @@ def test_survey_hears_a_stop(monkeypatch):
         assert not thread.is_alive()
 
 
-def test_file_without_counts_is_read(atlas, tmp_path):
-    """Files of atlases from before the survey was counted: no points, and nothing beyond."""
-    data = atlas.to_dict()
-    del data["survey"], data["beyond"]
-    path = tmp_path / "old.json"
-    path.write_text(json.dumps(data))
-    loaded = vi.Atlas.load(path)
-    assert (len(loaded.survey), loaded.beyond, sum(loaded.counts.values())) == (0, [], 0)
-    assert loaded.attractors == atlas.attractors
-
-
 def test_labelled_data_hold_the_survey(atlas):
-    """Dimensions, codes and their names of what became of each point."""
+    """What became of each point, and the motions, by name."""
     pytest.importorskip("xarray")
     data = atlas.to_xarray()
-    assert data.sizes["survey_point"] == 60
-    names = data["outcome"].attrs["flag_meanings"].split()
-    for code, name in zip(data["outcome"].attrs["flag_values"], names, strict=True):
-        assert int((data["outcome"] == code).sum()) == atlas.counts[name.replace("_", " ")]
-    assert data["beyond_pattern"].values.tolist() == [
-        f"{item.pattern.sides}/{item.pattern.cycles}" for item in atlas.beyond
+    assert data.sizes["point"] == 60
+    for name in OUTCOMES:
+        assert int((data["outcome"] == name).sum()) == atlas.counts[name]
+    beyond = data.isel(point=data["outcome"] == "beyond the limits")
+    patterns = zip(beyond["points_sides"].values, beyond["points_cycles"].values, strict=True)
+    assert [vi.Pattern(sides, int(k)) for sides, k in patterns] == [
+        item.pattern for item in atlas.beyond
     ]
+
+
+def test_outcomes_are_those_of_the_core():
+    columns = language()["results"]["atlas"]["columns"]
+    (declared,) = (item for item in columns if item["name"] == "outcome")
+    assert tuple(declared["words"].split(",")) == OUTCOMES
+
+
+def test_zones_of_an_atlas_are_results(atlas, tmp_path):
+    """Each can be saved and read alone; its rows are those of the atlas."""
+    for i, zone in enumerate(atlas.zones):
+        zone.save(tmp_path / f"zone_{i}.json")
+        again = vi.load(tmp_path / f"zone_{i}.json")
+        assert again.to_json() == zone.to_json()
+        assert again.area == zone.area
+    assert sum(len(zone.to_pandas()) for zone in atlas.zones) == len(atlas.to_pandas())
 
 
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [
-        ({"r": (1.1, 0.9)}, "r"),
-        ({"clearance": (10, 10)}, "clearance"),
+        ({"r": (1.1, 0.9)}, r"r\[1\] = 0.9"),
+        ({"clearance": (10, 10)}, r"clearance\[1\] = 10"),
         ({"clearance": (float("nan"), 10)}, "clearance"),
         ({"max_impacts": 1}, "max_impacts"),
         ({"max_cycles": 99}, "max_cycles"),

@@ -12,6 +12,7 @@ from shared_results import NAMES, same, write
 from shared_systems import FIGURE6, TABLE
 from vibroimpact.interchange import plain
 from vibroimpact.interchange.plain import attributes
+from vibroimpact.noun import Noun
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -87,13 +88,16 @@ BROKEN = [
     ("trajectory", ["final_state", "x"], "far", "final_state.x = 'far': must be a number"),
     ("branch", ["verdicts"], [[1.5]], "verdicts = 1.5: must be lists of whole numbers"),
     ("branch", ["special_points", 0, "motion", "A"], None, None),
-    ("zone", ["boundary", 1, "r"], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], r"boundary\[1\].clearance of"),
-    ("zone", ["loops", 0], [[1.0, 2.0, 3.0]], r"loops\[0\] of shape \(1, 3\): must be \(vertex, coordinate 2\)"),
-    ("zone", ["loops"], {}, "loops = {}: must be a list"),
-    ("zone", ["r"], [1.0], r"r = \[1.0\]: must be a list of 2"),
-    ("zone", ["search", "steps"], None, "search.steps = None: must be a whole number"),
-    ("atlas", ["zones", 0, "pattern", "cycles"], 0, r"zones\[0\].pattern: cycles = 0: must be"),
-    ("atlas", ["attractors", 0, "clearance"], [], r"attractors\[0\].clearance = \[\]: must be a number"),
+    ("zone", ["tables", "vertices", "columns", "r"], [1.0, 2.0], r"vertices.r = .*: must be numbers of shape"),
+    ("zone", ["tables", "vertices", "columns", "r"], "north", "vertices.r = north: must be numbers"),
+    ("zone", ["tables", "rings", "owners"], None, "rings.owners = None: must be numbers of shape"),
+    ("zone", ["tables", "pieces", "columns", "nothing"], [1], "pieces.nothing: must be one of loop, piece"),
+    ("zone", ["tables", "pieces", "parent"], "nothing", "pieces.parent = 'nothing': must be one of the tables"),
+    ("zone", ["tables"], [], r"tables = '\[\]': must be an object"),
+    ("zone", ["case"], 3, "case = 3: must be of type str"),
+    ("atlas", ["tables", "sheets", "columns", "lines"], [[1]], "sheets.lines = .*: must be numbers"),
+    ("atlas", ["tables", "points", "dims"], 7, "points.dims = '7': must be an object"),
+    ("atlas", ["notes"], [1], r"notes = \[1\]: must be pairs"),
 ]  # fmt: skip
 
 
@@ -116,6 +120,12 @@ def test_broken_data_is_named(name, path, value, said, results):
 def test_missing_values_are_named(name, results):
     """Each attribute without a default is asked for by name."""
     data = results[name].to_dict()
+    if isinstance(results[name], Noun):
+        for key in data.keys() - {"type", "vibroimpact"}:
+            less = {other: item for other, item in data.items() if other != key}
+            with pytest.raises(vi.errors.ParameterError, match=rf"{key} = .*: must be"):
+                type(results[name]).from_dict(less)
+        return
     optional = {"type", "vibroimpact", "attenuation"}
     for key in data.keys() - optional:
         less = {other: item for other, item in data.items() if other != key}
@@ -233,13 +243,19 @@ def test_acceptance_is_kept(acceptance, tmp_path):
     assert case.run()[0].consistent == motion.consistent
 
 
+def test_seeds_are_part_of_the_case(results, tmp_path):
+    """A zone with seeds comes from its namelist to the last bit."""
+    seeds = [results["motion"]]
+    seeded = vi.zone(TABLE, vi.Pattern("RL"), (0.9, 1.0), (30, 40), lines=5, guesses=0, seeds=seeds)
+    assert seeded.contains(0.94, 37.0)
+    (case,) = vi.read_namelist(write(tmp_path / "case.nml", seeded.to_namelist()))
+    assert case.run()[0].to_json() == seeded.to_json()
+
+
 def test_no_namelist_can_tell(results):
-    """A motion with rest or another load, the rest of a trajectory, a zone with seeds: said, not guessed."""
+    """A motion with rest or another load, the rest of a trajectory: said, not guessed."""
     run = results["trajectory"]
     later = vi.simulate(TABLE, 0.94, 37.0, 3, run.final_state)
-    seeded = vi.zone(
-        TABLE, vi.Pattern("RL"), (0.9, 1.0), (30, 40), lines=5, seeds=[results["motion"]]
-    )
-    for result in (results["rest"], results["free"], later, seeded):
+    for result in (results["rest"], results["free"], later):
         with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
             result.to_namelist()

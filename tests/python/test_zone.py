@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from shared_systems import FIGURE6, RIG
 from shared_zones import WINDOW, distance, random_points
 from vibroimpact import _core
+from vibroimpact.tables import from_core
 
 
 @pytest.fixture(scope="module")
@@ -196,15 +197,15 @@ def test_plot_draws_the_pieces(equispaced):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"r": (1.2, 0.8)}, r"r = \(1.2, 0.8\)"),
-        ({"r": (1.0, 1.0)}, r"r = \(1.0, 1.0\)"),
+        ({"r": (1.2, 0.8)}, r"r\[1\] = 0.8: .* r\[0\] below r\[1\]"),
+        ({"r": (1.0, 1.0)}, r"r\[1\] = 1.0: .* r\[0\] below r\[1\]"),
         ({"r": (math.nan, 1.0)}, r"r\[0\] = nan"),
         ({"clearance": 3.0}, "clearance = 3.0"),
         ({"pattern": vi.Pattern("RRL"), "symmetric": True}, "symmetric = True"),
         ({"lines": 4}, "lines = 4"),
         ({"guesses": -1}, "guesses = -1"),
         ({"max_points": 5}, "max_points = 5"),
-        ({"pattern": vi.Pattern("RL" * 13)}, "26 impacts"),
+        ({"pattern": vi.Pattern("RL" * 13)}, "pattern = 'RLRL.*must be .* 2 to 24 of them"),
         ({"seeds": [3]}, r"seeds\[0\] = 3"),
     ],
 )
@@ -241,7 +242,7 @@ def test_an_interrupt_is_heard_within_a_call():
 
 def test_what_progress_raises_ends_the_search(monkeypatch):
     """The core hears of it in the middle of a long call, and what it had by then is not called whole."""
-    core, ended, answers = _core.zone, threading.Event(), []
+    core, ended, answers = _core.run_case, threading.Event(), []
 
     def watched(*arguments):
         answers.append(core(*arguments))
@@ -251,15 +252,16 @@ def test_what_progress_raises_ends_the_search(monkeypatch):
     def enough(*_):
         raise RuntimeError("enough")
 
-    monkeypatch.setattr(_core, "zone", watched)
+    monkeypatch.setattr(_core, "run_case", watched)
     with pytest.raises(RuntimeError, match="enough"):
         vi.zone(
             vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.5), vi.Pattern("R*L*"), (0.5, 1.2),
             (0.5, 10), lines=129, progress=enough,
         )  # fmt: skip
     assert ended.wait(60)
-    *_, work, _ = answers[0]
-    assert work[2] > 0
+    result = from_core("zone", answers[0][0])
+    assert result.cut == "it was stopped before all boundaries were followed"
+    assert result.tables == {}
 
 
 @pytest.mark.parametrize("symmetric", ["yes", 2])

@@ -15,7 +15,7 @@ import numpy as np
 from .. import _core
 from ..flags import stability_flags
 from ..model import Oscillator, Pattern
-from ..studies.zone_search import zone
+from ..studies.zone import zone
 from ..trajectory import simulate
 from .doctor import built, threads
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..interchange.csv_file import NOT_CLOSED, counted, tag
+from ..interchange.csv_file import counted
 from ..status import status_text
 from ..studies.branch import REASONS
 
@@ -44,39 +44,6 @@ def branch_words(*branches: Any) -> Words:
         elif REASONS[4] in branch.ends:
             faults.append("cut short, the branch cannot be followed further")
     return news, faults, bool(branches)
-
-
-def zone_words(zone: Any) -> Words:
-    """Loops and pieces."""
-    if zone.search.motions == 0:
-        return [], [f"no motion {tag(zone)} was found anywhere in the window"], False
-    if not zone.boundary and zone.closed:
-        return [], [
-            f"no zone: motions {tag(zone)} were found in the window, but none that is both stable and admissible"
-        ], False  # fmt: skip
-    kinds = ", ".join(dict.fromkeys(piece.type for piece in zone.boundary))
-    said = (
-        f"{tag(zone)}, {counted(len(zone.loops), 'loop')} in {counted(len(zone.boundary), 'piece')}"
-    )
-    said += f": {kinds}" if kinds else ""
-    return [said], [] if zone.closed else [NOT_CLOSED], True
-
-
-def atlas_words(atlas: Any) -> Words:
-    """Zones, what became of the points of the survey, and attractors in no zone."""
-    faults = [f"{tag(zone)} {NOT_CLOSED}" for zone in atlas.zones if not zone.closed]
-    surveyed = counted(len(atlas.attractors), "attractor")
-    if atlas.unexplained:
-        lost = ", ".join(dict.fromkeys(map(tag, atlas.unexplained)))
-        faults.append(f"{len(atlas.unexplained)} of {surveyed} in no zone of the pattern: {lost}")
-    if not (atlas.zones or faults):
-        return [], [
-            "no zone: neither search nor survey found a stable, admissible motion within the limits in the "
-            f"window; {atlas.survey}"
-        ], False  # fmt: skip
-    loops = [len(zone.loops) for zone in atlas.zones if zone]
-    said = f"{counted(len(loops), 'zone')}, {counted(sum(loops), 'loop')}, {surveyed} surveyed"
-    return [said, str(atlas.survey)], faults, True
 
 
 def chart_words(data: Any) -> Words:
@@ -127,7 +94,7 @@ def simulated(status: Any, said: str) -> Words:
 
 #: The kinds that are computed once, in Python, for table, picture and document.
 WORDS: dict[str, Callable[..., Words]] = {
-    "simulate": simulate_words, "branch": branch_words, "zone": zone_words, "atlas": atlas_words,
+    "simulate": simulate_words, "branch": branch_words, "zone": noun_words, "atlas": noun_words,
     "chart": chart_words, "lyapunov": noun_words, "bifurcation": bifurcation_words,
     "basins": basin_words, "response": noun_words,
 }  # fmt: skip

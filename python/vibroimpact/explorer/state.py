@@ -12,7 +12,6 @@ from .. import checks
 from ..errors import ParameterError, VibroimpactError
 from ..model import Oscillator, Pattern
 from ..states import NEEDED
-from ..studies.zone import span
 from .recipe import Recipe
 
 __all__ = ["Run", "State"]
@@ -116,8 +115,15 @@ class State:
         for name in NUMBERS:
             kind = "restitution" if name in ("R1", "R2") else name
             checks.number(getattr(self, name), kind, name)
-        r = span((self.r_min, self.r_max), "r")
-        span((self.clearance_min, self.clearance_max), "clearance")
+        for name in ("r", "clearance"):
+            low = checks.number(getattr(self, f"{name}_min"), name, f"{name}[0]")
+            high = checks.number(getattr(self, f"{name}_max"), name, f"{name}[1]")
+            if not low < high:
+                raise ParameterError(
+                    f"{name} = {(low, high)!r}: must be (lowest, highest) with lowest < highest, each "
+                    f"{checks.allowed(name)}"
+                )
+        r = (self.r_min, self.r_max)
         checks.frequency_ratio(self.r, self.xi)
         if self.xi == 0 and r[0] <= 1 <= r[1]:
             raise ParameterError(

@@ -10,8 +10,7 @@ from typing import NamedTuple
 from ..model import Oscillator, Pattern
 from ..studies.atlas import standard
 from ..studies.conditions import can_be_symmetric
-from ..studies.zone import Window, Zone
-from ..studies.zone_search import zone
+from ..studies.zone import Window, Zone, zone
 from .state import pattern_text
 
 __all__ = ["COARSE", "FINE", "Family", "compute", "families"]

@@ -41,7 +41,12 @@ def to_xarray(noun: Any) -> Any:
             target = coords if dims == (key,) else data
             target[key] = (dims, values, attributes)
         if table.owners is not None:
-            about = {"long_name": f"row of {table.parent}", "instance_dimension": table.parent}
+            parent = next(iter(result.tables[table.parent].dims))
+            about = {
+                "long_name": f"{parent} that it belongs to",
+                "units": "1",
+                "instance_dimension": parent,
+            }
             data[f"{name}_{table.parent}"] = (tuple(table.dims), table.owners, about)
     return xarray().Dataset(data, coords, common(noun))
 

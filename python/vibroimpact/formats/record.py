@@ -85,6 +85,10 @@ def from_dict(kind: Any, data: Any) -> Any:
     for name, table in tables.items():
         if table.parent and table.parent not in tables:
             raise ParameterError(f"{name}.parent = {table.parent!r}: must be one of the tables")
+    if not all(isinstance(note, list) and len(note) == 2 for note in data["notes"]):
+        raise ParameterError(
+            f"notes = {data['notes']!r}: must be pairs of a fault's mark and a text"
+        )
     notes = tuple((bool(note[0]), str(note[1])) for note in data["notes"])
     return kind(
         Result(
@@ -119,7 +123,7 @@ def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table
 def column_of(label: str, declared: dict[str, Any], data: Any, shape: tuple[int, ...]) -> Column:
     """A column from its record."""
     kind, own = declared["kind"], bool(declared["each"])
-    words = tuple(declared["words"].split())
+    words = tuple(word for word in declared["words"].split(",") if word)
     if kind == "word":
         texts = array_of(label, data, shape, object)
         words += tuple(dict.fromkeys(text for text in texts.ravel() if text and text not in words))

@@ -23,13 +23,6 @@ if TYPE_CHECKING:
 MOST_KNOWN = 10_000
 
 
-#: As the compiled program says it.
-NOT_CLOSED = "not closed: a boundary could not be followed until it closes"
-WITHOUT_IMPACTS = (
-    "without impacts, the free mass at rest: where clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)"
-)
-
-
 def notes(result: Any, number: int = 1) -> list[str]:
     """What the header tells beside the case; first of all that a study was cut short."""
     return [*cut_of(result), *remarks_of(result, number)]
@@ -55,23 +48,6 @@ def remarks_of(result: Any, number: int) -> list[str]:
         return [*cut, f"final state: t, x, x_dot, z, z_dot = {state}"]
     if name == "Branch":
         return [f"branch {number}: first end: {result.ends[0]}; last end: {result.ends[1]}"]
-    if name == "Zone":
-        return ([] if result.closed else [f"{NOT_CLOSED} (its loop is 0)"]) + [
-            f"no boundary closes around the seed at r = {exact(r)}, clearance = {exact(clearance)}"
-            for r, clearance in result.search.open_seeds
-        ]
-    if name == "Atlas":
-        cut = [
-            f"{tag(zone)}: {NOT_CLOSED} (its loop is 0)" for zone in result.zones if not zone.closed
-        ]
-        return [str(result.survey), WITHOUT_IMPACTS, *cut] + [
-            f"{what}: {tag(item)} at r = {exact(item.r)}, clearance = {exact(item.clearance)}"
-            for what, items in (
-                ("in no zone of its pattern", result.unexplained),
-                ("beyond the limits", result.beyond),
-            )
-            for item in items
-        ]
     if name == "BifurcationDiagram":
         return [
             f"{run}: {label} from {exact(low)} to {exact(high)}"
@@ -124,11 +100,6 @@ def safety(basins: Basins) -> list[str]:
 def counted(number: int, noun: str) -> str:
     """A number of things."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
-def tag(thing: Any) -> str:
-    """Short name of a pattern: RRL/1."""
-    return f"{thing.pattern.sides}/{thing.pattern.cycles}"
 
 
 def csv_text(result: Any, name: str) -> str:

@@ -11,9 +11,7 @@ from ..errors import MissingExtraError, ParameterError
 if TYPE_CHECKING:
     from ..found import Findings
     from ..motion import Motion
-    from ..studies.atlas import Atlas
     from ..studies.branch import Branch
-    from ..studies.zone import Zone
     from ..trajectory import Trajectory
 
 #: Unit, symbol and meaning of each variable.
@@ -44,29 +42,6 @@ VARIABLES = {
     "kind": ("", "", "impact; stick, where accumulating impacts end in rest; release, where it ends"),
     "side": ("", "", "wall, right or left; * for accumulation and rest"),
     "special": ("", "", "bifurcation, or end, at the point"),
-    "piece_x": ("1", "x/D", "position of the primary mass at each impact, over D"),
-    "piece_theta": ("rad", "theta", "phase of the forced motion at each impact"),
-    "piece": ("1", "", "piece that the vertex belongs to"),
-    "type": ("", "", "what happens along the piece"),
-    "detail": ("", "", "which flight touches which wall, or which edge of the window"),
-    "loop": ("1", "", "loop that the piece belongs to; -1: left open"),
-    "ring": ("1", "", "loop that the point belongs to"),
-    "ring_r": ("1", "r", "frequency ratio along the loops, anticlockwise round a zone"),
-    "ring_clearance": ("1", "D", "clearance d K/F0 along the loops"),
-    "zone": ("1", "", "zone that the piece belongs to"),
-    "ring_zone": ("1", "", "zone that the point belongs to"),
-    **{
-        f"{name}_{key}": (unit, symbol, f"{meaning} {of}")
-        for name, of in (
-            ("survey", "of a point of the survey"),
-            ("unexplained", "of a motion in no zone of its pattern"),
-            ("beyond", "of a motion beyond the limits of impacts and cycles"),
-        )
-        for key, unit, symbol, meaning in (
-            ("r", "1", "r", "frequency ratio"), ("clearance", "1", "D", "clearance d K/F0"),
-            ("pattern", "", "", "pattern"),
-        )
-    },
     "sides": ("", "", "walls of the impacts in order"),
     "cycles": ("1", "k", "load cycles in a period"),
     **{
@@ -94,8 +69,7 @@ def xarray(what: str = "tables") -> Any:
 def to_xarray(result: Any) -> Any:
     """A result as a Dataset, with its complete case among the attributes."""
     makers: dict[str, Any] = {
-        "Motion": of_motion, "Trajectory": of_trajectory, "Branch": of_branch, "Zone": of_zone,
-        "Atlas": of_atlas, "Findings": of_found,
+        "Motion": of_motion, "Trajectory": of_trajectory, "Branch": of_branch, "Findings": of_found,
     }  # fmt: skip
     name = type(result).__name__
     data, attributes = makers[name](result)
@@ -107,25 +81,12 @@ def to_xarray(result: Any) -> Any:
 
 def described(name: str) -> dict[str, Any]:
     """The attributes of a variable."""
-    if name == "outcome":
-        return outcome_attributes()
     if name in VERDICTS:
         flags = {"flag_values": np.array([1, 0, -1], np.int8), "flag_meanings": "yes no unknown"}
         return {"long_name": f"whether the motion is {name}", "units": "1", **flags}
     unit, symbol, meaning = VARIABLES[name]
     named = {"long_name": meaning, "units": unit, "symbol": symbol}
     return {key: text for key, text in named.items() if text}
-
-
-def outcome_attributes() -> dict[str, Any]:
-    """Of the codes of what became of the points of a survey."""
-    from ..studies.atlas import OUTCOMES
-
-    return {
-        "long_name": "what became of the point of the survey", "units": "1",
-        "flag_values": np.arange(1, len(OUTCOMES) + 1, dtype=np.int8),
-        "flag_meanings": " ".join(name.replace(" ", "_") for name in OUTCOMES),
-    }  # fmt: skip
 
 
 def common(result: Any) -> dict[str, Any]:
@@ -255,83 +216,4 @@ def of_branch(branch: Branch) -> tuple[dict[str, Any], dict[str, Any]]:
     return data, {
         "parameter": branch.parameter, "sides": branch.pattern.sides, "cycles": branch.pattern.cycles,
         "symmetric": int(branch.symmetric), "first_end": branch.ends[0], "last_end": branch.ends[1],
-    }  # fmt: skip
-
-
-def of_zone(zone: Zone) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Vertices of the pieces, and points of the loops."""
-    data = zones([zone])
-    window = {
-        "r": list(zone.r),
-        "clearance": list(zone.clearance),
-        "closed": int(zone.closed),
-    }
-    words = {True: "yes", False: "no", None: "both"}
-    return data, {**system(zone.osc, zone.pattern), **window, "symmetric": words[zone.symmetric]}
-
-
-def of_atlas(atlas: Atlas) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The same of all zones, with their patterns."""
-    data = zones(atlas.zones)
-    data["zone"] = (
-        "piece_number",
-        np.repeat(range(len(atlas.zones)), [len(z.boundary) for z in atlas.zones]),
-    )
-    points = [sum(map(len, zone.loops)) for zone in atlas.zones]
-    data["ring_zone"] = ("ring_vertex", np.repeat(range(len(atlas.zones)), points))
-    data["sides"] = (
-        "zone_number",
-        np.array([zone.pattern.sides for zone in atlas.zones], dtype=object),
-    )
-    data["cycles"] = (
-        "zone_number",
-        np.array([zone.pattern.cycles for zone in atlas.zones], dtype=np.int32),
-    )
-    data["survey_r"] = ("survey_point", atlas.survey.r)
-    data["survey_clearance"] = ("survey_point", atlas.survey.clearance)
-    data["outcome"] = ("survey_point", np.asarray(atlas.survey.outcome, np.int8))
-    for name, items in (("unexplained", atlas.unexplained), ("beyond", atlas.beyond)):
-        data[f"{name}_r"] = (name, np.array([item.r for item in items], dtype=float))
-        data[f"{name}_clearance"] = (
-            name,
-            np.array([item.clearance for item in items], dtype=float),
-        )
-        data[f"{name}_pattern"] = (
-            name,
-            np.array(
-                [f"{item.pattern.sides}/{item.pattern.cycles}" for item in items], dtype=object
-            ),
-        )
-    return data, {
-        **system(atlas.osc), "r": list(atlas.r), "clearance": list(atlas.clearance), "survey": str(atlas.survey),
-        "without_impacts": "the free mass at rest, where clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)",
-    }  # fmt: skip
-
-
-def zones(found: list[Zone]) -> dict[str, Any]:
-    """The tables of vertices, pieces and rings of some zones, numbered through."""
-    pieces = [piece for zone in found for piece in zone.boundary]
-    rings = [ring for zone in found for ring in zone.loops]
-    lengths = [len(piece) for piece in pieces]
-    most = max([len(piece.x) for piece in pieces], default=0)
-    x, theta = (np.full((most, sum(lengths)), np.nan) for _ in range(2))
-    first = 0
-    for piece in pieces:
-        x[: len(piece.x), first : first + len(piece)] = piece.x
-        theta[: len(piece.theta), first : first + len(piece)] = piece.theta
-        first += len(piece)
-    points = np.concatenate([np.empty((0, 2)), *rings])
-    words = {
-        name: np.array([getattr(p, name) for p in pieces], dtype=object)
-        for name in ("type", "detail")
-    }
-    return {
-        "r": ("vertex", np.concatenate([np.empty(0), *(piece.r for piece in pieces)])),
-        "clearance": ("vertex", np.concatenate([np.empty(0), *(piece.clearance for piece in pieces)])),
-        "piece_x": (("unknown", "vertex"), x), "piece_theta": (("unknown", "vertex"), theta),
-        "piece": ("vertex", np.repeat(range(len(pieces)), lengths)),
-        "type": ("piece_number", words["type"]), "detail": ("piece_number", words["detail"]),
-        "loop": ("piece_number", np.array([piece.loop for piece in pieces], dtype=np.int32)),
-        "ring_r": ("ring_vertex", points[:, 0]), "ring_clearance": ("ring_vertex", points[:, 1]),
-        "ring": ("ring_vertex", np.repeat(range(len(rings)), [len(ring) for ring in rings])),
     }  # fmt: skip

@@ -39,24 +39,7 @@ def facts(result: Any) -> dict[str, str]:
             for i, item in enumerate(result.special_points[:12], start=1)
         }
         return {**found, "ends": ", ".join(result.ends)}
-    if name == "Zone":
-        kinds = [piece.type for piece in result.boundary]
-        counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-        return {**window(result), "pieces": counts}
-    if name == "Atlas":
-        zones = ", ".join(f"{zone.pattern.sides}/{zone.pattern.cycles}" for zone in result.zones)
-        seen = {f"survey: {key}": str(points) for key, points in result.counts.items() if points}
-        free = {"without impacts, free mass at rest": "d K/F0 > 2A"}
-        return {**window(result), "zones": zones, **free, **seen}
     return {}
-
-
-def window(result: Any) -> dict[str, str]:
-    """The window of a zone or an atlas."""
-    return {
-        "r": f"{result.r[0]:g} to {result.r[1]:g}",
-        "d K/F0": f"{result.clearance[0]:g} to {result.clearance[1]:g}",
-    }
 
 
 def picture(result: Any) -> str:

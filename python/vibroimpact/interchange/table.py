@@ -13,11 +13,9 @@ from ..status import NO_MOTION, NOT_COMPUTED, VERDICT
 if TYPE_CHECKING:
     from ..found import Findings
     from ..motion import Motion
-    from ..studies.atlas import Atlas
     from ..studies.basins import Basins
     from ..studies.bifurcation import BifurcationDiagram
     from ..studies.branch import Branch
-    from ..studies.zone import Piece, Zone
     from ..trajectory import Trajectory
 
 #: Names of columns with the values of all rows.
@@ -114,59 +112,6 @@ def numbered(results: Sequence[Any], own: Callable[[Any, int], Columns]) -> Colu
     return table
 
 
-def zone_columns(zone: Zone) -> Columns:
-    """One row a vertex; corners are there twice, in the piece before and in the one after."""
-    table: Columns = {name: [] for name in ("loop", "piece", "type", "detail", "symmetric", "r", "clearance",
-                                            "corner")}  # fmt: skip
-    for number, (piece, corners) in enumerate(
-        zip(zone.boundary, corners_of(zone), strict=True), start=1
-    ):
-        n = len(piece)
-        table["loop"] += [piece.loop + 1] * n
-        table["piece"] += [number] * n
-        table["type"] += [piece.type] * n
-        table["detail"] += [piece.detail] * n
-        table["symmetric"] += [piece.symmetric] * n
-        table["r"] += piece.r.tolist()
-        table["clearance"] += piece.clearance.tolist()
-        table["corner"] += (
-            [corners[0], *[False] * (n - 2), corners[1]] if n > 1 else [any(corners)] * n
-        )
-    return table
-
-
-def corners_of(zone: Zone) -> list[tuple[bool, bool]]:
-    """Whether each piece begins and ends at a corner: where the piece before or after is of the same loop."""
-    pieces = zone.boundary
-    corners = [[False, False] for _ in pieces]
-    loops: dict[int, list[int]] = {}
-    for i, piece in enumerate(pieces):
-        loops.setdefault(piece.loop, []).append(i)
-    for loop, members in loops.items():
-        for i, j in zip(members, [*members[1:], members[0]], strict=True):
-            if i != j and (loop >= 0 or meet(pieces[i], pieces[j])):
-                corners[i][1] = corners[j][0] = True
-    return [(first, last) for first, last in corners]
-
-
-def meet(one: Piece, other: Piece) -> bool:
-    """Whether one piece ends where the other begins."""
-    return bool(one.r[-1] == other.r[0] and one.clearance[-1] == other.clearance[0])
-
-
-def atlas_columns(atlas: Atlas) -> Columns:
-    """The rows of all zones, each after its pattern."""
-    table: Columns = {name: [] for name in ("sides", "cycles", "symmetric", "loop", "piece", "type", "detail",
-                                            "r", "clearance", "corner")}  # fmt: skip
-    for zone in atlas.zones:
-        own = zone_columns(zone)
-        n = len(own["r"])
-        own |= {"sides": [zone.pattern.sides] * n, "cycles": [zone.pattern.cycles] * n}
-        for name in table:
-            table[name] += own[name]
-    return table
-
-
 def chart_columns(data: Any) -> Columns:
     """One row a motion of a chart, all motions of a point together."""
     status = data["status"].values.T  # r, clearance, motion
@@ -207,7 +152,6 @@ def basin_columns(basins: Basins) -> Columns:
 
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
-    "Zone": zone_columns, "Atlas": atlas_columns,
     "BifurcationDiagram": bifurcation_columns, "Basins": basin_columns,
     "Findings": found_columns,
 }  # fmt: skip

@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core, checks
+from .. import checks, door
 from ..errors import ParameterError
 from ..interchange import namelist
-from ..interchange.result import Result, load
-from ..interrupt import interruptible, new_tally
+from ..interchange.namelist import SYMMETRIC
 from ..model import Oscillator, Pattern
-from ..status import MORE_EVENTS
-from .settling import thread_count
-from .zone import Window, Zone, ZoneSearch, checked_window
-from .zone_search import ROOM, named_pieces
+from ..noun import Noun
+from .zone import NAMES, Zone, window
 
 __all__ = ["Atlas", "Attractor", "Survey", "WithoutImpacts", "atlas"]
 
 _Array = NDArray[np.float64]
-#: The core's letters.
-LETTERS = {1: "R", -1: "L", 2: "R*", -2: "L*"}
-#: What can become of a point of a survey, in the order of the core's codes, which begin with 1.
-OUTCOMES = tuple(_core.outcome_text(code).tobytes().decode().strip() for code in range(1, 8))
+#: What can become of a point of a survey, in the order of the codes, which begin with 1.
+OUTCOMES = (
+    "periodic", "beyond the limits", "without impacts", "chaotic", "not settled", "not confirmed",
+    "event limit reached",
+)  # fmt: skip
 PERIODIC, BEYOND = 1, 2
+#: Keys that the zones of an atlas have from it.
+SHARED = ("r_min", "r_max", "clearance_min", "clearance_max", "lines", "guesses", "max_points")
+PART = (
+    "a part of an atlas, which has seeds from its survey; the case searches for this pattern alone"
+)
 
 
 class Attractor(NamedTuple):
@@ -135,8 +138,7 @@ class WithoutImpacts:
         return "<WithoutImpacts: where d K/F0 > 2A>"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Atlas(Result):
+class Atlas(Noun, study="atlas"):
     """All zones found in a window.
 
     Attributes
@@ -160,15 +162,65 @@ class Atlas(Result):
         What was asked for as a namelist (see `to_namelist`).
     """
 
-    osc: Oscillator
-    r: tuple[float, float]
-    clearance: tuple[float, float]
-    zones: list[Zone]
-    attractors: list[Attractor]
-    unexplained: list[Attractor]
-    beyond: list[Attractor] = field(default_factory=list)
-    survey: Survey = field(default_factory=Survey)
-    case: str = ""
+    __slots__ = ("__dict__",)
+
+    @property
+    def r(self) -> tuple[float, float]:
+        return self.keys["r_min"], self.keys["r_max"]
+
+    @property
+    def clearance(self) -> tuple[float, float]:
+        return self.keys["clearance_min"], self.keys["clearance_max"]
+
+    @cached_property
+    def zones(self) -> list[Zone]:
+        sheets = self._result.tables["sheets"].columns
+        sides, cycles, closed, symmetric = (
+            sheets[name].decoded().tolist() for name in ("sides", "cycles", "closed", "symmetric")
+        )
+        keys = self.keys
+        shared = {name: keys[name] for name in SHARED}
+        found = []
+        for j, letters in enumerate(sides):
+            rest = "*" in letters
+            case = namelist.case(self.osc, zone={
+                "sides": letters, "cycles": cycles[j],
+                "symmetric": SYMMETRIC[None if rest else bool(symmetric[j])], **shared,
+            })  # fmt: skip
+            one = Zone(self._result.part("sheets", j, "zone", case, PART))
+            if one.loops or not closed[j]:
+                found.append(one)
+        return found
+
+    @cached_property
+    def survey(self) -> Survey:
+        columns = self._result.tables["points"].columns
+        return Survey(*(columns[name].values for name in ("r", "clearance", "outcome")))
+
+    @property
+    def attractors(self) -> list[Attractor]:
+        return self._attractors(self.survey.outcome == PERIODIC)
+
+    @property
+    def unexplained(self) -> list[Attractor]:
+        explained = self._result.tables["points"].columns["explained"].decoded()
+        return self._attractors((self.survey.outcome == PERIODIC) & ~explained)
+
+    @property
+    def beyond(self) -> list[Attractor]:
+        return self._attractors(self.survey.outcome == BEYOND)
+
+    def _attractors(self, chosen: NDArray[np.bool_]) -> list[Attractor]:
+        """The motions of some points of the survey."""
+        columns = self._result.tables["points"].columns
+        values = (
+            columns[name].decoded()[chosen].tolist()
+            for name in ("r", "clearance", "sides", "cycles")
+        )
+        return [
+            Attractor(r, clearance, Pattern(sides, cycles))
+            for r, clearance, sides, cycles in zip(*values, strict=True)
+        ]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -197,6 +249,8 @@ class Atlas(Result):
     @classmethod
     def load(cls, path: str | Path) -> Atlas:
         """Read an atlas that `save` wrote; see `vibroimpact.load`."""
+        from ..interchange.result import load
+
         atlas = load(path)
         if not isinstance(atlas, cls):
             raise ParameterError(
@@ -268,7 +322,7 @@ def atlas(
     guesses: int = 24,
     max_points: int = 20_000,
     threads: int | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: door.Progress | None = None,
 ) -> Atlas:
     """All zones of stable motions in a window, for all patterns up to a number of impacts and cycles.
 
@@ -313,115 +367,8 @@ def atlas(
     >>> small.without_impacts.contains(1.04, [20.0, 30.0]).tolist()
     [False, True]
     """
-    checks.instance(osc, "osc", Oscillator)
-    window = checked_window(osc, r, clearance)
-    max_impacts = checks.integer(max_impacts, "max_impacts", 2, 8)
-    max_cycles = checks.integer(max_cycles, "max_cycles", 1, 4)
-    survey = checks.integer(survey, "survey", 0, 10**6)
-    settling = checks.integer(settling, "settling", 1, 10**6)
-    lines = checks.integer(lines, "lines", 5, 129)
-    guesses = checks.integer(guesses, "guesses", 0, 10**5)
-    max_points = checks.integer(max_points, "max_points", 100, ROOM)
-    workers = thread_count(threads)
-    asked = namelist.case(osc, atlas={
-        **namelist.window(*window), "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey,
+    keys = {
+        **window(r, clearance), "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey,
         "settling": settling, "lines": lines, "guesses": guesses, "max_points": max_points,
-    })  # fmt: skip
-    tally = new_tally()  # the core keeps it up to date while it runs
-
-    told = 0.0
-
-    def watch() -> None:
-        nonlocal told
-        # more work can come in sight: patterns with rest, and zones that are sought once more
-        told = max(told, float(tally[0] / max(1, tally[1])))
-        if progress:
-            progress(told, "survey and zones")
-
-    arrays = core_arrays(
-        (survey, osc.xi, osc.mu, osc.restitution, *window, max_cycles, settling, lines, guesses, max_points,
-         workers),
-        max_impacts, tally, watch if progress else None,
-    )  # fmt: skip
-    points, attractors, lost, beyond = surveyed(arrays)
-    if progress:
-        progress(1.0, "done")
-    return Atlas(
-        osc, *window, zones_of(osc, window, arrays), attractors, lost, beyond, points, asked
-    )
-
-
-def core_arrays(
-    arguments: tuple[Any, ...], max_impacts: int, tally: NDArray[np.int32],
-    watch: Callable[[], None] | None,
-) -> dict[str, NDArray[Any]]:  # fmt: skip
-    """The core's atlas, in arrays that have room for it: what is not written to takes no memory."""
-    rooms = (1000, 4 * ROOM, 4000, 100 * arguments[0] + 10_000)
-    while True:
-        sheets, vertices, loops, letters = rooms
-        room: dict[str, NDArray[Any]] = {
-            "patterns": np.empty((max_impacts, sheets), np.int32, order="F"),
-            "sheets": np.empty((9, sheets), np.int32, order="F"),
-            "vertices": np.empty((5, vertices), order="F"),
-            "unknowns": np.empty((2 * max_impacts, vertices), order="F"),
-            "labels": np.empty((4, vertices), np.int32, order="F"),
-            "loops": np.empty((2, loops), np.int32, order="F"),
-            "inside": np.empty((2, loops), order="F"),
-            "letters": np.empty(letters, np.int32),
-        }
-        places, outcomes, sizes, status = interruptible(
-            _core.atlas, *arguments, tally, *room.values(), watch=watch, tally=tally
-        )
-        if int(status) != MORE_EVENTS:
-            room["sheets"] = room["sheets"][:, : sizes[0]]
-            return room | {"places": places, "outcomes": outcomes}
-        rooms = tuple(np.maximum(rooms, sizes).tolist())
-        tally[:] = 0
-
-
-def zones_of(osc: Oscillator, window: Window, arrays: dict[str, NDArray[Any]]) -> list[Zone]:
-    """The zones in the core's arrays that have a boundary."""
-    zones = []
-    vertex = loop = 0
-    for j in range(arrays["sheets"].shape[1]):
-        cycles, symmetric, size, count, *work = arrays["sheets"][:, j].tolist()
-        pattern = pattern_of(arrays["patterns"][:, j], cycles)
-        here, own = slice(vertex, vertex + size), slice(loop, loop + count)
-        vertex, loop = vertex + size, loop + count
-        pieces, rings, closed = named_pieces(
-            osc, pattern, window, bool(symmetric), arrays["vertices"][:, here],
-            arrays["unknowns"][: 2 * len(pattern), here], arrays["labels"][:, here],
-            arrays["loops"][:, own], arrays["inside"][:, own],
-        )  # fmt: skip
-        closed = closed and work[2] == 0
-        search = ZoneSearch(work[0], work[1], work[2], (work[3], work[4]))
-        if rings or not closed:
-            zones.append(
-                Zone(osc, pattern, *window, bool(symmetric), pieces, rings, closed, search)
-            )
-    return zones
-
-
-def surveyed(
-    arrays: dict[str, NDArray[Any]],
-) -> tuple[Survey, list[Attractor], list[Attractor], list[Attractor]]:
-    """Every point of the survey; the attractors within the limits, those in no zone, and those beyond."""
-    places, outcomes = arrays["places"], arrays["outcomes"]
-    kept: dict[int, list[Attractor]] = {PERIODIC: [], BEYOND: []}
-    lost = []
-    last = 0
-    for j in np.flatnonzero(outcomes[2]).tolist():
-        outcome, cycles, size, explained = outcomes[:, j].tolist()
-        first, last = last, last + size
-        pattern = pattern_of(arrays["letters"][first:last], cycles)
-        item = Attractor(float(places[0, j]), float(places[1, j]), pattern)
-        kept[outcome].append(item)
-        if outcome == PERIODIC and not explained:
-            lost.append(item)
-    points = Survey(places[0].copy(), places[1].copy(), outcomes[0].copy())
-    return points, kept[PERIODIC], lost, kept[BEYOND]
-
-
-def pattern_of(codes: NDArray[np.int32], cycles: int) -> Pattern:
-    """The pattern of the core's letters; zeros after them are none."""
-    return Pattern("".join(LETTERS[code] for code in codes.tolist() if code), cycles)
+    }  # fmt: skip
+    return door.run(Atlas, osc, keys, threads=threads, progress=progress, parameters=NAMES)

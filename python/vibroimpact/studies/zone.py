@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks
+from .. import checks, door
 from ..errors import OpenBoundaryWarning, ParameterError
-from ..interchange.result import Result
+from ..interchange.namelist import SYMMETRIC
 from ..model import Oscillator, Pattern
+from ..motion import Motion
+from ..noun import Noun
+from ..tables import Table
 from .geometry import signed_area, winding
 
-__all__ = ["Piece", "Zone", "ZoneSearch"]
+__all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
 
 _Array = NDArray[np.float64]
+#: (lowest, highest) of r and of the clearance.
 Window = tuple[tuple[float, float], tuple[float, float]]
 
 
@@ -92,8 +99,7 @@ class ZoneSearch:
     open_seeds: list[tuple[float, float]] = field(default_factory=list)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Zone(Result):
+class Zone(Noun, study="zone"):
     """Where a pattern's motions are stable and admissible, in a window of the plane (r, d K/F0).
 
     Attributes
@@ -113,19 +119,66 @@ class Zone(Result):
         see `search`.
     search : ZoneSearch
     case : str
-        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
+        What was asked for as a namelist; of a zone of an atlas, the search for its pattern alone.
     """
 
-    osc: Oscillator
-    pattern: Pattern
-    r: tuple[float, float]
-    clearance: tuple[float, float]
-    symmetric: bool | None
-    boundary: list[Piece]
-    loops: list[_Array]
-    closed: bool
-    search: ZoneSearch
-    case: str = ""
+    __slots__ = ("__dict__",)
+
+    @property
+    def pattern(self) -> Pattern:
+        return Pattern(self.keys["sides"], self.keys["cycles"])
+
+    @property
+    def r(self) -> tuple[float, float]:
+        return self.keys["r_min"], self.keys["r_max"]
+
+    @property
+    def clearance(self) -> tuple[float, float]:
+        return self.keys["clearance_min"], self.keys["clearance_max"]
+
+    @property
+    def symmetric(self) -> bool | None:
+        return {"yes": True, "no": False, "both": None}[self.keys["symmetric"]]
+
+    @cached_property
+    def boundary(self) -> list[Piece]:
+        pieces, vertices = (self._result.tables[name] for name in ("pieces", "vertices"))
+        told = {name: item.decoded() for name, item in pieces.columns.items()}
+        values = [vertices.columns[name].values for name in ("r", "clearance", "x", "theta")]
+        n = 1 if self.pattern.has_rest else len(self.pattern)
+        found = []
+        for i, here in enumerate(runs(vertices)):
+            r, clearance, x, theta = (item[here] for item in values)
+            loop, symmetric = int(told["loop"][i]) - 1, bool(told["symmetric"][i])
+            x, theta = x[:, :n].T, theta[:, :n].T
+            kind, detail = str(told["type"][i]), str(told["detail"][i])
+            found.append(Piece(kind, r, clearance, x, theta, loop, detail, symmetric))
+        return found
+
+    @cached_property
+    def loops(self) -> list[_Array]:
+        rings = self._result.tables["rings"]
+        points = np.stack([rings.columns[name].values for name in ("r", "clearance")], axis=1)
+        return [points[here] for here in runs(rings, self._result.tables["loops"].dims["ring"])]
+
+    @property
+    def closed(self) -> bool:
+        return bool(self._one("closed"))
+
+    @property
+    def search(self) -> ZoneSearch:
+        seeds = self._result.tables.get("open_seeds")
+        r, clearance = (
+            ([], []) if seeds is None
+            else (seeds.columns[name].values.tolist() for name in ("r", "clearance"))
+        )  # fmt: skip
+        counts = (int(self._one(name)) for name in ("motions", "steps", "untraced"))
+        lines = self._one("lines").tolist()
+        return ZoneSearch(*counts, (lines[0], lines[1]), list(zip(r, clearance, strict=True)))
+
+    def _one(self, name: str) -> Any:
+        """What is known of the whole search."""
+        return self._result.tables["sheets"].columns[name].values[0]
 
     def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
         """Whether there is a stable, admissible motion of the pattern at points.
@@ -245,6 +298,15 @@ class Zone(Result):
         )
 
 
+def runs(table: Table, parents: int | None = None) -> list[slice]:
+    """The rows of a table by their owners, which are in order."""
+    owners = table.owners
+    assert owners is not None
+    number = (int(owners[-1]) + 1 if owners.size else 0) if parents is None else parents
+    ends = np.searchsorted(owners, np.arange(number + 1)).tolist()
+    return [slice(first, last) for first, last in pairwise(ends)]
+
+
 def places(r: ArrayLike, clearance: ArrayLike) -> tuple[_Array, _Array]:
     """Points as two arrays of one shape."""
     r, clearance = np.broadcast_arrays(
@@ -265,24 +327,128 @@ def default_label(pattern: Pattern, symmetric: bool | None) -> str:
     return f"{len(pattern)}{cycles}{kind}"
 
 
-def checked_window(osc: Oscillator, r: Any, clearance: Any) -> Window:
-    """A window in which an oscillator has motions everywhere."""
-    window = (span(r, "r"), span(clearance, "clearance"))
-    if osc.xi == 0 and window[0][0] <= 1 <= window[0][1]:
-        raise ParameterError(
-            f"r = {r!r}: must not contain 1 when xi = 0 (resonance without damping)"
-        )
-    return window
+def window(r: Any, clearance: Any) -> dict[str, float]:
+    """The keys of a window."""
+    return span(r, "r") | span(clearance, "clearance")
 
 
-def span(values: Any, name: str) -> tuple[float, float]:
-    """A checked pair (lowest, highest)."""
+def span(values: Any, name: str) -> dict[str, float]:
+    """The keys of a pair (lowest, highest), whose values the core checks."""
     wanted = f"(lowest, highest) with lowest < highest, each {checks.allowed(name)}"
     try:
         low, high = values
     except (TypeError, ValueError):
         raise ParameterError(f"{name} = {values!r}: must be {wanted}") from None
-    low, high = checks.number(low, name, f"{name}[0]"), checks.number(high, name, f"{name}[1]")
-    if not low < high:
-        raise ParameterError(f"{name} = {values!r}: must be {wanted}")
-    return low, high
+    return {f"{name}_min": low, f"{name}_max": high}
+
+
+#: What the caller calls the keys of a window.
+NAMES = {
+    "r_min": "r[0]", "r_max": "r[1]", "clearance_min": "clearance[0]", "clearance_max": "clearance[1]",
+}  # fmt: skip
+#: What it calls which motions are meant.
+WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
+
+
+def zone(
+    osc: Oscillator,
+    pattern: Pattern,
+    r: tuple[float, float],
+    clearance: tuple[float, float],
+    symmetric: bool | None = None,
+    lines: int = 17,
+    guesses: int = 12,
+    seeds: Sequence[Motion] = (),
+    max_points: int = 20_000,
+    progress: door.Progress | None = None,
+) -> Zone:
+    """The zones of stable, admissible motions of a pattern, as closed curves of named pieces.
+
+    Motions of a pattern with rest are followed by the same means. Where a rest vanishes, the accumulation of
+    impacts just fails to be completed before the acceleration that closes the gap changes its sign; that end is
+    exact to about 1e-10.
+
+    Motions are searched at some nodes of a lattice over the window, and the lattice lines are followed on
+    every sheet of motions that they lie on. Where a line enters or leaves a zone, the boundary is traced by
+    pseudo-arclength continuation of the motion together with the one condition that is zero there (fold,
+    flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an edge of the window); where another condition
+    gets zero there is a corner and the boundary goes on along that one.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    pattern : Pattern
+        At most 24 impacts.
+    r, clearance : (float, float)
+        The window: lowest and highest frequency ratio and d K/F0.
+    symmetric : bool, optional
+        Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
+        impacts), only others (False), or both (None).
+    lines : int
+        Lattice lines each way over a window like that of the 1983 charts (r 0.8 to 1.2, and a factor 100 in
+        d K/F0), 5 to 129; a larger window gets more of them, in proportion to the logarithm of d K/F0 and to
+        asinh(10 (r - 1)); at least 33 are taken for a pattern with rest. Parts of a zone that touch no line can
+        be missed: more lines see more.
+    guesses : int
+        Guesses for motions at every second node each way; a quarter of it at the others.
+    seeds : sequence of Motion
+        Motions of the pattern that are known to be there, for sheets that the search could miss. The lines of
+        constant r and of constant d K/F0 through each are followed, and every boundary that they meet is traced:
+        the zone contains each that is stable, admissible and inside the window, or `search.open_seeds` has it.
+    max_points : int
+        Most vertices of a loop.
+    progress : callable, optional
+        Called a few times a second with the share done and what is being done; what it raises ends the search.
+
+    Returns
+    -------
+    Zone
+        Without loops where no stable, admissible motion was found.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the pattern can have no such motions.
+
+    Examples
+    --------
+    The equispaced motion of Figure 6:
+
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> equispaced = vi.zone(osc, vi.Pattern("RL"), (0.8, 1.2), (2, 200), symmetric=True)
+    >>> equispaced
+    <Zone RL/1, symmetric: 1 loop, bounded by pitchfork, neimark_sacker, fold>
+    >>> equispaced.contains(1.04, [25.0, 3.0]).tolist()
+    [True, False]
+    """
+    checks.instance(pattern, "pattern", Pattern)
+    if symmetric not in (None, True, False):
+        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
+    keys = {
+        "sides": pattern.sides, "cycles": pattern.cycles, "symmetric": SYMMETRIC[symmetric],
+        **window(r, clearance), "lines": lines, "guesses": guesses, "max_points": max_points,
+        "seeds": seed_list(pattern, seeds) or None,
+    }  # fmt: skip
+    return door.run(Zone, osc, keys, progress=progress, parameters={**NAMES, **WORDS})
+
+
+def seed_list(pattern: Pattern, seeds: Sequence[Motion]) -> list[float]:
+    """Seeds as the key has them: r, D, x_i/D, theta_i of each."""
+    numbers: list[float] = []
+    for i, motion in enumerate(seeds):
+        checks.instance(motion, f"seeds[{i}]", Motion)
+        if motion.pattern != pattern:
+            raise ParameterError(
+                f"seeds[{i}].pattern = {motion.pattern!r}: must be {pattern!r}, with the same first impact"
+            )
+        own = np.r_[motion.X / motion.clearance, motion.phases + motion.tau]
+        if pattern.has_rest:
+            # the release at the end of the last starred letter
+            side = [letter for letter in pattern.letters if letter.endswith("*")][-1][0]
+            events = motion.events
+            release = events[(events["kind"] == "release") & (events["side"] == side)][-1]
+            own = np.zeros(2 * len(pattern))
+            own[:2] = release["phase"], release["x_dot_after"] / motion.clearance
+        numbers += [motion.r, motion.clearance, *own.tolist()]
+    return numbers
