@@ -57,7 +57,8 @@ def shown(owner: Handle, address: int, shape: tuple[int, ...], stored: str = "<i
         empty.flags.writeable = False
         return empty
     memory: Any = Memory(owner, address, shape, stored)
-    return np.asarray(memory)
+    array: NDArray[Any] = np.asarray(memory)
+    return array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -61,8 +61,8 @@ def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
     rooms = {}
     for i, (family, zone) in enumerate(zones.items()):
         window = (zone.r, zone.clearance)
-        light = replace(zone, loops=[thinned(ring, window) for ring in zone.loops])
-        for polygon in _polygons(light.loops):
+        loops = [thinned(ring, window) for ring in zone.loops]
+        for polygon in _polygons(loops):
             fills["xs"].append([[ring[:, 0] for ring in polygon]])
             fills["ys"].append([[ring[:, 1] for ring in polygon]])
             fills["color"].append(color(i))
@@ -72,14 +72,16 @@ def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
                 points = thinned(np.c_[piece.r, piece.clearance], window)
                 lines[piece.type]["xs"].append(points[:, 0])
                 lines[piece.type]["ys"].append(points[:, 1])
-        rooms[family.short] = label_room(light)
+        rooms[family.short] = label_room(loops, window)
     return {"fills": fills, "lines": lines, "rooms": rooms}
 
 
-def label_room(zone: Zone) -> _Array:
-    """Room for a name around points of a zone, in names: 0 on its edge."""
-    r, clearance = lattice((zone.r, zone.clearance))
-    inside = zone.contains(r, clearance)
+def label_room(loops: Sequence[_Array], window: Window) -> _Array:
+    """Room for a name around points of a zone with these loops, in names: 0 on its edge."""
+    r, clearance = np.broadcast_arrays(*lattice(window))
+    points = np.stack([r.ravel(), clearance.ravel()], axis=1)
+    turns = np.sum([winding(ring, points) for ring in loops], axis=0)
+    inside = np.reshape(np.broadcast_to(turns > 0, len(points)), r.shape)
     across, up = (_reach(inside, axis) / (inside.shape[axis] * LABEL[axis]) for axis in (0, 1))
     return np.asarray(np.minimum(across, up))
 

@@ -167,14 +167,17 @@ class Zone(Noun, study="zone"):
 
     @property
     def search(self) -> ZoneSearch:
-        seeds = self._result.tables.get("open_seeds")
+        table = self._result.tables.get("open_seeds")
         r, clearance = (
-            ([], []) if seeds is None
-            else (seeds.columns[name].values.tolist() for name in ("r", "clearance"))
+            ([], []) if table is None
+            else (table.columns[name].values.tolist() for name in ("r", "clearance"))
         )  # fmt: skip
-        counts = (int(self._one(name)) for name in ("motions", "steps", "untraced"))
-        lines = self._one("lines").tolist()
-        return ZoneSearch(*counts, (lines[0], lines[1]), list(zip(r, clearance, strict=True)))
+        motions, steps, untraced = (
+            int(self._one(name)) for name in ("motions", "steps", "untraced")
+        )
+        along_r, along_clearance = self._one("lines").tolist()
+        seeds = list(zip(r, clearance, strict=True))
+        return ZoneSearch(motions, steps, untraced, (along_r, along_clearance), seeds)
 
     def _one(self, name: str) -> Any:
         """What is known of the whole search."""
