@@ -56,9 +56,7 @@ def shown(owner: Handle, address: int, shape: tuple[int, ...], stored: str = "<i
         empty: NDArray[Any] = np.empty(shape, stored)
         empty.flags.writeable = False
         return empty
-    memory: Any = Memory(owner, address, shape, stored)
-    array: NDArray[Any] = np.asarray(memory)
-    return array
+    return np.asarray(Memory(owner, address, shape, stored))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
