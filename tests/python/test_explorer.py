@@ -192,9 +192,8 @@ def test_holes_stay_empty():
     ring = np.c_[1 + 0.1 * np.cos(angle), 20 * np.exp(np.sin(angle))]
     hole = np.c_[1 + 0.05 * np.cos(-angle), 20 * np.exp(0.5 * np.sin(-angle))]
     family = next(families(State().osc, State().patterns))
-    zone = replace(
-        compute(State().osc, family, State().window, COARSE), loops=[hole, ring], boundary=[]
-    )
+    zone = compute(State().osc, family, State().window, COARSE)
+    vars(zone).update(loops=[hole, ring], boundary=[])
     ((xs,),) = zone_shapes({family: zone})["fills"]["xs"]
     assert [len(part) for part in xs] == [
         len(thinned(item, State().window)) for item in (ring, hole)
