@@ -48,6 +48,7 @@ contains
       type(motion_type) :: motion
       type(family_type) :: family
       real(wp) :: phases(size(found, 1)/2), restitution(size(found, 1)/2), unknowns(size(found, 1))
+      real(wp) :: golden
       integer :: i, n
       logical :: good
 
@@ -55,10 +56,11 @@ contains
       family%sides = pattern%sides
       family%cycles = pattern%cycles
       restitution = default_restitution(pattern%sides, c(by_right), c(by_left))
+      golden = golden_ratio(n)
       tried = 0
       do i = 1, guesses
          if (n_found == size(found, 2)) return
-         phases = spread_phases(skip + i, n)*two_pi*pattern%cycles
+         phases = spread_phases(skip + i, n, golden)*two_pi*pattern%cycles
          call solve_periodic(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
             pattern, restitution, phases, system, motion)
          if (motion%status /= stat%ok) cycle
@@ -114,20 +116,31 @@ contains
       good = good .and. all(o%time(1:o%n)*o%r > at_once)
    end subroutine iterate
 
-   !> Phases of one guess over the period: 0, then increasing numbers below 1.
-   !!
-   !! An additive recurrence with the powers of the generalised golden ratio fills the simplex
-   !! evenly.
-   pure function spread_phases(i, n) result(phases)
-      integer, intent(in) :: i, n
-      real(wp) :: phases(n)
-      real(wp) :: golden, item
-      integer :: j, k
+   !> The generalised golden ratio of n phases: the root of x**n = 1 + x.
+   pure real(wp) function golden_ratio(n) result(golden)
+      !> How many.
+      integer, intent(in) :: n
+      integer :: j
 
       golden = 1.5_wp
       do j = 1, 30
          golden = (1 + golden)**(1.0_wp/n)
       end do
+   end function golden_ratio
+
+   !> Phases of one guess over the period: 0, then increasing numbers below 1.
+   !!
+   !! An additive recurrence with the powers of the generalised golden ratio fills the simplex
+   !! evenly.
+   pure function spread_phases(i, n, golden) result(phases)
+      !> Number of the guess, and phases.
+      integer, intent(in) :: i, n
+      !> `golden_ratio` of n, which takes longer than the rest.
+      real(wp), intent(in) :: golden
+      real(wp) :: phases(n)
+      real(wp) :: item
+      integer :: j, k
+
       phases(1) = 0
       do j = 2, n
          item = modulo(0.5_wp + i/golden**(j - 1), 1.0_wp)
