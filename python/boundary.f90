@@ -854,51 +854,6 @@ subroutine winding(n, m, ring, points, turns)
 end subroutine winding
 
 
-!> What runs along a parameter settle on: arrays (.., values, runs), per impact time, phase, x,
-!! x_dot and z_dot before and after, and kind and side; `periods`: load cycles, letters, impacts,
-!! rests.
-!!
-!! `directions` of the runs: 1 up, -1 down, 0 anew at each value; `start` is used if `started`.
-subroutine bifurcation(n, runs, xi, mu, walls, r, clearance, load, place, tied, along, directions, &
-   started, start, settling, keep, points, threads, tally, impacts, labels, found, periods, &
-   extremes, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_attractor_diagram, only: diagram, diagram_type, path_type
-   use vi_oscillator, only: oscillator_type
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: n, runs, place, tied, directions(runs), started, settling, keep, &
-      points, threads
-   real(c_double), intent(in) :: xi, mu, walls(2), r(n), clearance(n), load, along(n), start(5)
-   integer(c_int), intent(inout) :: tally(3)
-   real(c_double), intent(out) :: impacts(7, points, n, runs), extremes(2, n, runs)
-   integer(c_int), intent(out) :: labels(2, points, n, runs), found(n, runs), &
-      periods(4, n, runs), status(n, runs)
-   type(diagram_type) :: result
-
-   call diagram(path_type(oscillator_type(xi, mu, walls), r, clearance, load, place, tied /= 0, &
-      along), directions, start(:merge(5, 0, started /= 0)), settling, keep, points, threads, &
-      result, tally)
-   impacts = result%impacts
-   labels = result%labels
-   found = result%found
-   periods = result%periods
-   extremes = result%extremes
-   status = result%status
-end subroutine bifurcation
-
-!> Stretches of a run (load cycles and letters of the period at each value) that keep both: places
-!! from 1, of `windows` of them.
-subroutine periodic_windows(n, periods, first, last, windows)
-   use, intrinsic :: iso_c_binding, only: c_int
-   use vi_attractor_diagram, only: find_windows
-   implicit none (type, external)
-   integer(c_int), intent(in) :: n, periods(2, n)
-   integer(c_int), intent(out) :: first(n), last(n), windows
-
-   call find_windows(periods, first, last, windows)
-end subroutine periodic_windows
-
 !> Numbers from low to high, with equal differences or (1) equal ratios.
 subroutine spaced(n, low, high, geometric, values)
    use, intrinsic :: iso_c_binding, only: c_double, c_int

@@ -36,32 +36,6 @@ class _Basins(Protocol):
     ) -> tuple[_Integer, float, int, _Integer, _Integer, _Real, _Real]: ...
 
 @type_check_only
-class _Bifurcation(Protocol):
-    # impacts, labels, found, periods, extremes, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        load: float,
-        place: int,
-        tied: int,
-        along: ArrayLike,
-        directions: ArrayLike,
-        started: int,
-        start: ArrayLike,
-        settling: int,
-        keep: int,
-        points: int,
-        threads: int,
-        tally: _Integer,
-        n: int = ...,
-        runs: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, _Integer, _Real, _Integer]: ...
-
-@type_check_only
 class _Branch(Protocol):
     # parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, reasons, status
     def __call__(
@@ -79,9 +53,7 @@ class _Branch(Protocol):
         room: int,
         tally: _Integer,
         n: int = ...,
-    ) -> tuple[
-        _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int
-    ]: ...
+    ) -> tuple[_Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int]: ...
 
 @type_check_only
 class _ConditionText(Protocol):
@@ -225,20 +197,7 @@ class _Find(Protocol):
         releases_tried: int,
         threads: int,
         tally: _Integer,
-    ) -> tuple[
-        int,
-        int,
-        _Integer,
-        _Integer,
-        _Real,
-        _Integer,
-        _Real,
-        _Real,
-        _Real,
-        _Complex,
-        _Integer,
-        _Integer,
-    ]: ...
+    ) -> tuple[int, int, _Integer, _Integer, _Real, _Integer, _Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
 class _FinishChart(Protocol):
@@ -355,15 +314,6 @@ class _Periodic(Protocol):
         n: int = ...,
         m: int = ...,
     ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
-
-@type_check_only
-class _PeriodicWindows(Protocol):
-    # first, last, windows
-    def __call__(
-        self,
-        periods: ArrayLike,
-        n: int = ...,
-    ) -> tuple[_Integer, _Integer, int]: ...
 
 @type_check_only
 class _RandomStates(Protocol):
@@ -705,7 +655,6 @@ class _WriteResult(Protocol):
     ) -> _Bytes: ...
 
 basins: _Basins
-bifurcation: _Bifurcation
 branch: _Branch
 condition_text: _ConditionText
 describe_language: _DescribeLanguage
@@ -725,7 +674,6 @@ linear_system: _LinearSystem
 new_result: _NewResult
 open_table: _OpenTable
 periodic: _Periodic
-periodic_windows: _PeriodicWindows
 random_states: _RandomStates
 read_namelist: _ReadNamelist
 rest_motion: _RestMotion

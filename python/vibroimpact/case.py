@@ -21,7 +21,7 @@ from .solve import equispaced, periodic
 from .status import NO_MOTION, status_text
 from .studies.atlas import Atlas
 from .studies.basins import Basins, basins
-from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
+from .studies.bifurcation import BifurcationDiagram
 from .studies.branch import Branch, branch
 from .studies.lyapunov import Lyapunov, with_exponents
 from .studies.response import Response
@@ -178,15 +178,7 @@ class Case(NamedTuple):
         self, progress: Callable[[float, str], None] | None = None
     ) -> BifurcationDiagram:
         """The diagram that a &bifurcation case asks for."""
-        keys = self.keys
-        line = {"r": self.r, "clearance": keys.get("clearance")} | self._values()
-        values = line[keys["parameter"]]
-        others = {name: line[name] for name in ("r", "clearance") if name != keys["parameter"]}
-        limits = ("sweep", "states", "load", "settling", "keep", "points")
-        return bifurcation_diagram(
-            self.osc, keys["parameter"], values, **others, state=self._state() if "t" in keys else None,
-            progress=progress, **{name: keys[name] for name in limits if name in keys},
-        )  # fmt: skip
+        return door.run_text(BifurcationDiagram, self.text, progress=progress)
 
     def response(self, progress: Callable[[float, str], None] | None = None) -> Response:
         """The response that a &response case asks for."""
@@ -203,14 +195,6 @@ class Case(NamedTuple):
             given["plane"] = tuple(zip(*columns, strict=True))
             given["fixed"] = {name: keys[name] for name in others if name in keys}
         return basins(self.osc, self.r, keys["clearance"], **given, progress=progress)
-
-    def _values(self) -> dict[str, Any]:
-        """The parameter of a line of points, if there is one, with its values."""
-        keys = self.keys
-        if "parameter" not in keys:
-            return {}
-        values = spaced(keys["low"], keys["high"], keys["values"], keys["spacing"])
-        return {keys["parameter"]: values}
 
     def _state(self) -> dict[str, float]:
         """The initial state."""

@@ -83,18 +83,12 @@ def run_text(
         owner = Handle(handle)
         raise ParameterError(refusal(owner.number))
     result = from_core(study, handle)
-    if result.cut and not reached(result):
+    if result.cut and result.empty:
         raise KeyboardInterrupt
     found = noun(result)
     if not complete:
         raise StudyInterrupted(found)
     return found
-
-
-def reached(result: Result) -> bool:
-    """Whether a result that was cut short has rows."""
-    table = result.tables.get(result.row)
-    return table is not None and all(table.dims.values())
 
 
 def refusal(handle: int) -> str:
@@ -158,10 +152,12 @@ def line(name: str, values: Any) -> dict[str, Any]:
     return {name: array}
 
 
-def swept(values: NDArray[np.float64]) -> dict[str, Any] | None:
+def swept(values: NDArray[np.float64], parameter: str) -> dict[str, Any] | None:
     """The keys of the values of a parameter, if their ends, number and spacing give them again."""
     from .studies.spacing import spacing_of
 
+    for end in (values.min(), values.max()):
+        checks.number(float(end), "restitution" if parameter[0] == "R" else parameter, parameter)
     spacing = spacing_of(values) if values.ndim == 1 else None
     if spacing is None:
         return None

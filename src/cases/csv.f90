@@ -38,6 +38,7 @@ contains
             if (.not. column%listed) cycle
             label = trim(column%label)
             if (len(label) == 0) label = trim(column%name)
+            if (label == '=') label = trim(result%tables(filled%table)%dims(1))
             do j = 1, filled%inner
                if (column%kind == complexes .and. .not. is_modulus(filled)) then
                   call add(buffer, ','//numbered(label//'_re', j)//','//numbered(label//'_im', j))

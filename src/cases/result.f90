@@ -32,10 +32,9 @@ module vi_result
       character(160) :: meaning = ''
       !> Of a column of words, with commas between; empty if the study gives them while it runs.
       character(160) :: words = ''
-      !> Whether it is in the CSV, and its name there, if another: # is the place within the row,
-      !! and
-      !! a complex number has two columns, the real and the imaginary part, unless the name ends
-      !! with modulus.
+      !> Whether it is in the CSV, and its name there, if another: = is that of the dimension of its
+      !! table, # is the place within the row, and a complex number has two columns, the real and
+      !! the imaginary part, unless the name ends with modulus.
       logical :: listed = .true.
       character(28) :: label = ''
       !> A row with this value is not in the CSV.
@@ -89,7 +88,7 @@ module vi_result
       !> How far it came, if it was stopped before its end; else empty.
       character(:), allocatable :: cut
    contains
-      procedure :: fail, get_reals, get_wholes, label, open, place, put_codes, put_complexes, &
+      procedure :: fail, get_reals, get_wholes, open, place, put_codes, put_complexes, &
          put_reals, put_text, put_wholes, remark, say
       generic :: put => put_reals, put_wholes, put_complexes
    end type result_type
@@ -319,20 +318,6 @@ contains
 
       values = result%columns(result%place(table, name))%k
    end subroutine get_wholes
-
-   !> Names a column in the CSV for what this case puts into it.
-   pure subroutine label(result, table, name, text)
-      !> The result.
-      class(result_type), intent(inout) :: result
-      !> Of the column.
-      character(*), intent(in) :: table, name
-      !> Its name there.
-      character(*), intent(in) :: text
-      integer :: i
-
-      i = result%place(table, name)
-      result%columns(i)%column%label = text
-   end subroutine label
 
    !> Adds a line to the header of files.
    pure subroutine remark(result, text)

@@ -4,12 +4,12 @@ module vi_bifurcation_study
    use vi_case, only: case_type
    use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, load_key, &
       parameter_of, parameter_place, parameter_takes, parameter_values, parameter_words, &
-      range_takes, spacing_key, state_keys, state_of
+      range_takes, resonance, spacing_key, state_keys, state_of, window_keys
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
-   use vi_result, only: column_type, result_type, wholes, words
+   use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_status, only: stat, status_text
-   use vi_text, only: counted, exact, line_type, whole, whole_width
+   use vi_text, only: append, counted, exact, line_type, whole, whole_width
    use vi_window, only: most_numbers
    implicit none (type, external)
    private
@@ -19,15 +19,21 @@ module vi_bifurcation_study
    character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = &
       'sweep=states'
    type(key_type), parameter, public :: bifurcation_keys(*) = [ &
-      key_type('clearance', low=clearance_key%low, high=clearance_key%high, &
+      key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
-      meaning=clearance_key%meaning), &
+      meaning='clearance d K/F0, one or one for each value'), &
+      key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
+      may_miss=.true., never='parameter=r', why='=: it is the parameter', &
+      meaning='the frequency ratio at each value, if it changes with it'), &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
       meaning='what changes'), &
-      key_type('low', takes=range_takes, meaning='first value'), &
-      key_type('high', over='low', takes=range_takes, meaning='last value'), &
-      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, meaning='how many'), &
-      spacing_key, &
+      key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more rising numbers &
+      &in the range of the parameter', meaning='the values, if they are not evenly spaced'), &
+      key_type('low', never='list', takes=range_takes, meaning='first value'), &
+      key_type('high', over='low', never='list', takes=range_takes, meaning='last value'), &
+      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, never='list', meaning='how many'), &
+      key_type('spacing', a_word, default=spacing_key%default, words=spacing_key%words, &
+      takes=spacing_key%takes, never='list', meaning='of the values'), &
       key_type('sweep', a_word, default='''both''', words='up down both states', &
       meaning='up, down, both: the state is carried from value to value; states: each value starts &
       &anew from many states'), &
@@ -53,7 +59,7 @@ module vi_bifurcation_study
 
    type(column_type), parameter, public :: bifurcation_columns(*) = [ &
       column_type('runs', 'run', words, meaning='up, down, or a state'), &
-      column_type('values', 'value', meaning='of the parameter'), &
+      column_type('values', 'value', label='=', meaning='of the parameter'), &
       column_type('cells', 'label', words, &
       meaning='impacts / load cycles of the period; empty if none was seen'), &
       column_type('impacts', 'side', words, words='R,L', meaning='wall'), &
@@ -67,8 +73,25 @@ module vi_bifurcation_study
       meaning='velocity of the free mass before it'), &
       column_type('impacts', 'z_dot_after', unit='omega F0/K', &
       meaning='velocity of the free mass after it'), &
+      column_type('cells', 'cycles', wholes, listed=.false., &
+      meaning='load cycles of the period; 0 if none was seen'), &
+      column_type('cells', 'letters', wholes, listed=.false., &
+      meaning='impacts of a period, each accumulation counted as one'), &
+      column_type('cells', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
+      column_type('cells', 'rests', wholes, listed=.false., meaning='rests of a period'), &
+      column_type('cells', 'x_min', unit='F0/K', listed=.false., &
+      meaning='least displacement of the primary mass'), &
+      column_type('cells', 'x_max', unit='F0/K', listed=.false., &
+      meaning='greatest displacement of the primary mass'), &
       column_type('cells', 'status', wholes, listed=.false., &
-      meaning='code of what failed; 0: none')]
+      meaning='code of what failed; 0: none'), &
+      column_type('windows', 'run', words, listed=.false., meaning='run with one period'), &
+      column_type('windows', 'low', listed=.false., meaning='first value of the parameter'), &
+      column_type('windows', 'high', listed=.false., meaning='last value of the parameter'), &
+      column_type('windows', 'label', words, listed=.false., &
+      meaning='impacts / load cycles of the period'), &
+      column_type('windows', 'cut', truths, listed=.false., &
+      meaning='whether it is beside a value that was not reached')]
 
 contains
 
@@ -76,30 +99,75 @@ contains
    subroutine check_bifurcation(case)
       !> The case; a state that is given in part is completed with zeros.
       type(case_type), intent(inout) :: case
-      integer :: runs, i
+      real(wp), allocatable :: clearance(:)
+      integer :: runs, n, i
 
       call check_parameter(case)
       associate (study => case%study)
          if (len(study%fault) > 0) return
+         n = size(parameter_values(case))
          runs = merge(2, 1, study%is('sweep', 'both'))
          if (study%has('states')) runs = study%whole_number('states')
-         call check_product(study, 'points', [study%whole_number('values'), runs, &
-            study%whole_number('points')], 'values x runs x points must be at most '//whole( &
-            most_numbers))
+         call check_product(study, 'points', [n, runs, study%whole_number('points')], &
+            'values x runs x points must be at most '//whole(most_numbers))
+         call check_lists(case, n)
          if (.not. any([(study%has(trim(state_keys(i)%name)), i=1, 5)])) return
          do i = 1, 5
             if (.not. study%has(trim(state_keys(i)%name))) call &
                study%set(trim(state_keys(i)%name), &
                [0.0_wp])
          end do
-         if (study%has('clearance')) then
-            call check_start(study, study%number('clearance'))
-         else
-            call check_start(study, study%number(trim(merge('high', 'low ', study%is('sweep', &
-               'down')))))
-         end if
+         if (len(study%fault) > 0) return
+         allocate (clearance, source=clearance_values(case, n))
+         if (study%is('sweep', 'up')) clearance = clearance(1)
+         if (study%is('sweep', 'down')) clearance = clearance(n)
+         call check_start(study, min(clearance(1), clearance(n)))
       end associate
    end subroutine check_bifurcation
+
+   !> Checks what is given for each value.
+   subroutine check_lists(case, n)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> Values of the parameter.
+      integer, intent(in) :: n
+      character(9), parameter :: names(2) = [character(9) :: 'clearance', 'r']
+      real(wp), allocatable :: values(:)
+      logical :: undamped
+      integer :: i
+
+      associate (study => case%study)
+         do i = 1, 2
+            if (.not. study%has(trim(names(i)))) cycle
+            if (all(size(study%numbers(trim(names(i)))) /= [1, n])) call &
+               study%refuse(trim(names(i)), 'one number, or '//whole(n)//', one for each value')
+         end do
+         if (.not. study%has('r')) return
+         undamped = case%osc%xi <= 0
+         values = parameter_values(case)
+         if (parameter_of(case) == 'xi') undamped = values(1) <= 0
+         if (undamped .and. any(abs(study%numbers('r') - 1) <= 0)) call study%refuse('r', &
+            resonance//'among the values')
+      end associate
+   end subroutine check_lists
+
+   !> The clearance at each value.
+   pure function clearance_values(case, n) result(clearance)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> Values of the parameter.
+      integer, intent(in) :: n
+      real(wp) :: clearance(n)
+
+      if (case%study%has('clearance')) then
+         associate (given => case%study%numbers('clearance'))
+            clearance = given(1)
+            if (size(given) == n) clearance = given
+         end associate
+      else
+         clearance = parameter_values(case)
+      end if
+   end function clearance_values
 
    !> The state that sweeps start from: t, x, x', z, z'; empty if none was given.
    pure function start_state(case) result(state)
@@ -125,7 +193,7 @@ contains
       type(diagram_type) :: found
       type(line_type), allocatable :: names(:), labels(:)
       integer, allocatable :: directions(:)
-      integer :: windows, lost, m, n, i, j
+      integer :: windows, reached, lost, m, n, i, j
 
       path = path_of(case)
       allocate (directions, source=directions_of(case))
@@ -144,20 +212,28 @@ contains
       end do
       call result%open('runs', 'run', [n])
       call result%put_text('runs', 'run', names)
-      call result%open('values', 'value', [m])
-      call result%label('values', 'value', trim(parameter_of(case)))
+      call result%open('values', trim(parameter_of(case)), [m])
       call result%put('values', 'value', path%values)
-      call result%open('cells', 'value run', [m, n])
+      call result%open('cells', trim(parameter_of(case))//' run', [m, n])
       call result%put_text('cells', 'label', labels)
+      call result%put('cells', 'cycles', [found%periods(1, :, :)])
+      call result%put('cells', 'letters', [found%periods(2, :, :)])
+      call result%put('cells', 'impacts', [found%periods(3, :, :)])
+      call result%put('cells', 'rests', [found%periods(4, :, :)])
+      call result%put('cells', 'x_min', [found%extremes(1, :, :)])
+      call result%put('cells', 'x_max', [found%extremes(2, :, :)])
       call result%put('cells', 'status', [found%status])
       call put_impacts(found, result)
-      call remark_windows(path%values, directions, found, result, windows)
-      lost = count(found%status /= stat%ok)
-      result%empty = lost == size(found%status)
+      call put_windows(path%values, directions, found, result, windows)
+      reached = count(found%status /= stat%not_computed)
+      if (reached < m*n) result%cut = whole(reached)//' of '//whole(m*n)// &
+         ' simulations were reached'
+      lost = reached - count(found%status == stat%ok)
+      result%empty = lost == reached
       if (.not. result%empty) call result%say(counted(n, 'run')//' of '//whole(m)//' values, '// &
          counted(sum(found%found), 'impact')//', '//counted(windows, 'periodic window'))
-      if (lost > 0) call result%fail(whole(lost)//' of '//counted(size(found%status), &
-         'simulation')//' failed: '//status_text(maxval(found%status)))
+      if (lost > 0) call result%fail(whole(lost)//' of '//counted(reached, 'simulation')// &
+         ' failed: '//status_text(maxval(found%status, found%status /= stat%not_computed)))
    end subroutine run_bifurcation
 
    !> Puts the impacts of all runs and values into the result.
@@ -191,8 +267,9 @@ contains
       end do
    end subroutine put_impacts
 
-   !> Remarks the ranges of values over which each run has one period.
-   pure subroutine remark_windows(values, directions, found, result, windows)
+   !> Puts the ranges of values over which each run has one period into the result, and remarks
+   !! them: first those of which the ends are known, then those beside what was not reached.
+   pure subroutine put_windows(values, directions, found, result, windows)
       !> Of the parameter.
       real(wp), intent(in) :: values(:)
       !> Of the runs.
@@ -201,20 +278,41 @@ contains
       type(diagram_type), intent(in) :: found
       !> The result.
       type(result_type), intent(inout) :: result
-      !> How many there are.
+      !> How many there are with known ends.
       integer, intent(out) :: windows
+      type(line_type), allocatable :: runs(:), labels(:)
+      integer, allocatable :: all_first(:), all_last(:), cut(:)
       integer :: first(size(values)), last(size(values)), i, j, n
 
-      windows = 0
+      allocate (runs(0), labels(0), all_first(0), all_last(0), cut(0))
       do j = 1, size(directions)
          call find_windows(found%periods(:, :, j), first, last, n)
          do i = 1, n
-            call result%remark(run_name(directions, j)//': '//label(found%periods(:, &
-               first(i), j))//' from '//exact(values(first(i)))//' to '//exact(values(last(i))))
+            call append(runs, run_name(directions, j))
+            call append(labels, label(found%periods(:, first(i), j)))
+            cut = [cut, merge(1, 0, any(found%status(max(1, first(i) - 1):min(last(i) + 1, &
+               size(values)), j) == stat%not_computed))]
          end do
-         windows = windows + n
+         all_first = [all_first, first(:n)]
+         all_last = [all_last, last(:n)]
       end do
-   end subroutine remark_windows
+      do i = 1, size(cut)
+         if (cut(i) == 0) call result%remark(runs(i)%text//': '//labels(i)%text//' from '// &
+            exact(values(all_first(i)))//' to '//exact(values(all_last(i))))
+      end do
+      do i = 1, size(cut)
+         if (cut(i) == 1) call result%remark(runs(i)%text//': '//labels(i)%text// &
+            ' at least from '//exact(values(all_first(i)))//' to '// &
+            exact(values(all_last(i)))//', beside what was not reached')
+      end do
+      windows = count(cut == 0)
+      call result%open('windows', 'window', [size(cut)])
+      call result%put_text('windows', 'run', runs)
+      call result%put('windows', 'low', values(all_first))
+      call result%put('windows', 'high', values(all_last))
+      call result%put_text('windows', 'label', labels)
+      call result%put('windows', 'cut', cut)
+   end subroutine put_windows
 
    !> The system with its values of the parameter.
    pure function path_of(case) result(path)
@@ -222,11 +320,11 @@ contains
       type(path_type) :: path
 
       path%osc = case%osc
-      allocate (path%r(1), source=case%r)
-      allocate (path%clearance(1), source=0.0_wp)
-      if (case%study%has('clearance')) path%clearance = case%study%number('clearance')
       path%load = case%study%number('load')
       allocate (path%values, source=parameter_values(case))
+      allocate (path%r(1), source=case%r)
+      if (case%study%has('r')) path%r = case%study%numbers('r')
+      allocate (path%clearance, source=clearance_values(case, size(path%values)))
       call parameter_place(trim(parameter_of(case)), path%place, path%tied)
    end function path_of
 

@@ -70,13 +70,17 @@ contains
 
    !> Checks the parameter of a line of values.
    subroutine check_parameter(case)
-      !> With `parameter`, `low`, `high`, `values` and `spacing` in its study.
+      !> With `parameter`, `low`, `high`, `values` and `spacing` in its study, or a `list`.
       type(case_type), intent(inout) :: case
       integer :: place
       logical :: geometric
 
       if (.not. case%study%has('parameter') .or. len(case%study%fault) > 0) return
       place = findloc(parameters == case%study%word('parameter'), .true., 1)
+      if (case%study%has('list')) then
+         call check_list(case, place)
+         return
+      end if
       associate (low => case%study%number('low'), high => case%study%number('high'))
          geometric = case%study%is('spacing', 'geometric')
          if (.not. in_range(low, place)) then
@@ -96,6 +100,24 @@ contains
          end if
       end associate
    end subroutine check_parameter
+
+   !> Checks a list of values of a parameter.
+   subroutine check_list(case, place)
+      !> With `list` in its study.
+      type(case_type), intent(inout) :: case
+      !> Of the parameter.
+      integer, intent(in) :: place
+
+      associate (values => case%study%numbers('list'))
+         if (.not. (rise(values) .and. in_range(minval(values), place) .and. &
+            in_range(maxval(values), place))) then
+            call case%study%refuse('list')
+         else if (parameters(place) == 'r' .and. case%osc%xi <= 0 .and. &
+            any(abs(values - 1) <= 0)) then
+            call case%study%refuse('list', resonance//'among the values')
+         end if
+      end associate
+   end subroutine check_list
 
    !> Whether a value is in the range of a parameter.
    pure logical function in_range(value, place)
@@ -142,10 +164,14 @@ contains
 
    !> The values of the parameter.
    pure function parameter_values(case) result(values)
-      !> With `low`, `high`, `values` and `spacing` in its study.
+      !> With `low`, `high`, `values` and `spacing` in its study, or a `list`.
       type(case_type), intent(in) :: case
       real(wp), allocatable :: values(:)
 
+      if (case%study%has('list')) then
+         values = case%study%numbers('list')
+         return
+      end if
       values = spaced(case%study%number('low'), case%study%number('high'), &
          case%study%whole_number('values'), case%study%is('spacing', 'geometric'))
    end function parameter_values

@@ -88,6 +88,10 @@ def test_sweeps_agree_outside_the_hysteresis(batch):
 
 
 BAD_DIAGRAM = [
+    ("sweep", "list = 20, 21, sweep", "low = 20: must be left out beside list", 3),
+    *[("low = 20, high = 26, values = 4", f"list = {v}", "must be two or more rising numbers", 3)
+      for v in ("20", "20, 20", "21, 20", "-1, 20", "nan, 20")],
+    ("low = 20", "clearance = 3, low = 20", "must be left out: it is the parameter", 3),
     *[("'clearance'", v, "'restitution' (both walls)", 2) for v in ("'q'", "''", "r", "1")],
     *[("low = 20", f"low = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("nan", "0", "26, 27", "x")],
     *[("high = 26", f"high = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("20", "inf", "1e13")],
@@ -104,7 +108,7 @@ BAD_DIAGRAM = [
     ("settling = 60", "z = 10.1", "z - x must be within half the clearance", 4),
     ("settling = 60", "t = nan", "a finite number", 4),
     ("settling = 60", "clearance = 3", "must be left out: it is the parameter", 4),
-    ("settling = 60", "cycles = 3", "is not a key of &bifurcation; must be one of clearance, parameter", 4),
+    ("settling = 60", "cycles = 3", "is not a key of &bifurcation; must be one of clearance, r, parameter", 4),
 ]  # fmt: skip
 
 

@@ -170,10 +170,10 @@ def test_computed_once(kind, tmp_path, monkeypatch):
     """Table, picture and document from one computation; the table has the bytes of the compiled program."""
     path = write(tmp_path / "case.nml", kinds()[kind])
     assert vi.run_namelists([path], tmp_path / "core").status == 0
-    by_door = kind in ("zone", "atlas", "lyapunov", "response")
+    by_door = kind in ("zone", "atlas", "lyapunov", "bifurcation", "response")
     module = importlib.import_module("vibroimpact.door" if by_door else "vibroimpact.case")
     calls = []
-    names = {"bifurcation": "bifurcation_diagram", "chart": "chart_arrays"}
+    names = {"chart": "chart_arrays"}
     function = "run_text" if by_door else names.get(kind, kind)
     ours = getattr(module, function)
     monkeypatch.setattr(module, function, lambda *a, **k: calls.append("python") or ours(*a, **k))

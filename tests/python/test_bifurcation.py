@@ -152,23 +152,57 @@ def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
     assert again.case == result.case
 
 
-def test_a_diagram_without_a_namelist():
-    """Values that are spaced otherwise, and a line across the plane."""
-    odd = vi.bifurcation_diagram(FIGURE6, "clearance", [20, 21, 23], r=1.04, settling=10)
-    values = [1.0, 1.02, 1.04]
-    across = vi.bifurcation_diagram(FIGURE6, "r", values, clearance=[20, 21, 22], settling=10)
-    for result in (odd, across):
-        with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
-            result.to_namelist()
+@pytest.mark.parametrize(
+    ("parameter", "values", "beside"),
+    [
+        ("clearance", [20.0, 21.0, 26.0], {"r": 1.04}),
+        ("clearance", [20.0, 21.0, 26.0], {"r": [1.0, 1.03, 1.04]}),
+        ("r", [1.0, 1.03, 1.04], {"clearance": [20.0, 30.0, 25.0]}),
+        ("mu", [0.01, 0.02, 0.05], {"r": [1.0, 1.03, 1.04], "clearance": 25.0}),
+    ],
+)
+@pytest.mark.parametrize("sweep", ["both", "states"])
+def test_lists_have_a_namelist_too(parameter, values, beside, sweep, tmp_path):
+    """Values that are not evenly spaced, and a line across the plane; with states none depends on the others."""
+    more = {"settling": 30, "keep": 9, "points": 7, "sweep": sweep, "states": 2}
+    result = vi.bifurcation_diagram(FIGURE6, parameter, values, **beside, **more)
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    assert again.to_json() == result.to_json()
+    for name, given in beside.items():
+        np.testing.assert_array_equal(getattr(result, name), given)
+    if sweep == "both":
+        return
+    for i in (0, 1):
+        pair = {
+            name: given[i : i + 2] if np.ndim(given) else given for name, given in beside.items()
+        }
+        alone = vi.bifurcation_diagram(FIGURE6, parameter, values[i : i + 2], **pair, **more)
+        np.testing.assert_array_equal(alone.x_max, result.x_max[:, i : i + 2])
 
 
-def test_diagram_does_not_depend_on_threads():
-    for sweep in ("both", "states"):
-        one, two = (
-            vi.bifurcation_diagram(
-                FIGURE6, "r", [1.0, 1.02], clearance=20.0, sweep=sweep, threads=n
-            )
-            for n in (1, 2)
-        )
-        np.testing.assert_array_equal(one.points, two.points)
-        np.testing.assert_array_equal(one.labels, two.labels)
+@pytest.mark.parametrize("form", ["json", "nc", "mat"])
+@pytest.mark.parametrize("values", [[20.0, 21.0, 26.0], [5000.0, 6000.0]])
+def test_a_file_gives_the_diagram_again(values, form, tmp_path):
+    """To the last bit, and its table, which the core writes, too; the second diagram is without impacts."""
+    start = dict.fromkeys(("t", "x", "x_dot", "z", "z_dot"), 0.0)
+    result = vi.bifurcation_diagram(FIGURE6, "clearance", values, r=1.04, state=start, settling=30)
+    assert (result.points.size > 0) == (values[0] < 100)
+    result.save(tmp_path / f"one.{form}")
+    again = vi.load(tmp_path / f"one.{form}")
+    assert again.to_json() == result.to_json()
+    assert again.points.tobytes() == result.points.tobytes()
+    assert again.windows == result.windows
+    tables = []
+    for item in (result, again):
+        item.save(tmp_path / "table.csv")
+        tables.append((tmp_path / "table.csv").read_bytes())
+    assert tables[0] == tables[1]
+
+
+def test_states_of_their_own():
+    """A start is for sweeps: with states it is refused."""
+    start = dict.fromkeys(("t", "x", "x_dot", "z", "z_dot"), 0.0)
+    with pytest.raises(vi.errors.ParameterError, match=r"^state\['t'\] = 0.0: must be left out"):
+        vi.bifurcation_diagram(FIGURE6, "r", [1, 1.1], clearance=9, sweep="states", state=start)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..interchange.csv_file import counted
-from ..status import status_text
 from ..studies.branch import REASONS
 
 #: What was said, what is missing, and whether there is a result.
@@ -61,15 +60,6 @@ def chart_words(data: Any) -> Words:
     ], [], True  # fmt: skip
 
 
-def bifurcation_words(diagram: Any) -> Words:
-    """Runs, impacts and windows."""
-    return simulated(
-        diagram.status,
-        f"{counted(len(diagram.runs), 'run')} of {diagram.values.size} values, "
-        f"{counted(len(diagram.points), 'impact')}, {counted(len(diagram.windows), 'periodic window')}",
-    )
-
-
 def basin_words(basins: Any) -> Words:
     """The share of each attractor."""
     states, lost = counted(basins.reached, "state"), int((basins.labels == -1).sum())
@@ -83,19 +73,10 @@ def basin_words(basins: Any) -> Words:
     return [said] if there else [], faults, there
 
 
-def simulated(status: Any, said: str) -> Words:
-    """What came out of simulations, if not all of them failed."""
-    lost = int(np.count_nonzero(status))
-    of = counted(status.size, "simulation")
-    faults = [f"{lost} of {of} failed: {status_text(int(status.max()))}"] if lost else []
-    there = lost < status.size
-    return [said] if there else [], faults, there
-
-
 #: The kinds that are computed once, in Python, for table, picture and document.
 WORDS: dict[str, Callable[..., Words]] = {
     "simulate": simulate_words, "branch": branch_words, "zone": noun_words, "atlas": noun_words,
-    "chart": chart_words, "lyapunov": noun_words, "bifurcation": bifurcation_words,
+    "chart": chart_words, "lyapunov": noun_words, "bifurcation": noun_words,
     "basins": basin_words, "response": noun_words,
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.

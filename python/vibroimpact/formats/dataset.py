@@ -23,6 +23,8 @@ def to_xarray(noun: Any) -> Any:
     for name, table in result.tables.items():
         for column in table.columns.values():
             key = column.name if names.count(column.name) == 1 else f"{name}_{column.name}"
+            if column.label == "=":
+                key = next(iter(table.dims))
             dims = (*table.dims, *([column.each] if column.each else []))
             attributes: dict[str, Any] = {"long_name": column.meaning, "units": column.unit or "1"}
             if column.kind == "complex":

@@ -25,14 +25,14 @@ def rows(result: Result) -> dict[str, NDArray[Any]]:
         size = int(np.prod(list(table.dims.values())))
         values = column.values.reshape(size, -1)[places[name]]
         for i, part in enumerate(values.T, start=1):
-            found |= cells(column, part, i)
+            own = next(iter(table.dims)) if column.label == "=" else column.label or column.name
+            found |= cells(column, part, own.replace("#", str(i)))
     keep = listed(result, found)
     return {name: values[keep] for name, values in found.items()}
 
 
-def cells(column: Column, values: NDArray[Any], i: int) -> dict[str, NDArray[Any]]:
+def cells(column: Column, values: NDArray[Any], label: str) -> dict[str, NDArray[Any]]:
     """One column of the CSV, or two of a complex number."""
-    label = (column.label or column.name).replace("#", str(i))
     if column.kind == "complex":
         if "modulus" in label:
             return {label: np.hypot(values.real, values.imag)}

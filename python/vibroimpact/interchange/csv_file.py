@@ -48,14 +48,6 @@ def remarks_of(result: Any, number: int) -> list[str]:
         return [*cut, f"final state: t, x, x_dot, z, z_dot = {state}"]
     if name == "Branch":
         return [f"branch {number}: first end: {result.ends[0]}; last end: {result.ends[1]}"]
-    if name == "BifurcationDiagram":
-        return [
-            f"{run}: {label} from {exact(low)} to {exact(high)}"
-            for run, low, high, label in result.windows
-        ] + [
-            f"{run}: {label} at least from {exact(low)} to {exact(high)}, beside what was not reached"
-            for run, low, high, label in result.cut_windows
-        ]
     if name == "Findings":
         osc = result.osc
         values = (osc.xi, osc.mu, *osc.restitution, result.r, result.clearance, result.load)

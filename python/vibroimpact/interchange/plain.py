@@ -228,13 +228,8 @@ def decode_array(
 
 
 def decode_events(value: Mapping[str, Any], label: str, dimensions: Dimensions) -> NDArray[Any]:
-    """The events of a trajectory or of a motion with rest, or the impacts of a bifurcation diagram."""
-    from ..studies.bifurcation import COLUMNS
-
+    """The events of a trajectory or of a motion with rest."""
     record_type = EVENT_TYPE
-    if "run" in value:
-        own = [("run", "i4"), ("index", "i4"), ("side", "U1"), *((name, "f8") for name in COLUMNS)]
-        record_type = np.dtype(own)
     names = record_type.names or ()
     missing = [name for name in names if name not in value]
     if missing:

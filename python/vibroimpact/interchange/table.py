@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from ..found import Findings
     from ..motion import Motion
     from ..studies.basins import Basins
-    from ..studies.bifurcation import BifurcationDiagram
     from ..studies.branch import Branch
     from ..trajectory import Trajectory
 
@@ -129,18 +128,6 @@ def chart_columns(data: Any) -> Columns:
     return table | {"status": status[i, j, k].tolist()}
 
 
-def bifurcation_columns(diagram: BifurcationDiagram) -> Columns:
-    """One row an impact."""
-    points = diagram.points
-    run, index = points["run"], points["index"]
-    table: Columns = {
-        "run": np.array(diagram.runs)[run].tolist(), diagram.parameter: diagram.values[index].tolist(),
-        "label": diagram.labels[run, index].tolist(),
-    }  # fmt: skip
-    names = (points.dtype.names or ())[2:]
-    return table | {name: points[name].tolist() for name in names}
-
-
 def basin_columns(basins: Basins) -> Columns:
     """One row a state."""
     labels = basins.labels.ravel().tolist()
@@ -152,6 +139,6 @@ def basin_columns(basins: Basins) -> Columns:
 
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
-    "BifurcationDiagram": bifurcation_columns, "Basins": basin_columns,
+    "Basins": basin_columns,
     "Findings": found_columns,
 }  # fmt: skip

@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core, checks
-from ..errors import ParameterError, StudyInterrupted
-from ..interchange import namelist
-from ..interchange.dataset import xarray
-from ..interchange.result import Result
-from ..interrupt import new_tally, stoppable
+from .. import checks, door
+from ..errors import ParameterError
 from ..model import Oscillator
-from ..states import NEEDED
+from ..noun import Noun, column
+from ..states import NEEDED, checked_state
 from ..status import NOT_COMPUTED
-from .settling import PARAMETERS, one_state, thread_count
-from .spacing import spacing_of
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
 _Array = NDArray[np.float64]
-NAMES = (*PARAMETERS, "restitution")
+NAMES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
 SWEEPS = ("up", "down", "both", "states")
-#: Columns of an impact as the core gives them.
+#: Columns of an impact.
 COLUMNS = ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-#: Of the sweeps, as the core has them; other runs start anew at each value.
-DIRECTIONS = {"up": 1, "down": -1}
 
 
 class PeriodicWindow(NamedTuple):
@@ -44,8 +36,7 @@ class PeriodicWindow(NamedTuple):
     label: str
 
 
-@dataclass(frozen=True, eq=False, repr=False, slots=True)
-class BifurcationDiagram(Result):
+class BifurcationDiagram(Noun, study="bifurcation"):
     """What simulations settle on along a parameter.
 
     Attributes
@@ -64,50 +55,81 @@ class BifurcationDiagram(Result):
         impacts and rests in it.
     x_min, x_max : ndarray (runs, n)
         Extreme positions of the primary mass.
+    labels : ndarray (runs, n) of str
+        N/k of each run and value; "" where no period was seen, "0/k" without impacts.
     status : ndarray (runs, n) of int
         0 done; see `status_text`.
     points : structured ndarray
         The impacts kept: ``run`` and ``index`` (of the value), ``side`` ("R", "L"), ``phase``, ``x``,
         ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
     case : str
-        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
+        What was asked for as a namelist.
     complete : bool
-        False if Ctrl-C cut it short.
+        False if Ctrl-C cut it short; `cut` then tells how far it came.
     """
 
-    osc: Oscillator
-    parameter: str
-    values: _Array
-    r: float | _Array
-    clearance: float | _Array
-    load: float
-    runs: list[str]
-    cycles: NDArray[np.int32]
-    letters: NDArray[np.int32]
-    impacts: NDArray[np.int32]
-    rests: NDArray[np.int32]
-    x_min: _Array
-    x_max: _Array
-    status: NDArray[np.int32]
-    points: NDArray[Any]
-    case: str = ""
-    complete: bool = True
+    __slots__ = ("_points",)
+    _points: NDArray[Any]
+    values = column("values", "value")
+    cycles = column("cells")
+    letters = column("cells")
+    impacts = column("cells")
+    rests = column("cells")
+    x_min = column("cells")
+    x_max = column("cells")
+    status = column("cells")
+    labels = column("cells", "label")
 
     @property
-    def cut(self) -> str:
-        """How far it came if it was cut short; else empty."""
-        if self.complete:
-            return ""
-        done = int((self.status != NOT_COMPUTED).sum())
-        return f"{done} of {self.status.size} simulations were reached"
+    def parameter(self) -> str:
+        parameter: str = self.keys["parameter"]
+        return parameter
 
     @property
-    def labels(self) -> NDArray[Any]:
-        """N/k of each run and value (runs, n); "" where no period was seen, "0/k" without impacts."""
-        table = np.full(self.cycles.shape, "", dtype="U16")
-        for i, j in zip(*np.nonzero(self.cycles), strict=True):
-            table[i, j] = f"{self.letters[i, j]}/{self.cycles[i, j]}"
-        return table
+    def r(self) -> float | _Array:
+        return self._beside("r")
+
+    @property
+    def clearance(self) -> float | _Array:
+        return self._beside("clearance")
+
+    def _beside(self, name: str) -> float | _Array:
+        """A number or one for each value; of the parameter the first value."""
+        keys = self.keys
+        value = self.values[0] if keys["parameter"] == name else keys[name]
+        return np.array(value) if isinstance(value, list) else float(value)
+
+    @property
+    def load(self) -> float:
+        load: float = self.keys["load"]
+        return load
+
+    @property
+    def runs(self) -> list[str]:
+        runs: list[str] = self._result.tables["runs"].columns["run"].decoded().tolist()
+        return runs
+
+    @property
+    def points(self) -> NDArray[Any]:
+        if not hasattr(self, "_points"):
+            object.__setattr__(self, "_points", self._list_points())
+        return self._points
+
+    def _list_points(self) -> NDArray[Any]:
+        """The impacts as one list, by run and value."""
+        table = self._result.tables["impacts"]
+        names = ("side", *COLUMNS)
+        kinds = [
+            ("run", "i4"),
+            ("index", "i4"),
+            ("side", "U1"),
+            *((name, "f8") for name in COLUMNS),
+        ]
+        points = np.empty(table.dims["impact"], dtype=kinds)
+        points["run"], points["index"] = np.divmod(np.asarray(table.owners), self.values.size)
+        for name in names:
+            points[name] = table.columns[name].decoded()
+        return points
 
     @property
     def windows(self) -> list[PeriodicWindow]:
@@ -125,15 +147,10 @@ class BifurcationDiagram(Result):
 
     def _stretches(self, cut: bool) -> list[PeriodicWindow]:
         """The stretches with one label that have a neighbour that was not reached, or the others."""
-        result = []
-        beyond = np.pad(self.status == NOT_COMPUTED, ((0, 0), (1, 1)))
-        for i, (run, labels) in enumerate(zip(self.runs, self.labels, strict=True)):
-            first, last, n = _core.periodic_windows(np.array([self.cycles[i], self.letters[i]]))
-            for low, high in zip(first[:n] - 1, last[:n] - 1, strict=True):
-                if (beyond[i, low] or beyond[i, high + 2]) == cut:
-                    ends = float(self.values[low]), float(self.values[high])
-                    result.append(PeriodicWindow(run, *ends, str(labels[low])))
-        return result
+        columns = self._result.tables["windows"].columns
+        keep = columns["cut"].decoded() == cut
+        fields = (columns[name].decoded()[keep].tolist() for name in PeriodicWindow._fields)
+        return [PeriodicWindow(*each) for each in zip(*fields, strict=True)]
 
     @property
     def coexisting(self) -> NDArray[np.bool_]:
@@ -157,32 +174,6 @@ class BifurcationDiagram(Result):
                 f"quantity = {quantity!r}: must be one of {', '.join((*COLUMNS, 'approach'))}"
             )
         return np.asarray(self.points[quantity])
-
-    def to_xarray(self) -> Any:
-        """Columns over run and value, and the impacts as a list (extra `data`)."""
-        over = ("run", self.parameter)
-        data: dict[str, Any] = {
-            name: (over, getattr(self, name))
-            for name in (
-                "cycles",
-                "letters",
-                "impacts",
-                "rests",
-                "x_min",
-                "x_max",
-                "status",
-                "labels",
-            )
-        }
-        for name in ("index", "side", *COLUMNS):
-            data[f"impact_{name}"] = ("impact", self.points[name])
-        data["impact_run"] = ("impact", self.points["run"])
-        coordinates: dict[str, Any] = {"run": self.runs, self.parameter: self.values}
-        fixed = {name: getattr(self, name) for name in ("r", "clearance") if name != self.parameter}
-        for name in [name for name, value in fixed.items() if np.ndim(value)]:
-            coordinates[name] = (self.parameter, fixed.pop(name))
-        own = {"load": self.load, "complete": int(self.complete)}
-        return xarray().Dataset(data, coordinates, fixed | own)
 
     def plot(self, ax: Any = None, quantity: str = "x") -> Any:
         """Draw the impacts: colour and marker tell the wall, a line on top the windows N/k.
@@ -238,7 +229,7 @@ def bifurcation_diagram(
     parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}
         "restitution" changes both walls.
     values : array_like
-        At least two. A namelist can tell those of `spaced`.
+        At least two.
     r, clearance : float or array_like
         The ones that are not `parameter`: a number, or one for each of `values` (which rise then), for a
         line across the plane.
@@ -279,98 +270,35 @@ def bifurcation_diagram(
     >>> [window for window in diagram.windows if window.label == "2/1"]
     [PeriodicWindow(run='up', low=50.0, high=70.0, label='2/1'), ...]
     """
-    checks.instance(osc, "osc", Oscillator)
     checks.choice(parameter, "parameter", NAMES)
-    checks.choice(sweep, "sweep", SWEEPS)
-    load = checks.number(load, "load")
-    states = checks.integer(states, "states", 1, 10**6)
-    settling = checks.integer(settling, "settling", 0, 10**7)
-    keep = checks.integer(keep, "keep", 3, 10**4)
-    points = checks.integer(points, "points", 1, 4096)
     along = np.unique(checks.real_array(values, "values", "numbers"))
     if along.size < 2:
         raise ParameterError(f"values = {values!r}: must be at least two different numbers")
-    checks.integer(along.size, "values", 2, checks.MOST_VALUES)
-    runs = {"both": ["up", "down"], "states": [f"state {j + 1}" for j in range(states)]}.get(
-        sweep, [sweep]
-    )
-    checks.together(
-        along.size * len(runs) * points,
-        f"points = {points}",
-        "values x runs x points must be at most {}",
-    )
-    fixed: dict[str, float | _Array] = {}
-    for name, value in (("r", r), ("clearance", clearance)):
-        if name != parameter:
-            fixed[name] = _beside(value, name, along, values)
-        elif value is not None:
+    fixed: dict[str, Any] = {
+        name: value if name == parameter else _beside(value, name, along, values)
+        for name, value in (("r", r), ("clearance", clearance))
+    }
+    for name, value in fixed.items():
+        if name == parameter and value is not None:
             raise ParameterError(f"{name} = {value!r}: must be left out, it is the parameter")
-        else:
-            fixed[name] = float(along[0])
-    kind = "restitution" if parameter in ("R1", "R2") else parameter
-    for value in (along[0], along[-1]):
-        checks.number(float(value), kind, parameter)
-    if np.any((along if parameter == "r" else fixed["r"]) == 1):
-        xi = float(along[0]) if parameter == "xi" else osc.xi
-        checks.frequency_ratio(1.0, xi)
-    workers = thread_count(threads)
-    start = np.zeros(5)
+    keys = {
+        "parameter": parameter, **(door.swept(along, parameter) or {"list": along}),
+        "clearance": fixed["clearance"], "r": fixed["r"] if np.ndim(fixed["r"]) else None, "sweep": sweep,
+        "states": states if sweep == "states" else None, "settling": settling, "keep": keep,
+        "points": points, "load": load,
+    }  # fmt: skip
     if state is not None:
-        ends = (
-            along if parameter == "clearance" else np.broadcast_to(fixed["clearance"], along.shape)
-        )
-        for run, end in zip(("up", "down"), (ends[0], ends[-1]), strict=True):
-            if run in runs:
-                start = one_state(state, float(end))
-    own = (
-        {"states": states} if sweep == "states" else dict(zip(NEEDED, start.tolist(), strict=True))
-    )
-    limits = {"settling": settling, "keep": keep, "points": points, "load": load}
-    asked = _case(osc, parameter, along, fixed, {
-        "sweep": sweep, **(own if sweep == "states" or state is not None else {}), **limits,
-    })  # fmt: skip
-    r_there, clearance_there = (np.broadcast_to(value, along.shape) for value in fixed.values())
-    arrays, complete = stoppable(
-        _core.bifurcation, osc.xi, osc.mu, osc.restitution, r_there, clearance_there, load,
-        5 if parameter == "restitution" else PARAMETERS.index(parameter) + 1,
-        parameter == "restitution", along, [DIRECTIONS.get(run, 0) for run in runs],
-        state is not None, start, settling, keep, points, workers, tally=new_tally(), progress=progress,
-        note="bifurcation diagram",
-    )  # fmt: skip
-    impacts, labels, found, periods, extremes, status = arrays
-    if (status == NOT_COMPUTED).all():
-        raise KeyboardInterrupt
-    cycles, letters, counts, rests = periods.transpose(0, 2, 1)
-    x_min, x_max = extremes.transpose(0, 2, 1)
-    result = BifurcationDiagram(
-        osc, parameter, along, fixed["r"], fixed["clearance"], load, runs, cycles, letters, counts,
-        rests, x_min, x_max, status.T, _impacts(impacts, labels[1], found), asked,
-        bool((status != NOT_COMPUTED).all()),
-    )  # fmt: skip
-    if not complete:
-        raise StudyInterrupted(result)
-    return result
+        walls = along if parameter == "clearance" else np.atleast_1d(fixed["clearance"])
+        ends = {"up": walls[:1], "down": walls[-1:]}.get(sweep, walls[[0, -1]])
+        start = checked_state(state, float(ends.min()))
+        keys |= {name: start[name] for name in NEEDED}
+    one_r = None if np.ndim(fixed["r"]) else fixed["r"]
+    names = dict.fromkeys(("low", "high", "list"), parameter)
+    names |= {name: f"state[{name!r}]" for name in NEEDED}
+    return door.run(BifurcationDiagram, osc, keys, one_r, threads, progress, names)
 
 
-def _case(
-    osc: Oscillator,
-    parameter: str,
-    along: _Array,
-    fixed: Mapping[str, Any],
-    keys: Mapping[str, Any],
-) -> str:
-    """What was asked for as a namelist, empty if it cannot tell the values."""
-    spacing = spacing_of(along)
-    others = {name: value for name, value in fixed.items() if name != parameter}
-    if spacing is None or any(np.ndim(value) for value in others.values()):
-        return ""
-    line = {"low": float(along[0]), "high": float(along[-1]), "values": along.size}
-    return namelist.case(osc, others.pop("r", None), bifurcation={
-        "parameter": parameter, **line, "spacing": spacing, **others, **keys,
-    })  # fmt: skip
-
-
-def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> float | _Array:
+def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> Any:
     """The parameter that is not swept: a number, or one for each value."""
     if np.ndim(value) == 0:
         return checks.number(value, name)
@@ -379,19 +307,4 @@ def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> float | 
         raise ParameterError(
             f"{name} of shape {array.shape}: must be a number, or one for each of values, which have to rise then"
         )
-    for item in (array.min(), array.max()):
-        checks.number(float(item), name)
     return array
-
-
-def _impacts(values: _Array, sides: NDArray[np.int32], found: NDArray[np.int32]) -> NDArray[Any]:
-    """The kept impacts (.., points, values, runs) as one list, by run and value."""
-    kept = np.arange(sides.shape[0]) < found.T[..., None]
-    run, index, row = np.nonzero(kept)
-    dtype = [("run", "i4"), ("index", "i4"), ("side", "U1"), *((name, "f8") for name in COLUMNS)]
-    points = np.empty(row.size, dtype=dtype)
-    points["run"], points["index"] = run, index
-    points["side"] = np.where(sides[row, index, run] > 0, "R", "L")
-    for i, name in enumerate(COLUMNS):
-        points[name] = values[i + 1, row, index, run]
-    return points

@@ -191,9 +191,7 @@ def lyapunov(
         start = checked_state(state, float(clearances.min()))
         points |= {name: start[name] for name in NEEDED}
     keys = {**points, "load": load, "cycles": cycles, "discard": discard, "batches": batches}
-    swept = str(points.get("parameter"))
-    names = {"low": swept, "high": swept}
-    return with_exponents(door.run(Lyapunov, osc, keys, one_r, threads, progress, names))
+    return with_exponents(door.run(Lyapunov, osc, keys, one_r, threads, progress))
 
 
 def with_exponents(found: Lyapunov) -> Lyapunov:
@@ -207,9 +205,9 @@ def points_of(r: _Array, clearance: _Array) -> tuple[dict[str, Any], float | Non
     """The keys that tell the points, and r of the system: of one point, a line along one of both, or a list."""
     if r.ndim == 0:
         return {"clearance": float(clearance)}, float(r)
-    if np.ptp(clearance) == 0 and (line := door.swept(r)):
+    if np.ptp(clearance) == 0 and (line := door.swept(r, "r")):
         return {"parameter": "r", **line, "clearance": clearance[0]}, None
-    if np.ptp(r) == 0 and (line := door.swept(clearance)):
+    if np.ptp(r) == 0 and (line := door.swept(clearance, "clearance")):
         return {"parameter": "clearance", **line}, float(r[0])
     lists = {
         name: item.ravel()[: None if np.ptp(item) else 1]
