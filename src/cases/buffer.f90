@@ -36,19 +36,22 @@ contains
    pure subroutine add_quoted(buffer, text)
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
-      !> Any text; a control character is left out.
+      !> Any text.
       character(*), intent(in) :: text
-      integer :: i
+      character(*), parameter :: figures = '0123456789abcdef'
+      integer :: code, i
 
       call add(buffer, '"')
-      if (scan(text, '"\') == 0) then
-         call add(buffer, text)
-      else
-         do i = 1, len(text)
+      do i = 1, len(text)
+         code = iachar(text(i:i))
+         if (code < 32) then
+            call add(buffer, '\u00'//figures(code/16 + 1:code/16 + 1)// &
+               figures(modulo(code, 16) + 1:modulo(code, 16) + 1))
+         else
             if (scan(text(i:i), '"\') > 0) call add(buffer, '\')
             call add(buffer, text(i:i))
-         end do
-      end if
+         end if
+      end do
       call add(buffer, '"')
    end subroutine add_quoted
 

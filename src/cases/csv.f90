@@ -11,7 +11,7 @@ module vi_csv
    implicit none (type, external)
    private
 
-   public :: csv_header, csv_rows, row_count
+   public :: csv_header, csv_rows, has_rows, row_count
 
 contains
 
@@ -83,6 +83,31 @@ contains
       place = findloc(result%tables%name == result%row, .true., 1)
       if (place > 0) n = rows_of(result%tables(place))
    end function row_count
+
+   !> Whether each cell of the rows has a value: true of what a study gives, and to be asked of what
+   !! was filled from outside.
+   pure logical function has_rows(result)
+      !> The result.
+      type(result_type), intent(in) :: result
+      integer :: rows(size(result%tables)), i, row
+
+      has_rows = .true.
+      do row = 1, row_count(result)
+         rows = 0
+         call find_rows(result%tables, findloc(result%tables%name == result%row, .true., 1), row, &
+            rows)
+         do i = 1, size(result%columns)
+            associate (filled => result%columns(i))
+               if (.not. filled%column%listed) cycle
+               has_rows = filled%table > 0
+               if (.not. has_rows) return
+               has_rows = rows(filled%table) > 0 .and. &
+                  rows(filled%table) <= rows_of(result%tables(filled%table))
+               if (.not. has_rows) return
+            end associate
+         end do
+      end do
+   end function has_rows
 
    !> Some rows as one text, with a line feed behind each.
    pure subroutine csv_rows(result, first, last, text)

@@ -11,19 +11,19 @@ module vi_door
    use vi_parse_cases, only: find_name, parse_cases
    use vi_kinds, only: wp
    use vi_result, only: column_kinds, column_type, complexes, filled_type, result_type, &
-      start_result, &
-      table_type
+      start_result, table_type, wholes, words
    use vi_study_list, only: list_columns_of, run_study
    use vi_text, only: line_type, split, whole
    implicit none (type, external)
    private
 
-   public :: describe_result, fill_reals, fill_wholes, free_result, name_after, new_result, &
-      open_table, &
-      result_of, run_text, say_of
+   public :: bare_text, describe_result, fault_of, fill_reals, fill_wholes, free_result, &
+      list_cases, name_after, new_result, open_table, result_of, run_text, say_of, set_fault
 
    !> Of the whole: done; ran, but something failed or is not there; the case is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
+   !> Of a handle that is none: 0, or one that was freed.
+   integer, parameter, public :: no_result = 3
    !> What a handle's memory begins with, which catches most of those that were freed.
    integer(c_int64_t), parameter :: mark = 8387236825288893542_c_int64_t
 
@@ -31,8 +31,20 @@ module vi_door
       integer(c_int64_t) :: mark = 0
       !> What is wrong with the case; empty if nothing is.
       character(:), allocatable :: message
+      !> Line of the text where that is; 0 if it has none.
+      integer :: line = 0
+      !> `done`, `failed` or `wrong`.
+      integer :: status = wrong
       type(result_type) :: result
    end type holder_type
+
+   !> What `list_cases` tells of each case of a text.
+   type(column_type), parameter :: case_columns(*) = [ &
+      column_type('cases', 'name', words, meaning='name of the result'), &
+      column_type('cases', 'study', words, meaning='name of the group that asks for the result'), &
+      column_type('cases', 'line', wholes, meaning='line of its name, or else of that group'), &
+      column_type('cases', 'text', words, meaning='the complete case as a namelist of its own', &
+      listed=.false.)]
 
 contains
 
@@ -51,17 +63,94 @@ contains
       type(holder_type), pointer :: holder
       type(case_type), allocatable :: cases(:)
 
-      allocate (holder)
-      holder%mark = mark
+      call new_holder(text, holder, cases)
       handle = address_of(c_loc(holder))
-      call parse_cases(split(text, new_line('a')), '', cases, holder%message)
-      if (len(holder%message) == 0 .and. size(cases) /= 1) holder%message = &
-         'the text holds '//whole(size(cases))//' cases; must hold one'
+      call take_one(holder, cases)
       status = wrong
       if (len(holder%message) > 0) return
       call run_study(cases(1), threads, holder%result, tally)
       status = merge(failed, done, any(holder%result%notes%fault))
+      holder%status = status
    end subroutine run_text
+
+   !> The cases of a namelist as a result: name, study, line and text of each.
+   subroutine list_cases(text, handle, status)
+      !> The namelist.
+      character(*), intent(in) :: text
+      !> To be freed by `free_result`; there is one whatever the status.
+      integer(c_int64_t), intent(out) :: handle
+      !> `done` or `wrong`.
+      integer, intent(out) :: status
+      type(holder_type), pointer :: holder
+      type(case_type), allocatable :: cases(:)
+      type(line_type), allocatable :: lines(:), names(:), studies(:), texts(:)
+      integer, allocatable :: places(:)
+      integer :: i
+
+      call new_holder(text, holder, cases)
+      handle = address_of(c_loc(holder))
+      status = wrong
+      if (len(holder%message) > 0) return
+      allocate (lines(0), names(size(cases)), studies(size(cases)), texts(size(cases)), &
+         places(size(cases)))
+      call start_result(lines, case_columns, 'cases', holder%result)
+      do i = 1, size(cases)
+         names(i)%text = cases(i)%name
+         studies(i)%text = cases(i)%study%name
+         places(i) = cases(i)%line
+         call echo(cases(i), lines)
+         call bare_text(lines, texts(i)%text)
+      end do
+      call holder%result%open('cases', 'case', [size(cases)])
+      call holder%result%put_text('cases', 'name', names)
+      call holder%result%put_text('cases', 'study', studies)
+      call holder%result%put('cases', 'line', places)
+      call holder%result%put_text('cases', 'text', texts)
+      status = done
+      holder%status = status
+   end subroutine list_cases
+
+   !> A holder on the heap with the cases of a text, or with what is wrong with them.
+   subroutine new_holder(text, holder, cases)
+      !> The namelist.
+      character(*), intent(in) :: text
+      !> Without a result.
+      type(holder_type), pointer, intent(out) :: holder
+      !> Of the text.
+      type(case_type), allocatable, intent(out) :: cases(:)
+
+      allocate (holder)
+      holder%mark = mark
+      call parse_cases(split(text, new_line('a')), '', cases, holder%message, holder%line)
+   end subroutine new_holder
+
+   !> Makes a fault of a number of cases that is not one.
+   subroutine take_one(holder, cases)
+      !> With the faults of the text.
+      type(holder_type), intent(inout) :: holder
+      !> Of the text.
+      type(case_type), intent(in) :: cases(:)
+
+      if (len(holder%message) == 0 .and. size(cases) /= 1) holder%message = &
+         'the text holds '//whole(size(cases))//' cases; must hold one'
+   end subroutine take_one
+
+   !> A case without the `#` in front of its lines, and without what is no part of the namelist.
+   pure subroutine bare_text(lines, text)
+      !> As `echo` gives it.
+      type(line_type), intent(in) :: lines(:)
+      !> A namelist, with a line feed behind each line.
+      character(:), allocatable, intent(out) :: text
+      type(buffer_type) :: buffer
+      integer :: i
+
+      do i = 1, size(lines)
+         if (index(lines(i)%text, '# !') == 1) cycle
+         call add(buffer, lines(i)%text(3:)//new_line('a'))
+      end do
+      text = ''
+      if (buffer%n > 0) text = buffer%text(:buffer%n)
+   end subroutine bare_text
 
    !> A result without tables, for values that were computed before: those of a file.
    subroutine new_result(text, handle, status)
@@ -77,14 +166,12 @@ contains
       type(line_type), allocatable :: lines(:)
       character(16) :: row
 
-      allocate (holder)
-      holder%mark = mark
+      call new_holder(text, holder, cases)
       handle = address_of(c_loc(holder))
-      call parse_cases(split(text, new_line('a')), '', cases, holder%message)
-      if (len(holder%message) == 0 .and. size(cases) /= 1) holder%message = &
-         'the text holds '//whole(size(cases))//' cases; must hold one'
+      call take_one(holder, cases)
       status = merge(wrong, done, len(holder%message) > 0)
       if (status == wrong) return
+      holder%status = status
       call echo(cases(1), lines)
       call list_columns_of(cases(1)%study%name, columns, row)
       call start_result(lines, columns, row, holder%result)
@@ -226,6 +313,40 @@ contains
       holder => holder_of(handle)
       if (associated(holder)) result => holder%result
    end function result_of
+
+   !> Status of a result, and what is wrong with its case.
+   subroutine fault_of(handle, status, message, line)
+      !> As `run_text` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      !> `done`, `failed`, `wrong` or `no_result`.
+      integer, intent(out) :: status
+      !> Empty if nothing is wrong.
+      character(:), allocatable, intent(out) :: message
+      !> Line of the text where that is; 0 if there is none.
+      integer, intent(out) :: line
+      type(holder_type), pointer :: holder
+
+      status = no_result
+      line = 0
+      message = ''
+      holder => holder_of(handle)
+      if (.not. associated(holder)) return
+      status = holder%status
+      line = holder%line
+      message = holder%message
+   end subroutine fault_of
+
+   !> Says what is wrong with what a result was to be filled with.
+   subroutine set_fault(handle, message)
+      !> As `new_result` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      !> What is wrong.
+      character(*), intent(in) :: message
+      type(holder_type), pointer :: holder
+
+      holder => holder_of(handle)
+      if (associated(holder)) holder%message = message
+   end subroutine set_fault
 
    !> Frees a result; no array that shows its memory may be used from then on.
    subroutine free_result(handle)

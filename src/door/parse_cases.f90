@@ -21,7 +21,7 @@ module vi_parse_cases
 contains
 
    !> All cases of a namelist; at the first fault `message` says file, line, key and remedy.
-   subroutine parse_cases(lines, path, cases, message)
+   subroutine parse_cases(lines, path, cases, message, fault_line)
       !> The namelist.
       type(line_type), intent(in) :: lines(:)
       !> The file that it stands in; empty if it stands in none.
@@ -30,6 +30,8 @@ contains
       type(case_type), allocatable, intent(out) :: cases(:)
       !> Empty if there is no fault.
       character(:), allocatable, intent(out) :: message
+      !> Line of the fault; 0 if there is none, or if it has no line.
+      integer, intent(out), optional :: fault_line
       type(group_type), allocatable :: groups(:)
       type(values_type) :: system
       integer :: line, i, n
@@ -62,6 +64,7 @@ contains
             if (len(message) > 0) exit
          end do
       end if
+      if (present(fault_line)) fault_line = merge(line, 0, len(message) > 0)
       if (len(message) == 0) return
       message = brief(message)
       if (len(path) > 0) message = place(path, line)//message

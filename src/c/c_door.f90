@@ -1,0 +1,577 @@
+!> The door for C: only what turns arguments of C into those of vi_door, and back. What each
+!! procedure means stands in vibroimpact.h.
+module vi_c_door
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
+      c_int32_t, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
+   use vi_describe, only: describe_all
+   use vi_door, only: done, failed, fault_of, free_result, list_cases, new_result, no_result, &
+      result_of, run_text, say_of, wrong
+   use vi_fill, only: is_open_for, put_reals, put_table, put_wholes
+   use vi_processor, only: available_threads
+   use vi_result, only: filled_type, result_type, rows_of, table_type
+   use vi_tell, only: tell, tell_word
+   use vi_text, only: join, line_type
+   use vi_version, only: version
+   use vi_write_csv, only: write_csv
+   use vi_csv, only: has_rows
+   implicit none (type, external)
+   private
+
+   public :: c_case_list, c_column, c_describe, c_find, c_free, c_line, c_new, c_open, &
+      c_put_reals, c_put_wholes, c_put_words, c_run, c_say, c_status, c_table, c_text, c_version, &
+      c_word, c_write
+
+   !> Threads at most.
+   integer, parameter :: most_threads = 1024
+
+   !> As struct vibroimpact_table of the header.
+   type, bind(c), public :: c_table_type
+      character(kind=c_char) :: name(17)
+      character(kind=c_char) :: dims(17, 3)
+      integer(c_int32_t) :: n_dims
+      integer(c_int32_t) :: sizes(3)
+      integer(c_int32_t) :: rows
+      integer(c_int32_t) :: parent
+      type(c_ptr) :: owners
+   end type c_table_type
+
+   !> As struct vibroimpact_column of the header.
+   type, bind(c), public :: c_column_type
+      character(kind=c_char) :: table(17)
+      character(kind=c_char) :: name(25)
+      character(kind=c_char) :: each(17)
+      character(kind=c_char) :: unit(17)
+      character(kind=c_char) :: label(29)
+      character(kind=c_char) :: meaning(161)
+      integer(c_int32_t) :: kind
+      integer(c_int32_t) :: listed
+      integer(c_int32_t) :: place
+      integer(c_int32_t) :: table_place
+      integer(c_int32_t) :: n_dims
+      integer(c_int32_t) :: shape(4)
+      integer(c_int32_t) :: n_words
+      type(c_ptr) :: x
+      type(c_ptr) :: k
+   end type c_column_type
+
+   interface
+      !> Letters of a text of C.
+      pure integer(c_size_t) function strlen(text) bind(c)
+         import :: c_ptr, c_size_t
+         implicit none (type, external)
+         !> Ends with a null character.
+         type(c_ptr), value, intent(in) :: text
+      end function strlen
+   end interface
+
+contains
+
+   !> Runs the one case of a text.
+   integer(c_int) function c_run(text, threads, tally, handle) result(status) &
+      bind(c, name='vibroimpact_run')
+      !> The namelist.
+      type(c_ptr), value, intent(in) :: text
+      !> Threads; 0 for as many as there are.
+      integer(c_int), value, intent(in) :: threads
+      !> Three numbers as of vi_tally, or null.
+      integer(c_int), intent(inout), optional :: tally(3)
+      !> The result.
+      integer(c_int64_t), intent(inout), optional :: handle
+      character(:), allocatable :: letters
+      integer :: workers
+
+      status = no_result
+      if (.not. present(handle)) return
+      call take(text, letters)
+      workers = min(threads, most_threads)
+      if (workers < 1) workers = available_threads()
+      call run_text(letters, workers, handle, status, tally)
+   end function c_run
+
+   !> Lists the cases of a text.
+   integer(c_int) function c_case_list(text, handle) result(status) &
+      bind(c, name='vibroimpact_cases')
+      !> The namelist.
+      type(c_ptr), value, intent(in) :: text
+      !> The result, with a table of the cases.
+      integer(c_int64_t), intent(inout), optional :: handle
+      character(:), allocatable :: letters
+
+      status = no_result
+      if (.not. present(handle)) return
+      call take(text, letters)
+      call list_cases(letters, handle, status)
+   end function c_case_list
+
+   !> Makes a result without tables.
+   integer(c_int) function c_new(text, handle) result(status) bind(c, name='vibroimpact_new')
+      !> The namelist of its case.
+      type(c_ptr), value, intent(in) :: text
+      !> The result.
+      integer(c_int64_t), intent(inout), optional :: handle
+      character(:), allocatable :: letters
+
+      status = no_result
+      if (.not. present(handle)) return
+      call take(text, letters)
+      call new_result(letters, handle, status)
+   end function c_new
+
+   !> Status of a result.
+   integer(c_int) function c_status(handle) result(status) bind(c, name='vibroimpact_status')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      character(:), allocatable :: message
+      integer :: line
+
+      call fault_of(handle, status, message, line)
+   end function c_status
+
+   !> Line of a fault.
+   integer(c_int) function c_line(handle) result(line) bind(c, name='vibroimpact_line')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      character(:), allocatable :: message
+      integer :: status
+
+      call fault_of(handle, status, message, line)
+   end function c_line
+
+   !> A text of a result.
+   integer(c_size_t) function c_text(handle, what, out, room) result(n) &
+      bind(c, name='vibroimpact_text')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> Which, as of vi_tell.
+      integer(c_int), value, intent(in) :: what
+      !> Where it goes.
+      type(c_ptr), value, intent(in) :: out
+      !> Bytes there.
+      integer(c_size_t), value, intent(in) :: room
+      character(:), allocatable :: letters
+
+      call tell(handle, what, letters)
+      call give(letters, out, room, n)
+   end function c_text
+
+   !> Writes a result as CSV.
+   integer(c_int) function c_write(handle, path, out, room) result(status) &
+      bind(c, name='vibroimpact_write')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> Of the file.
+      type(c_ptr), value, intent(in) :: path
+      !> Where a message goes.
+      type(c_ptr), value, intent(in) :: out
+      !> Bytes there.
+      integer(c_size_t), value, intent(in) :: room
+      type(result_type), pointer :: result
+      character(:), allocatable :: letters, message
+      integer(c_size_t) :: n
+
+      call find_result(handle, result)
+      status = no_result
+      message = 'there is no result'
+      call take(path, letters)
+      if (associated(result)) then
+         status = failed
+         if (result%empty) then
+            message = 'nothing was found that a file could hold'
+         else if (.not. has_rows(result)) then
+            message = 'a column of the file has no values'
+         else
+            call write_csv(result, letters, message)
+            if (len(message) > 0) message = letters//': '//message
+            status = merge(done, failed, len(message) == 0)
+         end if
+      end if
+      call give(message, out, room, n)
+   end function c_write
+
+   !> A table by its place.
+   integer(c_int) function c_table(handle, place, told) result(status) &
+      bind(c, name='vibroimpact_table')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> From 0.
+      integer(c_int), value, intent(in) :: place
+      !> The table.
+      type(c_table_type), intent(inout), optional :: told
+      type(result_type), pointer :: result
+
+      status = no_result
+      call find_result(handle, result)
+      if (.not. associated(result) .or. .not. present(told)) return
+      if (place < 0 .or. place >= size(result%tables)) return
+      call tell_table(result%tables(place + 1), told)
+      status = done
+   end function c_table
+
+   !> What C is told of a table.
+   subroutine tell_table(table, told)
+      !> The table.
+      type(table_type), intent(in), target :: table
+      !> What is told.
+      type(c_table_type), intent(inout) :: told
+      integer :: i
+
+      call put_name(table%name, told%name)
+      do i = 1, 3
+         call put_name(table%dims(i), told%dims(:, i))
+      end do
+      told%n_dims = table%n_dims
+      told%sizes = table%sizes
+      told%rows = rows_of(table)
+      told%parent = table%parent - 1
+      told%owners = c_null_ptr
+      if (allocated(table%owners)) told%owners = c_loc(table%owners)
+   end subroutine tell_table
+
+   !> A column by its place.
+   integer(c_int) function c_column(handle, place, told) result(status) &
+      bind(c, name='vibroimpact_column')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> From 0.
+      integer(c_int), value, intent(in) :: place
+      !> The column.
+      type(c_column_type), intent(inout), optional :: told
+      type(result_type), pointer :: result
+
+      status = no_result
+      call find_result(handle, result)
+      if (.not. associated(result) .or. .not. present(told)) return
+      if (place < 0 .or. place >= size(result%columns)) return
+      call tell_column(result, result%columns(place + 1), place, told)
+      status = done
+   end function c_column
+
+   !> A column by its name.
+   integer(c_int) function c_find(handle, table, name, told) result(status) &
+      bind(c, name='vibroimpact_find')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> Of the column.
+      type(c_ptr), value, intent(in) :: table
+      !> Of the column.
+      type(c_ptr), value, intent(in) :: name
+      !> The column.
+      type(c_column_type), intent(inout), optional :: told
+      type(result_type), pointer :: result
+      character(:), allocatable :: table_name, column_name
+
+      status = no_result
+      call find_result(handle, result)
+      if (.not. associated(result)) return
+      call take(table, table_name)
+      call take(name, column_name)
+      status = c_column(handle, result%place(table_name, column_name) - 1, told)
+   end function c_find
+
+   !> What C is told of a column.
+   subroutine tell_column(result, filled, place, told)
+      !> The result.
+      type(result_type), intent(in) :: result
+      !> The column.
+      type(filled_type), intent(in), target :: filled
+      !> Of the column, from 0.
+      integer, intent(in) :: place
+      !> What is told.
+      type(c_column_type), intent(inout) :: told
+      integer :: own
+
+      associate (column => filled%column)
+         call put_name(column%table, told%table)
+         call put_name(column%name, told%name)
+         call put_name(column%each, told%each)
+         call put_name(column%unit, told%unit)
+         call put_name(column%label, told%label)
+         call put_name(column%meaning, told%meaning)
+         told%kind = column%kind
+         told%listed = merge(1, 0, column%listed)
+         own = merge(1, 0, len_trim(column%each) > 0)
+      end associate
+      told%place = place
+      told%table_place = filled%table - 1
+      told%shape = 1
+      told%n_dims = own
+      if (own == 1) told%shape(1) = filled%inner
+      if (filled%table > 0) then
+         associate (table => result%tables(filled%table))
+            told%n_dims = own + table%n_dims
+            told%shape(own + 1:own + table%n_dims) = table%sizes(:table%n_dims)
+         end associate
+      end if
+      told%n_words = size(filled%words)
+      told%x = c_null_ptr
+      told%k = c_null_ptr
+      if (allocated(filled%x)) told%x = c_loc(filled%x)
+      if (allocated(filled%k)) told%k = c_loc(filled%k)
+   end subroutine tell_column
+
+   !> A word of a column of words.
+   integer(c_size_t) function c_word(handle, column, code, out, room) result(n) &
+      bind(c, name='vibroimpact_word')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> Place of the column, from 0.
+      integer(c_int), value, intent(in) :: column
+      !> As the column holds it, from 1.
+      integer(c_int), value, intent(in) :: code
+      !> Where it goes.
+      type(c_ptr), value, intent(in) :: out
+      !> Bytes there.
+      integer(c_size_t), value, intent(in) :: room
+      character(:), allocatable :: letters
+
+      letters = ''
+      if (column >= 0 .and. column < huge(1)) call tell_word(handle, column + 1, code, letters)
+      call give(letters, out, room, n)
+   end function c_word
+
+   !> Opens a table.
+   integer(c_int) function c_open(handle, name, dims, n_dims, sizes, parent, n_owners, owners) &
+      result(status) bind(c, name='vibroimpact_open')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> Of the table.
+      type(c_ptr), value, intent(in) :: name
+      !> Names of dimensions with blanks between.
+      type(c_ptr), value, intent(in) :: dims
+      !> How many.
+      integer(c_int), value, intent(in) :: n_dims
+      !> Their sizes.
+      type(c_ptr), value, intent(in) :: sizes
+      !> Name of the parent, or null.
+      type(c_ptr), value, intent(in) :: parent
+      !> How many owners.
+      integer(c_int), value, intent(in) :: n_owners
+      !> Row of the parent, from 1, of each row.
+      type(c_ptr), value, intent(in) :: owners
+      character(:), allocatable :: table_name, dim_names, parent_name
+      integer(c_int), pointer :: all_sizes(:), all_owners(:)
+      logical :: good
+
+      status = no_result
+      if (.not. is_open_for(handle)) return
+      call take(name, table_name)
+      call take(dims, dim_names)
+      call take(parent, parent_name)
+      call wholes_at(sizes, n_dims, all_sizes)
+      call wholes_at(owners, n_owners, all_owners)
+      call put_table(handle, table_name, dim_names, all_sizes, parent_name, all_owners, good)
+      if (.not. c_associated(sizes)) deallocate (all_sizes)
+      if (.not. c_associated(owners)) deallocate (all_owners)
+      status = merge(done, wrong, good)
+   end function c_open
+
+   !> Fills a column of numbers.
+   integer(c_int) function c_put_reals(handle, table, name, n, values) result(status) &
+      bind(c, name='vibroimpact_put_reals')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> Of the column.
+      type(c_ptr), value, intent(in) :: table
+      !> Of the column.
+      type(c_ptr), value, intent(in) :: name
+      !> How many.
+      integer(c_int), value, intent(in) :: n
+      !> Row by row.
+      real(c_double), intent(in), optional :: values(n)
+      character(:), allocatable :: table_name, column_name
+      logical :: good
+
+      status = no_result
+      if (.not. is_open_for(handle)) return
+      call take(table, table_name)
+      call take(name, column_name)
+      if (present(values)) then
+         call put_reals(handle, table_name, column_name, values, good)
+      else
+         call put_reals(handle, table_name, column_name, [real(c_double) ::], good)
+      end if
+      status = merge(done, wrong, good)
+   end function c_put_reals
+
+   !> Fills a column of whole numbers, truths or verdicts, or of declared words.
+   integer(c_int) function c_put_wholes(handle, table, name, n, values) result(status) &
+      bind(c, name='vibroimpact_put_wholes')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> Of the column.
+      type(c_ptr), value, intent(in) :: table
+      !> Of the column.
+      type(c_ptr), value, intent(in) :: name
+      !> How many.
+      integer(c_int), value, intent(in) :: n
+      !> Row by row.
+      integer(c_int), intent(in), optional :: values(n)
+
+      status = c_put_words(handle, table, name, n, values, c_null_ptr)
+   end function c_put_wholes
+
+   !> Fills a column of words.
+   integer(c_int) function c_put_words(handle, table, name, n, codes, list) result(status) &
+      bind(c, name='vibroimpact_put_words')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> Of the column.
+      type(c_ptr), value, intent(in) :: table
+      !> Of the column.
+      type(c_ptr), value, intent(in) :: name
+      !> How many.
+      integer(c_int), value, intent(in) :: n
+      !> Place of the word of each row, from 1; 0 for none.
+      integer(c_int), intent(in), optional :: codes(n)
+      !> The words with line feeds between.
+      type(c_ptr), value, intent(in) :: list
+      character(:), allocatable :: table_name, column_name, letters
+      logical :: good
+
+      status = no_result
+      if (.not. is_open_for(handle)) return
+      call take(table, table_name)
+      call take(name, column_name)
+      call take(list, letters)
+      if (present(codes)) then
+         call put_wholes(handle, table_name, column_name, codes, letters, good)
+      else
+         call put_wholes(handle, table_name, column_name, [integer(c_int) ::], letters, good)
+      end if
+      status = merge(done, wrong, good)
+   end function c_put_words
+
+   !> Says what there is to say of a result that was filled from outside.
+   integer(c_int) function c_say(handle, cut, remarks) result(status) &
+      bind(c, name='vibroimpact_say')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+      !> How far it came, or null.
+      type(c_ptr), value, intent(in) :: cut
+      !> Lines with a line feed behind each, or null.
+      type(c_ptr), value, intent(in) :: remarks
+      character(:), allocatable :: how_far, lines
+
+      status = no_result
+      if (.not. is_open_for(handle)) return
+      call take(cut, how_far)
+      call take(remarks, lines)
+      call say_of(handle, how_far, lines)
+      status = done
+   end function c_say
+
+   !> The language of namelists and the columns of all results as JSON.
+   integer(c_size_t) function c_describe(out, room) result(n) bind(c, name='vibroimpact_describe')
+      !> Where it goes.
+      type(c_ptr), value, intent(in) :: out
+      !> Bytes there.
+      integer(c_size_t), value, intent(in) :: room
+      type(line_type), allocatable :: lines(:)
+
+      call describe_all(lines)
+      call give(join(lines, new_line('a')), out, room, n)
+   end function c_describe
+
+   !> The version of the library.
+   integer(c_size_t) function c_version(out, room) result(n) bind(c, name='vibroimpact_version')
+      !> Where it goes.
+      type(c_ptr), value, intent(in) :: out
+      !> Bytes there.
+      integer(c_size_t), value, intent(in) :: room
+
+      call give(version, out, room, n)
+   end function c_version
+
+   !> Frees a result.
+   subroutine c_free(handle) bind(c, name='vibroimpact_free')
+      !> The result.
+      integer(c_int64_t), value, intent(in) :: handle
+
+      call free_result(handle)
+   end subroutine c_free
+
+   !> The result behind a handle; null if there is none, or if its case is wrong.
+   subroutine find_result(handle, result)
+      !> The result.
+      integer(c_int64_t), intent(in) :: handle
+      !> With its tables.
+      type(result_type), pointer, intent(out) :: result
+
+      result => null()
+      if (is_open_for(handle)) result => result_of(handle)
+   end subroutine find_result
+
+   !> Whole numbers of C; none of a null pointer, which are to be deallocated.
+   subroutine wholes_at(address, n, values)
+      !> Of the first.
+      type(c_ptr), intent(in) :: address
+      !> How many.
+      integer(c_int), intent(in) :: n
+      !> All of them.
+      integer(c_int), pointer, intent(out) :: values(:)
+
+      if (c_associated(address)) then
+         call c_f_pointer(address, values, [max(0, n)])
+      else
+         allocate (values(0))
+      end if
+   end subroutine wholes_at
+
+   !> A text of C; empty of a null pointer.
+   subroutine take(pointer, text)
+      !> Ends with a null character.
+      type(c_ptr), intent(in) :: pointer
+      !> The text.
+      character(:), allocatable, intent(out) :: text
+      character(kind=c_char), pointer :: letters(:)
+      integer :: i, n
+
+      n = 0
+      if (c_associated(pointer)) n = int(strlen(pointer))
+      allocate (character(n) :: text)
+      if (n == 0) return
+      call c_f_pointer(pointer, letters, [n])
+      do i = 1, n
+         text(i:i) = letters(i)
+      end do
+   end subroutine take
+
+   !> Gives a text to C: as much of it as there is room for, and a null character behind it.
+   subroutine give(text, out, room, n)
+      !> The text.
+      character(*), intent(in) :: text
+      !> Where it goes, or null.
+      type(c_ptr), intent(in) :: out
+      !> Bytes there; huge ones look negative here.
+      integer(c_size_t), intent(in) :: room
+      !> Bytes of the whole text, without the null character.
+      integer(c_size_t), intent(out) :: n
+      character(kind=c_char), pointer :: letters(:)
+      integer :: i, kept
+
+      n = len(text, c_size_t)
+      if (room == 0 .or. .not. c_associated(out)) return
+      kept = int(n)
+      if (room > 0) kept = int(min(n, room - 1))
+      call c_f_pointer(out, letters, [kept + 1])
+      do i = 1, kept
+         letters(i) = text(i:i)
+      end do
+      letters(kept + 1) = c_null_char
+   end subroutine give
+
+   !> A name for a field of a struct.
+   pure subroutine put_name(name, field)
+      !> With blanks behind it.
+      character(*), intent(in) :: name
+      !> One longer, which is for the null character.
+      character(kind=c_char), intent(inout) :: field(:)
+      integer :: i
+
+      field = c_null_char
+      do i = 1, min(len_trim(name), size(field) - 1)
+         field(i) = name(i:i)
+      end do
+   end subroutine put_name
+
+end module vi_c_door

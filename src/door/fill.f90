@@ -1,0 +1,195 @@
+!> Fills a result from outside, with what is given checked first: what a study puts into a result
+!! fits, what a program in another language hands over need not.
+module vi_fill
+   use, intrinsic :: iso_c_binding, only: c_int64_t
+   use vi_door, only: fill_reals, fill_wholes, open_table, result_of, set_fault
+   use vi_kinds, only: wp
+   use vi_result, only: complexes, reals, result_type, rows_of, words
+   use vi_text, only: line_type, split, whole
+   implicit none (type, external)
+   private
+
+   public :: is_open_for, put_reals, put_table, put_wholes
+
+contains
+
+   !> Whether there is a result behind a handle that can be filled.
+   logical function is_open_for(handle)
+      !> As `new_result` gave it.
+      integer(c_int64_t), intent(in) :: handle
+      type(result_type), pointer :: result
+
+      result => result_of(handle)
+      is_open_for = associated(result)
+      if (is_open_for) is_open_for = allocated(result%tables)
+   end function is_open_for
+
+   !> Opens a table; a fault is said in the result.
+   subroutine put_table(handle, name, dims, sizes, parent, owners, good)
+      !> Of a result that is open.
+      integer(c_int64_t), intent(in) :: handle
+      !> Of the table, and its dimensions with blanks between, the one that varies first at first.
+      character(*), intent(in) :: name, dims
+      !> Their sizes.
+      integer, intent(in) :: sizes(:)
+      !> The table that it is a child of; empty if of none.
+      character(*), intent(in) :: parent
+      !> The row there of each row here, from 1.
+      integer, intent(in) :: owners(:)
+      !> Whether it was opened.
+      logical, intent(out) :: good
+      type(result_type), pointer :: result
+      character(:), allocatable :: fault
+      integer :: i, n, place, rows
+
+      result => result_of(handle)
+      fault = ''
+      n = count([(dims(i:i) /= ' ' .and. (i == 1 .or. dims(max(1, i - 1):max(1, i - 1)) == ' '), &
+         i=1, len(dims))])
+      rows = rows_in(sizes)
+      place = findloc(result%tables%name == parent, .true., 1)
+      if (len(name) == 0 .or. len(name) > len(result%columns%column%table)) then
+         fault = 'must have a name of at most 16 letters'
+      else if (any(result%tables%name == name)) then
+         fault = 'is open already'
+      else if (n > 3 .or. n /= size(sizes)) then
+         fault = 'has '//whole(n)//' names of dimensions and '//whole(size(sizes))// &
+            ' sizes; must have as many of both, at most 3'
+      else if (rows < 0) then
+         fault = 'has a size that is negative or too large'
+      else if (len(parent) > 0 .and. place == 0) then
+         fault = 'has the parent '//parent//', which is not open'
+      else if (len(parent) > 0) then
+         if (size(owners) /= rows) then
+            fault = 'has '//whole(rows)//' rows and '//whole(size(owners))//' owners'
+         else if (any(owners < 1 .or. owners > rows_of(result%tables(place)))) then
+            fault = 'has an owner that is no row of '//parent
+         end if
+      end if
+      good = len(fault) == 0
+      if (good) then
+         call open_table(handle, name, dims, sizes, parent, owners)
+      else
+         call set_fault(handle, 'table '//name//': '//fault)
+      end if
+   end subroutine put_table
+
+   !> Rows of a table of these sizes; -1 if there is none.
+   pure integer function rows_in(sizes) result(rows)
+      !> Of its dimensions.
+      integer, intent(in) :: sizes(:)
+      integer :: i
+
+      rows = 1
+      do i = 1, size(sizes)
+         if (sizes(i) < 0) rows = -1
+         if (rows < 0) return
+         if (sizes(i) > 0) then
+            if (rows > huge(1)/sizes(i)) then
+               rows = -1
+               return
+            end if
+         end if
+         rows = rows*sizes(i)
+      end do
+   end function rows_in
+
+   !> Fills a column of numbers or of complex numbers; a fault is said in the result.
+   subroutine put_reals(handle, table, name, values, good)
+      !> Of a result that is open.
+      integer(c_int64_t), intent(in) :: handle
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row; of complex ones real and imaginary parts one after the other.
+      real(wp), intent(in) :: values(:)
+      !> Whether it was filled.
+      logical, intent(out) :: good
+
+      call check(handle, table, name, size(values), .true., good)
+      if (good) call fill_reals(handle, table, name, values)
+   end subroutine put_reals
+
+   !> Fills a column of all else; a fault is said in the result.
+   subroutine put_wholes(handle, table, name, values, list, good)
+      !> Of a result that is open.
+      integer(c_int64_t), intent(in) :: handle
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> Row by row; of words their places, 0 for none.
+      integer, intent(in) :: values(:)
+      !> Words with line feeds between; empty if the column has none, or if they are declared.
+      character(*), intent(in) :: list
+      !> Whether it was filled.
+      logical, intent(out) :: good
+      type(result_type), pointer :: result
+      type(line_type), allocatable :: given(:)
+      integer :: i, n
+
+      call check(handle, table, name, size(values), .false., good)
+      if (.not. good) return
+      result => result_of(handle)
+      i = result%place(table, name)
+      if (result%columns(i)%column%kind == words) then
+         n = size(result%columns(i)%words)
+         if (len(list) > 0) then
+            given = split(list, new_line('a'))
+            n = size(given)
+         end if
+         good = all(values >= 0 .and. values <= n)
+      else
+         good = len(list) == 0
+      end if
+      if (good) then
+         call fill_wholes(handle, table, name, values, list)
+      else
+         call set_fault(handle, 'column '//name//' of '//table//': a value is no place of a &
+            &word, or it has words and is no column of words')
+      end if
+   end subroutine put_wholes
+
+   !> Whether a column is there, takes such values, and gets whole rows.
+   subroutine check(handle, table, name, n, are_reals, good)
+      !> Of a result that is open.
+      integer(c_int64_t), intent(in) :: handle
+      !> Of the column.
+      character(*), intent(in) :: table, name
+      !> How many values.
+      integer, intent(in) :: n
+      !> Whether they are floating-point numbers.
+      logical, intent(in) :: are_reals
+      !> Whether it may be filled.
+      logical, intent(out) :: good
+      type(result_type), pointer :: result
+      character(:), allocatable :: fault
+      integer :: i, place, each, rows
+
+      result => result_of(handle)
+      fault = ''
+      i = result%place(table, name)
+      place = findloc(result%tables%name == table, .true., 1)
+      if (i == 0) then
+         fault = 'is not a column of this study'
+      else if (place == 0) then
+         fault = 'its table is not open'
+      else if (result%columns(i)%table > 0) then
+         fault = 'is filled already'
+      else
+         associate (column => result%columns(i)%column)
+            rows = rows_of(result%tables(place))
+            each = merge(2, 1, column%kind == complexes)
+            if (are_reals .neqv. (column%kind == reals .or. column%kind == complexes)) then
+               fault = 'is of another kind'
+            else if (modulo(n, each) > 0 .or. (rows == 0 .and. n > 0)) then
+               fault = whole(n)//' values are no whole number of rows'
+            else if (rows > 0) then
+               if (n == 0 .or. modulo(n, each*max(1, rows)) > 0 .or. &
+                  (len_trim(column%each) == 0 .and. n /= each*rows)) fault = &
+                  whole(n)//' values do not fill '//whole(rows)//' rows'
+            end if
+         end associate
+      end if
+      good = len(fault) == 0
+      if (.not. good) call set_fault(handle, 'column '//name//' of '//table//': '//fault)
+   end subroutine check
+
+end module vi_fill

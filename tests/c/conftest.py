@@ -1,0 +1,80 @@
+"""The library for C as `meson install` puts it somewhere, and a program that calls it."""
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build/fortran"
+
+
+def call(*words, **options):
+    """Run a program that has to end well; its stdout."""
+    options = {"timeout": 1800, "stdin": subprocess.DEVNULL, **options}
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, **options)
+    assert done.returncode == 0, f"{words[0]}: {done.returncode}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+def tool(name):
+    """A program of the environment, or of the system."""
+    beside = Path(sys.executable).parent / name
+    return str(beside) if beside.exists() else name
+
+
+@dataclass(frozen=True)
+class Installed:
+    """A folder with bin, include and lib, and what pkg-config says of it."""
+
+    prefix: Path
+    libdir: Path
+    flags: tuple[str, ...]
+
+    @property
+    def program(self):
+        return self.prefix / "bin/vibroimpact-batch"
+
+    def environment(self):
+        """Where other programs find the library."""
+        return {
+            **os.environ,
+            "LD_LIBRARY_PATH": str(self.libdir),
+            "CMAKE_PREFIX_PATH": str(self.prefix),
+            "PKG_CONFIG_PATH": str(self.libdir / "pkgconfig"),
+        }
+
+    def compile(self, source, target, *options, compiler="cc"):
+        """Compile one file against the library."""
+        paths = [source, "-o", target, *self.flags, f"-Wl,-rpath,{self.libdir}", "-lm", "-lpthread"]
+        call(*compiler.split(), *options, *paths)
+        return target
+
+
+@pytest.fixture(scope="session")
+def installed(tmp_path_factory):
+    """The library, built in the folder of the Fortran tests."""
+    if not (BUILD / "build.ninja").exists():
+        call(tool("meson"), "setup", BUILD, ROOT, "-Dpython=disabled")
+    # several workers may come here at once
+    ninja = tool("ninja-in-turn") if shutil.which(tool("ninja-in-turn")) else tool("ninja")
+    call(ninja, "-C", BUILD)
+    away = tmp_path_factory.mktemp("installed")
+    call(tool("meson"), "install", "-C", BUILD, "--no-rebuild", "--quiet", "--destdir", away)
+    (settings,) = away.rglob("vibroimpact.pc")
+    (program,) = away.rglob("vibroimpact-batch")
+    prefix = program.parents[1]
+    flags = call("pkg-config", f"--define-variable=prefix={prefix}", "--cflags", "--libs", settings)
+    return Installed(prefix, settings.parents[1], tuple(flags.split()))
+
+
+@pytest.fixture(scope="session")
+def door(installed, tmp_path_factory):
+    """The program of door.c."""
+    target = tmp_path_factory.mktemp("door") / "door"
+    strict = ["-std=c99", "-D_DEFAULT_SOURCE", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1"]
+    return installed.compile(ROOT / "tests/c/door.c", target, *strict)

@@ -1,0 +1,203 @@
+"""The library for C: the digits of the program, the laws of its tables, threads, and misuse."""
+
+import json
+import re
+import subprocess
+
+import pytest
+from conftest import ROOT, call
+
+SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
+FREE = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
+TABLE1 = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
+CASES = {
+    "motion": TABLE1 + "&motion sides = 'RL', phases_over_pi = 0, 1.37 /\n",
+    "several": TABLE1 + "&motion kind = 'exact', sides = 'RL', clearance = 37,\n"
+    "  phases_over_pi = 0, 1.37 /\n",
+    "simulate": SYSTEM + "&simulate clearance = 25, z_dot = 8, cycles = 8, discard = 20 /\n",
+    "response": FREE + "&response r_min = 1, r_max = 1.04, r_points = 3, clearance = 25,\n"
+    "  states = 4 /\n",
+    "zone": FREE + "&zone sides = 'RL', symmetric = 'yes', r_min = 0.8, r_max = 1.2,\n"
+    "  clearance_min = 2, clearance_max = 200 /\n",
+    "lyapunov": SYSTEM + "&lyapunov parameter = 'clearance', low = 5, high = 75, values = 5,\n"
+    "  cycles = 200, x_dot = 6, z_dot = 9 /\n",
+    "basins": TABLE1 + "&basins clearance = 37, axes = 'x', 'x_dot', low = -30, -30,\n"
+    "  high = 30, 30, values = 5, 5 /\n",
+    "branch": TABLE1 + "&motion kind = 'equispaced', clearance = 37 /\n"
+    "&branch parameter = 'r', low = 0.93, high = 0.95 /\n",
+    "bifurcation": SYSTEM + "&bifurcation parameter = 'clearance', low = 60, high = 70,\n"
+    "  values = 3, points = 5 /\n",
+}
+#: Nothing can be found there.
+NOWHERE = FREE + (
+    "&zone sides = 'RL', symmetric = 'yes', r_min = 3, r_max = 3.1,\n"
+    "  clearance_min = 5000, clearance_max = 6000 /\n"
+)
+WRONG = {
+    "key": TABLE1 + "&motion\n  sids = 'RL' /\n",
+    "value": TABLE1.replace("0.75", "7") + "&motion sides = 'RL', phases_over_pi = 0, 1.37 /\n",
+    "two_cases": CASES["motion"] + "&motion sides = 'RL', phases_over_pi = 0, 1.37 /\n",
+    "group": TABLE1 + "\n\n&animal legs = 4 /\n",
+    "system": "&motion sides = 'RL' /\n",
+    "none": "! nothing\n",
+    "open": TABLE1 + "&motion sides = 'RL\n",
+}
+
+
+class Door:
+    """The C program in a folder of its own, beside vibroimpact-batch."""
+
+    def __init__(self, program, installed, folder):
+        self.program, self.installed, self.folder = program, installed, folder
+
+    def __call__(self, thing, text, status=0):
+        (self.folder / "case.nml").write_text(text, encoding="utf-8")
+        done = subprocess.run(
+            [self.program, thing, "case.nml"], cwd=self.folder, capture_output=True, text=True,
+            timeout=600,
+        )  # fmt: skip
+        assert done.returncode == status, f"{done.returncode}: {done.stderr[:1000]}"
+        return done.stdout
+
+    def batch(self, text):
+        """What the program writes and says about the same text."""
+        (self.folder / "case.nml").write_text(text, encoding="utf-8")
+        return subprocess.run(
+            [self.installed.program, "case.nml", "-o", "results"], cwd=self.folder,
+            capture_output=True, text=True, timeout=600,
+        )  # fmt: skip
+
+
+@pytest.fixture
+def run(door, installed, tmp_path):
+    return Door(door, installed, tmp_path)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_digits_of_the_program(run, name):
+    """A result as CSV is, byte for byte, the file that the program writes; the status is its too."""
+    said = run.batch(CASES[name])
+    assert said.returncode == 0, said.stderr
+    wanted = (run.folder / "results/case.csv").read_text(encoding="utf-8")
+    assert run("show", CASES[name]) == wanted
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_laws_of_tables(run, name):
+    """The C program checks the laws; the sums that it prints are those of the values in the JSON."""
+    told = run("walk", CASES[name]).splitlines()
+    tables = {line.split()[1]: int(line.split()[2]) for line in told if line[:5] == "table"}
+    assert tables
+    assert any(line.startswith("column") for line in told)
+
+
+@pytest.mark.parametrize("name", ["response", "zone", "several", "basins", "branch"])
+def test_filled_from_outside(run, name):
+    """A result that is filled with the values of another gives the same CSV."""
+    assert run("refill", CASES[name]) == run("show", CASES[name])
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_text(run, name):
+    """Status 2 and the words of the program, with the line of the text."""
+    told = run("refuse", WRONG[name])
+    status, line, message = told.split(" ", 2)
+    assert status == "2"
+    if name == "two_cases":  # which the program takes
+        assert message == "the text holds 2 cases; must hold one"
+        return
+    said = run.batch(WRONG[name])
+    assert said.returncode == 2
+    place = "case.nml" + ("" if line == "0" else f":{line}")
+    assert said.stderr == f"{place}: {message}\n"
+
+
+def test_nothing_found(run):
+    """What is not there is status 1 with a line that says so, and no file."""
+    said = run.batch(NOWHERE)
+    assert said.returncode == 1
+    (run.folder / "case.nml").write_text(NOWHERE)
+    done = subprocess.run(
+        [run.program, "show", "case.nml"], cwd=run.folder, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert said.stderr == f"case: {done.stderr}"
+
+
+def test_each_case_of_a_text(run):
+    """The cases are listed with names and studies, and each is run by its own text."""
+    names = ("motion", "zone", "response", "branch")
+    text = "".join(CASES[name] + f"&output name = 'the_{name}' /\n" for name in names)
+    run.batch(text)
+    listed = [line.split() for line in run("write", text).splitlines()]
+    assert [item[:2] for item in listed] == [[f"the_{name}", name] for name in names]
+    places = [number for number, line in enumerate(text.splitlines(), 1) if "&output" in line]
+    assert [int(item[2]) for item in listed] == places
+    for name in names:
+        wanted = (run.folder / f"results/the_{name}.csv").read_bytes()
+        assert (run.folder / f"the_{name}.csv").read_bytes() == wanted
+
+
+@pytest.mark.parametrize("name", ["response", "lyapunov", "basins"])
+def test_stop_from_another_thread(run, name):
+    """A tally that is written by another thread ends the case before its work is done."""
+    longer = {
+        "response": ("r_points = 3", "r_points = 400"),
+        "lyapunov": ("values = 5", "values = 500"),
+        "basins": ("values = 5, 5", "values = 300, 300"),
+    }
+    cut = run("stop", CASES[name].replace(*longer[name]))
+    if name == "basins":
+        return
+    reached, total = re.fullmatch(r"(\d+) of (\d+) points were reached", cut).groups()
+    assert int(reached) < int(total) == {"response": 400, "lyapunov": 500}[name]
+
+
+def test_eight_threads(run):
+    """Eight threads with the least stack that the header asks for get the digits of one."""
+    assert run("at-once", CASES["response"]) == run("show", CASES["response"])
+    assert run("at-once", CASES["motion"]) == run("show", CASES["motion"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["zone", "lyapunov", "simulate", "basins", "branch", "bifurcation"]
+)
+def test_eight_threads_of_each_study(run, name):
+    assert run("at-once", CASES[name]) == run("show", CASES[name])
+
+
+def test_misuse(run):
+    """Null pointers, handles that are none, and values that do not fit: a status, and no breakdown."""
+    run("misuse", CASES["zone"])
+
+
+@pytest.mark.parametrize("name", ["motion", "response"])
+def test_memory_is_given_back(run, name):
+    """300 results, lists of cases and refusals leave less behind than one page each."""
+    assert int(run("keep", CASES[name])) < 300 * 4096
+
+
+def test_descriptions_are_json(run):
+    """Also a text with line feeds in it; the language is that of `vibroimpact-batch --describe`."""
+    told = json.loads(run("describe", CASES["zone"]))
+    (text,) = next(item["words"] for item in told["columns"] if item["name"] == "text")
+    assert text.startswith("&system\n")
+    language = json.loads(run("describe", ""))
+    assert set(language["results"]) <= set(language["groups"])
+    for study in ("zone", "response", "motion"):
+        assert language["results"][study]["columns"]
+
+
+def test_symbols_are_its_own(installed):
+    """The library shows what the header declares, and nothing else: no LAPACK of someone else's."""
+    shared = installed.libdir / "libvibroimpact.so"
+    shown = {line.split()[-1] for line in call("nm", "-D", "--defined-only", shared).splitlines()}
+    header = (ROOT / "src/c/vibroimpact.h").read_text()
+    declared = {name for name in shown if f" {name}(" in header}
+    assert shown == declared
+    assert shown == {
+        line.strip().rstrip(";")
+        for line in (ROOT / "src/c/vibroimpact.map").read_text().splitlines()
+        if line.strip().startswith("vibroimpact_")
+    }
