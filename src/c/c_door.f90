@@ -501,7 +501,7 @@ contains
       if (is_open_for(handle)) result => result_of(handle)
    end subroutine find_result
 
-   !> Whole numbers of C; none of a null pointer, which are to be deallocated.
+   !> Whole numbers of C; of a null pointer an empty array, which the caller has to free.
    subroutine wholes_at(address, n, values)
       !> Of the first.
       type(c_ptr), intent(in) :: address
