@@ -14,28 +14,6 @@ _Bytes: TypeAlias = NDArray[np.bytes_]
 __f2py_numpy_version__: str
 
 @type_check_only
-class _Basins(Protocol):
-    # labels, events, n, kinds, letters, states, balls
-    def __call__(
-        self,
-        most: int,
-        room: int,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: float,
-        load: float,
-        clearance: float,
-        starts: ArrayLike,
-        cycles: int,
-        probes: int,
-        max_cycles: int,
-        threads: int,
-        tally: _Integer,
-        m: int = ...,
-    ) -> tuple[_Integer, float, int, _Integer, _Integer, _Real, _Real]: ...
-
-@type_check_only
 class _Branch(Protocol):
     # parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, reasons, status
     def __call__(
@@ -248,18 +226,6 @@ class _ImpactMaps(Protocol):
     ) -> tuple[_Real, int]: ...
 
 @type_check_only
-class _LargestDisc(Protocol):
-    # radius, place
-    def __call__(
-        self,
-        labels: ArrayLike,
-        label: int,
-        cells: ArrayLike,
-        m: int = ...,
-        n: int = ...,
-    ) -> tuple[float, _Integer]: ...
-
-@type_check_only
 class _LinearSystem(Protocol):
     # matrix, rhs
     def __call__(
@@ -314,19 +280,6 @@ class _Periodic(Protocol):
         n: int = ...,
         m: int = ...,
     ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
-
-@type_check_only
-class _RandomStates(Protocol):
-    # states
-    def __call__(
-        self,
-        n: int,
-        seed: int,
-        xi: float,
-        r: float,
-        load: float,
-        clearance: float,
-    ) -> _Real: ...
 
 @type_check_only
 class _ReadNamelist(Protocol):
@@ -624,16 +577,6 @@ class _SweepFlood(Protocol):
     ) -> int: ...
 
 @type_check_only
-class _UncertainPairs(Protocol):
-    # pairs, count, exponent
-    def __call__(
-        self,
-        labels: ArrayLike,
-        m: int = ...,
-        n: int = ...,
-    ) -> tuple[_Real, int, float]: ...
-
-@type_check_only
 class _Winding(Protocol):
     # turns
     def __call__(
@@ -654,7 +597,6 @@ class _WriteResult(Protocol):
         n: int = ...,
     ) -> _Bytes: ...
 
-basins: _Basins
 branch: _Branch
 condition_text: _ConditionText
 describe_language: _DescribeLanguage
@@ -669,12 +611,10 @@ find: _Find
 finish_chart: _FinishChart
 free_result: _FreeResult
 impact_maps: _ImpactMaps
-largest_disc: _LargestDisc
 linear_system: _LinearSystem
 new_result: _NewResult
 open_table: _OpenTable
 periodic: _Periodic
-random_states: _RandomStates
 read_namelist: _ReadNamelist
 rest_motion: _RestMotion
 run_case: _RunCase
@@ -693,6 +633,5 @@ standard_motion: _StandardMotion
 start_state: _StartState
 status_text: _StatusText
 sweep_flood: _SweepFlood
-uncertain_pairs: _UncertainPairs
 winding: _Winding
 write_result: _WriteResult

@@ -20,7 +20,7 @@ from .newton import exact
 from .solve import equispaced, periodic
 from .status import NO_MOTION, status_text
 from .studies.atlas import Atlas
-from .studies.basins import Basins, basins
+from .studies.basins import Basins
 from .studies.bifurcation import BifurcationDiagram
 from .studies.branch import Branch, branch
 from .studies.lyapunov import Lyapunov, with_exponents
@@ -186,15 +186,7 @@ class Case(NamedTuple):
 
     def basins(self, progress: Callable[[float, str], None] | None = None) -> Basins:
         """The basins that a &basins case asks for."""
-        keys = self.keys
-        limits = ("load", "cycles", "probes", "max_cycles", "states", "seed")
-        given = {name: keys[name] for name in limits if name in keys}
-        if "axes" in keys:
-            columns = (keys[name] for name in ("axes", "low", "high", "values"))
-            others = ("t", "x", "x_dot", "y", "z_dot")
-            given["plane"] = tuple(zip(*columns, strict=True))
-            given["fixed"] = {name: keys[name] for name in others if name in keys}
-        return basins(self.osc, self.r, keys["clearance"], **given, progress=progress)
+        return door.run_text(Basins, self.text, progress=progress)
 
     def _state(self) -> dict[str, float]:
         """The initial state."""

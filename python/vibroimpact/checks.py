@@ -30,8 +30,7 @@ RANGES: dict[str, tuple[float, float, bool]] = {
 }
 MAX_IMPACTS = 1000
 MAX_CYCLES = 10_000
-#: Values on a line, and numbers that a study may have to keep at once.
-MOST_VALUES = 1_000_000
+#: Numbers that a study may have to keep at once.
 MOST_NUMBERS = 12_500_000
 
 
@@ -83,12 +82,6 @@ def integer(value: Any, name: str, low: int, high: int) -> int:
     if not low <= item <= high:
         raise ParameterError(f"{name} = {value!r}: must be {wanted}")
     return item
-
-
-def together(count: int, label: str, wanted: str) -> None:
-    """Error if a product of what was given, of which `label` is one, is more than a study can keep."""
-    if count > MOST_NUMBERS:
-        raise ParameterError(f"{label}: {wanted.format(MOST_NUMBERS)}")
 
 
 def choice(value: Any, name: str, choices: Sequence[str]) -> str:

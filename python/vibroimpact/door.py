@@ -59,9 +59,11 @@ def run(
 
 
 def translated(told: str, names: Mapping[str, str]) -> str:
-    """A message of the core in the words of the caller."""
+    """A message of the core in the words of the caller; one as state['x'] stands at its beginning alone."""
     for word, name in names.items():
         whole_word = rf"\b{word}\b" if word.isidentifier() else re.escape(word)
+        if ":" in name or "'" in name:
+            whole_word = rf"^{word}\b"
         told = re.sub(whole_word, lambda _, name=name: name, told)  # type: ignore[misc]
     return told
 

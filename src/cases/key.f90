@@ -38,7 +38,8 @@ module vi_key
       character(24) :: or = ''
       !> A key whose value must be below this one's.
       character(24) :: over = ''
-      !> A key, or 'key=word', without which this one is left out; and 'key=word' with which it is.
+      !> A key, or 'key=word', without which this one is left out; and those, with blanks between,
+      !! with which it is.
       character(32) :: only = '', never = ''
       !> What the message adds to that; behind an = what it says instead.
       character(80) :: why = ''

@@ -31,7 +31,9 @@ contains
       integer :: i, n, first, last, star
       logical :: wants_value
 
-      allocate (buffer(most))
+      n = most
+      if (index(text, '*') == 0) n = min(most, len(text)/2 + 1)
+      allocate (buffer(n))
       n = 0
       i = 1
       good = .true.

@@ -266,16 +266,23 @@ contains
       type(key_type), intent(in) :: key
       !> The reason.
       character(:), allocatable, intent(out) :: why
+      integer :: first, last
 
       why = ''
       if (len_trim(key%only) > 0) then
          if (.not. holds(values, trim(key%only))) why = trim(merge(': it is for   ', &
             ': it goes with', index(key%only, '=') > 0))//' '//condition(key%only)
       end if
-      if (len_trim(key%never) > 0 .and. len(why) == 0) then
-         if (holds(values, trim(key%never))) why = trim(merge(': it is not for', &
-            ' beside        ', index(key%never, '=') > 0))//' '//condition(key%never)
-      end if
+      last = 0
+      do while (last < len_trim(key%never) .and. len(why) == 0)
+         first = last + 1
+         last = first + index(key%never(first:)//' ', ' ') - 2
+         associate (other => key%never(first:last))
+            if (holds(values, other)) why = trim(merge(': it is not for', ' beside        ', &
+               index(other, '=') > 0))//' '//condition(other)
+         end associate
+         last = last + 1
+      end do
       if (len(why) == 0) return
       if (key%why(1:1) == '=') then
          why = trim(key%why(2:))

@@ -1,6 +1,7 @@
 !> The study &basins: to which attractor states go.
 module vi_basins_study
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+   use vi_attractor_basin, only: not_reached
    use vi_attractor_catalogue, only: catalogue_type, label_states
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
    use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
@@ -12,6 +13,7 @@ module vi_basins_study
    use vi_kinds, only: wp
    use vi_pattern, only: starred_letters
    use vi_result, only: column_type, result_type, wholes, words
+   use vi_tally, only: is_stopped
    use vi_text, only: counted, exact, exact_list, line_type, shown, whole
    use vi_values, only: values_type
    use vi_window, only: even, most_numbers
@@ -24,11 +26,13 @@ module vi_basins_study
    character(5), parameter :: axis_names(5) = [character(5) :: 't', 'x', 'x_dot', 'y', &
       'z_dot']
 
-   character(*), parameter :: beside = 'states', random = &
-      ': they are random in all coordinates, at t = 0'
+   character(*), parameter :: beside = 'states list', random = ': it is for a plane'
    type(key_type), parameter, public :: basins_keys(*) = [clearance_key, &
       key_type('states', a_whole, may_miss=.true., low=1.0_wp, high=real(most_numbers, wp), &
       meaning='instead of a plane: this many random states'), &
+      key_type('list', least=5, most=5*most_numbers, may_miss=.true., never='states', &
+      takes='finite numbers: t, x, x_dot, z and z_dot of each state', &
+      meaning='instead of a plane: these states'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=real(huge(1), wp), only='states', &
       meaning='which random states'), &
       key_type('axes', a_word, least=2, most=2, words='x x_dot y z_dot t', never=beside, &
@@ -68,17 +72,35 @@ module vi_basins_study
       column_type('states', 'label', wholes, &
       meaning='number of its attractor; below 0 if it was not decided'), &
       column_type('states', 'attractor', words, meaning='name of its attractor'), &
-      column_type('attractors', 'name', words, listed=.false., &
+      column_type('first', 'place', label='=', listed=.false., meaning='along the first axis'), &
+      column_type('second', 'place', label='=', listed=.false., meaning='along the second axis'), &
+      column_type('attractors', 'name', words, label='=', listed=.false., &
       meaning='sides and load cycles, or the kind'), &
       column_type('attractors', 'kind', words, listed=.false., meaning='kind'), &
-      column_type('attractors', 'share', listed=.false., meaning='share of the states'), &
+      column_type('attractors', 'fraction', listed=.false., &
+      meaning='share of the states that were reached'), &
       column_type('attractors', 'standard_error', listed=.false., meaning='of the share'), &
       column_type('attractors', 'cycles', wholes, listed=.false., &
       meaning='load cycles of the period; 0 if there is none'), &
-      column_type('attractors', 'largest', listed=.false., &
+      column_type('attractors', 'growth', listed=.false., &
       meaning='greatest modulus of the multipliers, or largest exponent per load cycle'), &
+      column_type('attractors', 'radius', listed=.false., &
+      meaning='of the neighbourhood that decides, in its own norm; 0: none'), &
+      column_type('attractors', 'contraction', listed=.false., &
+      meaning='by what the derivative over a period contracts in that norm'), &
       column_type('attractors', 'state', each='coordinate', listed=.false., &
-      meaning='a state on it: t, x, x_dot, z, z_dot')]
+      meaning='a state on it: t, x, x_dot, z, z_dot'), &
+      column_type('attractors', 'disc_radius', listed=.false., &
+      meaning='of the largest disc of the plane inside the basin'), &
+      column_type('attractors', 'disc_centre', each='axis', listed=.false., &
+      meaning='its centre along both axes'), &
+      column_type('pairs', 'distance', listed=.false., &
+      meaning='of pairs of states along an axis, in cells of the plane'), &
+      column_type('pairs', 'uncertain', listed=.false., &
+      meaning='share of them with different ends'), &
+      column_type('run', 'events', listed=.false., meaning='events simulated to decide'), &
+      column_type('run', 'uncertainty_exponent', listed=.false., meaning='a: a share ~ distance**a &
+      &of pairs has different ends; nan without a boundary')]
 
    character(14), parameter :: kinds(6) = [character(14) :: 'periodic', 'rest', 'quasi-periodic', &
       'chaotic', 'no impacts', 'periodic?']
@@ -93,7 +115,8 @@ contains
       integer :: i
 
       associate (study => case%study)
-         if (len(study%fault) > 0 .or. study%has('states')) return
+         if (study%has('list')) call check_list(study)
+         if (len(study%fault) > 0 .or. .not. study%has('axes')) return
          low = study%numbers('low')
          high = study%numbers('high')
          if (study%word('axes', 1) == study%word('axes', 2)) call study%refuse('axes')
@@ -116,6 +139,26 @@ contains
       end associate
    end subroutine check_basins
 
+   !> Checks a list of states.
+   subroutine check_list(study)
+      !> The group.
+      type(values_type), intent(inout) :: study
+      real(wp), allocatable :: list(:)
+      integer :: n, i
+
+      if (len(study%fault) > 0) return
+      list = study%numbers('list')
+      n = size(list)/5
+      i = 0
+      if (5*n == size(list)) i = findloc(abs(list(4::5) - list(2::5)) <= reach(study), .false., 1)
+      if (5*n /= size(list)) then
+         call study%refuse('list', 'five of each')
+      else if (i > 0) then
+         call study%refuse('list', 'z - x must be within half the clearance, which it is not in &
+            &state '//whole(i))
+      end if
+   end subroutine check_list
+
    !> How far the free mass may be from the middle.
    pure real(wp) function reach(study)
       !> The group.
@@ -134,6 +177,8 @@ contains
          if (s%has('states')) then
             states = random_states(case%osc%xi, case%r, s%number('load'), s%number('clearance'), &
                s%whole_number('states'), s%whole_number('seed'))
+         else if (s%has('list')) then
+            states = reshape(s%numbers('list'), [5, size(s%numbers('list'))/5])
          else
             states = plane_states(s)
          end if
@@ -182,7 +227,7 @@ contains
       integer, allocatable :: labels(:)
       character(:), allocatable :: text
       real(wp) :: events
-      integer :: i, n, lost
+      integer :: i, n, reached, lost
 
       associate (s => case%study)
          catalogue%drive = new_drive(case%osc, case%r, s%number('load'), s%number('clearance'))
@@ -194,26 +239,61 @@ contains
          call label_states(catalogue, states, s%whole_number('cycles'), s%whole_number('probes'), &
             labels, events, tally)
       end associate
+      reached = count(labels /= not_reached)
+      lost = count(labels == 0)
+      if (is_stopped(tally) .and. any(labels <= 0)) then
+         result%cut = whole(reached)//' of '//whole(n)//' states were reached'
+         if (lost > 0) result%cut = result%cut//', '//whole(lost)//' of them not decided yet'
+      end if
       call find_names(catalogue, names)
-      call result%open('states', 'state', [n])
+      call open_states(case%study, n, result)
       do i = 1, 5
          call result%put('states', trim(state_keys(i)%name), states(i, :))
       end do
       call result%put('states', 'label', labels - 1)
       call result%put_codes('states', 'attractor', max(0, labels), names)
+      call result%open('run', '', [integer ::])
+      call result%put('run', 'events', [events])
       call put_attractors(case, catalogue, names, labels, result)
-      lost = count(labels <= 0)
-      result%empty = lost == n
+      result%empty = lost == reached
       if (.not. result%empty) then
-         text = counted(n, 'state')
+         text = counted(reached, 'state')
          do i = 1, catalogue%n
             text = text//', '//names(i)%text//' '//shown(100*share(labels, i), 'f12.2')//'% +- '// &
                shown(100*standard_error(labels, i), 'f12.2')//'%'
          end do
          call result%say(text)
       end if
-      if (lost > 0) call result%fail(whole(lost)//' of '//counted(n, 'state')//' not decided')
+      if (lost > 0) call result%fail(whole(lost)//' of '//counted(reached, 'state')// &
+         ' not decided')
    end subroutine run_basins
+
+   !> Opens the tables of the states, and of the axes of a plane.
+   pure subroutine open_states(study, n, result)
+      !> The group.
+      type(values_type), intent(in) :: study
+      !> States.
+      integer, intent(in) :: n
+      !> The result.
+      type(result_type), intent(inout) :: result
+      character(*), parameter :: tables(2) = [character(6) :: 'first', 'second']
+      real(wp) :: low(2), high(2)
+      integer :: sizes(2), i
+
+      if (.not. study%has('axes')) then
+         call result%open('states', 'state', [n])
+         return
+      end if
+      sizes = study%whole_numbers('values')
+      low = study%numbers('low')
+      high = study%numbers('high')
+      call result%open('states', trim(study%word('axes', 2))//' '//study%word('axes', 1), &
+         sizes(2:1:-1))
+      do i = 1, 2
+         call result%open(trim(tables(i)), trim(study%word('axes', i)), [sizes(i)])
+         call result%put(trim(tables(i)), 'place', even(low(i), high(i), sizes(i)))
+      end do
+   end subroutine open_states
 
    !> Puts the attractors into the result, and remarks them.
    pure subroutine put_attractors(case, catalogue, names, labels, result)
@@ -229,7 +309,7 @@ contains
       type(result_type), intent(inout) :: result
       type(line_type), allocatable :: list(:)
       character(:), allocatable :: text
-      real(wp) :: states(5, catalogue%n)
+      real(wp) :: states(5, catalogue%n), balls(2, catalogue%n), growth(catalogue%n)
       integer :: i, n
 
       n = catalogue%n
@@ -242,6 +322,10 @@ contains
       associate (known => catalogue%known(:n))
          do i = 1, n
             states(:, i) = known(i)%state
+            balls(:, i) = ball(known(i))
+            growth(i) = known(i)%largest
+            if (any(known(i)%kind == [no_impacts, repeating])) growth(i) = ieee_value(1.0_wp, &
+               ieee_quiet_nan)
             text = whole(i - 1)//': '//names(i)%text//' ('//trim(kinds(known(i)%kind))// &
                '), share '//exact(share(labels, i))
             call add_details(known(i), text)
@@ -249,29 +333,32 @@ contains
          end do
          call result%put_codes('attractors', 'kind', known%kind, list)
          call result%put('attractors', 'cycles', known%cycles)
-         call result%put('attractors', 'largest', known%largest)
       end associate
-      call result%put('attractors', 'share', [(share(labels, i), i=1, n)])
+      call result%put('attractors', 'growth', growth)
+      call result%put('attractors', 'radius', balls(1, :))
+      call result%put('attractors', 'contraction', balls(2, :))
+      call result%put('attractors', 'fraction', [(share(labels, i), i=1, n)])
       call result%put('attractors', 'standard_error', [(standard_error(labels, i), i=1, n)])
       call result%put('attractors', 'state', [states])
       call remark_safety(case, n, labels, result)
    end subroutine put_attractors
 
-   !> Share of the states that go to an attractor.
+   !> Share of the states that were reached that go to an attractor.
    pure real(wp) function share(labels, i)
       integer, intent(in) :: labels(:), i
 
-      share = real(count(labels == i), wp)/size(labels)
+      share = real(count(labels == i), wp)/count(labels /= not_reached)
    end function share
 
    !> Of the share, as of as many independent states: an upper bound for those of a plane.
    pure real(wp) function standard_error(labels, i)
       integer, intent(in) :: labels(:), i
 
-      standard_error = sqrt(share(labels, i)*(1 - share(labels, i))/size(labels))
+      standard_error = sqrt(share(labels, i)*(1 - share(labels, i))/count(labels /= &
+         not_reached))
    end function standard_error
 
-   !> How sure the shares are, and of a plane how safe its states.
+   !> How sure the shares are, and of a plane that was not cut short how safe its states.
    pure subroutine remark_safety(case, n, labels, result)
       type(case_type), intent(in) :: case
       !> Attractors.
@@ -279,45 +366,59 @@ contains
       !> The result.
       type(result_type), intent(inout) :: result
       integer, allocatable :: plane(:, :)
+      real(wp), allocatable :: pairs(:, :)
       character(:), allocatable :: text
-      real(wp) :: exponent
+      real(wp) :: exponent, radii(n), centres(2, n)
       integer :: sizes(2), i
 
-      if (case%study%has('values')) then
+      exponent = ieee_value(exponent, ieee_quiet_nan)
+      if (case%study%has('values') .and. len(result%cut) == 0) then
          sizes = case%study%whole_numbers('values')
          plane = reshape(labels, [sizes(2), sizes(1)])
+         pairs = uncertain_pairs(plane)
+         exponent = uncertainty_exponent(pairs)
+         call result%open('pairs', 'pair', [size(pairs, 2)])
+         call result%put('pairs', 'distance', pairs(1, :))
+         call result%put('pairs', 'uncertain', pairs(2, :))
       end if
+      call result%put('run', 'uncertainty_exponent', [exponent])
       do i = 1, n
          text = whole(i - 1)//': standard error of the share '//exact(standard_error( &
             labels, i))
-         if (allocated(plane)) call add_disc(case, plane, i, text)
+         if (allocated(plane)) then
+            call find_disc(case%study, plane, i, radii(i), centres(:, i))
+            text = text//', radius of the largest disc '//exact(radii(i))//' about '// &
+               trim(case%study%word('axes', 1))//', '//trim(case%study%word('axes', 2))//' = '// &
+               exact_list(centres(:, i))
+         end if
          call result%remark(text)
       end do
       if (.not. allocated(plane)) return
-      exponent = uncertainty_exponent(uncertain_pairs(plane))
+      call result%put('attractors', 'disc_radius', radii)
+      call result%put('attractors', 'disc_centre', [centres])
       if (.not. ieee_is_nan(exponent)) call result%remark('uncertainty exponent '//exact(exponent))
    end subroutine remark_safety
 
-   !> Adds the largest disc of the plane inside a basin.
-   pure subroutine add_disc(case, plane, i, text)
-      type(case_type), intent(in) :: case
+   !> The largest disc of the plane inside a basin.
+   pure subroutine find_disc(study, plane, i, radius, centre)
+      !> The group.
+      type(values_type), intent(in) :: study
       !> (second axis, first axis)
       integer, intent(in) :: plane(:, :), i
-      character(:), allocatable, intent(inout) :: text
-      real(wp) :: low(2), high(2), cells(2), radius, first(size(plane, 2)), second(size(plane, 1))
+      !> Of the disc.
+      real(wp), intent(out) :: radius, centre(2)
+      real(wp) :: low(2), high(2), cells(2), first(size(plane, 2)), second(size(plane, 1))
       integer :: place(2), n(2)
 
-      low = case%study%numbers('low')
-      high = case%study%numbers('high')
-      n = case%study%whole_numbers('values')
+      low = study%numbers('low')
+      high = study%numbers('high')
+      n = study%whole_numbers('values')
       first = even(low(1), high(1), n(1))
       second = even(low(2), high(2), n(2))
       cells = (high(2:1:-1) - low(2:1:-1))/(n(2:1:-1) - 1)
       call largest_disc(plane, i, cells, radius, place)
-      text = text//', radius of the largest disc '//exact(radius)//' about '// &
-         trim(case%study%word('axes', 1))//', '//trim(case%study%word('axes', 2))//' = '// &
-         exact(first(place(2)))//', '//exact(second(place(1)))
-   end subroutine add_disc
+      centre = [first(place(2)), second(place(1))]
+   end subroutine find_disc
 
    !> Adds what else is known of an attractor.
    pure subroutine add_details(known, text)

@@ -26,10 +26,10 @@ from shared_systems import FIGURE6, TABLE
         (lambda: vi.spaced(0, 1, 5, "geometric"), "positive"),
         (lambda: vi.spaced(0, 1, 1), "n = 1"),
         (lambda: vi.basins(FIGURE6, 1.04, 10.0), "must be one of them, the other left out"),
-        (lambda: vi.basins(FIGURE6, 1.04, 10.0, (("z", 0, 1, 5), ("x", 0, 1, 5))), "name"),
+        (lambda: vi.basins(FIGURE6, 1.04, 10.0, (("z", 0, 1, 5), ("x", 0, 1, 5))), "two of 'x'"),
         (
             lambda: vi.basins(FIGURE6, 1.04, 10.0, (("x", 1, 0, 5), ("y", 0, 1, 5))),
-            "must be finite, low below high",
+            "plane: high = .* must be two finite numbers",
         ),
         (
             lambda: vi.basins(FIGURE6, 1.04, 10.0, (("x", 0, 1, 5), ("y", 0, 9, 5))),

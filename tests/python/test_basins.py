@@ -6,13 +6,11 @@ very trajectory is later, even in transient chaos.
 
 import math
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_systems import FIGURE6, RIG, TABLE
-from vibroimpact.studies.basins import Axis
 
 PLANE = (("x", -30, 30, 40), ("x_dot", -30, 30, 40))
 
@@ -151,9 +149,6 @@ def test_the_namelist_of_basins(start, tmp_path):
     # the same text in every process, in which sets have an order of their own
     others = re.findall(r"^  (t|x|x_dot|y|z_dot) = ", result.case, re.MULTILINE)
     assert others == ["x", "x_dot", "z_dot"] * ("plane" in start)
-    given = vi.basins(FIGURE6, 1.04, 14.0, states=result.states.reshape(5, -1), probes=20)
-    with pytest.raises(vi.errors.ParameterError, match="has no namelist"):
-        given.to_namelist()
 
 
 def test_decision_does_not_depend_on_how_soon(plane):
@@ -200,27 +195,6 @@ def test_basins_do_not_depend_on_threads():
     assert one.impacts == two.impacts
 
 
-def drawn(labels, low=-1.0, high=1.0):
-    """Return basins with given labels on a square."""
-    n, m = labels.shape
-    axes = (Axis("x", low, high, n), Axis("x_dot", low, high, m))
-    made = vi.BasinAttractor("periodic", "made", None, {})
-    both = [made, replace(made, name="other")]
-    return vi.Basins(
-        FIGURE6, 1.0, 1.0, 1.0, both, labels.astype(np.int32), axes, np.zeros((5, n, m)), 0
-    )
-
-
-def test_uncertainty_exponent_of_known_boundaries():
-    """1 for a straight boundary, 0 where labels are thrown, 1 - log 2/log 3 for the set of Cantor."""
-    x = np.linspace(-1, 1, 243)
-    half = drawn(np.add.outer(x, 0.3 * x) > 0.1)
-    assert abs(half.uncertainty_exponent - 1) < 0.02
-    thrown = drawn(np.random.default_rng(3).random((300, 300)) > 0.5)
-    assert abs(thrown.uncertainty_exponent) < 0.02
-    assert math.isnan(drawn(np.zeros((50, 50))).uncertainty_exponent)
-
-
 def test_a_smooth_boundary():
     """The free mass at rest is never hit from where the closed form says; the edge of that is a smooth curve."""
     xi, r, clearance = 0.1, 1.0, 11.0
@@ -245,29 +219,70 @@ def test_a_smooth_boundary():
     assert abs(result.uncertainty_exponent - 1) < 0.03
 
 
-def test_integrity_is_the_largest_disc():
-    x = np.linspace(-1, 1, 201)
-    distance = np.hypot(*np.meshgrid(x - 0.2, x + 0.1, indexing="ij"))
-    disc = drawn(np.where(distance < 0.5, 0, 1))
-    radius, centre = disc.integrity(0)
-    assert abs(radius - 0.5) < 0.011
-    assert np.hypot(centre[0] - 0.2, centre[1] + 0.1) < 0.011
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_integrity_is_that_of_every_pair(seed):
+def test_integrity_is_that_of_every_pair(plane):
     """Of all states and all that are elsewhere or a cell beyond the edge, by brute force."""
-    labels = (np.random.default_rng(seed).random((13, 17)) > 0.2).astype(int)
-    basins = drawn(labels, -1.0, 2.0)
-    first, second = basins.axes
-    cells = np.array([3 / 12, 3 / 16])
-    for label in (0, 1):
-        outside = np.argwhere(np.pad(labels != label, 1, constant_values=True)) - 1
-        apart = np.argwhere(np.ones_like(labels))[:, None] - outside
-        near = np.linalg.norm(apart * cells, axis=-1).min(axis=1).reshape(labels.shape)
-        radius, centre = basins.integrity(label)
+    first, second = plane.axes
+    cells = np.array([60 / 39, 60 / 39])
+    for label in range(len(plane.attractors)):
+        outside = np.argwhere(np.pad(plane.labels != label, 1, constant_values=True)) - 1
+        apart = np.argwhere(np.ones_like(plane.labels))[:, None] - outside
+        near = np.linalg.norm(apart * cells, axis=-1).min(axis=1).reshape(plane.labels.shape)
+        radius, centre = plane.integrity(label)
         assert radius == pytest.approx(near.max(), rel=1e-12)
         i, j = (
             int(np.searchsorted(a.values, x)) for a, x in zip((first, second), centre, strict=True)
         )
         assert near[i, j] == pytest.approx(radius, rel=1e-12)
+    with pytest.raises(vi.errors.ParameterError, match=r"^attractor = "):
+        plane.integrity(len(plane.attractors))
+
+
+def test_uncertain_pairs_are_counted(plane):
+    """All pairs of states along either axis, by brute force; the exponent is the slope of what they tell."""
+    distance, share = plane.uncertain
+    for s, own in zip(distance.astype(int), share, strict=True):
+        pairs = [plane.labels[s:] != plane.labels[:-s], plane.labels[:, s:] != plane.labels[:, :-s]]
+        assert own == np.mean(np.concatenate([item.ravel() for item in pairs]))
+    slope = np.polyfit(np.log(distance), np.log(share), 1)[0]
+    assert plane.uncertainty_exponent == pytest.approx(slope, rel=1e-12)
+
+
+def test_a_list_of_states_has_a_namelist_too(plane, tmp_path):
+    """It gives them again, to the last bit; and they are those of a plane."""
+    result = vi.basins(TABLE, 0.94, 37.0, states=plane.states.reshape(5, -1))
+    (tmp_path / "case.nml").write_text(result.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (again,) = case.run()
+    assert again.to_json() == result.to_json()
+    np.testing.assert_array_equal(result.labels, plane.labels.ravel())
+    assert result.axes is None
+    for name in ("uncertain", "uncertainty_exponent"):
+        with pytest.raises(vi.errors.ParameterError, match=f"must be one for {name}"):
+            getattr(result, name)
+
+
+@pytest.mark.parametrize("form", ["json", "nc", "mat"])
+@pytest.mark.parametrize("start", [{"states": 20}, {"plane": (("y", -9, 9, 4), ("x", -3, 3, 5))}])
+def test_a_file_gives_the_basins_again(start, form, tmp_path):
+    """To the last bit, and its table, which the core writes, too."""
+    result = vi.basins(TABLE, 0.94, 37.0, probes=20, **start)
+    result.save(tmp_path / f"one.{form}")
+    again = vi.load(tmp_path / f"one.{form}")
+    assert again.to_json() == result.to_json()
+    assert [item.state for item in again.attractors] == [item.state for item in result.attractors]
+    assert again.axes == result.axes
+    tables = []
+    for item in (result, again):
+        item.save(tmp_path / "table.csv")
+        tables.append((tmp_path / "table.csv").read_bytes())
+    assert tables[0] == tables[1]
+
+
+@pytest.mark.parametrize(("states", "wanted"), [
+    (np.zeros((4, 3)), "of shape"), (np.zeros((5, 0)), "of shape"),
+    ([[0.0], [math.nan], [0.0], [0.0], [0.0]], "must be finite numbers"),
+    ([[0.0, 0], [0, 0], [0, 0], [0, 6], [0, 0]], "within half the clearance, which it is not in state 2"),
+])  # fmt: skip
+def test_bad_lists(states, wanted):
+    with pytest.raises(vi.errors.ParameterError, match=rf"^states.*{wanted}"):
+        vi.basins(FIGURE6, 1.04, 10.0, states=states)

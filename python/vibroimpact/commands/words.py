@@ -60,24 +60,11 @@ def chart_words(data: Any) -> Words:
     ], [], True  # fmt: skip
 
 
-def basin_words(basins: Any) -> Words:
-    """The share of each attractor."""
-    states, lost = counted(basins.reached, "state"), int((basins.labels == -1).sum())
-    faults = [f"{lost} of {states} not decided"] if lost else []
-    shares = zip(
-        basins.attractors, 100 * basins.fractions, 100 * basins.standard_error, strict=True
-    )
-    each = (f"{item.name} {share:.2f}% +- {error:.2f}%" for item, share, error in shares)
-    said = ", ".join([states, *each])
-    there = lost < basins.reached
-    return [said] if there else [], faults, there
-
-
 #: The kinds that are computed once, in Python, for table, picture and document.
 WORDS: dict[str, Callable[..., Words]] = {
     "simulate": simulate_words, "branch": branch_words, "zone": noun_words, "atlas": noun_words,
     "chart": chart_words, "lyapunov": noun_words, "bifurcation": noun_words,
-    "basins": basin_words, "response": noun_words,
+    "basins": noun_words, "response": noun_words,
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.
 PARTIAL = ("branch", "chart", "lyapunov", "bifurcation", "basins", "response")

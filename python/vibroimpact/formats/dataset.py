@@ -14,16 +14,18 @@ def to_xarray(noun: Any) -> Any:
     """All tables as one dataset: a column named as its dimension is a coordinate.
 
     A table that belongs to a parent has a variable with its name, the row of the parent of each row
-    ("indexed ragged arrays" of the CF conventions). A name that several tables have carries that of its table.
+    ("indexed ragged arrays" of the CF conventions). A name that several tables have, or that is also that of a
+    dimension, carries that of its table.
     """
     result: Result = noun._result
     names = [column.name for _, column in result.columns()]
+    names += {dim for table in result.tables.values() for dim in table.dims}
     data: dict[str, Any] = {}
     coords: dict[str, Any] = {}
     for name, table in result.tables.items():
         for column in table.columns.values():
             key = column.name if names.count(column.name) == 1 else f"{name}_{column.name}"
-            if column.label == "=":
+            if column.label == "=" or list(table.dims) == [column.name]:
                 key = next(iter(table.dims))
             dims = (*table.dims, *([column.each] if column.each else []))
             attributes: dict[str, Any] = {"long_name": column.meaning, "units": column.unit or "1"}

@@ -7,17 +7,12 @@ import re
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any
 
 from ..errors import ParameterError
 from ..files import write_text
 from ..status import NOT_COMPUTED
 from .table import Columns, columns
-
-if TYPE_CHECKING:
-    from ..studies.basins import BasinAttractor, Basins
 
 #: Values of a column whose text is kept for when they come again.
 MOST_KNOWN = 10_000
@@ -53,40 +48,7 @@ def remarks_of(result: Any, number: int) -> list[str]:
         values = (osc.xi, osc.mu, *osc.restitution, result.r, result.clearance, result.load)
         names = "xi, mu, restitution (right, left), r, clearance, load"
         return [f"at {names} = {', '.join(map(exact, values))}", f"searched: {result.search}"]
-    if name == "Basins":
-        shares = zip(result.attractors, result.fractions.tolist(), strict=True)
-        each = [f"{i}: {told(item, share)}" for i, (item, share) in enumerate(shares)]
-        return each + safety(result)
     return []
-
-
-def told(attractor: BasinAttractor, share: float) -> str:
-    """What is known of an attractor."""
-    text = f"{attractor.name} ({attractor.kind}), share {exact(share)}"
-    if attractor.kind in ("periodic", "rest"):
-        text += f", greatest multiplier {exact(attractor.growth)}, radius {exact(attractor.radius)}"
-    elif attractor.kind in ("quasi-periodic", "chaotic"):
-        text += f", largest exponent per load cycle {exact(attractor.growth)}"
-    state = ", ".join(map(exact, attractor.state.values()))
-    return f"{text}; t, x, x_dot, z, z_dot = {state}"
-
-
-def safety(basins: Basins) -> list[str]:
-    """How sure the shares are, and of a plane how safe its states."""
-    lines = []
-    for i, error in enumerate(basins.standard_error.tolist()):
-        lines.append(f"{i}: standard error of the share {exact(error)}")
-        if basins.axes is not None and basins.complete:
-            radius, centre = basins.integrity(i)
-            names, place = (
-                ", ".join(axis.name for axis in basins.axes),
-                ", ".join(map(exact, centre)),
-            )
-            lines[-1] += f", radius of the largest disc {exact(radius)} about {names} = {place}"
-    if basins.axes is not None and basins.complete:
-        exponent = basins.uncertainty_exponent
-        lines += [] if np.isnan(exponent) else [f"uncertainty exponent {exact(exponent)}"]
-    return lines
 
 
 def counted(number: int, noun: str) -> str:

@@ -88,8 +88,7 @@ def of(result: Any) -> str:
     if not known:
         raise ParameterError(
             f"{result!r}: has no namelist, since it began with what a namelist cannot tell (seeds, the "
-            "final state of another trajectory, a motion without one, a list of states, values that `spaced` "
-            "does not give)"
+            "final state of another trajectory, a motion without one)"
         )
     return str(known)
 

@@ -13,7 +13,6 @@ from ..status import NO_MOTION, NOT_COMPUTED, VERDICT
 if TYPE_CHECKING:
     from ..found import Findings
     from ..motion import Motion
-    from ..studies.basins import Basins
     from ..studies.branch import Branch
     from ..trajectory import Trajectory
 
@@ -128,17 +127,7 @@ def chart_columns(data: Any) -> Columns:
     return table | {"status": status[i, j, k].tolist()}
 
 
-def basin_columns(basins: Basins) -> Columns:
-    """One row a state."""
-    labels = basins.labels.ravel().tolist()
-    names = [*(item.name for item in basins.attractors), "", ""]  # the last for -2 and -1
-    states = zip(("t", "x", "x_dot", "z", "z_dot"), basins.states, strict=True)
-    table: Columns = {name: values.ravel().tolist() for name, values in states}
-    return table | {"label": labels, "attractor": [names[label] for label in labels]}
-
-
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
-    "Basins": basin_columns,
     "Findings": found_columns,
 }  # fmt: skip

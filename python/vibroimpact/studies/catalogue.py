@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
-from ..interrupt import new_tally, stoppable
+from ..errors import VibroimpactError
 from ..model import Oscillator
 from ..motion import Motion
+from ..newton import exact
+from ..trajectory import simulate
 from .lyapunov import Lyapunov, lyapunov
-from .settling import as_state, motion_at
+
+if TYPE_CHECKING:
+    from .basins import Basins
 
 _Array = NDArray[np.float64]
-#: What the core calls the kinds and the letters of an attractor.
-KINDS = ("", "periodic", "rest", "quasi-periodic", "chaotic", "no impacts", "periodic?")
-SIDES = {1: "R", -1: "L", 2: "R*", -2: "L*"}
-#: Attractors and letters of each that there is room for: the core looks for no more.
-MOST, LETTERS = 1000, 2048
 #: Load cycles after which the core tells a largest Lyapunov exponent from 0, and those before it.
 EXPONENT_CYCLES, EXPONENT_DISCARD = 4000, 500
 
@@ -64,42 +62,45 @@ class BasinAttractor:
         return f"<{self.kind} attractor {self.name}>"
 
 
-def find_attractors(
-    osc: Oscillator, r: float, clearance: float, load: float, starts: _Array, cycles: int,
-    probes: int, max_cycles: int, threads: int, progress: Callable[[float, str], None] | None = None,
-) -> tuple[list[BasinAttractor], NDArray[np.int32], int, bool]:  # fmt: skip
-    """The attractors by falling share, that of each state (5, m) (-1: none), and the events simulated.
-
-    And whether all were come to: Ctrl-C stops it.
-    """
-    (labels, events, n, kinds, letters, states, balls), complete = stoppable(
-        _core.basins, MOST, LETTERS, osc.xi, osc.mu, osc.restitution, r, load, clearance, starts, cycles,
-        probes, max_cycles, threads, tally=new_tally(), progress=progress, note="basins",
-    )  # fmt: skip
-    if n == 0 and not complete:
-        raise KeyboardInterrupt
+def attractors_of(basins: Basins) -> list[BasinAttractor]:
+    """The attractors that the core found, with the exact motion or the exponents of each."""
+    osc, r, clearance, load = basins.osc, basins.r, basins.clearance, basins.load
+    columns = basins._result.tables["attractors"].columns
+    names = ("name", "kind", "cycles", "state", "radius", "contraction", "growth")
     found = []
-    for j in range(n):
-        kind, (_, k, size) = KINDS[kinds[0, j]], kinds[:, j].tolist()
-        name = {"no impacts": kind, "periodic?": f"{size}/{k}?"}.get(kind, kind)
-        motion, exponents, state = None, None, as_state(states[:, j], clearance)
+    for name, kind, cycles, end, *balls in zip(
+        *(columns[name].decoded().tolist() for name in names), strict=True
+    ):
+        motion, exponents, state = None, None, as_state(np.array(end), clearance)
         if kind in ("periodic", "rest"):
-            name = "".join(SIDES[letter] for letter in letters[:size, j].tolist()) + f"/{k}"
-            motion = motion_at(osc, r, clearance, load, states[:, j], k)
+            motion = motion_at(osc, r, clearance, load, np.array(end), cycles)
         if kind in ("quasi-periodic", "chaotic"):
-            exponents = lyapunov(
-                osc, r, clearance, EXPONENT_CYCLES, state, load, EXPONENT_DISCARD, threads=threads
-            )
-        radius, contraction, growth = balls[:, j].tolist()
-        if kind in ("no impacts", "periodic?"):
-            growth = math.nan
-        found.append(
-            BasinAttractor(kind, name, motion, state, exponents, radius, contraction, growth)
-        )
-    names = [item.name for item in found]
-    numbered = [
-        replace(item, name=f"{item.name} ({names[: i + 1].count(item.name)})")
-        if names.count(item.name) > 1 else item
-        for i, item in enumerate(found)
-    ]  # fmt: skip
-    return numbered, labels - np.int32(1), round(events), complete
+            exponents = lyapunov(osc, r, clearance, EXPONENT_CYCLES, state, load, EXPONENT_DISCARD)
+        found.append(BasinAttractor(kind, name, motion, state, exponents, *balls))
+    return found
+
+
+def as_state(values: _Array, clearance: float) -> dict[str, float]:
+    """A state of the core as a mapping, between the walls but for what rounding is allowed."""
+    t, x, x_dot, z, z_dot = values.tolist()
+    half = 0.5 * clearance
+    if abs(z - x) > half * (1 + 1e-9):
+        z = x + math.copysign(half, z - x)
+    return {"t": t, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot}
+
+
+def motion_at(
+    osc: Oscillator, r: float, clearance: float, load: float, end: _Array, cycles: int
+) -> Motion | None:
+    """The exact stable motion of a period of some load cycles that an end is on, or None."""
+    run = simulate(osc, r, clearance, 2 * cycles + 3, state=as_state(end, clearance), load=load)
+    try:
+        motion = exact(osc, r, clearance, run, load=load)
+    except VibroimpactError:
+        return None
+    if motion.pattern.cycles != cycles or not motion.stable or not motion.admissible:
+        return None
+    events = run.events[run.events["time"] >= run.final_state["t"] - 2 * math.pi * cycles / r]
+    size = min(len(events), len(motion.events))
+    near = np.sort(events["x"])[:size] - np.sort(motion.events["x"])[:size]
+    return motion if np.abs(near).max(initial=0.0) < 1e-2 * clearance else None
