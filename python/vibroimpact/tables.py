@@ -83,8 +83,17 @@ class Column:
 
 def declared_column(told: dict[str, Any], words: tuple[str, ...], values: NDArray[Any]) -> Column:
     """A column from its declaration."""
-    names = ("name", "kind", "each", "unit", "meaning", "label", "listed")
-    return Column(**{name: told[name] for name in names}, words=words, values=values)
+    return Column(
+        told["name"], told["kind"], told["each"], told["unit"], told["meaning"], told["label"],
+        told["listed"], words, values,
+    )  # fmt: skip
+
+
+@cache
+def declared(study: str) -> dict[tuple[str, str], dict[str, Any]]:
+    """What a study declares of its columns, by table and name."""
+    columns = language()["results"][study]["columns"]
+    return {(item["table"], item["name"]): item for item in columns}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,10 +178,11 @@ def from_core(study: str, number: int) -> Result:
         if item["address"] is None:
             continue
         table = tables[item["table"]]
-        own = (item["inner"],) if item["each"] else ()
-        stored = STORED.get(item["kind"], "<i4")
+        about = declared(study)[item["table"], item["name"]]
+        own = (item["inner"],) if about["each"] else ()
+        stored = STORED.get(about["kind"], "<i4")
         values = shown(handle, item["address"], (*table.dims.values(), *own), stored)
-        table.columns[item["name"]] = declared_column(item, tuple(item["words"]), values)
+        table.columns[item["name"]] = declared_column(about, tuple(item["words"]), values)
     lines = [line[2:] for line in told["case"] if not line.startswith("# !")]
     case = "".join(f"{line}\n" for line in lines[: lines.index("&output")])
     return Result(

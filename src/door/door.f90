@@ -10,7 +10,7 @@ module vi_door
    use vi_case, only: case_type, echo
    use vi_parse_cases, only: find_name, parse_cases
    use vi_kinds, only: wp
-   use vi_result, only: column_kinds, column_type, complexes, filled_type, result_type, &
+   use vi_result, only: column_type, complexes, filled_type, result_type, &
       start_result, table_type, wholes, words
    use vi_study_list, only: list_columns_of, run_study
    use vi_text, only: line_type, split, whole
@@ -455,7 +455,7 @@ contains
       call add(buffer, '}')
    end subroutine add_table
 
-   !> Adds a column as an object.
+   !> Adds a column as an object: what its declaration does not say.
    subroutine add_column(buffer, filled)
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
@@ -464,11 +464,7 @@ contains
 
       associate (column => filled%column)
          call add(buffer, '{"table": "'//trim(column%table)//'", "name": "'//trim(column%name)// &
-            '", "kind": "'//trim(column_kinds(column%kind))//'", "each": "'//trim(column%each)// &
-            '", "unit": "'//trim(column%unit)//'", "meaning": ')
-         call add_quoted(buffer, trim(column%meaning))
-         call add(buffer, ', "listed": '//trim(merge('true ', 'false', column%listed))// &
-            ', "label": "'//trim(column%label)//'", "inner": '//whole(filled%inner))
+            '", "inner": '//whole(filled%inner))
       end associate
       call add_lines(buffer, 'words', filled%words)
       call add(buffer, ', "address": ')
