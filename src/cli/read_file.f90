@@ -4,7 +4,8 @@
 !! streams of the C library are independent.
 module vi_read_file
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_ptr, c_size_t
-   use vi_text, only: line_type, split
+   use vi_lines, only: split_lines
+   use vi_text, only: line_type
    implicit none (type, external)
    private
 
@@ -57,11 +58,7 @@ contains
       character(:), allocatable :: content
 
       call read_bytes(path, content, message)
-      call use_line_feeds(content)
-      if (len(content) >= 3) then                                 ! a byte order mark is no text
-         if (content(:3) == char(239)//char(187)//char(191)) content = content(4:)
-      end if
-      lines = split(content, achar(10))
+      call split_lines(content, lines)
    end subroutine read_lines
 
    !> Whether a file is a result of ours, which starts with #.
@@ -130,27 +127,5 @@ contains
       call last_error(text, len(text, c_size_t))
       message = text(:index(text, c_null_char) - 1)
    end subroutine explain
-
-   !> One line feed for each end of a line: a line feed, a carriage return, or the two together.
-   pure subroutine use_line_feeds(text)
-      !> The bytes of a file.
-      character(:), allocatable, intent(inout) :: text
-      character(*), parameter :: line_feed = achar(10), carriage_return = achar(13)
-      character :: this, before
-      integer :: i, n
-
-      if (index(text, carriage_return) == 0) return
-      n = 0
-      before = ' '
-      do i = 1, len(text)
-         this = text(i:i)
-         if (this /= line_feed .or. before /= carriage_return) then
-            n = n + 1
-            text(n:n) = merge(line_feed, this, this == carriage_return)
-         end if
-         before = this
-      end do
-      text = text(:n)
-   end subroutine use_line_feeds
 
 end module vi_read_file

@@ -8,6 +8,7 @@ module vi_door
       c_null_ptr, c_ptr
    use vi_buffer, only: add, add_quoted, buffer_type
    use vi_case, only: case_type, echo
+   use vi_lines, only: split_lines
    use vi_parse_cases, only: find_name, parse_cases
    use vi_kinds, only: wp
    use vi_result, only: column_type, complexes, filled_type, result_type, &
@@ -118,10 +119,12 @@ contains
       type(holder_type), pointer, intent(out) :: holder
       !> Of the text.
       type(case_type), allocatable, intent(out) :: cases(:)
+      type(line_type), allocatable :: lines(:)
 
       allocate (holder)
       holder%mark = mark
-      call parse_cases(split(text, new_line('a')), '', cases, holder%message, holder%line)
+      call split_lines(text, lines)
+      call parse_cases(lines, '', cases, holder%message, holder%line)
    end subroutine new_holder
 
    !> Makes a fault of a number of cases that is not one.

@@ -51,7 +51,7 @@ class Door:
         self.program, self.installed, self.folder = program, installed, folder
 
     def __call__(self, thing, text, status=0):
-        (self.folder / "case.nml").write_text(text, encoding="utf-8")
+        (self.folder / "case.nml").write_bytes(text.encode())
         done = subprocess.run(
             [self.program, thing, "case.nml"], cwd=self.folder, capture_output=True, text=True,
             timeout=600,
@@ -80,6 +80,13 @@ def test_digits_of_the_program(run, name):
     assert said.returncode == 0, said.stderr
     wanted = (run.folder / "results/case.csv").read_text(encoding="utf-8")
     assert run("show", CASES[name]) == wanted
+
+
+@pytest.mark.parametrize("end", ["\r\n", "\r"])
+def test_ends_of_lines(run, end):
+    """A text may come from a file of another system, with a byte order mark."""
+    text = "\ufeff" + CASES["response"].replace("\n", end)
+    assert run("show", text) == run("show", CASES["response"])
 
 
 @pytest.mark.parametrize("name", CASES)
