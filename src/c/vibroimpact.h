@@ -79,7 +79,7 @@ enum {
     VIBROIMPACT_REMARKS = 4, /* lines of the header of a file */
     VIBROIMPACT_CUT = 5,     /* how far it came if it was stopped within a line of points; else empty */
     VIBROIMPACT_CSV = 6,     /* the file that vibroimpact-batch writes; empty if there is none */
-    VIBROIMPACT_JSON = 7     /* all but the values, with the meaning of each column */
+    VIBROIMPACT_JSON = 7     /* all but the values: texts, tables, and columns with their words */
 };
 
 /* Copies a text of a result.
