@@ -31,7 +31,9 @@ class _Branch(Protocol):
         room: int,
         tally: _Integer,
         n: int = ...,
-    ) -> tuple[_Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int]: ...
+    ) -> tuple[
+        _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int
+    ]: ...
 
 @type_check_only
 class _ConditionText(Protocol):
@@ -175,7 +177,20 @@ class _Find(Protocol):
         releases_tried: int,
         threads: int,
         tally: _Integer,
-    ) -> tuple[int, int, _Integer, _Integer, _Real, _Integer, _Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
+    ) -> tuple[
+        int,
+        int,
+        _Integer,
+        _Integer,
+        _Real,
+        _Integer,
+        _Real,
+        _Real,
+        _Real,
+        _Complex,
+        _Integer,
+        _Integer,
+    ]: ...
 
 @type_check_only
 class _FinishChart(Protocol):

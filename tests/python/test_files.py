@@ -63,7 +63,6 @@ def test_datasets_are_labelled(name, results):
         assert data.sizes["vertex"] == sum(len(p) for zone in result.zones for p in zone.boundary)
 
 
-
 def test_netcdf_is_read_by_others(results, tmp_path):
     """Plain h5py sees the numbers and the units."""
     h5py = pytest.importorskip("h5py")
