@@ -39,19 +39,23 @@ contains
       !> Any text.
       character(*), intent(in) :: text
       character(*), parameter :: figures = '0123456789abcdef'
-      integer :: code, i
+      integer :: code, i, first
 
       call add(buffer, '"')
+      first = 1                                        ! of what needs no change and is not yet added
       do i = 1, len(text)
          code = iachar(text(i:i))
+         if (code >= 32 .and. text(i:i) /= '"' .and. text(i:i) /= '\') cycle
+         call add(buffer, text(first:i - 1))
+         first = i + 1
          if (code < 32) then
             call add(buffer, '\u00'//figures(code/16 + 1:code/16 + 1)// &
                figures(modulo(code, 16) + 1:modulo(code, 16) + 1))
          else
-            if (scan(text(i:i), '"\') > 0) call add(buffer, '\')
-            call add(buffer, text(i:i))
+            call add(buffer, '\'//text(i:i))
          end if
       end do
+      call add(buffer, text(first:))
       call add(buffer, '"')
    end subroutine add_quoted
 
