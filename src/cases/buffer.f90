@@ -42,7 +42,7 @@ contains
       integer :: code, i, first
 
       call add(buffer, '"')
-      first = 1                                        ! of what needs no change and is not yet added
+      first = 1                               ! of what needs no change and is not yet added
       do i = 1, len(text)
          code = iachar(text(i:i))
          if (code >= 32 .and. text(i:i) /= '"' .and. text(i:i) /= '\') cycle
