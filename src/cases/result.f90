@@ -107,7 +107,7 @@ contains
       type(result_type), intent(out) :: result
       integer :: i
 
-      result%case = case
+      allocate (result%case, source=case)
       result%cut = ''
       allocate (result%remarks(0), result%notes(0), result%tables(0), &
          result%columns(size(columns)))

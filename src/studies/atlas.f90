@@ -140,10 +140,11 @@ contains
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
       real(wp), allocatable, intent(out) :: places(:, :, :)
       integer, intent(inout), optional :: tally(3)
+      type(sheet_type) :: sheet
 
-      ! any pattern with rest will do
-      call simulate_nodes(zone_request(request, sheet_type(pattern_type([2, -2], 1)), finer), &
-         [request%max_impacts, request%max_cycles], request%threads, releases, places, tally)
+      sheet%pattern = pattern_type([2, -2], 1)         ! any with rest will do
+      call simulate_nodes(zone_request(request, sheet, finer), [request%max_impacts, &
+         request%max_cycles], request%threads, releases, places, tally)
    end subroutine simulate_lattice
 
    !> Whether the free mass comes to rest on a wall in the survey's motions within the limits or,
@@ -384,7 +385,7 @@ contains
       type(attractor_type), allocatable :: items(:)
       integer :: i, m
 
-      items = [atlas%attractors, atlas%sighted]
+      allocate (items, source=[atlas%attractors, atlas%sighted])
       allocate (seeds(2 + 2*size(pattern%sides), count([(is_of(items(i), pattern), &
          i=1, size(items))])))
       m = 0

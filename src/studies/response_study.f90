@@ -68,7 +68,7 @@ contains
             if (any(abs(r_values(case) - 1) <= 0)) call study%refuse(key, resonance// &
                'among the values')
          end if
-         key = clearance_name(case)
+         key = trim(clearance_name(case))
          if (all(size(study%numbers(key)) /= [1, n])) call study%refuse(key, 'one number, or '// &
             whole(n)//' as of r')
          call check_product(study, 'states', [n, study%whole_number('states')], &
@@ -90,11 +90,11 @@ contains
       end if
    end function r_values
 
-   !> The key that gives the clearance, or its inverse.
+   !> The key that gives the clearance, or its inverse, with blanks behind it.
    pure function clearance_name(case) result(name)
       !> The case.
       type(case_type), intent(in) :: case
-      character(merge(9, 17, case%study%has('clearance'))) :: name
+      character(17) :: name
 
       name = merge('clearance        ', 'inverse_clearance', case%study%has('clearance'))
    end function clearance_name
@@ -107,7 +107,7 @@ contains
       integer, intent(in) :: n
       real(wp) :: clearance(n)
 
-      associate (given => case%study%numbers(clearance_name(case)))
+      associate (given => case%study%numbers(trim(clearance_name(case))))
          clearance = given(1)
          if (size(given) == n) clearance = given
       end associate
