@@ -54,7 +54,8 @@ module vi_result
 
    !> A column with its values: rows of the table, and within a row the places of `each`.
    type, public :: filled_type
-      type(column_type) :: column
+      !> Allocated, since gfortran 12 takes the default values of it for uninitialized otherwise.
+      type(column_type), allocatable :: column
       !> Place of its table; 0 as long as it has no values.
       integer :: table = 0
       !> Values in a row.

@@ -48,7 +48,7 @@ contains
          i=1, len(dims))])
       rows = rows_in(sizes)
       place = findloc(result%tables%name == parent, .true., 1)
-      if (len(name) == 0 .or. len(name) > len(result%columns%column%table)) then
+      if (len(name) == 0 .or. len(name) > len(result%row)) then
          fault = 'must have a name of at most 16 letters'
       else if (any(result%tables%name == name)) then
          fault = 'is open already'
