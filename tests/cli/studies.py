@@ -59,7 +59,7 @@ def assert_zone(table, zone):
 def assert_atlas(path, atlas):
     """The zones of the table are those of the API's, in this order; lost attractors are in its header."""
     table = rows(path)
-    words = {True: "true", False: "false"}
+    words = {True: "true", False: "false", None: "false"}  # with rest they are not told apart
     wanted = {
         (zone.pattern.sides, str(zone.pattern.cycles), words[zone.symmetric]): zone
         for zone in atlas.zones if zone.boundary
