@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -35,7 +36,7 @@ def write_csv(noun: Any, path: Path) -> None:
     message = _core.write_result(handle.number, np.frombuffer(os.fsencode(path), "S1"))
     reason = bytes(message.tobytes()).decode(errors="replace").strip()
     if reason:
-        raise OSError(f"{path}: {reason}")
+        raise OSError(errno.ENOSPC if "full" in reason else errno.EIO, reason, str(path))
 
 
 def restored(result: Result) -> Handle:
