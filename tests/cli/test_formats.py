@@ -254,16 +254,16 @@ def test_attractors_in_other_forms(tool):
 
 def test_interrupted_cases_keep_what_is_finished(tmp_path, monkeypatch, capsys):
     """Ctrl-C in the second case: the first is written; status 1 and one line."""
-    module = importlib.import_module("vibroimpact.case")
-    ours, calls = module.zone, []
+    module = importlib.import_module("vibroimpact.door")
+    ours, calls = module.run_text, []
 
-    def zone(*arguments, **options):
+    def run_text(*arguments, **options):
         if calls:
             raise KeyboardInterrupt
         calls.append(1)
         return ours(*arguments, **options)
 
-    monkeypatch.setattr(module, "zone", zone)
+    monkeypatch.setattr(module, "run_text", run_text)
     case = kinds()["zone"].partition("&output")[0]
     path = write(tmp_path / "case.nml", case + case)
     assert main(["zone", str(path), "--format", "json", "-o", str(tmp_path / "out")]) == 1
