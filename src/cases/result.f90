@@ -54,7 +54,7 @@ module vi_result
 
    !> A column with its values: rows of the table, and within a row the places of `each`.
    type, public :: filled_type
-      !> Allocated, since gfortran 12 takes the default values of it for uninitialized otherwise.
+      !> Allocated, since gfortran 12 warns of its default values otherwise.
       type(column_type), allocatable :: column
       !> Place of its table; 0 as long as it has no values.
       integer :: table = 0
