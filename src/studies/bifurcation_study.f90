@@ -60,6 +60,10 @@ module vi_bifurcation_study
    type(column_type), parameter, public :: bifurcation_columns(*) = [ &
       column_type('runs', 'run', words, meaning='up, down, or a state'), &
       column_type('values', 'value', label='=', meaning='of the parameter'), &
+      column_type('values', 'r_along', listed=.false., &
+      meaning='frequency ratio at each value, unless it is the parameter'), &
+      column_type('values', 'clearance_along', unit='F0/K', listed=.false., &
+      meaning='clearance at each value, unless it is the parameter'), &
       column_type('cells', 'label', words, &
       meaning='impacts / load cycles of the period; empty if none was seen'), &
       column_type('impacts', 'side', words, words='R,L', meaning='wall'), &
@@ -214,6 +218,9 @@ contains
       call result%put_text('runs', 'run', names)
       call result%open('values', trim(parameter_of(case)), [m])
       call result%put('values', 'value', path%values)
+      call result%put('values', 'r_along', path%r(min(size(path%r), [(i, i=1, m)])))
+      call result%put('values', 'clearance_along', path%clearance(min(size(path%clearance), &
+         [(i, i=1, m)])))
       call result%open('cells', trim(parameter_of(case))//' run', [m, n])
       call result%put_text('cells', 'label', labels)
       call result%put('cells', 'cycles', [found%periods(1, :, :)])

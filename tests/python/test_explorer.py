@@ -230,7 +230,8 @@ def test_a_line_across_the_plane_is_the_same_both_ways():
     other = vi.bifurcation_diagram(osc, "clearance", clearance, r=r)
     assert one.points.tolist() == other.points.tolist()
     assert one.labels.tolist() == other.labels.tolist()
-    assert "clearance" in one.to_xarray().coords
+    np.testing.assert_array_equal(one.to_xarray()["clearance_along"], clearance)
+    np.testing.assert_array_equal(other.to_xarray()["r_along"], r)
     flat = vi.bifurcation_diagram(osc, "r", r, clearance=np.full(21, 30.0))
     assert (
         flat.points.tolist() == vi.bifurcation_diagram(osc, "r", r, clearance=30.0).points.tolist()
