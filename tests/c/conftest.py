@@ -1,58 +1,9 @@
 """The library for C as `meson install` puts it somewhere, and a program that calls it."""
 
-import os
 import shutil
-import subprocess
-import sys
-from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
-BUILD = ROOT / "build/fortran"
-
-
-def call(*words, **options):
-    """Run a program that has to end well; its stdout."""
-    options = {"timeout": 1800, "stdin": subprocess.DEVNULL, **options}
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, **options)
-    assert done.returncode == 0, f"{words[0]}: {done.returncode}\n{done.stdout}\n{done.stderr}"
-    return done.stdout
-
-
-def tool(name):
-    """A program of the environment, or of the system."""
-    beside = Path(sys.executable).parent / name
-    return str(beside) if beside.exists() else name
-
-
-@dataclass(frozen=True)
-class Installed:
-    """A folder with bin, include and lib, and what pkg-config says of it."""
-
-    prefix: Path
-    libdir: Path
-    flags: tuple[str, ...]
-
-    @property
-    def program(self):
-        return self.prefix / "bin/vibroimpact-batch"
-
-    def environment(self):
-        """Where other programs find the library."""
-        return {
-            **os.environ,
-            "LD_LIBRARY_PATH": str(self.libdir),
-            "CMAKE_PREFIX_PATH": str(self.prefix),
-            "PKG_CONFIG_PATH": str(self.libdir / "pkgconfig"),
-        }
-
-    def compile(self, source, target, *options, compiler="cc"):
-        """Compile one file against the library."""
-        paths = [source, "-o", target, *self.flags, f"-Wl,-rpath,{self.libdir}", "-lm", "-lpthread"]
-        call(*compiler.split(), *options, *paths)
-        return target
+from installed_library import BUILD, ROOT, Installed, call, tool
 
 
 @pytest.fixture(scope="session")

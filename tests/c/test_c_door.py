@@ -5,7 +5,7 @@ import re
 import subprocess
 
 import pytest
-from conftest import ROOT, call
+from installed_library import ROOT, call
 
 SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
 FREE = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 
 import pytest
-from conftest import ROOT, call
+from installed_library import ROOT, call
 
 EXAMPLES = ROOT / "docs/languages"
 CASE = (
