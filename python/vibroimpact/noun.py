@@ -153,10 +153,6 @@ class Noun:
 
         save.save(self, path)
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw it (extra `plot`); returns the Axes."""
-        raise NotImplementedError
-
     def _repr_html_(self) -> str:
         """What Jupyter shows, with a small picture if matplotlib is there."""
         from .formats import html
