@@ -1,14 +1,13 @@
-!> First contact: the first instant at which the free mass reaches a wall, and none before is
-!! missed.
+!> First contact: the first instant at which the free mass reaches a wall. No contact is missed.
 !!
-!! This is the plain way, which takes any flight; vi_march is the fast one for ordinary flights,
-!! comes back to this where it cannot decide, and is tested against it.
+!! This is the reference method, which handles any flight. vi_march is the fast one for ordinary
+!! flights, falls back on this one where it cannot decide, and is tested against it.
 !!
-!! From any instant a bound on the fourth derivative of the gaps tells how long neither can close;
-!! steps of that length cannot jump over a contact, however short it is, and converge to it with
-!! third order. In the first moments after leaving a wall the gap to that wall is a small difference
-!! of large numbers. There its Taylor series is used instead: g(t) = t k(t) with k(0) the departure
-!! speed, so that flights in an accumulation of impacts keep their relative accuracy.
+!! At any instant a bound on the fourth derivative of the gaps gives a time within which neither
+!! gap can close. Steps of that length cannot jump over a contact, however short it is, and converge
+!! to it with third order. Just after departure from a wall the gap to that wall is a small
+!! difference of large numbers. There its Taylor series is used instead: g(t) = t k(t) with k(0) the
+!! departure speed, so that flights in an accumulation of impacts keep their relative accuracy.
 module vi_contact
    use vi_advance, only: safe_step
    use vi_flight, only: flight_type
@@ -19,8 +18,9 @@ module vi_contact
 
    public :: first_contact
 
-   !> How a flight begins: on a wall (side +1 or -1) with a departure speed, or inside (side 0).
-   !! With a negative speed it begins with a contact.
+   !> How a flight begins: on a wall (side +1 right, -1 left) with a departure speed relative to it
+   !! (omega F0/K), or between the walls (side 0). A negative speed means that it begins with a
+   !! contact.
    type, public :: departure_type
       integer :: side = 0
       real(wp) :: speed = 0
@@ -51,12 +51,15 @@ contains
 
    !> The first contact of a flight with a wall within a time limit.
    pure function first_contact(flight, half, departure, limit, from) result(contact)
+      !> Closed-form motion of both masses; its time 0 is the start of the flight.
       type(flight_type), intent(in) :: flight
-      !> Half the clearance: the walls are at y = -half and y = +half.
+      !> Half the clearance (F0/K): the walls are at y = z - x = -half and y = +half.
       real(wp), intent(in) :: half
+      !> Wall that the free mass leaves at time 0, and its speed relative to it.
       type(departure_type), intent(in) :: departure
+      !> Latest time (1/omega after the start) of a contact that is reported.
       real(wp), intent(in) :: limit
-      !> No contact is before this time; by default the start.
+      !> Time (1/omega) before which there is certainly no contact; 0 by default.
       real(wp), intent(in), optional :: from
       type(contact_type) :: contact
 
@@ -70,12 +73,18 @@ contains
       end if
    end function first_contact
 
-   !> The first contact, none being before a time.
+   !> The first contact of a flight that is known to have none before the time `from`.
    pure function contact_after(flight, half, departure, limit, from) result(contact)
+      !> Closed-form motion of both masses; its time 0 is the start of the flight.
       type(flight_type), intent(in) :: flight
+      !> Half the clearance (F0/K).
       real(wp), intent(in) :: half
+      !> Wall that the free mass leaves at time 0, and its speed >= 0 relative to it.
       type(departure_type), intent(in) :: departure
-      real(wp), intent(in) :: limit, from
+      !> Latest time (1/omega after the start) of a contact that is reported.
+      real(wp), intent(in) :: limit
+      !> Time (1/omega) at which the search starts.
+      real(wp), intent(in) :: from
       type(contact_type) :: contact
       real(wp) :: t, step, other, reach, bound, near, far(2), k(0:terms - 1), d(0:5)
       integer :: n, first, side
@@ -114,7 +123,9 @@ contains
    contains
       !> A safe step for the gap to the wall of a side, no longer than needed.
       pure real(wp) function gap_step(side, longest) result(h)
+         !> Wall: +1 right, -1 left.
          integer, intent(in) :: side
+         !> Longest step (1/omega) that is wanted.
          real(wp), intent(in) :: longest
          real(wp) :: gap
 
@@ -131,8 +142,12 @@ contains
    !> Times before which the walls (right, left) are out of the reach of the primary mass, as seen
    !! at time t.
    pure function out_of_reach(flight, half, t) result(time)
+      !> Closed-form motion of both masses.
       type(flight_type), intent(in) :: flight
-      real(wp), intent(in) :: half, t
+      !> Half the clearance (F0/K).
+      real(wp), intent(in) :: half
+      !> Time (1/omega) from which on the primary mass is bounded by its amplitude.
+      real(wp), intent(in) :: t
       real(wp) :: time(2), reserve, speed
       integer :: i, side
 
@@ -151,7 +166,9 @@ contains
 
    !> Coefficients of k(t) = g(t)/t, the gap to the wall just left over time.
    pure function gap_series(flight, departure) result(k)
+      !> Closed-form motion of both masses.
       type(flight_type), intent(in) :: flight
+      !> Wall just left, the departure speed k(0), and whether the gap opens from rest.
       type(departure_type), intent(in) :: departure
       real(wp) :: k(0:terms - 1)
       real(wp) :: free(0:terms), forced(0:terms), factorial
@@ -176,10 +193,16 @@ contains
    !!
    !! |k''''| <= B/5 with B a bound on the fifth derivative of the gap.
    pure real(wp) function series_step(flight, k, departure, t, near) result(step)
+      !> Closed-form motion of both masses, for the bounds on its derivatives.
       type(flight_type), intent(in) :: flight
+      !> Taylor coefficients of g(t)/t from `gap_series`.
       real(wp), intent(in) :: k(0:)
+      !> Only `released` is read: whether the gap opens from rest.
       type(departure_type), intent(in) :: departure
-      real(wp), intent(in) :: t, near
+      !> Time after the start of the flight (1/omega).
+      real(wp), intent(in) :: t
+      !> End of the time (1/omega after the start) in which the series is used.
+      real(wp), intent(in) :: near
       real(wp) :: value, slope, curvature, jerk, bound
       integer :: n
 
@@ -205,7 +228,10 @@ contains
 
    !> Approach speed -g' = -t k' at a zero of k.
    pure real(wp) function series_speed(k, t) result(speed)
-      real(wp), intent(in) :: k(0:), t
+      !> Taylor coefficients of g(t)/t from `gap_series`.
+      real(wp), intent(in) :: k(0:)
+      !> Time of the zero of k (1/omega after the start).
+      real(wp), intent(in) :: t
       integer :: n
 
       speed = 0

@@ -25,13 +25,18 @@ contains
    !! time scale, so that the error of the value, at most |x''| delta^2/2, is of the order of
    !! rounding.
    pure subroutine relative_extrema(flight, lowest, highest, complete, lowest_at, highest_at, begin)
+      !> Closed-form motion of both masses between two impacts.
       type(flight_type), intent(in) :: flight
-      real(wp), intent(out) :: lowest, highest
+      !> Least stationary value of z - x (F0/K), +huge if there is none.
+      real(wp), intent(out) :: lowest
+      !> Greatest stationary value of z - x (F0/K), -huge if there is none.
+      real(wp), intent(out) :: highest
       !> False if the step budget ran out before the end of the flight.
       logical, intent(out) :: complete
-      !> When they occur; -1 where there is none.
+      !> Times of these values (1/omega after the start); -1 where there is none.
       real(wp), intent(out), optional :: lowest_at, highest_at
-      !> Where to begin, if there is none before; 0 by default.
+      !> Time (1/omega) at which the search starts, with no stationary point before it; 0 by
+      !! default.
       real(wp), intent(in), optional :: begin
       real(wp) :: t, d(0:5), g, direction, before, bound, step, shortest, longest, relative
       real(wp) :: bounds(2), shrink

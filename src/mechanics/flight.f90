@@ -12,8 +12,9 @@ module vi_flight
    !!
    !! Its clock starts at 0 at the impact that begins it (time unit 1/omega).
    type, extends(oscillation_type), public :: flight_type
-      !> Position and velocity of the free mass at the start.
+      !> Position (F0/K) and velocity (omega F0/K) of the free mass at the start.
       real(wp) :: z, z_dot
+      !> Time until the next impact (1/omega).
       real(wp) :: duration
    end type flight_type
 
@@ -21,11 +22,17 @@ contains
 
    !> A flight from the state just after an impact.
    pure function new_flight(xi, r, amplitude, phase, x, x_dot, z, z_dot, duration) result(flight)
-      real(wp), intent(in) :: xi, r
-      !> Forced motion: A, and the argument of its sine at the start, alpha_i + tau.
+      !> Damping ratio.
+      real(wp), intent(in) :: xi
+      !> Frequency ratio Omega/omega.
+      real(wp), intent(in) :: r
+      !> Forced motion: amplitude A (F0/K), and the argument of its sine at the start, alpha_i + tau
+      !! (rad).
       real(wp), intent(in) :: amplitude, phase
-      !> State at the start: x and z positions, x_dot and z_dot velocities.
+      !> State just after the impact: positions x and z (F0/K), velocities x_dot and z_dot (omega
+      !! F0/K).
       real(wp), intent(in) :: x, x_dot, z, z_dot
+      !> Time until the next impact (1/omega).
       real(wp), intent(in) :: duration
       type(flight_type) :: flight
 
@@ -37,8 +44,11 @@ contains
 
    !> Position, velocity and acceleration of the primary mass at time t: equations (2), (27).
    pure subroutine flight_state(flight, t, x, x_dot, x_ddot)
+      !> Closed-form motion of both masses.
       type(flight_type), intent(in) :: flight
+      !> Time after the start of the flight (1/omega).
       real(wp), intent(in) :: t
+      !> Position (F0/K), velocity (omega F0/K) and acceleration (omega^2 F0/K).
       real(wp), intent(out) :: x, x_dot, x_ddot
       real(wp) :: d(0:5)
 
@@ -50,7 +60,9 @@ contains
 
    !> Position of the free mass at time t.
    elemental real(wp) function flight_position(flight, t) result(z)
+      !> Closed-form motion of both masses.
       type(flight_type), intent(in) :: flight
+      !> Time after the start of the flight (1/omega).
       real(wp), intent(in) :: t
 
       z = flight%z + flight%z_dot*t

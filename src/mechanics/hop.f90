@@ -17,17 +17,25 @@ module vi_hop
 
 contains
 
-   !> The next contact, if the flight is surely such a hop; otherwise a time of 0.
+   !> The next contact, if the flight is proved to be such a hop; otherwise a time of 0.
    pure subroutine hop(m, load, s, c, x, x_dot, side, speed, clearance, time, approach)
+      !> Tables for the flight's damping, frequency ratio and forced motion.
       type(transition_type), intent(in) :: m
-      !> Load amplitude, sine and cosine of its phase.
+      !> Load amplitude over F0, and the sine and cosine of its phase at the start.
       real(wp), intent(in) :: load, s, c
+      !> Position (F0/K) and velocity (omega F0/K) of the primary mass at the start.
       real(wp), intent(in) :: x, x_dot
-      !> The wall, and the departure speed > 0.
+      !> The wall just left: +1 right, -1 left.
       integer, intent(in) :: side
+      !> Departure speed > 0 relative to that wall (omega F0/K).
       real(wp), intent(in) :: speed
+      !> Distance between the walls (F0/K).
       real(wp), intent(in) :: clearance
-      real(wp), intent(out) :: time, approach
+      !> Time of the next contact with the same wall (1/omega after the start); 0 if the flight is
+      !! not proved to be a hop.
+      real(wp), intent(out) :: time
+      !> Approach speed at that contact (omega F0/K); 0 where `time` is 0.
+      real(wp), intent(out) :: approach
       real(wp) :: k(0:terms - 1), t, end, step, value, slope
       integer :: i, n
 
@@ -58,8 +66,12 @@ contains
 
    !> The coefficients of k, from the equation of motion.
    pure function series(m, load, s, c, x, x_dot, side, speed) result(k)
+      !> Tables; only 2 xi, r and r^2 are read.
       type(transition_type), intent(in) :: m
+      !> Load amplitude, sine and cosine of its phase, position and velocity of the primary mass at
+      !! the start, departure speed, as in `hop`.
       real(wp), intent(in) :: load, s, c, x, x_dot, speed
+      !> The wall just left: +1 right, -1 left.
       integer, intent(in) :: side
       real(wp) :: k(0:terms - 1)
       real(wp) :: d(0:terms), push(0:terms), factorial
@@ -77,11 +89,14 @@ contains
       end do
    end function series
 
-   !> Whether k surely falls all the time until an end, and through zero.
+   !> Whether k is proved to decrease from time 0 to `end` and to pass zero.
    !!
    !! |k''''| is at most a fifth of a bound on the fifth derivative of x.
    pure logical function falls(m, k, end, s, c, x, x_dot)
+      !> Tables for the flight's damping, frequency ratio and forced motion.
       type(transition_type), intent(in) :: m
+      !> Taylor coefficients from `series`, the end of the time span (1/omega), the sine and cosine
+      !! of the load phase, position and velocity of the primary mass at the start.
       real(wp), intent(in) :: k(0:), end, s, c, x, x_dot
       real(wp) :: free, free_dot, bound, steepest
 

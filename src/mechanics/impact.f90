@@ -11,7 +11,10 @@ contains
    !> Velocities just after an impact from those just before, from equations (11), (12).
    elemental subroutine impact(mu, restitution, x_dot_before, z_dot_before, x_dot_after, &
       z_dot_after)
+      !> Mass ratio m/M, coefficient of restitution of the wall, velocities of the primary and the
+      !! free mass just before the impact (omega F0/K).
       real(wp), intent(in) :: mu, restitution, x_dot_before, z_dot_before
+      !> Velocities of the primary and the free mass just after it.
       real(wp), intent(out) :: x_dot_after, z_dot_after
 
       x_dot_after = ((1 - mu*restitution)*x_dot_before + mu*(1 + restitution)*z_dot_before)/(1 + mu)
@@ -21,7 +24,10 @@ contains
    !> Velocities of the primary mass around an impact from those of the free mass: (13), (28).
    elemental subroutine primary_velocities(mu, restitution, z_dot_before, z_dot_after, &
          x_dot_before, x_dot_after)
+      !> Mass ratio m/M, coefficient of restitution of the wall, velocities of the free mass just
+      !! before and after the impact (omega F0/K).
       real(wp), intent(in) :: mu, restitution, z_dot_before, z_dot_after
+      !> Velocities of the primary mass just before and after it.
       real(wp), intent(out) :: x_dot_before, x_dot_after
 
       x_dot_after = ((1 + mu)*restitution*z_dot_before + (1 - mu*restitution)*z_dot_after) &

@@ -1,10 +1,11 @@
-!> First contact of an ordinary flight, at the price of a few products.
+!> First contact of an ordinary flight, at the cost of a few multiplications.
 !!
-!! The flight is marched over in cells. In a cell y = z - x and y' are cubics to within a proven
-!! error, and Bernstein coefficients bound a cubic from both sides. They prove that a cell has no
-!! contact, or that y is monotone in it: then it has one or none, as the end of the cell tells, and
-!! Newton's method finds it. Where neither can be proved even in the smallest cell (grazing, many
-!! contacts on end), the march stops and says from when on `first_contact` has to look.
+!! The flight is divided into cells of time. In a cell y = z - x and y' are cubics to within a
+!! proven error, and Bernstein coefficients bound a cubic from both sides. They prove that a cell
+!! has no contact, or that y is monotone in it. A monotone y has one contact or none, depending on
+!! its value at the end of the cell, and Newton's method finds it. Where neither can be proved in
+!! the smallest cell (grazing, many contacts in succession), the march stops and returns the time
+!! from which on `first_contact` has to search.
 module vi_march
    use vi_kinds, only: wp
    use vi_transition, only: first_cell, idle_time, largest, moment_after, moment_type, nodes, &
@@ -18,10 +19,14 @@ module vi_march
    integer, parameter :: cell_budget = 10000000
    real(wp), parameter :: sixth = 1.0_wp/6, by_24 = 1.0_wp/24, by_120 = 1.0_wp/120
 
+   !> Result of a march: the first contact, or the time up to which there is none.
    type, public :: touch_type
-      !> +1 or -1; 0 if there is no contact before `time`, and nothing is known about later.
+      !> Wall, +1 right or -1 left; 0 if there is no contact before `time` and nothing is known
+      !! about later times.
       integer :: side = 0
+      !> Time after the start of the flight (1/omega).
       real(wp) :: time = 0
+      !> Position (F0/K) and velocity (omega F0/K) of the primary mass at the contact.
       real(wp) :: x = 0, x_dot = 0
    end type touch_type
 
@@ -31,14 +36,19 @@ contains
    !!
    !! Returns without a side beyond the limit, or where it cannot decide.
    pure subroutine march(m, s, c, x, x_dot, z, z_dot, half, side, speed, limit, touch)
+      !> Tables of the run.
       type(transition_type), intent(in) :: m
-      !> Sine and cosine of the load phase, positions and velocities.
+      !> At the start: sine and cosine of the load phase, positions (F0/K) and velocities (omega
+      !! F0/K) of the primary and the free mass.
       real(wp), intent(in) :: s, c, x, x_dot, z, z_dot
-      !> Half the clearance.
+      !> Half the clearance (F0/K).
       real(wp), intent(in) :: half
-      !> The wall just left, and how fast.
+      !> The wall just left: +1 right, -1 left.
       integer, intent(in) :: side
+      !> Departure speed relative to that wall (omega F0/K), and the latest time (1/omega) that is
+      !! examined.
       real(wp), intent(in) :: speed, limit
+      !> The contact; with side 0, the time up to which there is none.
       type(touch_type), intent(out) :: touch
       type(moment_type) :: start, here
       real(wp) :: base, idle, bounds(0:2), toward
@@ -91,14 +101,19 @@ contains
       touch%time = base + a*m%h
    end subroutine march
 
-   !> Size of the first cell: the wall just left is not hit again within it; or -1.
+   !> Size of the largest first cell in which the wall just left is certainly not hit again; -1 if
+   !! that
+   !! is certain for no size.
    !!
    !! The gap to that wall is t k(t), with k'''' at most a fifth of the bound on x'''''.
    pure integer function first_size(m, at, side, speed, bound) result(size)
+      !> Tables of the run.
       type(transition_type), intent(in) :: m
+      !> State at the start of the flight.
       type(moment_type), intent(in) :: at
+      !> The wall just left: +1 right, -1 left.
       integer, intent(in) :: side
-      !> Departure speed, and a bound on the fifth derivative of x.
+      !> Departure speed (omega F0/K), and a bound on the fifth derivative of x.
       real(wp), intent(in) :: speed, bound
       real(wp) :: k(4)
 
@@ -109,10 +124,13 @@ contains
       end do
    end function first_size
 
-   !> y at a node.
+   !> y = z - x (F0/K) at a node of the table.
    pure real(wp) function position(m, here, j) result(y)
+      !> Tables of the run.
       type(transition_type), intent(in) :: m
+      !> State at node 0.
       type(moment_type), intent(in) :: here
+      !> Number of the node, 0 to `nodes`.
       integer, intent(in) :: j
 
       associate (f => m%table(:, j))
@@ -121,14 +139,18 @@ contains
       end associate
    end function position
 
-   !> Whether a cell has no contact.
+   !> Whether a cell is proved to have no contact.
    pure logical function clear(m, here, half, left, a, size, bound)
+      !> Tables of the run.
       type(transition_type), intent(in) :: m
+      !> State at node 0.
       type(moment_type), intent(in) :: here
+      !> Half the clearance (F0/K).
       real(wp), intent(in) :: half
-      !> A wall that is known to be out of question, or 0; first node of the cell, and its size.
+      !> A wall that is known not to be hit in this cell (+1, -1), or 0; first node of the cell;
+      !! size of the cell.
       integer, intent(in) :: left, a, size
-      !> On the fourth derivative of x.
+      !> Bound on the fourth derivative of x.
       real(wp), intent(in) :: bound
       real(wp) :: x(4), z, step, reserve
 
@@ -145,10 +167,13 @@ contains
    !!
    !! A slope that falls to less than an eighth is left to smaller cells, so that Newton is safe.
    pure real(wp) function direction(m, here, a, size, bound)
+      !> Tables of the run.
       type(transition_type), intent(in) :: m
+      !> State at node 0.
       type(moment_type), intent(in) :: here
+      !> First node and size of the cell.
       integer, intent(in) :: a, size
-      !> On the fifth derivative of x.
+      !> Bound on the fifth derivative of x.
       real(wp), intent(in) :: bound
       real(wp) :: v(4), error
 
@@ -160,9 +185,13 @@ contains
          0.125_wp*(max(v(1), v(2), v(3), v(4)) + error)) direction = 0
    end function direction
 
-   !> Bernstein coefficients of the cubic that a matrix of the tables makes of a moment.
+   !> Bernstein coefficients of the cubic in a cell: the cubics of the four functions, weighted by
+   !! the
+   !! components of a state.
    pure function combined(matrix, at) result(b)
+      !> (coefficient, function): cubics of the four functions in the cell, from the tables.
       real(wp), intent(in) :: matrix(4, 4)
+      !> State at node 0.
       type(moment_type), intent(in) :: at
       real(wp) :: b(4)
 
@@ -170,12 +199,14 @@ contains
          + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
    end function combined
 
-   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a moment on.
+   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a state on.
    !!
    !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
    !! part by r.
    pure function bounds_after(m, at) result(bounds)
+      !> Tables of the run.
       type(transition_type), intent(in) :: m
+      !> State from which on the bounds hold.
       type(moment_type), intent(in) :: at
       real(wp) :: bounds(0:2)
 
@@ -185,13 +216,20 @@ contains
 
    !> The one contact in a cell in which y is monotone.
    pure subroutine pinpoint(m, here, half, toward, centre, w, touch)
+      !> Tables of the run.
       type(transition_type), intent(in) :: m
+      !> State at node 0.
       type(moment_type), intent(in) :: here
+      !> Half the clearance (F0/K).
       real(wp), intent(in) :: half
-      !> The wall; middle node and half width of the cell.
+      !> The wall: +1 right, -1 left.
       real(wp), intent(in) :: toward
+      !> Middle node of the cell.
       integer, intent(in) :: centre
+      !> Half the width of the cell (1/omega).
       real(wp), intent(in) :: w
+      !> In: side 0. Out: the contact, its time counted from node 0; if Newton's method fails, side
+      !! 0 and the start of the cell.
       type(touch_type), intent(inout) :: touch
       type(moment_type) :: middle, at
       real(wp) :: origin, t, s, s2, last, x_dot, y(0:5)
@@ -226,9 +264,12 @@ contains
       touch%time = centre*m%h - w
    end subroutine pinpoint
 
-   !> Where y reaches a value, to fifth order in the distance; `last` is the term of that order.
+   !> Distance in time at which y reaches a value, by series reversion to fifth order.
    pure subroutine revert(y, value, shift, last)
+      !> y and its first five derivatives, and the value (F0/K).
       real(wp), intent(in) :: y(0:5), value
+      !> Time (1/omega) from there to the value, and the term of fifth order in it, an estimate of
+      !! the error.
       real(wp), intent(out) :: shift, last
       real(wp) :: inverse, e, e2, a, b, c, d
 
@@ -243,10 +284,13 @@ contains
       shift = (e + e2*(((2*a*a - b)*e - a) + e2*(5*a*(b - a*a) - c))) + last
    end subroutine revert
 
-   !> The moment a transition f, a time t, later: as `moment_after` does, here without a call.
+   !> The state a time t later, like `moment_after`, with the four functions given.
    pure function moved(m, from, f, t) result(to)
+      !> Tables of the run; only 2 xi is read.
       type(transition_type), intent(in) :: m
+      !> State at time 0.
       type(moment_type), intent(in) :: from
+      !> The four functions at time t, and t (1/omega).
       real(wp), intent(in) :: f(4), t
       type(moment_type) :: to
 
@@ -258,9 +302,12 @@ contains
       to%z_dot = from%z_dot
    end function moved
 
-   !> The four functions at a time within half a time scale: not in all of the largest cells.
+   !> The four functions by their Taylor series, for times within half the shortest time scale (the
+   !! largest cells are longer than that).
    pure function nearby(m, t) result(f)
+      !> Tables of the run; only the Taylor coefficients are read.
       type(transition_type), intent(in) :: m
+      !> Time (1/omega), of either sign.
       real(wp), intent(in) :: t
       real(wp) :: f(4)
       real(wp) :: t2, t4, p(6)
@@ -274,9 +321,11 @@ contains
       f = [p(1) + t*p(2), p(3) + t*p(4), p(5), t*p(6)]
    end function nearby
 
-   !> y = z - x and its first five derivatives.
+   !> y = z - x and its first five derivatives at a state.
    pure function forward(m, at) result(y)
+      !> Tables of the run; only xi and r are read.
       type(transition_type), intent(in) :: m
+      !> State of both masses.
       type(moment_type), intent(in) :: at
       real(wp) :: y(0:5)
       real(wp) :: f2, f3, f4, f5, p2, p3

@@ -23,6 +23,9 @@ contains
 
    !> The oscillation with position x and velocity x_dot at time 0.
    pure function new_oscillation(decay, frequency, r, amplitude, phase, x, x_dot) result(o)
+      !> Decay rate and frequency nu of the free part (both over omega), frequency ratio, forced
+      !! amplitude A (F0/K), argument of its sine at time 0 (rad), and the position (F0/K) and
+      !! velocity (omega F0/K) at time 0.
       real(wp), intent(in) :: decay, frequency, r, amplitude, phase, x, x_dot
       type(oscillation_type) :: o
 
@@ -37,9 +40,11 @@ contains
 
    !> x and its first five derivatives at time t: equations (2), (27) and on.
    pure function derivatives(o, t, known) result(d)
+      !> Constants of the oscillation.
       class(oscillation_type), intent(in) :: o
+      !> Time (1/omega).
       real(wp), intent(in) :: t
-      !> exp(-decay t)
+      !> exp(-decay t), if the caller has it already.
       real(wp), intent(in), optional :: known
       real(wp) :: d(0:5)
       real(wp) :: shrink, s, c, forced, forced_dot, stiffness, free(0:5)
@@ -67,11 +72,14 @@ contains
    !> A bound on the absolute n-th derivative of x from time t on.
    !!
    !! The free part is Re(c exp(lambda t)) with |c| = |(a, b)|: a derivative multiplies its
-   !! amplitude by
-   !! |lambda|, and that of the forced part by r.
+   !! amplitude
+   !! by |lambda|, and that of the forced part by r.
    pure real(wp) function derivative_bound(o, n, t) result(bound)
+      !> Constants of the oscillation.
       class(oscillation_type), intent(in) :: o
+      !> Order of the derivative, 0 for x itself.
       integer, intent(in) :: n
+      !> Time (1/omega) from which on the bound holds.
       real(wp), intent(in) :: t
 
       real(wp) :: parts(2)
@@ -80,9 +88,13 @@ contains
       bound = parts(1)*exp(-o%decay*t) + parts(2)
    end function derivative_bound
 
-   !> Its parts: that of the free part at time 0, which goes with exp(-decay t), and of the forced.
+   !> The two terms of that bound: for the free part at time 0, to be multiplied by exp(-decay t),
+   !! and
+   !! for the forced part.
    pure function derivative_bounds(o, n) result(bounds)
+      !> Constants of the oscillation.
       class(oscillation_type), intent(in) :: o
+      !> Order of the derivative, 0 for x itself.
       integer, intent(in) :: n
       real(wp) :: bounds(2)
 

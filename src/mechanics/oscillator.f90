@@ -28,6 +28,7 @@ contains
 
    !> Damped natural frequency over omega, equation (3).
    elemental real(wp) function eta(xi)
+      !> Damping ratio, 0 <= xi < 1.
       real(wp), intent(in) :: xi
 
       eta = sqrt((1 - xi)*(1 + xi))
@@ -35,6 +36,7 @@ contains
 
    !> Amplitude A of the motion without impacts for F0/K = 1, equation (4).
    elemental real(wp) function gain(xi, r)
+      !> Damping ratio, and frequency ratio Omega/omega; infinite for xi = 0, r = 1.
       real(wp), intent(in) :: xi, r
 
       gain = 1/hypot((1 - r)*(1 + r), 2*xi*r)
@@ -42,6 +44,7 @@ contains
 
    !> Phase by which the motion without impacts lags the load, in [0, pi], equation (4).
    elemental real(wp) function lag(xi, r)
+      !> Damping ratio, and frequency ratio Omega/omega.
       real(wp), intent(in) :: xi, r
 
       lag = atan2(2*xi*r, (1 - r)*(1 + r))

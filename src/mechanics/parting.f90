@@ -23,7 +23,8 @@ contains
    !> Whether the masses leave the impact at the start of a flight with one velocity, as far as
    !! rounding can tell.
    elemental logical function leaves_together(x_dot, z_dot, before)
-      !> Velocities after the impact, and the largest of those before it.
+      !> Velocities of the two masses after the impact, and the largest of those before it (omega
+      !! F0/K).
       real(wp), intent(in) :: x_dot, z_dot, before
 
       leaves_together = abs(x_dot - z_dot) <= 16*epsilon(1.0_wp)*max(abs(x_dot), abs(z_dot), &
@@ -32,12 +33,14 @@ contains
 
    !> Whether the gap opens after an impact on a wall that the masses leave together.
    pure subroutine parting(flight, side, answer, until)
+      !> Closed-form motion from the impact on, as if the masses parted.
       type(flight_type), intent(in) :: flight
-      !> +1 right, -1 left.
+      !> Wall of the impact: +1 right, -1 left.
       real(wp), intent(in) :: side
       !> `parted`, `in_contact` or `uncertain`.
       integer, intent(out) :: answer
-      !> Up to this time the gap grows, if it opens; after a doubtful opening it is open then.
+      !> Time (1/omega) up to which the gap grows, if it opens; after an `uncertain` opening the gap
+      !! is open at that time.
       real(wp), intent(out) :: until
       real(wp) :: a, j, root, d(0:5), fourth, error(2)
 

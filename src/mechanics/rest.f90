@@ -17,9 +17,11 @@ contains
 
    !> The joint oscillation of both masses.
    pure function new_rest(xi, mu, r, load, load_phase, x, x_dot) result(rest)
+      !> Damping ratio, mass ratio m/M, and frequency ratio Omega/omega.
       real(wp), intent(in) :: xi, mu, r
-      !> Amplitude f of the load, and its phase at time 0.
+      !> Amplitude f of the load (1, or 0 for free vibration), and its phase at time 0 (rad).
       real(wp), intent(in) :: load, load_phase
+      !> Common position (F0/K) and velocity (omega F0/K) at time 0.
       real(wp), intent(in) :: x, x_dot
       type(oscillation_type) :: rest
       real(wp) :: decay, frequency, elastic, viscous
@@ -32,11 +34,15 @@ contains
          load_phase - atan2(viscous, elastic), x, x_dot)
    end function new_rest
 
-   !> When the contact with the wall of side s ends; huge if not within the limit.
+   !> When the contact with a wall ends.
    pure subroutine release_time(rest, side, limit, time, complete)
+      !> Joint oscillation from `new_rest`; its time 0 is the start of the rest.
       type(oscillation_type), intent(in) :: rest
+      !> Wall: +1 right, -1 left.
       integer, intent(in) :: side
+      !> Latest time (1/omega) of a release that is reported.
       real(wp), intent(in) :: limit
+      !> Time of the release (1/omega after the start); huge if there is none within the limit.
       real(wp), intent(out) :: time
       !> False if the step budget ran out.
       logical, intent(out) :: complete

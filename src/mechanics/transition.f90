@@ -1,4 +1,4 @@
-!> What all flights of a run have in common: how the two parts of x move on, from tables.
+!> What all flights of a run have in common: tables that advance the two parts of x in time.
 !!
 !! Both are linear in the moment they start from: the free part is u(t) times its position plus v(t)
 !! times its velocity, the forced part turns by cos(r t), sin(r t). These four functions are kept at
@@ -22,14 +22,16 @@ module vi_transition
    !> Terms of each parity for a step of half a time scale: 0.5^16/16! = 7e-19 is left out.
    integer, parameter :: terms = 8
 
-   !> Functions are u and v, the free motions with u = 1, u' = 0 and v = 0, v' = 1 at 0, and
+   !> The four functions are u and v, the free motions with u = 1, u' = 0 and v = 0, v' = 1 at 0,
+   !! and
    !! cos(r t), sin(r t).
    type, public :: transition_type
       real(wp) :: xi = 0, r = 1
       !> 2 xi, r^2 and 1/(1 - xi^2).
       real(wp) :: two_xi = 0, r2 = 1, inverse = 1
-      !> The forced part in phase with the load, and that a quarter of a cycle behind: A cos, A sin
-      !> of the lag.
+      !> The component of the forced part in phase with the load, and the one that lags it by a
+      !! quarter
+      !! of a cycle: A cos(lag), A sin(lag).
       real(wp) :: in_phase = 0, behind = 0
       !> Amplitudes of the derivatives of the forced part of orders 0, 4 and 5.
       real(wp) :: forced(0:2) = 0
@@ -60,7 +62,10 @@ contains
 
    !> The tables for a damping, a frequency ratio, and the forced part, A cos(lag) and A sin(lag).
    pure subroutine new_transition(xi, r, in_phase, behind, m)
+      !> Damping ratio, frequency ratio, and the components A cos(lag) and A sin(lag) of the forced
+      !! motion (F0/K).
       real(wp), intent(in) :: xi, r, in_phase, behind
+      !> All tables filled.
       type(transition_type), intent(out) :: m
       real(wp), dimension(0:2*terms - 1) :: u, v, c
       integer :: n
@@ -96,9 +101,11 @@ contains
       end do
    end subroutine new_transition
 
-   !> The four functions after any time.
+   !> The four functions u, v, cos(r t), sin(r t) at any time.
    pure function later(m, t) result(f)
+      !> Only xi and r are read.
       type(transition_type), intent(in) :: m
+      !> Time (1/omega).
       real(wp), intent(in) :: t
       real(wp) :: f(4)
       real(wp) :: frequency, shrink
@@ -116,7 +123,9 @@ contains
    !! Their error is at most B w^4/(4! 2^3), w being half the width of the cell and B a bound on the
    !! derivative of order 4.
    pure subroutine set_cubics(m, size)
+      !> In: with `table` filled. Out: its cubics and error factor of this size are set too.
       type(transition_type), intent(inout) :: m
+      !> Size of the cells, 0 to `largest`: half a cell is 2**size nodes wide.
       integer, intent(in) :: size
       real(wp), parameter :: pi = acos(-1.0_wp)
       real(wp), parameter :: place(4) = [-cos(pi/8), -cos(3*pi/8), cos(3*pi/8), cos(pi/8)]
@@ -144,7 +153,7 @@ contains
 
    !> Bernstein coefficients (.., function) of cubics with given values (function, place).
    pure function bernstein(f, place) result(b)
-      !> Values at -place(2), -place(1), place(1), place(2) of [-1, 1].
+      !> f(function, place): values at -place(2), -place(1), place(1), place(2) of [-1, 1].
       real(wp), intent(in) :: f(4, 4), place(2)
       real(wp) :: b(4, 4)
       real(wp) :: even(4, 0:2), odd(4, 3)
@@ -162,6 +171,8 @@ contains
 
    !> Cubics of a cell whose middle is a transition f later than the start.
    pure function shifted(b, f, xi) result(c)
+      !> b(coefficient, function): cubics of a cell whose middle is at time 0; f: the four functions
+      !! at the new middle; damping ratio.
       real(wp), intent(in) :: b(4, 4), f(4), xi
       real(wp) :: c(4, 4)
 
@@ -171,10 +182,13 @@ contains
       c(:, 4) = f(4)*b(:, 3) + f(3)*b(:, 4)
    end function shifted
 
-   !> The moment any time t later than another one.
+   !> The state a time t after another one.
    pure function moment_after(m, from, t) result(to)
+      !> Tables of the run; only xi and r are read.
       type(transition_type), intent(in) :: m
+      !> State at time 0.
       type(moment_type), intent(in) :: from
+      !> Time (1/omega) from there, of any length.
       real(wp), intent(in) :: t
       type(moment_type) :: to
       real(wp) :: f(4)
@@ -188,10 +202,14 @@ contains
       to%z_dot = from%z_dot
    end function moment_after
 
-   !> How long both walls are out of reach.
+   !> How long no contact is possible: the time (1/omega) for which both walls are out of reach of
+   !! the greatest amplitude of x; 0 where that is not certain.
    pure real(wp) function idle_time(m, at, half) result(time)
+      !> Tables of the run.
       type(transition_type), intent(in) :: m
+      !> State at the time in question.
       type(moment_type), intent(in) :: at
+      !> Half the clearance (F0/K).
       real(wp), intent(in) :: half
       real(wp) :: reserve, speed
 
