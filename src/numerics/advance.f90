@@ -20,7 +20,7 @@ contains
       real(wp), intent(in) :: g, slope, curvature, jerk
       !> Bound on the absolute fourth derivative from now on.
       real(wp), intent(in) :: bound
-      !> No longer step is wanted.
+      !> Longest step that is wanted.
       real(wp), intent(in) :: limit
       real(wp) :: zero, reach
       integer :: i
@@ -39,6 +39,7 @@ contains
 
    !> The first positive zero of g + slope h + c h^2 with g >= 0; huge if there is none.
    pure real(wp) function first_zero(g, slope, c) result(h)
+      !> Coefficients of the parabola, g >= 0.
       real(wp), intent(in) :: g, slope, c
       real(wp) :: discriminant
 

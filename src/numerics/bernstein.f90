@@ -14,6 +14,7 @@ contains
    !! it lies between two quartics, and a polynomial lies between the least and the greatest of its
    !! Bernstein coefficients, which are written here. False means: not certain.
    pure logical function stays_within(level, f, rise, dip)
+      !> Bound >= 0 on |f| that is to be proved.
       real(wp), intent(in) :: level
       !> At the nodes (n): f, and its derivative times the distance of the nodes.
       real(wp), intent(in) :: f(:), rise(:)
@@ -32,9 +33,10 @@ contains
       stays_within = largest <= level
    end function stays_within
 
-   !> What the interpolation over a distance h can hide from the middle coefficient.
+   !> Largest error of the middle Bernstein coefficient that the interpolation over a distance h can
+   !! cause.
    elemental real(wp) function sag(bound, h)
-      !> Bound on the absolute fourth derivative.
+      !> Bound on the absolute fourth derivative, and the distance of the nodes.
       real(wp), intent(in) :: bound, h
 
       sag = bound*(h*h)**2/144

@@ -11,10 +11,11 @@ contains
 
    !> Minimises the 2-norm of a x - b in every lane.
    pure subroutine lane_least_squares(m, n, a, x, residual, total, quality)
-      !> Equations and unknowns, m >= n.
+      !> Number of equations and of unknowns, m >= n.
       integer, intent(in) :: m, n
       !> In: the matrix, and b in the last column. Out: overwritten.
       real(wp), intent(inout) :: a(lanes, m, n + 1)
+      !> Solution; x(l, :) belongs to lane l.
       real(wp), intent(out) :: x(lanes, n)
       !> Squares of the 2-norms of a x - b and of b.
       real(wp), intent(out) :: residual(lanes), total(lanes)
@@ -57,6 +58,7 @@ contains
 
    !> A number kept apart from 0, so that a lane without full rank raises no exception.
    elemental real(wp) function apart(x)
+      !> Any number, 0 included.
       real(wp), intent(in) :: x
 
       apart = sign(max(abs(x), tiny(x)), x)
@@ -64,7 +66,9 @@ contains
 
    !> Reflects the first column, from an entry on, onto that entry, and the k other columns with it.
    pure subroutine reflect(top, m, k, a, diagonal, inverse)
+      !> Row of the entry that is kept, rows, and number of columns after the first one.
       integer, intent(in) :: top, m, k
+      !> In: the columns 0 to k of each lane. Out: reflected; column 0 holds the Householder vector.
       real(wp), intent(inout) :: a(lanes, m, 0:k)
       !> The entry after the reflection, and one over it.
       real(wp), intent(out) :: diagonal(lanes), inverse(lanes)

@@ -18,7 +18,10 @@ contains
    !! entry of each matrix in that unit of the last variable which brings its row and its column
    !! together; no eigenvalue depends on units.
    pure subroutine lane_polynomial(p, e, largest)
+      !> One matrix a lane, p(lane, row, column).
       real(wp), intent(in) :: p(lanes, 4, 4)
+      !> e(lane, i): e_1 to e_4; largest(lane): largest absolute entry, row and column 4 scaled as
+      !! described.
       real(wp), intent(out) :: e(lanes, 4), largest(lanes)
       real(wp), dimension(lanes) :: row, column
       real(wp) :: m12, m13, m14, m23, m24, m34, n12, n13, n14, n23, n24, n34
@@ -65,7 +68,8 @@ contains
    pure subroutine lane_circle(e, largest, least, noise)
       !> As from `lane_polynomial`.
       real(wp), intent(in) :: e(lanes, 4), largest(lanes)
-      !> `noise` is what rounding may do to it where the digits of the matrix are good.
+      !> Least condition of each lane, and the error that rounding may cause in it where the digits
+      !! of the matrix are good.
       real(wp), intent(out) :: least(lanes), noise(lanes)
       real(wp) :: a1, a2, a3, a4, d
       integer :: l
@@ -87,7 +91,9 @@ contains
    !> The largest modulus of the zeros of x^4 - e1 x^3 + e2 x^2 - e3 x + e4, by its factors
    !! x^2 + a x + b and x^2 + c x + d.
    pure subroutine lane_radius(e, radius, slope)
+      !> e(lane, i): e_1 to e_4 from `lane_polynomial`.
       real(wp), intent(in) :: e(lanes, 4)
+      !> Largest modulus of a zero in each lane.
       real(wp), intent(out) :: radius(lanes)
       !> Modulus of the polynomial's derivative at that zero: small where zeros nearly coincide,
       !> and 0 where the iteration has not settled.
@@ -146,7 +152,9 @@ contains
 
    !> The largest real zero of the resolvent cubic, b + d.
    pure subroutine largest_resolvent(e, sum)
+      !> e(lane, i): e_1 to e_4.
       real(wp), intent(in) :: e(lanes, 4)
+      !> b + d of each lane.
       real(wp), intent(out) :: sum(lanes)
       !> Halley's iterations from outside; each one trebles the digits.
       integer, parameter :: iterations = 5
@@ -180,9 +188,11 @@ contains
       sum = sum + third*e(:, 2)
    end subroutine largest_resolvent
 
-   !> a and b from b + d.
+   !> The coefficients a and b of the factor x^2 + a x + b, |b| >= |d|, from b + d.
    pure subroutine split(e, sum, a, b)
+      !> e(lane, i): e_1 to e_4, and b + d of each lane.
       real(wp), intent(in) :: e(lanes, 4), sum(lanes)
+      !> Coefficients of the factor in each lane.
       real(wp), intent(out) :: a(lanes), b(lanes)
       real(wp) :: gap, root, product, d
       integer :: l

@@ -29,7 +29,9 @@ contains
 
    !> Sines and cosines: x less the nearest multiple of pi, and a Taylor series about 0.
    pure subroutine sine_cosine(x, sine, cosine)
+      !> Angles (rad), one a lane; |x| <= `largest_angle`.
       real(wp), intent(in) :: x(lanes)
+      !> Their sines and cosines.
       real(wp), intent(out) :: sine(lanes), cosine(lanes)
       integer :: k
       !> The series of sin(y)/y and cos(y) in y^2, to pi/2.
@@ -52,7 +54,9 @@ contains
 
    !> exp(-x) for 0 <= x <= `largest_exponent`.
    pure subroutine shrinkage(x, y)
+      !> Exponents, one a lane, 0 <= x <= `largest_exponent`.
       real(wp), intent(in) :: x(lanes)
+      !> exp(-x) of each lane.
       real(wp), intent(out) :: y(lanes)
       integer :: k
       real(wp), parameter :: e(13) = [(1/gamma(k + 1.0_wp), k=1, 13)]

@@ -1,7 +1,8 @@
 !> The three LAPACK drivers of the reference path behind three plain procedures.
 !!
-!! Of a small system that needs no scaling xGELS and xGEEV ask much and do little: what they call
-!! is called here directly, in their order. The bits are the same, in a tenth less time.
+!! For a small system that needs no scaling most of the time of xGELS and xGEEV goes into checks.
+!! The routines that they call are therefore called here directly, in the same order. The results
+!! have the same bits and take a tenth less time.
 !!
 !! The 1983 computations used IMSL: LEQT1F (Gaussian elimination) is DGESV here, LLSQF (least
 !! squares) is DGELS and EIGRF (Hessenberg and QR) is DGEEV.
@@ -48,6 +49,7 @@ contains
 
    !> The length of the work array that `least_squares` wants for m equations in n unknowns.
    pure integer function least_squares_work(m, n) result(length)
+      !> Number of equations and of unknowns.
       integer, intent(in) :: m, n
       !> Columns that LAPACK's blocked QR treats together; small systems are not blocked at all.
       integer, parameter :: block = 32
@@ -83,8 +85,9 @@ contains
       status = rank_status(a, n, info)
    end subroutine least_squares
 
-   !> Whether the drivers would leave a matrix with this largest entry as it is.
+   !> Whether the LAPACK drivers would not scale a matrix with this largest entry.
    pure logical function well_scaled(largest)
+      !> Largest absolute entry of the matrix.
       real(wp), intent(in) :: largest
 
       well_scaled = largest > smallest_entry .and. largest < largest_entry
@@ -92,7 +95,9 @@ contains
 
    !> Judges the rank from the diagonal of a triangular factor.
    pure integer function rank_status(factor, n, info) result(status)
+      !> Triangular factor; only its diagonal is read.
       real(wp), intent(in) :: factor(:, :)
+      !> Number of diagonal entries, and LAPACK's error code.
       integer, intent(in) :: n, info
       real(wp) :: smallest, largest
       integer :: i
@@ -115,7 +120,9 @@ contains
    pure subroutine eigenvalues(a, lambda, status)
       !> In: the matrix (n, n). Out: overwritten.
       real(wp), intent(inout), contiguous :: a(:, :)
+      !> (n) In the order in which LAPACK finds them.
       complex(wp), intent(out) :: lambda(:)
+      !> `stat%ok`, or `stat%lapack_failed` where the iteration did not converge.
       integer, intent(out) :: status
       !> No matrix here is larger.
       integer, parameter :: most = 4
@@ -137,7 +144,7 @@ contains
          if (first < last) call lahqr(.false., .false., n, first, last, h, most, real_part, &
             imaginary_part, 1, n, unused, 1, info)
       end if
-      ! the driver knows more ways to converge
+      ! the driver tries other iterations before it gives up
       if (info /= 0) call geev('N', 'N', n, a, n, real_part, imaginary_part, unused, 1, unused, 1, &
          work, size(work), info)
       lambda = cmplx(real_part(:n), imaginary_part(:n), wp)

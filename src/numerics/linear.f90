@@ -13,11 +13,14 @@ contains
 
    !> Solves n equations for two right sides by Gaussian elimination with scaled partial pivoting.
    pure subroutine eliminate(n, a, b, regular, residual, orientation)
+      !> Number of equations and unknowns, at most `most`.
       integer, intent(in) :: n
-      !> Equation i is a(:, i) . x = b(:, i); overwritten.
+      !> In: equation i is a(:, i) . x = b(:, i). Out: overwritten.
       real(wp), intent(inout) :: a(most, most)
-      !> Out: both solutions.
+      !> In: both right sides, b(k, i) for equation i. Out: both solutions, b(k, j) for unknown j.
       real(wp), intent(inout) :: b(2, most)
+      !> False if the matrix is singular as far as rounding can tell, or not finite; then b is no
+      !! solution.
       logical, intent(out) :: regular
       !> The greatest first right side, relative to the greatest coefficient of its equation.
       real(wp), intent(out) :: residual

@@ -34,6 +34,7 @@ contains
 
    !> High and low word of a product, half a word at a time: no step leaves the signed 64 bits.
    pure function product_of(a, b) result(words)
+      !> Factors, words of 32 bits.
       integer(int64), intent(in) :: a, b
       integer(int64) :: words(2), low, high
 

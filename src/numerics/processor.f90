@@ -17,7 +17,7 @@ module vi_processor
 
 contains
 
-   !> The threads that there are; no answer depends on them.
+   !> Number of OpenMP threads; results do not depend on it.
    integer function available_threads() result(threads)
       threads = 1
       !$ threads = omp_get_max_threads()

@@ -32,7 +32,7 @@ module vi_status
       integer :: no_convergence = 10
       !> Rounding leaves too few digits.
       integer :: lost_digits = 11
-      !> A point that was not come to, since the computation was stopped.
+      !> The computation was stopped before it reached this point.
       integer :: not_computed = 12
    end type status_codes
 
@@ -43,14 +43,16 @@ contains
 
    !> The sentence for a status code.
    pure function status_text(code) result(text)
+      !> A status code, as in `stat`.
       integer, intent(in) :: code
       character(len_trim(sentence(code))) :: text
 
       text = sentence(code)
    end function status_text
 
-   !> The same with blanks behind it.
+   !> The sentence for a status code, padded with blanks.
    pure function sentence(code) result(text)
+      !> A status code, as in `stat`.
       integer, intent(in) :: code
       character(160) :: text
 

@@ -17,6 +17,7 @@ contains
 
    !> Schur and Cohn's test of the characteristic polynomial; `near_circle`: it cannot tell.
    pure integer function locate_spectrum(a) result(place)
+      !> The matrix.
       real(wp), intent(in) :: a(4, 4)
       real(wp) :: c(0:4), k, largest
       integer :: n
@@ -45,6 +46,7 @@ contains
    !> Coefficients of det(lambda - a), constant term first, from the minors of the first and last
    !! two rows.
    pure function characteristic_polynomial(a) result(c)
+      !> The matrix.
       real(wp), intent(in) :: a(4, 4)
       real(wp) :: c(0:4), s(6), t(6)
 
@@ -62,6 +64,7 @@ contains
 
    !> The minors of two rows: columns 12, 13, 14, 23, 24, 34.
    pure function minors(u, v) result(m)
+      !> The two rows.
       real(wp), intent(in) :: u(4), v(4)
       real(wp) :: m(6)
 
