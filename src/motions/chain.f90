@@ -23,15 +23,22 @@ contains
    pure subroutine periodic_chain(osc, r, pattern, restitution, phases, acceptance, flights, &
       system, &
          motion)
+      !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega.
       real(wp), intent(in) :: r
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> Coefficient of restitution (N), and phase (N, rad, increasing from 0, below 2 pi k) of each
+      !! impact.
       real(wp), intent(in) :: restitution(:), phases(:)
-      !> Largest relative residual that counts as consistent.
+      !> Largest relative residual of (26), (30) that counts as consistent.
       real(wp), intent(in) :: acceptance
       !> Whether the flights are examined too: `admissible`, `x_min`, `x_max`.
       logical, intent(in) :: flights
+      !> Scratch, kept between calls.
       type(linear_system_type), intent(inout) :: system
+      !> Out: the motion with its verdicts, or its status; its arrays are reused between calls.
       type(motion_type), intent(inout) :: motion
 
       call solve_periodic(osc, r, pattern, restitution, phases, system, motion)
@@ -41,12 +48,19 @@ contains
 
    !> Both equispaced motions, with their verdicts. Arguments as in `solve_equispaced`.
    pure subroutine equispaced_chain(osc, r, clearance, cycles, acceptance, flights, system, motions)
+      !> Oscillator; its two coefficients of restitution are equal.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega, and clearance D = d K/F0.
       real(wp), intent(in) :: r, clearance
+      !> Load cycles k in a period, odd.
       integer, intent(in) :: cycles
+      !> Largest relative residual that counts as consistent.
       real(wp), intent(in) :: acceptance
+      !> Whether the flights are examined too: `admissible`, `x_min`, `x_max`.
       logical, intent(in) :: flights
+      !> Scratch, kept between calls.
       type(linear_system_type), intent(inout) :: system
+      !> Out: both motions with their verdicts; status `stat%no_motion` where one does not exist.
       type(motion_type), intent(inout) :: motions(2)
       integer :: i
 
@@ -61,11 +75,18 @@ contains
    !!
    !! The linear equations for these phases give the rest of the guess.
    pure subroutine exact_chain(osc, r, clearance, pattern, restitution, phases, system, motion)
+      !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega, and clearance D = d K/F0.
       real(wp), intent(in) :: r, clearance
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> Coefficient of restitution (N), and guessed phase (N, rad, increasing from 0) of each
+      !! impact.
       real(wp), intent(in) :: restitution(:), phases(:)
+      !> Scratch, kept between calls.
       type(linear_system_type), intent(inout) :: system
+      !> Out: the exact motion with its verdicts, or its status.
       type(motion_type), intent(inout) :: motion
 
       call solve_periodic(osc, r, pattern, restitution, phases, system, motion)
@@ -74,6 +95,7 @@ contains
 
    !> The exact motion at a given clearance near another motion, with its verdicts.
    pure subroutine refine(clearance, motion)
+      !> Clearance D = d K/F0 of the motion that is wanted.
       real(wp), intent(in) :: clearance
       !> In: the guess. Out: the motion.
       type(motion_type), intent(inout) :: motion

@@ -8,8 +8,9 @@ module vi_characteristic
 
 contains
 
-   !> The elementary symmetric functions of the eigenvalues of a matrix.
+   !> The elementary symmetric functions e_1 .. e_4 of the eigenvalues of a matrix.
    pure function characteristic(p) result(e)
+      !> The matrix, for example [P].
       real(wp), intent(in) :: p(4, 4)
       real(wp) :: e(4)
       real(wp) :: m12, m13, m14, m23, m24, m34, n12, n13, n14, n23, n24, n34
@@ -35,10 +36,12 @@ contains
       e(4) = m12*n34 - m13*n24 + m14*n23 + m23*n14 - m24*n13 + m34*n12
    end function characteristic
 
-   !> The derivative of a sum of these functions, with weights, by the entries of the matrix.
+   !> The derivative of a weighted sum of these functions by the entries of the matrix.
    !!
-   !! Back through the minors: the powers of the matrix would lose digits where it is large.
+   !! It is differentiated through the minors; powers of the matrix would lose digits where it is
+   !! large.
    pure function characteristic_slope(p, weights) result(w)
+      !> The matrix, and the weights of e_1 .. e_4.
       real(wp), intent(in) :: p(4, 4), weights(4)
       real(wp) :: w(4, 4)
       real(wp) :: m(4, 4), n(4, 4), of_m(4, 4), of_n(4, 4), top, low
@@ -69,8 +72,9 @@ contains
       end associate
    end function characteristic_slope
 
-   !> From the entries 12, 13, 14, 23, 24, 34.
+   !> The antisymmetric matrix with given entries 12, 13, 14, 23, 24, 34.
    pure function antisymmetric(x) result(a)
+      !> These entries.
       real(wp), intent(in) :: x(6)
       real(wp) :: a(4, 4)
 

@@ -1,8 +1,9 @@
 !> Compound matrices: the minors of products of 4 x 4 matrices, without forming the products first.
 !!
-!! The minors of a product are the product of the minors (Cauchy and Binet). Where a factor is large
-!! in one direction only, its minors are no larger than itself, but those of the product cannot be
-!! had from the entries of the product, in which all digits of them are lost.
+!! The matrix of the minors of a product is the product of the matrices of minors (Cauchy and
+!! Binet). Where a factor is large in one direction only, its minors are no larger than its entries.
+!! The minors of the product can then not be computed from the entries of the product, because all
+!! their digits cancel.
 module vi_compound
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -16,7 +17,7 @@ module vi_compound
       real(wp) :: one(4, 4)
       !> Rows and columns 12, 13, 14, 23, 24, 34.
       real(wp) :: two(6, 6)
-      !> Rows and columns but one.
+      !> All rows and columns but one: number i leaves out row or column i.
       real(wp) :: three(4, 4)
    end type minors_type
 
@@ -32,6 +33,7 @@ contains
    pure function minors_of_split(base, column, last, scale) result(m)
       !> Rows 1 to 3 without their parts of the last one.
       real(wp), intent(in) :: base(3, 4)
+      !> Factors of the fourth row in rows 1 to 3, and the fourth row.
       real(wp), intent(in) :: column(3), last(4)
       !> A factor of all minors, so small that its product with the last row is not large.
       real(wp), intent(in) :: scale
@@ -65,6 +67,7 @@ contains
 
    !> The minors of two rows.
    pure function minors_of_rows(a, b) result(m)
+      !> The two rows.
       real(wp), intent(in) :: a(4), b(4)
       real(wp) :: m(6)
 
@@ -73,6 +76,7 @@ contains
 
    !> The minors of three rows, from those of the first two.
    pure function bordered(m, c) result(d)
+      !> Minors of the first two rows (columns 12, 13, 14, 23, 24, 34), and the third row.
       real(wp), intent(in) :: m(6), c(4)
       real(wp) :: d(4)
 
@@ -82,6 +86,7 @@ contains
 
    !> The sums of the principal minors, with 1, 2 and 3 rows, of the product last * .. * first.
    pure function product_sums(factors) result(sums)
+      !> Minors of each factor, the first factor (applied first) first.
       type(minors_type), intent(in) :: factors(:)
       real(wp) :: sums(3)
       type(minors_type) :: all
@@ -96,6 +101,7 @@ contains
 
    !> The minors of a product.
    pure function times(left, right) result(both)
+      !> Minors of the left and the right factor.
       type(minors_type), intent(in) :: left, right
       type(minors_type) :: both
 
@@ -105,7 +111,9 @@ contains
       both%three = matmul(left%three, right%three)
    end function times
 
+   !> The trace of a square matrix.
    pure real(wp) function trace(a)
+      !> The matrix (n, n).
       real(wp), intent(in) :: a(:, :)
       integer :: i
 
@@ -118,9 +126,11 @@ contains
    !> The derivative of a weighted sum of these three numbers by the entries of each factor, the
    !! scales of the minors being fixed.
    pure subroutine factor_weights(factors, weights, slopes)
+      !> Minors of each factor, the first factor (applied first) first.
       type(minors_type), intent(in) :: factors(:)
+      !> Weights of the three sums of `product_sums`.
       real(wp), intent(in) :: weights(3)
-      !> (4, 4, factors)
+      !> (4, 4, factors) Derivative by each entry of each factor.
       real(wp), intent(out) :: slopes(:, :, :)
       type(minors_type) :: before(size(factors)), after, rest
       integer :: i, n
@@ -141,6 +151,7 @@ contains
       end do
    end subroutine factor_weights
 
+   !> The minors of the unit matrix.
    pure function unit_minors() result(m)
       type(minors_type) :: m
       integer :: i
@@ -160,6 +171,7 @@ contains
 
    !> The derivative of a weighted sum of the minors of two rows by the entries.
    pure function by_pairs(p, w) result(slope)
+      !> The matrix, and the weights of its minors of two rows (rows, columns).
       real(wp), intent(in) :: p(4, 4), w(6, 6)
       real(wp) :: slope(4, 4)
       integer :: i, j
@@ -177,8 +189,10 @@ contains
       end do
    end function by_pairs
 
-   !> The same of the minors of three rows, from those of two.
+   !> The derivative of a weighted sum of the minors of three rows by the entries.
    pure function by_threes(two, w) result(slope)
+      !> Minors of two rows of the matrix, and the weights of its minors of three rows (rows,
+      !! columns).
       real(wp), intent(in) :: two(6, 6), w(4, 4)
       real(wp) :: slope(4, 4)
       integer :: i, j, a, k, row, column

@@ -1,8 +1,8 @@
-!> What rounding may do to the leading multiplier of an exact motion.
+!> The error that rounding may cause in the leading multiplier of an exact motion.
 !!
-!! The unknowns x_i, theta_i solve the equations but for rounding. Beside a fold or a pitchfork the
-!! Jacobian of the equations is nearly singular, so that they are uncertain by far more than
-!! rounding, and the multipliers, which change with them, too.
+!! The unknowns x_i, theta_i solve the equations to rounding. Near a fold or a pitchfork the
+!! Jacobian of the equations is nearly singular, so that the unknowns, and with them the
+!! multipliers, are uncertain by far more than rounding.
 module vi_doubt
    use vi_exact, only: member, newton_equations, setting_type
    use vi_impact_map, only: impact_maps
@@ -17,7 +17,8 @@ module vi_doubt
 
    public :: modulus_doubt
 
-   !> What a residual may be wrong by, over what is left of it and the last place of its terms.
+   !> Assumed error of a residual, over the sum of the residual itself and the rounding of its
+   !! terms.
    real(wp), parameter :: caution = 4.0_wp
 
 contains
@@ -62,10 +63,12 @@ contains
 
    !> The change of the unknowns, by rounding of the residuals, in which one unknown changes most.
    pure subroutine worst_change(setting, unknowns, amplitude, change, regular)
+      !> Given data of the motion: oscillator, r, load, clearance, pattern, restitution.
       type(setting_type), intent(in) :: setting
-      !> x_i, theta_i (2N), and the amplitude A of the forced motion.
+      !> x_i (F0/K) and theta_i = alpha_i + tau (rad) (2N), and the amplitude A of the forced
+      !! motion.
       real(wp), intent(in) :: unknowns(:), amplitude
-      !> (2N)
+      !> (2N) Change of x_i and theta_i.
       real(wp), intent(out) :: change(:)
       !> False if the Jacobian is singular as far as rounding can tell.
       logical, intent(out) :: regular
@@ -102,8 +105,9 @@ contains
 
    !> By how much the modulus differs between the products of the [P_i] that begin with each impact.
    pure real(wp) function spread_of_orders(motion, modulus) result(spread)
+      !> An exact motion.
       type(motion_type), intent(in) :: motion
-      !> That of the product which begins with the first one.
+      !> Modulus of the leading multiplier from the product that begins with the first impact.
       real(wp), intent(in) :: modulus
       real(wp) :: p(4, 4, size(motion%x)), product(4, 4)
       complex(wp) :: lambda(4)

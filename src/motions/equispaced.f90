@@ -15,7 +15,7 @@ module vi_equispaced
 
    public :: new_line, solve_equispaced, symmetric_pair
 
-   !> What the pair owes to the frequency ratio alone: the line, for clearance 1.
+   !> What depends on the frequency ratio alone: the line, for clearance 1.
    type, public :: line_type
       !> Unit normal of the line in the plane (A cos(tau), A sin(tau)), its distance from the origin
       !! over the clearance, and the radius A of the circle.
@@ -41,6 +41,7 @@ contains
       integer, intent(in) :: cycles
       !> Scratch, kept between calls.
       type(linear_system_type), intent(inout) :: system
+      !> Out: both motions, or their status; their arrays are reused between calls.
       type(motion_type), intent(inout) :: motions(2)
       type(line_type) :: line
       type(pattern_type) :: pattern
@@ -68,7 +69,9 @@ contains
    pure subroutine new_line(motion, system, line)
       !> An equispaced motion of which only the given data are set.
       type(motion_type), intent(in) :: motion
+      !> Scratch; out: the equations of this motion for d = 1.
       type(linear_system_type), intent(inout) :: system
+      !> The line, or its status.
       type(line_type), intent(out) :: line
       real(wp) :: x_row(2), normal(2), length, noise
 
@@ -101,8 +104,12 @@ contains
    !> x_1 and (A cos(tau), A sin(tau)) of both motions: tau is that of the normal plus and minus
    !! arccos(distance/A).
    pure subroutine symmetric_pair(line, clearance, x, forced, status)
+      !> The line of this frequency ratio.
       type(line_type), intent(in) :: line
+      !> Clearance D = d K/F0.
       real(wp), intent(in) :: clearance
+      !> x(i): x_1 of motion i (F0/K); forced(:, i): A cos(tau), A sin(tau) of motion i; 0 where it
+      !! does not exist.
       real(wp), intent(out) :: x(2), forced(2, 2)
       !> `stat%ok`, `stat%no_motion` or `stat%singular`.
       integer, intent(out) :: status(2)

@@ -25,12 +25,15 @@ contains
    !! A motion that does is not one of the family but of one with a shorter pattern, or with the
    !! mirror symmetry: the pattern's own motions begin where they differ from it.
    pure subroutine new_family(pattern, symmetric, equal_walls, family, repetitions, possible)
+      !> Sides of the impacts, and the load cycles k of the whole period.
       type(pattern_type), intent(in) :: pattern
       !> Only motions that are their own mirror image half a period later.
       logical, intent(in) :: symmetric
       !> R1 = R2: there are mirror images.
       logical, intent(in) :: equal_walls
+      !> What the members have in common; undefined where `possible` is false.
       type(family_type), intent(out) :: family
+      !> Ways in which a member could repeat itself within its period; empty if there are none.
       type(repetition_type), allocatable, intent(out) :: repetitions(:)
       !> False if this pattern has no such motions.
       logical, intent(out) :: possible
@@ -69,8 +72,9 @@ contains
 
    !> Whether a pattern has motions that are their own mirror image half a period later.
    pure logical function can_be_symmetric(pattern, walls)
+      !> Sides of the impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
-      !> R1, R2
+      !> Coefficients of restitution R1 (right), R2 (left).
       real(wp), intent(in) :: walls(2)
 
       can_be_symmetric = abs(walls(1) - walls(2)) <= 0 .and. mirrors_itself(pattern)
@@ -78,6 +82,7 @@ contains
 
    !> Whether half a period later the walls are the opposite ones.
    pure logical function mirrors_itself(pattern)
+      !> Sides of the impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       integer :: n
 
@@ -87,7 +92,9 @@ contains
       if (mirrors_itself) mirrors_itself = all(cshift(pattern%sides, n/2) == -pattern%sides)
    end function mirrors_itself
 
+   !> Whether a number is prime.
    pure logical function is_prime(m)
+      !> A number >= 2.
       integer, intent(in) :: m
       integer :: i
 
@@ -96,19 +103,26 @@ contains
 
    !> How far an orbit is from repeating itself: a distance in (u, theta).
    pure real(wp) function kinship(family, repetition, unknowns) result(distance)
+      !> The family of the orbit.
       type(family_type), intent(in) :: family
+      !> The way of repeating itself.
       type(repetition_type), intent(in) :: repetition
-      !> (2n)
+      !> (2n) u_i = x_i/d and theta_i = alpha_i + tau of the orbit.
       real(wp), intent(in) :: unknowns(:)
 
       distance = norm2(image_of(family, repetition, unknowns) - unknowns)
    end function kinship
 
-   !> Adds the gradient of that distance, times a weight.
+   !> Adds the gradient of that distance, times a weight, to a gradient.
    pure subroutine add_kinship_slope(family, repetition, unknowns, weight, slope)
+      !> The family of the orbit.
       type(family_type), intent(in) :: family
+      !> The way of repeating itself.
       type(repetition_type), intent(in) :: repetition
+      !> (2n) u_i and theta_i of the orbit, and the factor of the gradient.
       real(wp), intent(in) :: unknowns(:), weight
+      !> (at least 2n) In and out: a gradient by u_i and theta_i, to which the term is added;
+      !! unchanged where the distance is 0.
       real(wp), intent(inout) :: slope(:)
       real(wp) :: away(size(unknowns)), length, sign
       integer :: i, j, n, turns
@@ -131,9 +145,11 @@ contains
 
    !> The unknowns of the motion that a repetition makes of another: later impacts first, mirrored.
    pure function image_of(family, repetition, unknowns) result(image)
+      !> The family of the orbit.
       type(family_type), intent(in) :: family
+      !> The way of repeating itself.
       type(repetition_type), intent(in) :: repetition
-      !> (2n)
+      !> (2n) u_i and theta_i of the orbit.
       real(wp), intent(in) :: unknowns(:)
       real(wp) :: image(size(unknowns))
       real(wp) :: sign, span
@@ -153,7 +169,9 @@ contains
 
    !> The unknowns of all impacts of a family's pattern.
    pure function whole_unknowns(family, unknowns) result(whole)
+      !> The family of the orbit.
       type(family_type), intent(in) :: family
+      !> (2n) u_i and theta_i; of a symmetric family those of the first half period.
       real(wp), intent(in) :: unknowns(:)
       real(wp), allocatable :: whole(:)
       integer :: n

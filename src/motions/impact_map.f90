@@ -16,6 +16,7 @@ contains
 
    !> All [P_i], i = 1..N, of a motion.
    pure subroutine impact_maps(motion, p, regular)
+      !> A motion with its positions, velocities, A and tau.
       type(motion_type), intent(in) :: motion
       !> (4, 4, N)
       real(wp), intent(out) :: p(:, :, :)
@@ -33,6 +34,7 @@ contains
 
    !> A cos(tau) and A sin(tau).
    pure function forced_part(motion) result(forced)
+      !> A motion; A and tau are read.
       type(motion_type), intent(in) :: motion
       real(wp) :: forced(2)
 
@@ -41,10 +43,13 @@ contains
 
    !> [P_i] of a motion.
    pure subroutine impact_map_of(motion, i, forced, p, regular)
+      !> A motion with its positions, velocities, A and tau.
       type(motion_type), intent(in) :: motion
+      !> Number of the impact that begins the flight.
       integer, intent(in) :: i
       !> A cos(tau), A sin(tau), as `forced_part` gives them.
       real(wp), intent(in) :: forced(2)
+      !> [P_i]; rows and columns (x, x', z', alpha); 0 where `regular` is false.
       real(wp), intent(out) :: p(4, 4)
       !> False if impact i+1 has no approach speed: there the map has no derivative.
       logical, intent(out) :: regular
@@ -63,13 +68,17 @@ contains
    pure subroutine impact_map(xi, mu, r, restitution, length, c1, c2, sine, cosine, x, x_dot, &
       z_dot, p, &
          regular)
-      !> `restitution` is R_(i+1), `length` is alpha_(i+1) - alpha_i; C_1i, C_2i of (9), (10).
+      !> Damping ratio, mass ratio, frequency ratio; `restitution` is R_(i+1), `length` is
+      !! alpha_(i+1) - alpha_i (rad); C_1i, C_2i of (9), (10).
       real(wp), intent(in) :: xi, mu, r, restitution, length, c1, c2
       !> A sin and A cos of alpha + tau at impacts i and i+1.
       real(wp), intent(in) :: sine(2), cosine(2)
-      !> State just after impact i.
+      !> State just after impact i: position of the primary mass (F0/K), velocities of both (omega
+      !! F0/K).
       real(wp), intent(in) :: x, x_dot, z_dot
+      !> [P_i]; rows and columns (x, x', z', alpha); 0 where `regular` is false.
       real(wp), intent(out) :: p(4, 4)
+      !> False if impact i+1 has no approach speed: there the map has no derivative.
       logical, intent(out) :: regular
       real(wp) :: h, b, c3, c4, k1, k2, k3, k4
       real(wp) :: s1, s2, s3, s4, s5, s6, s7, s8, s9, s10, s11, s12, s13, s14, free_dot

@@ -18,16 +18,20 @@ contains
    !> Verdicts on a block of motions, and the largest |x| of each.
    pure subroutine lane_halves(plan, r, duration, amplitude, c, n, step, position, rise, block, &
       stable, admissible, largest)
+      !> Data that all points share: xi, eta and the weights of the impact law.
       type(plan_type), intent(in) :: plan
-      !> Frequency ratio, duration of a flight, A, and C_1, C_2 of (9), (10).
+      !> Frequency ratio, duration of a flight (1/omega), A (F0/K), and C_1, C_2 of (9), (10).
       real(wp), intent(in) :: r, duration, amplitude, c(2)
       !> Nodes 0..n, the time between them, and the tables of vi_nodes.
       integer, intent(in) :: n
+      !> Time between the nodes (1/omega), and the tables of vi_nodes: the four functions at the
+      !! nodes, and their derivatives times `step`.
       real(wp), intent(in) :: step, position(4, 0:n), rise(4, 0:n)
-      !> Clearance, x_1, A cos(tau), A sin(tau).
+      !> block(lane, :): clearance, x_1, A cos(tau), A sin(tau) (F0/K).
       real(wp), intent(in) :: block(lanes, 4)
       !> 1, 0 or `unsure`; where `admissible` is unsure, so is `largest`.
       integer, intent(out) :: stable(lanes), admissible(lanes)
+      !> Largest |x| of each lane (F0/K).
       real(wp), intent(out) :: largest(lanes)
       !> Coefficients of the four functions at the nodes.
       real(wp) :: parts(lanes, 4)
@@ -51,11 +55,15 @@ contains
 
    !> Whether the map of half a period, and so [P], is a contraction: 1, 0 or `unsure`.
    pure subroutine lane_stability(plan, r, duration, c, clearance, x, z_dot, parts, stable)
+      !> Data that all points share.
       type(plan_type), intent(in) :: plan
-      !> C_1, C_2 of (9), (10).
+      !> Frequency ratio, duration of a flight (1/omega), and C_1, C_2 of (9), (10).
       real(wp), intent(in) :: r, duration, c(2)
+      !> Clearance, position x_1 (F0/K), and velocity of the free mass in the flight (omega F0/K).
       real(wp), intent(in), dimension(lanes) :: clearance, x, z_dot
+      !> parts(lane, :): coefficients of the four functions; 3 and 4 are A cos(tau), A sin(tau).
       real(wp), intent(in) :: parts(lanes, 4)
+      !> 1, 0 or `unsure`.
       integer, intent(out) :: stable(lanes)
       real(wp), dimension(lanes) :: unit, ratio, place, x_dot, clear, largest, least, noise
       real(wp) :: forced(lanes, 2), flight(lanes, 7), ahead(lanes, 2), t(lanes, 4), u(lanes, 4), &
@@ -101,14 +109,20 @@ contains
       approaches, parts, admissible, largest)
       !> Nodes 0..n and the time between them.
       integer, intent(in) :: n
+      !> Time between the nodes (1/omega), damping ratio, frequency ratio, and the tables of
+      !! vi_nodes.
       real(wp), intent(in) :: step, xi, r, position(4, 0:n), rise(4, 0:n)
       !> Bound on the fourth derivative of x.
       real(wp), intent(in) :: bound(lanes)
+      !> Clearance, position x_1 (F0/K), and velocity of the free mass in the flight (omega F0/K).
       real(wp), intent(in), dimension(lanes) :: clearance, x_first, z_dot
+      !> Whether the masses approach each other before the impacts.
       logical, intent(in) :: approaches(lanes)
+      !> parts(lane, :): coefficients of the four functions.
       real(wp), intent(in) :: parts(lanes, 4)
       !> 1, 0 or `unsure`; then `largest` is not certain either.
       integer, intent(out) :: admissible(lanes)
+      !> Largest |x| of each lane (F0/K).
       real(wp), intent(out) :: largest(lanes)
       real(wp), dimension(lanes, 0:n) :: x, x_rise, y, y_rise
       real(wp), dimension(lanes) :: highest, farthest, dip

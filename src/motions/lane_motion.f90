@@ -16,16 +16,22 @@ contains
 
    !> From phases to [P] in every lane.
    pure subroutine lane_chain(plan, n, m, r, phases, system, x, flight, p, residual, quality)
+      !> Data that all points share: pattern, xi, eta and the weights of the impact law.
       type(plan_type), intent(in) :: plan
+      !> N impacts, m = 2N equations.
       integer, intent(in) :: n, m
-      !> The first phase is 0.
+      !> Frequency ratio and impact phases (rad) of each lane; the first phase is 0.
       real(wp), intent(in) :: r(lanes), phases(lanes, n)
-      !> Scratch: equations; of each flight c_1, c_2, sine, cosine, duration, 1/duration, z'.
+      !> Scratch: equations with the right side in the last column; their solution x_1 .. x_N, A
+      !! cos(tau), A sin(tau) for d = 1; of each flight c_1, c_2, sine and cosine of its first
+      !! phase, duration, 1/duration, z'.
       real(wp), intent(inout) :: system(lanes, m, n + 3), x(lanes, n + 2), flight(lanes, 7, n)
+      !> [P] of each lane, for d = 1.
       real(wp), intent(out) :: p(lanes, 4, 4)
       !> Square of the relative residual of (26), (30).
       real(wp), intent(out) :: residual(lanes)
-      !> How far the digits of [P] can be trusted: one part in epsilon/quality of the largest entry.
+      !> Estimated relative error of [P] is epsilon/quality of its largest entry; 0: no digit is
+      !! certain.
       real(wp), intent(out) :: quality(lanes)
       real(wp) :: total(lanes), clear(lanes), worst(lanes)
       integer :: i
@@ -45,13 +51,17 @@ contains
       quality = quality*worst
    end subroutine lane_chain
 
-   !> What the phases alone decide.
+   !> Fills what depends on the phases alone: entries 1 to 6 of each flight.
    pure subroutine flights(plan, n, r, phases, flight, clear)
+      !> Data that all points share.
       type(plan_type), intent(in) :: plan
+      !> Number of impacts.
       integer, intent(in) :: n
+      !> Frequency ratio and impact phases (rad) of each lane.
       real(wp), intent(in) :: r(lanes), phases(lanes, n)
+      !> Out: entries 1 to 6 of each flight, as in `lane_chain`; entry 7 is not changed.
       real(wp), intent(inout) :: flight(lanes, 7, n)
-      !> 0 where an angle is too large for the sines.
+      !> 1, or 0 where an angle or exponent is too large for the series.
       real(wp), intent(out) :: clear(lanes)
       real(wp), dimension(lanes) :: time, angle, shrink, worst
       integer :: i
@@ -81,9 +91,13 @@ contains
 
    !> The equations (26), then (30), with the right side as the last column.
    pure subroutine assemble(plan, n, m, r, flight, system)
+      !> Data that all points share.
       type(plan_type), intent(in) :: plan
+      !> N impacts, m = 2N equations.
       integer, intent(in) :: n, m
+      !> Frequency ratio, and entries 1 to 6 of each flight.
       real(wp), intent(in) :: r(lanes), flight(lanes, 7, n)
+      !> Out: coefficients, and the right side in the last column.
       real(wp), intent(inout) :: system(lanes, m, n + 3)
       real(wp), dimension(lanes, 7) :: w, v
       integer :: i, previous, next, after_next
@@ -115,8 +129,11 @@ contains
       end do
    end subroutine assemble
 
+   !> Adds a term to a sum in every lane.
    pure subroutine add(term, sum)
+      !> What is added.
       real(wp), intent(in) :: term(lanes)
+      !> In and out: the sum.
       real(wp), intent(inout) :: sum(lanes)
 
       sum = sum + term
@@ -124,12 +141,16 @@ contains
 
    !> W_1i..W_6i and V_1i..V_7i, as in vi_periodic, for one flight.
    pure subroutine coefficients(plan, r, flight, ahead, before, after, first, second, y_step, w, v)
+      !> Data that all points share.
       type(plan_type), intent(in) :: plan
-      !> The flight, sine and cosine of the impact that ends it, and 1/duration of its neighbours.
+      !> Frequency ratio; the flight i (as in `lane_chain`); sine and cosine of the impact that ends
+      !! it; 1/duration of flights i - 1 and i + 1.
       real(wp), intent(in) :: r(lanes), flight(lanes, 7), ahead(lanes, 2), before(lanes), &
          after(lanes)
-      !> Weights of z' in x' after impact i and before impact i + 1; steps of y.
+      !> Weights of z' before and after in x' after impact i and before impact i + 1; changes of y
+      !! in flights i - 1, i, i + 1.
       real(wp), intent(in) :: first(2), second(2), y_step(3)
+      !> W_1i .. W_6i (entry 7 is not set), and V_1i .. V_7i.
       real(wp), intent(out) :: w(lanes, 7), v(lanes, 7)
       real(wp) :: h, xi, inverse, c1, c2, c3, c4, g1, g2, g3, g4, sine_term, cosine_term, pull
       integer :: l
@@ -167,13 +188,17 @@ contains
       end do
    end subroutine coefficients
 
-   !> z' in every flight.
+   !> The velocity of the free mass in every flight.
    pure subroutine velocities(plan, n, x, flight, clear)
+      !> Data that all points share.
       type(plan_type), intent(in) :: plan
+      !> Number of impacts.
       integer, intent(in) :: n
+      !> Solution: x_1 .. x_N, A cos(tau), A sin(tau) for d = 1.
       real(wp), intent(in) :: x(lanes, n + 2)
+      !> In: entry 6, 1/duration. Out: entry 7, z', is set.
       real(wp), intent(inout) :: flight(lanes, 7, n)
-      !> 0 where the load is all but nothing, or dwarfs the motion.
+      !> 1, or 0 where the load is negligible or exceeds the motion by far.
       real(wp), intent(out) :: clear(lanes)
       real(wp), parameter :: disparity = 1.0e6_wp
       real(wp), dimension(lanes) :: largest, amplitude
@@ -191,13 +216,17 @@ contains
          amplitude < disparity*largest)
    end subroutine velocities
 
-   !> [P] becomes [P_i] [P], after flight i.
+   !> Multiplies [P] by [P_i] from the left; the first flight sets [P] = [P_1].
    pure subroutine advance(plan, n, i, r, x, flight, p, clear)
+      !> Data that all points share.
       type(plan_type), intent(in) :: plan
+      !> Number of impacts, and of the flight.
       integer, intent(in) :: n, i
+      !> Frequency ratio, solution, and all flights.
       real(wp), intent(in) :: r(lanes), x(lanes, n + 2), flight(lanes, 7, n)
+      !> In: the product of the maps of flights 1 to i - 1. Out: times [P_i].
       real(wp), intent(inout) :: p(lanes, 4, 4)
-      !> The approach speed over the size of its terms.
+      !> Approach speed over the size of its terms: small where digits cancel.
       real(wp), intent(out) :: clear(lanes)
       real(wp), dimension(lanes, 4) :: t, u, v
       integer :: j, l, next, previous
@@ -240,10 +269,15 @@ contains
 
    !> Derivatives of the next phase, of x and of x' just before the next impact: (A6), (A7).
    pure subroutine rows(plan, r, x, forced, flight, ahead, x_dot, t, u, v, clear)
+      !> Data that all points share; xi and eta are read.
       type(plan_type), intent(in) :: plan
+      !> Frequency ratio; x_i; A cos(tau), A sin(tau); the flight; sine and cosine of the phase of
+      !! the impact that ends it; x' just after impact i.
       real(wp), intent(in) :: r(lanes), x(lanes), forced(lanes, 2), flight(lanes, 7), &
          ahead(lanes, 2), x_dot(lanes)
+      !> Derivatives of the next phase, of x and of x' there by (x, x', z', alpha) of impact i.
       real(wp), intent(out), dimension(lanes, 4) :: t, u, v
+      !> Approach speed over the size of its terms: small where digits cancel.
       real(wp), intent(out) :: clear(lanes)
       real(wp) :: h, xi, inverse, per_r, c1, c2, c3, c4, sine, cosine, sine_next, cosine_next
       real(wp) :: b, free_dot, s1, s2, s4, s5, s6, s12, s13, s14, z, share

@@ -13,14 +13,21 @@ module vi_lane_peak
 
 contains
 
-   !> The largest |x|: the stationary point by the largest node, and a proof that nothing exceeds
-   !! it.
+   !> The largest |x|: the stationary point near the node with the largest |x|, and a proof that |x|
+   !! is
+   !! nowhere larger.
    pure subroutine find_largest(n, step, xi, r, position, rise, bound, parts, x, x_rise, largest, &
       certain)
+      !> Number of the last node; the first one is 0.
       integer, intent(in) :: n
+      !> Time between the nodes (1/omega); damping ratio; frequency ratio; the tables of vi_nodes;
+      !! bound on the fourth derivative of x; parts(lane, :): coefficients of the four functions; x
+      !! at the nodes (F0/K), and its derivative there times `step`.
       real(wp), intent(in) :: step, xi, r, position(4, 0:n), rise(4, 0:n), bound(lanes), &
          parts(lanes, 4), x(lanes, 0:n), x_rise(lanes, 0:n)
+      !> Largest |x| of each lane (F0/K).
       real(wp), intent(out) :: largest(lanes)
+      !> False where the proof failed; then `largest` means nothing.
       logical, intent(out) :: certain(lanes)
       real(wp), dimension(lanes) :: shift, peak, highest, best
       real(wp) :: node(lanes, 4)
@@ -56,13 +63,18 @@ contains
       certain = certain .and. highest <= largest + 100*epsilon(1.0_wp)*(bound + largest)
    end subroutine find_largest
 
-   !> What |x| certainly does not exceed, given its stationary point.
+   !> A proven upper bound on |x|, given its stationary point.
    pure subroutine prove(n, step, bound, x, x_rise, segment, shift, peak, highest)
+      !> Number of the last node; the first one is 0.
       integer, intent(in) :: n
+      !> Time between the nodes (1/omega); bound on the fourth derivative of x; x at the nodes
+      !! (F0/K), and its derivative there times `step`.
       real(wp), intent(in) :: step, bound(lanes), x(lanes, 0:n), x_rise(lanes, 0:n)
-      !> The point is at time `shift` after this node, and x is `peak` there; n: it is a node.
+      !> The stationary point lies at time `shift` after this node; n: it is a node.
       integer, intent(in) :: segment(lanes)
+      !> Time from that node to the stationary point (1/omega), and x there (F0/K).
       real(wp), intent(in) :: shift(lanes), peak(lanes)
+      !> The bound on |x| over all nodes and segments (F0/K).
       real(wp), intent(out) :: highest(lanes)
       real(wp), dimension(lanes) :: none, dip, rest, top, before, after
       real(wp) :: ends(lanes, 4)
@@ -97,7 +109,10 @@ contains
 
    !> `highest` becomes at least the largest |f| between two nodes, as in vi_bernstein.
    pure subroutine raise(highest, f, rise, f_next, rise_next, dip)
+      !> In: any bound. Out: raised where it is less than the largest |f| of the segment may be.
       real(wp), intent(inout) :: highest(lanes)
+      !> f at both nodes and its derivative there times their distance; `dip`: as `sag` of
+      !! vi_bernstein for that distance.
       real(wp), intent(in), dimension(lanes) :: f, rise, f_next, rise_next, dip
 
       highest = max(highest, abs(f), abs(f + 0.25_wp*rise), &
@@ -107,8 +122,12 @@ contains
 
    !> The free and the forced part of x at a node, and their rises.
    pure subroutine at_node(n, position, rise, parts, top, node)
+      !> Number of the last node, and the node wanted in each lane.
       integer, intent(in) :: n, top(lanes)
+      !> The tables of vi_nodes, and the coefficients of the four functions.
       real(wp), intent(in) :: position(4, 0:n), rise(4, 0:n), parts(lanes, 4)
+      !> node(lane, :): free part, its derivative times `step`, forced part, its derivative times
+      !! `step`.
       real(wp), intent(out) :: node(lanes, 4)
       integer :: l
 
@@ -126,7 +145,10 @@ contains
    !!
    !! Where the method fails, the proof that follows fails too.
    pure subroutine climb(step, xi, r, node, shift, x)
+      !> Time between the nodes (1/omega), damping ratio, frequency ratio, and the node from
+      !! `at_node`.
       real(wp), intent(in) :: step, xi, r, node(lanes, 4)
+      !> Time from the node to the stationary point (1/omega), of either sign, and x there (F0/K).
       real(wp), intent(out) :: shift(lanes), x(lanes)
       integer :: i, last, n, l
       real(wp), parameter :: inverse_factorial(0:terms) = [(1/gamma(i + 1.0_wp), i=0, terms)]

@@ -21,16 +21,20 @@ contains
    !> Verdicts on the motions with given frequency ratios and phases.
    pure subroutine lane_verdicts(plan, n, m, r, phases, with_radius, system, x, flight, &
       consistent, stable, radius)
+      !> Data that all points share: pattern, acceptance, xi, eta and the weights of the impact law.
       type(plan_type), intent(in) :: plan
       !> N impacts, m = 2N equations.
       integer, intent(in) :: n, m
+      !> Frequency ratio and impact phases (rad, the first one 0) of each lane.
       real(wp), intent(in) :: r(lanes), phases(lanes, n)
+      !> Whether `radius` is wanted; otherwise it is not set.
       logical, intent(in) :: with_radius
       !> Scratch.
       real(wp), intent(inout) :: system(lanes, m, n + 3), x(lanes, n + 2), flight(lanes, 7, n)
       !> 1, 0, or `unsure`.
       integer, intent(out) :: consistent(lanes), stable(lanes)
-      !> Largest modulus of a multiplier, if it is wanted; `stable` is unsure where it is.
+      !> Largest modulus of a multiplier, if it is wanted; where it is not certain, `stable` is
+      !! `unsure`.
       real(wp), intent(out) :: radius(lanes)
       real(wp) :: p(lanes, 4, 4), e(lanes, 4)
       real(wp), dimension(lanes) :: residual, quality, largest, least, doubt, slope

@@ -14,12 +14,15 @@ contains
    !> The same pattern from the letter on, and mirrored if that is the same, whose text is last in
    !> the alphabet: the one name that all turns of a pattern share.
    pure subroutine standard_letters(letters, may_mirror, standard, shift, mirrored)
+      !> +1, -1 for an impact on the right, left wall; +2, -2 for accumulation and rest there.
       integer, intent(in) :: letters(:)
       !> R1 = R2: a pattern and its mirror image are one.
       logical, intent(in) :: may_mirror
+      !> (as `letters`) The pattern in standard form.
       integer, intent(out) :: standard(:)
-      !> Letters left of the new first one, and whether all are mirrored.
+      !> Number of letters left of the new first one.
       integer, intent(out) :: shift
+      !> Whether all letters are mirrored.
       logical, intent(out) :: mirrored
       integer :: j, k, turned(size(letters))
 

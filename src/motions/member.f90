@@ -56,6 +56,7 @@ contains
 
    !> Load phase after which the impacts repeat, or are mirrored.
    pure real(wp) function span_of(family)
+      !> Only `mirror` and `cycles` are read.
       type(family_type), intent(in) :: family
 
       span_of = merge(pi, 2*pi, family%mirror)*family%cycles
@@ -63,11 +64,13 @@ contains
 
    !> Everything at the impacts and flights of unknowns (u_i, theta_i) at parameters c.
    pure subroutine set_orbit(family, unknowns, c, o)
+      !> Sides of the impacts, load cycles, and whether only the first half is given.
       type(family_type), intent(in) :: family
-      !> (2n)
+      !> (2n) u_i = x_i/d, theta_i = alpha_i + tau (rad).
       real(wp), intent(in) :: unknowns(:)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
+      !> Out: everything at impacts and flights; lengths in units of the clearance d.
       type(orbit_type), intent(inout) :: o
       real(wp) :: shrink, h, c1, c2
       integer :: n, i

@@ -1,4 +1,4 @@
-!> The one noun that flows through the code: a periodic motion with impacts.
+!> The type that every solver returns: a periodic motion with impacts.
 module vi_motion
    use vi_flight, only: flight_type, new_flight
    use vi_impact, only: primary_velocities
@@ -52,10 +52,16 @@ contains
 
    !> Puts the given data into a motion and makes room for the rest; the room is kept between calls.
    pure subroutine start_motion(motion, osc, r, pattern, restitution, phases)
+      !> Out: with the given data, room for the rest, and all verdicts `unknown`. In: its arrays are
+      !! reused where their sizes fit.
       type(motion_type), intent(inout) :: motion
+      !> Oscillator without its load.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega.
       real(wp), intent(in) :: r
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> Coefficient of restitution (N), and phase (N, rad, increasing from 0) of each impact.
       real(wp), intent(in) :: restitution(:), phases(:)
       integer :: n
 
@@ -77,9 +83,11 @@ contains
       motion%status = stat%ok
    end subroutine start_motion
 
-   !> A copy without new room, where the room is there.
+   !> Copies a pattern; the array of the copy is not allocated again if it has the right size.
    pure subroutine copy_pattern(pattern, copy)
+      !> The original.
       type(pattern_type), intent(in) :: pattern
+      !> Out: equal to the original.
       type(pattern_type), intent(inout) :: copy
 
       copy%sides = pattern%sides
@@ -88,7 +96,9 @@ contains
 
    !> Sets the impact phases and what follows from them alone.
    pure subroutine set_phases(motion, phases)
+      !> In: with oscillator, r and pattern. Out: phases, sine, cosine, length, c1, c2 are set.
       type(motion_type), intent(inout) :: motion
+      !> (N) Phase of each impact (rad), increasing.
       real(wp), intent(in) :: phases(:)
       real(wp) :: shrink, t, frequency, angle
       integer :: i, n
@@ -120,7 +130,10 @@ contains
    !!
    !! The unknowns may come in any unit of length; `unit_clearance` is the clearance in that unit.
    pure subroutine complete_motion(motion, x, a_cos_tau, a_sin_tau, unit_clearance)
+      !> In: with the given data. Out: positions, velocities, amplitude, tau and clearance are set,
+      !! or only its status.
       type(motion_type), intent(inout) :: motion
+      !> x_i (N), A cos(tau), A sin(tau), and the clearance, all in one unit of length.
       real(wp), intent(in) :: x(:), a_cos_tau, a_sin_tau, unit_clearance
       real(wp) :: amplitude, scale
       integer :: n, i
@@ -154,7 +167,9 @@ contains
 
    !> The flight that begins at impact i.
    pure function flight_of(motion, i) result(flight)
+      !> A complete motion.
       type(motion_type), intent(in) :: motion
+      !> Number of the impact that begins the flight, 1 to N.
       integer, intent(in) :: i
       type(flight_type) :: flight
 

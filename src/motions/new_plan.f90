@@ -12,10 +12,14 @@ module vi_new_plan
 
 contains
 
-   !> What the points have in common.
+   !> The data that all points share.
    pure type(plan_type) function new_plan(osc, pattern, restitution, acceptance) result(plan)
+      !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> Coefficient of restitution of each impact (N), and the largest relative residual that
+      !! counts as consistent.
       real(wp), intent(in) :: restitution(:), acceptance
       real(wp), parameter :: pi = acos(-1.0_wp), first(2) = [1, 0], second(2) = [0, 1]
       integer :: i

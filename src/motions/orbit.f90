@@ -21,6 +21,7 @@ contains
 
    !> Position and velocity at the end of each flight less those just before the next impact (2n).
    pure function orbit_residual(o) result(residual)
+      !> The orbit; lengths in units of the clearance.
       type(orbit_type), intent(in) :: o
       real(wp) :: residual(2*o%n)
       real(wp) :: free(2)
@@ -35,7 +36,9 @@ contains
 
    !> Position and velocity of the free part of the motion at the end of a flight.
    pure function free_end(o, i) result(free)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the flight.
       integer, intent(in) :: i
       real(wp) :: free(2)
 
@@ -46,10 +49,11 @@ contains
 
    !> The residuals again, and the gradient of each: by u_i, theta_i, r and log(D).
    pure subroutine orbit_slopes(o, slopes, residual)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
-      !> (at least 2n + 2, 2n)
+      !> (at least 2n + 2, 2n) slopes(:, j): gradient of residual j.
       real(wp), contiguous, intent(out) :: slopes(:, :)
-      !> (2n)
+      !> (2n) As `orbit_residual`.
       real(wp), intent(out) :: residual(:)
       real(wp) :: free(2)
       integer :: n, i, next
@@ -82,11 +86,15 @@ contains
       end do
    end subroutine orbit_slopes
 
-   !> Adds to a gradient what changes through the duration of flight i, with a weight.
+   !> Adds the effect of the duration of flight i, times a weight, to a gradient.
    pure subroutine by_time(o, i, weight, slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the flight, 1 to n.
       integer, intent(in) :: i
+      !> Derivative of the quantity by that duration.
       real(wp), intent(in) :: weight
+      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w
       integer :: n, next
@@ -99,11 +107,15 @@ contains
       slope(2*n + by_r) = slope(2*n + by_r) - w*o%time(i)
    end subroutine by_time
 
-   !> The same through the velocity of the free mass in flight i, 0 to n + 1.
+   !> Adds the effect of the velocity of the free mass in flight i, times a weight, to a gradient.
    pure subroutine by_speed(o, i, weight, slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the flight, 0 to n + 1; those beyond the ends are periodic or mirrored.
       integer, intent(in) :: i
+      !> Derivative of the quantity by that velocity.
       real(wp), intent(in) :: weight
+      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w
       integer :: n, j, next
@@ -121,11 +133,16 @@ contains
       slope(2*n + by_r) = slope(2*n + by_r) + w*o%time(j)
    end subroutine by_speed
 
-   !> The same through the forced motion and its velocity at impact i, 1 to n + 1.
+   !> Adds the effect of the forced motion and its velocity at impact i, times weights, to a
+   !! gradient.
    pure subroutine by_forced(o, i, weight, weight_dot, slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the impact, 1 to n + 1.
       integer, intent(in) :: i
+      !> Derivatives of the quantity by the forced motion and by its velocity.
       real(wp), intent(in) :: weight, weight_dot
+      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: cosine, grown
       integer :: n, j
@@ -141,10 +158,13 @@ contains
 
    !> Derivative of the residual by one parameter (2n).
    pure function orbit_by_parameter(family, unknowns, c, o, which) result(slope)
+      !> Family of the orbit.
       type(family_type), intent(in) :: family
+      !> u_i, theta_i (2n), and the parameters r, log(D), xi, mu, R1, R2 (6).
       real(wp), intent(in) :: unknowns(:), c(:)
       !> The orbit of these unknowns and parameters.
       type(orbit_type), intent(in) :: o
+      !> Place of the parameter: `by_r` .. `by_left`.
       integer, intent(in) :: which
       real(wp) :: slope(size(unknowns))
       real(wp), parameter :: h = 1.0e-5_wp
@@ -169,7 +189,10 @@ contains
    !> All [P_i], and the derivative of the map of the period, [P] = P_n .. P_1, or of the half
    !! period Q.
    pure subroutine period_parts(o, parts, p, regular)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> parts(:, :, i): [P_i]; p: the map of the period or half period. Lengths in units of the
+      !! clearance; undefined where `regular` is false.
       real(wp), intent(out) :: parts(4, 4, most_impacts), p(4, 4)
       !> False if an impact has no approach speed.
       logical, intent(out) :: regular
@@ -193,8 +216,11 @@ contains
    !> [P_i] less its part that is large where the impact at its end has hardly any approach: rows 1
    !! to 3 are base + column times row 4. The mirror at the end of a half period is included.
    pure subroutine split_part(o, i, base, column)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the flight, 1 to n.
       integer, intent(in) :: i
+      !> Rows 1 to 3 without their parts of row 4, and the factors of row 4 in them.
       real(wp), intent(out) :: base(3, 4), column(3)
       real(wp) :: free(2), sine(2), cosine(2), s13, rest
 

@@ -18,7 +18,9 @@ contains
 
    !> A pattern from letters, R for the right wall and L for the left; other letters give side 0.
    pure function new_pattern(letters, cycles) result(pattern)
+      !> Sides of the impacts in order: R or r, L or l.
       character(*), intent(in) :: letters
+      !> Load cycles k in one period.
       integer, intent(in) :: cycles
       type(pattern_type) :: pattern
       integer :: i
@@ -39,6 +41,7 @@ contains
 
    !> The letters of the sides, the inverse of `new_pattern`.
    pure function side_letters(sides) result(letters)
+      !> +1 right, any other number left.
       integer, intent(in) :: sides(:)
       character(size(sides)) :: letters
       integer :: i
@@ -50,7 +53,9 @@ contains
 
    !> The pattern of letters R and L, a star after one for accumulation and rest (2, -2).
    pure function starred_pattern(letters, cycles) result(pattern)
+      !> Letters R and L in order, each followed by a star for accumulation and rest.
       character(*), intent(in) :: letters
+      !> Load cycles k in one period.
       integer, intent(in) :: cycles
       type(pattern_type) :: pattern
       integer :: sides(len(letters)), i, n
@@ -72,6 +77,7 @@ contains
 
    !> The letters of the sides, the inverse of `starred_pattern`.
    pure function starred_letters(sides) result(letters)
+      !> +1 right, -1 left; +2, -2 for accumulation and rest there.
       integer, intent(in) :: sides(:)
       character(size(sides) + count(abs(sides) > 1)) :: letters
       integer :: i, n
@@ -89,7 +95,9 @@ contains
    !> The coefficient of restitution of each impact where the wall alone decides it.
    elemental real(wp) function default_restitution(side, right_value, &
       left_value) result(restitution)
+      !> +1 right, -1 left.
       integer, intent(in) :: side
+      !> Coefficients of restitution R1 (right wall), R2 (left wall).
       real(wp), intent(in) :: right_value, left_value
 
       restitution = merge(right_value, left_value, side > 0)

@@ -9,13 +9,16 @@ module vi_pattern_list
 
 contains
 
-   !> All patterns of both walls up to rotation, and up to the mirror image where the walls are
-   !! alike, with each number of load cycles; the shortest first.
+   !> All patterns with impacts on both walls, with each number of load cycles, the shortest first.
+   !! Patterns that are rotations of each other are listed once, and so are mirror images where the
+   !! walls are alike.
    !!
-   !! One that repeats a shorter one is there too: motions of twice the period look like that.
+   !! A pattern that repeats a shorter one is listed too: it belongs to motions of a multiple
+   !! period.
    pure function side_patterns(max_impacts, max_cycles, alike) result(patterns)
+      !> Largest number of impacts, and of load cycles k in a period.
       integer, intent(in) :: max_impacts, max_cycles
-      !> R1 = R2
+      !> R1 = R2: a pattern and its mirror image count as one.
       logical, intent(in) :: alike
       type(pattern_type), allocatable :: patterns(:)
       integer :: n
@@ -28,7 +31,9 @@ contains
    contains
       !> Counts them, and writes them where there is room.
       pure subroutine list(room, count)
+         !> If allocated, large enough for all patterns. Out: filled.
          type(pattern_type), allocatable, intent(inout) :: room(:)
+         !> In: 0. Out: number of patterns.
          integer, intent(inout) :: count
          integer :: sides(max_impacts), bits, cycles, i, m
 
@@ -47,7 +52,9 @@ contains
 
    !> Whether a pattern is written in the standard way.
    pure logical function is_standard(sides, alike)
+      !> +1 right, -1 left.
       integer, intent(in) :: sides(:)
+      !> R1 = R2: a pattern and its mirror image count as one.
       logical, intent(in) :: alike
       integer :: standard(size(sides)), shift
       logical :: mirrored

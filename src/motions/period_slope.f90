@@ -1,8 +1,8 @@
-!> The gradient of what the multipliers give, without differences.
+!> The gradient of a number that depends on the multipliers, without difference quotients.
 !!
-!! A number that depends on the map of the period changes by the sum of its derivatives by the
-!! entries, called weights here, times the changes of these; the weights of each [P_i] follow from
-!! those of the whole product, and those of what it is made of by going back through (A5)-(A7).
+!! The derivatives of the number by the entries of the map of the period are called weights here.
+!! The chain rule is applied backwards: from the weights of the whole product to those of each
+!! [P_i], and from these through (A5)-(A7) to the unknowns and parameters.
 module vi_period_slope
    use vi_kinds, only: wp
    use vi_orbit, only: by_forced, by_r, by_speed, by_time, most_impacts, orbit_type
@@ -13,13 +13,15 @@ module vi_period_slope
 
 contains
 
-   !> Adds to a gradient (by u_i, theta_i, r, log D) what changes through the map of the period.
+   !> Adds the effect of the map of the period to a gradient (by u_i, theta_i, r, log D).
    pure subroutine add_period_slope(o, parts, weights, slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
       !> All [P_i].
       real(wp), intent(in) :: parts(4, 4, most_impacts)
       !> Derivatives of the number by the entries of the map of the period.
       real(wp), intent(in) :: weights(4, 4)
+      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w(4, 4), before(4, 4, most_impacts)
       integer :: i
@@ -40,15 +42,18 @@ contains
       end do
    end subroutine add_period_slope
 
-   !> Adds what changes through [P_i].
+   !> Adds the effect of [P_i] to a gradient.
    !!
    !! The fourth row is (S_1 - 1, S_2, -time, ..)/S_5; the first one and the change of x' just
    !! before the impact are rows of S_1 to S_4 plus S_12 and S_14 times it.
    pure subroutine add_part_slope(o, i, p, w, slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the flight, 1 to n.
       integer, intent(in) :: i
       !> [P_i] and the weights of its entries.
       real(wp), intent(in) :: p(4, 4), w(4, 4)
+      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp), dimension(4) :: v, last, row, w_s
       real(wp), dimension(2) :: f, g, m, w_f, w_g

@@ -27,14 +27,18 @@ contains
 
    !> The motion with the given impact phases, without verdicts.
    pure subroutine solve_periodic(osc, r, pattern, restitution, phases, system, motion)
+      !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega.
       real(wp), intent(in) :: r
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> Coefficient of restitution (N) and phase (N, increasing from 0, below 2 pi k) of each
       !! impact.
       real(wp), intent(in) :: restitution(:), phases(:)
       !> Scratch, kept between calls.
       type(linear_system_type), intent(inout) :: system
+      !> Out: the motion, or its status; its arrays are reused between calls.
       type(motion_type), intent(inout) :: motion
       real(wp) :: size_of_rhs, residual
       integer :: n
@@ -70,6 +74,7 @@ contains
    !!
    !! Rounding hides the missing rank from the factors, so the reason for it is looked for.
    pure logical function free_amplitude(motion)
+      !> With phases, pattern and restitution.
       type(motion_type), intent(in) :: motion
 
       free_amplitude = .false.
@@ -83,6 +88,7 @@ contains
    pure subroutine assemble(motion, system)
       !> Of this motion the given data count: oscillator, r, pattern, restitution, phases.
       type(motion_type), intent(in) :: motion
+      !> Out: coefficients and right side for d = 1; its arrays are reused between calls.
       type(linear_system_type), intent(inout) :: system
       real(wp) :: w(6), v(7), y(4), h
       integer :: n, i, previous, next, after_next
@@ -118,12 +124,14 @@ contains
 
    !> W_1i..W_6i of (26) and V_1i..V_7i of (30) for one flight.
    pure subroutine coefficients(osc, h, r, restitution, length, c1, c2, sine, cosine, y_step, w, v)
+      !> xi and mu are read.
       type(oscillator_type), intent(in) :: osc
       !> eta of (3), and the frequency ratio.
       real(wp), intent(in) :: h, r
       !> R of impacts i and i+1; phase lengths of flights i-1, i, i+1; C_1i, C_2i of (9), (10); sine
       !! and cosine of the phases alpha_i and alpha_(i+1); change of y in flights i-1, i, i+1.
       real(wp), intent(in) :: restitution(2), length(3), c1, c2, sine(2), cosine(2), y_step(3)
+      !> W_1i .. W_6i, and V_1i .. V_7i.
       real(wp), intent(out) :: w(6), v(7)
       real(wp) :: c3, c4, g1, g2, g3, g4, sine_term, cosine_term, pull, c1h, c3h
 
@@ -157,8 +165,11 @@ contains
       end associate
    end subroutine coefficients
 
+   !> Allocates the arrays of a system for n impacts, unless they have that size already.
    pure subroutine make_room(system, n)
+      !> In and out: the system; the contents of its arrays mean nothing afterwards.
       type(linear_system_type), intent(inout) :: system
+      !> Number of impacts.
       integer, intent(in) :: n
 
       if (allocated(system%rhs)) then

@@ -1,8 +1,8 @@
 !> The same chain in single precision, for a caller that works in double precision.
 !!
 !! Every number of the computation is rounded to 32 bits and every LAPACK call is the S routine;
-!! only the given data and the finished motion are converted. This is the one file, beside the
-!! kinds, that knows of two precisions.
+!! only the given data and the finished motion are converted. Besides the kinds, this is the only
+!! file that deals with two precisions.
 module vi_precision
    use vi_chain_single, only: equispaced_chain_single => equispaced_chain, &
       periodic_chain_single => periodic_chain
@@ -26,12 +26,19 @@ contains
    !> `periodic_chain` in single precision.
    pure subroutine periodic_in_single(osc, r, pattern, restitution, phases, acceptance, flights, &
       motion)
+      !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega.
       real(wp), intent(in) :: r
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> Coefficient of restitution (N), and phase (N, rad, increasing from 0) of each impact.
       real(wp), intent(in) :: restitution(:), phases(:)
+      !> Largest relative residual that counts as consistent.
       real(wp), intent(in) :: acceptance
+      !> Whether the flights are examined too: `admissible`, `x_min`, `x_max`.
       logical, intent(in) :: flights
+      !> Out: the motion in double precision with the digits of single precision, or its status.
       type(motion_type), intent(inout) :: motion
       type(linear_system_type_single) :: system
       type(motion_type_single) :: narrow
@@ -44,11 +51,17 @@ contains
 
    !> `equispaced_chain` in single precision.
    pure subroutine equispaced_in_single(osc, r, clearance, cycles, acceptance, flights, motions)
+      !> Oscillator; its two coefficients of restitution are equal.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega, and clearance D = d K/F0.
       real(wp), intent(in) :: r, clearance
+      !> Load cycles k in a period, odd.
       integer, intent(in) :: cycles
+      !> Largest relative residual that counts as consistent.
       real(wp), intent(in) :: acceptance
+      !> Whether the flights are examined too: `admissible`, `x_min`, `x_max`.
       logical, intent(in) :: flights
+      !> Out: both motions, as in `periodic_in_single`.
       type(motion_type), intent(inout) :: motions(2)
       type(linear_system_type_single) :: system
       type(motion_type_single) :: narrow(2)
@@ -62,18 +75,24 @@ contains
       end do
    end subroutine equispaced_in_single
 
+   !> The oscillator with its numbers rounded to single precision.
    pure function narrowed(osc) result(narrow)
+      !> Oscillator in double precision.
       type(oscillator_type), intent(in) :: osc
       type(oscillator_type_single) :: narrow
 
       narrow = oscillator_type_single(real(osc%xi, sp), real(osc%mu, sp), real(osc%restitution, sp))
    end function narrowed
 
-   !> Copies a finished motion; what was given keeps its digits.
+   !> Converts a finished motion to double precision; the given data keep all their digits.
    pure subroutine widen(narrow, osc, r, restitution, phases, motion)
+      !> The finished motion.
       type(motion_type_single), intent(in) :: narrow
+      !> Oscillator as given.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, coefficients of restitution and phases (N) as given.
       real(wp), intent(in) :: r, restitution(:), phases(:)
+      !> Out: the motion, or its status.
       type(motion_type), intent(inout) :: motion
 
       call start_motion(motion, osc, r, pattern_type(narrow%pattern%sides, narrow%pattern%cycles), &

@@ -15,10 +15,11 @@ contains
    !!
    !! Time is 0 at the first impact; at an impact the velocities are those just after it.
    pure subroutine sample_motion(motion, times, values)
+      !> A complete motion.
       type(motion_type), intent(in) :: motion
-      !> (m), in 1/omega
+      !> (m) Any times, counted from the first impact (1/omega).
       real(wp), intent(in) :: times(:)
-      !> (6, m)
+      !> (6, m) x, z, y in F0/K; velocities in omega F0/K; load between -1 and 1.
       real(wp), intent(out) :: values(:, :)
       real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
       type(flight_type) :: flights(size(motion%phases))

@@ -1,5 +1,5 @@
-!> What the multipliers of a motion say, without computing them: the elementary symmetric functions
-!! of them, and how many lie outside the unit circle.
+!> Properties of the multipliers of a motion without computing them: their elementary symmetric
+!! functions, and how many lie outside the unit circle.
 !!
 !! A multiplier grows like the inverse of an approach speed. The functions e_0 = 1, e_1 .. e_4 are
 !! therefore taken times a common factor, so that the squares of the first four sum up to 1: they
@@ -15,7 +15,7 @@ module vi_spectrum
 
    public :: is_neutral_saddle, multiplier_sums, outside_circle, pair_product, sums_with_slope
 
-   !> The sums of a motion, and what their slopes need.
+   !> The elementary symmetric functions ("sums") of a motion's multipliers.
    type, public :: spectrum_type
       !> e_0 .. e_4, normalised.
       real(wp) :: e(0:4) = 0
@@ -33,7 +33,9 @@ contains
 
    !> The sums of an orbit.
    pure subroutine multiplier_sums(o, spectrum)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> The normalised sums; not set where `regular` is false.
       type(spectrum_type), intent(out) :: spectrum
       type(minors_type) :: factors(o%n)
       real(wp) :: parts(4, 4, most_impacts), p(4, 4), length
@@ -45,11 +47,13 @@ contains
 
    !> The sums, normalised, from the maps of the flights.
    pure subroutine sums_of_parts(o, parts, p, spectrum, length, factors)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
       !> All [P_i] and their product.
       real(wp), intent(in) :: parts(4, 4, most_impacts), p(4, 4)
+      !> Out: the normalised sums, the closed product, and `regular`.
       type(spectrum_type), intent(inout) :: spectrum
-      !> The sums are those of the minors over this length.
+      !> 2-norm of the sums before they are normalised.
       real(wp), intent(out) :: length
       !> The minors of all factors, where the product is large.
       type(minors_type), intent(out) :: factors(o%n)
@@ -75,7 +79,9 @@ contains
       end associate
    end subroutine sums_of_parts
 
+   !> Whether the entries of [P] are so large that its minors lose too many digits.
    pure logical function is_large(p)
+      !> [P].
       real(wp), intent(in) :: p(4, 4)
 
       is_large = maxval(abs(p)) > large
@@ -83,7 +89,9 @@ contains
 
    !> How fast the masses approach each other before the impact that ends flight i.
    pure real(wp) function approach(o, i)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the flight, 1 to n.
       integer, intent(in) :: i
 
       approach = o%side(i + 1)*(o%speed(i) - o%before(i + 1))
@@ -93,6 +101,7 @@ contains
    !! mirror, has one of the same form and the same sign: its impacts change sides an odd number of
    !! times.
    pure real(wp) function closed_product(o)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
 
       closed_product = exp(-2*o%xi*o%span*o%per_r)*product(o%restitution(1:o%n))**2
@@ -100,8 +109,11 @@ contains
 
    !> The minors of all [P_i], each times the approach speed at its end.
    pure subroutine minors_of_parts(o, parts, factors)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> All [P_i].
       real(wp), intent(in) :: parts(4, 4, most_impacts)
+      !> factors(i): the minors of [P_i].
       type(minors_type), intent(out) :: factors(o%n)
       real(wp) :: base(3, 4), column(3)
       integer :: i
@@ -112,13 +124,18 @@ contains
       end do
    end subroutine minors_of_parts
 
-   !> The sums again, and the gradient (by u_i, theta_i, r, log D) of a weighted sum of them.
+   !> The sums, one of three numbers formed from them, and the gradient of that number.
    pure subroutine sums_with_slope(o, kind, spectrum, value, slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
       !> 1: det(I - P), 2: det(I + P), 3: `pair_product`, of the normalised sums.
       integer, intent(in) :: kind
+      !> The normalised sums.
       type(spectrum_type), intent(out) :: spectrum
+      !> The number; 0 where the sums are not regular.
       real(wp), intent(out) :: value
+      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D), to which that of `value`
+      !! is added.
       real(wp), contiguous, intent(inout) :: slope(:)
       type(minors_type) :: factors(o%n)
       real(wp), dimension(4, 4, most_impacts) :: parts, by_entry
@@ -149,8 +166,11 @@ contains
 
    !> One of the three numbers that tell stability, with its derivatives.
    pure subroutine weights_of(kind, spectrum, value, by_sums, by_product)
+      !> As in `sums_with_slope`.
       integer, intent(in) :: kind
+      !> The normalised sums.
       type(spectrum_type), intent(in) :: spectrum
+      !> The number.
       real(wp), intent(out) :: value
       !> By e_0 .. e_3, e_4 being the product times e_0, and by the product.
       real(wp), intent(out) :: by_sums(0:3), by_product
@@ -175,6 +195,7 @@ contains
 
    !> The product of all 1 - lambda_i lambda_j, i < j, times e_0^2.
    pure real(wp) function pair_product(spectrum)
+      !> The normalised sums.
       type(spectrum_type), intent(in) :: spectrum
 
       associate (e => spectrum%e, q => spectrum%product)
@@ -185,6 +206,7 @@ contains
    !> Whether two real multipliers, not a complex pair, have the product 1 where `pair_product` is
    !! zero: (lambda^2 - t lambda + 1) is a factor there with t (1 - product) e_0 = e_1 - e_3.
    pure logical function is_neutral_saddle(spectrum)
+      !> The normalised sums, where `pair_product` is zero.
       type(spectrum_type), intent(in) :: spectrum
 
       associate (e => spectrum%e)
@@ -194,6 +216,7 @@ contains
 
    !> How many multipliers lie outside the unit circle; of one or two that lie on it, none counts.
    pure integer function outside_circle(spectrum, kind) result(outside)
+      !> The normalised sums.
       type(spectrum_type), intent(in) :: spectrum
       !> The number that is zero, as in `sums_with_slope`; 0 if none of them is.
       integer, intent(in) :: kind

@@ -14,7 +14,9 @@ contains
 
    !> [P] of a motion.
    pure subroutine stability_matrix(motion, p, status)
+      !> A complete motion.
       type(motion_type), intent(in) :: motion
+      !> [P]; rows and columns (x, x', z', alpha); undefined unless the status is `stat%ok`.
       real(wp), intent(out) :: p(4, 4)
       !> `stat%ok`, `stat%zero_approach` or `stat%not_finite`.
       integer, intent(out) :: status
@@ -36,8 +38,11 @@ contains
 
    !> The four multipliers, by falling modulus.
    pure subroutine multipliers(motion, lambda, status)
+      !> A complete motion.
       type(motion_type), intent(in) :: motion
+      !> By falling modulus; 0 unless the status is `stat%ok` or `stat%lapack_failed`.
       complex(wp), intent(out) :: lambda(4)
+      !> As of `stability_matrix`, or `stat%lapack_failed`.
       integer, intent(out) :: status
       real(wp) :: p(4, 4)
 
@@ -54,7 +59,9 @@ contains
    pure subroutine multipliers_of_half(q, lambda, status)
       !> In: [Q]. Out: overwritten.
       real(wp), intent(inout), contiguous :: q(:, :)
+      !> By falling modulus; 0 if [Q] is not finite.
       complex(wp), intent(out) :: lambda(4)
+      !> `stat%ok`, `stat%not_finite` or `stat%lapack_failed`.
       integer, intent(out) :: status
 
       lambda = 0
@@ -84,6 +91,7 @@ contains
 
    !> Insertion sort; equal moduli keep their order, so that conjugates stay together.
    pure subroutine sort_by_modulus(lambda)
+      !> In and out: the numbers, sorted by falling modulus.
       complex(wp), intent(inout) :: lambda(:)
       real(wp) :: square(size(lambda)), item_square
       complex(wp) :: item
