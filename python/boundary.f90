@@ -490,50 +490,44 @@ subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitutio
       verdicts, status, iterations)
 end subroutine exact
 
-!> Least and greatest x over the segments of a trajectory, from certified extrema.
-subroutine extreme_positions(n, xi, mu, r, load, clearance, starts, resting, last, x_min, x_max, &
-   complete)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_oscillator, only: oscillator_type
-   use vi_simulate, only: new_drive
-   use vi_trajectory, only: extremes => extreme_positions
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: n, resting(n)
-   real(c_double), intent(in) :: xi, mu, r, load, clearance, starts(6, n), last
-   real(c_double), intent(out) :: x_min, x_max
-   integer(c_int), intent(out) :: complete
-   logical :: whole
-
-   call extremes(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, last, &
-      x_min, &
-      x_max, whole)
-   complete = merge(1, 0, whole)
-end subroutine extreme_positions
-
-!> The periodic motion with rest near a release at (phase, v) on a wall; its events over one period.
-subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, room, point, &
-   multipliers, residual, values, labels, n_events, stable, status)
+!> The periodic motion with rest near a release at (phase, v) on a wall.
+!!
+!! `n` letters, each with the phase of its first impact (`impacts` as those of `exact`); and the
+!! `n_events` events of one period, the last one the release.
+subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, room, n, sides, &
+   restitution, phases, impacts, scalars, multipliers, verdicts, n_events, values, labels, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_drive, only: event_type, new_drive
+   use vi_motion, only: motion_type
    use vi_oscillator, only: oscillator_type
-   use vi_rest_motion, only: solve_rest_motion
-   use vi_simulate, only: event_type, new_drive
+   use vi_points, only: store_motion
+   use vi_rest_motion, only: find_rest_motion
+   use vi_status, only: stat
    use vi_trajectory, only: store_events
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: side, cycles, room
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, guess(2)
-   real(c_double), intent(out) :: point(2), residual, values(7, room)
+   integer(c_int), intent(out) :: n, sides(room), verdicts(3), n_events, labels(2, room), status
+   real(c_double), intent(out) :: restitution(room), phases(room), impacts(room, 6), scalars(6), &
+      values(7, room)
    complex(c_double_complex), intent(out) :: multipliers(4)
-   integer(c_int), intent(out) :: labels(2, room), n_events, stable, status
+   type(motion_type) :: motion
    type(event_type), allocatable :: events(:)
 
-   allocate (events(room))
-   point = guess
+   call find_rest_motion(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), side, &
+      cycles, guess, room, motion, events)
+   n = 0
    n_events = 0
-   call solve_rest_motion(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), side, &
-      cycles, point, multipliers, residual, events, n_events, status, stable)
-   call store_events(events(:n_events), r, values, labels)
+   status = motion%status
+   if (status /= stat%ok) return
+   n = size(motion%x)
+   n_events = size(events)
+   sides(:n) = motion%pattern%sides
+   restitution(:n) = motion%restitution
+   phases(:n) = motion%phases
+   call store_motion(motion, .true., impacts(:n, :), scalars, multipliers, verdicts, status)
+   call store_events(events, r, values, labels)
 end subroutine rest_motion
 
 !> Every periodic motion at a point that a search finds.

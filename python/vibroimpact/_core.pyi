@@ -119,22 +119,6 @@ class _Exact(Protocol):
     ) -> tuple[_Real, _Real, _Real, _Complex, _Integer, int, int]: ...
 
 @type_check_only
-class _ExtremePositions(Protocol):
-    # x_min, x_max, complete
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        r: float,
-        load: float,
-        clearance: float,
-        starts: ArrayLike,
-        resting: ArrayLike,
-        last: float,
-        n: int = ...,
-    ) -> tuple[float, float, int]: ...
-
-@type_check_only
 class _FillReals(Protocol):
     def __call__(
         self,
@@ -308,7 +292,7 @@ class _ReadNamelist(Protocol):
 
 @type_check_only
 class _RestMotion(Protocol):
-    # point, multipliers, residual, values, labels, n_events, stable, status
+    # n, sides, restitution, phases, impacts, scalars, multipliers, verdicts, n_events, values, labels, status
     def __call__(
         self,
         xi: float,
@@ -321,7 +305,9 @@ class _RestMotion(Protocol):
         cycles: int,
         guess: ArrayLike,
         room: int,
-    ) -> tuple[_Real, _Complex, float, _Real, _Integer, int, int, int]: ...
+    ) -> tuple[
+        int, _Integer, _Real, _Real, _Real, _Real, _Complex, _Integer, int, _Real, _Integer, int
+    ]: ...
 
 @type_check_only
 class _RunCase(Protocol):
@@ -619,7 +605,6 @@ describe_result: _DescribeResult
 equispaced: _Equispaced
 equispaced_chart: _EquispacedChart
 exact: _Exact
-extreme_positions: _ExtremePositions
 fill_reals: _FillReals
 fill_wholes: _FillWholes
 find: _Find

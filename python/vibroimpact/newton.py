@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 
 from . import _core, checks
 from .errors import ParameterError, ParameterTypeError, SingularError
-from .events import event_table, segments
+from .events import event_table
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .solve import frozen, impact_restitution, periodic
 from .states import TWO_PI
-from .status import VERDICT, raise_status
+from .status import MORE_EVENTS, VERDICT, raise_status
 from .trajectory import Trajectory
 
 __all__ = ["exact"]
 
 MOST_ITERATIONS = 50
-#: Impacts and rests that a period of a motion with rest may have.
-REST_EVENTS = 20_000
+#: Impacts and rests that a period of a motion with rest may have: most have few.
+REST_EVENTS = (200, 20_000)
 #: Load phase within which one period and the next are the same.
 SETTLED = 1e-9
 #: How much better a longer period must repeat to be tried after a shorter one.
@@ -194,9 +194,9 @@ def impact_motion(
     osc: Oscillator, r: float, clearance: float, load: float, pattern: Pattern,
     restitution: NDArray[np.float64], phases: NDArray[np.float64], impacts: NDArray[np.float64],
     scalars: NDArray[np.float64], multipliers: NDArray[np.complex128], verdicts: NDArray[np.int32],
-    given: NDArray[np.float64] | None = None,
+    given: NDArray[np.float64] | None = None, rest_events: NDArray[Any] | None = None,
 ) -> Motion:  # fmt: skip
-    """A motion without rest, from what the core tells of it; `given` as in `newton`."""
+    """A motion from what the core tells of it; `given` as in `newton`."""
     impacts.flags.writeable = False
     multipliers.flags.writeable = False
     _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
@@ -206,7 +206,7 @@ def impact_motion(
         impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
         amplitude, tau, residual, multipliers,
         VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max, load=load,
-        guess=given,
+        guess=given, rest_events=rest_events,
     )  # fmt: skip
 
 
@@ -225,31 +225,24 @@ def release_motion(
     guess: NDArray[np.float64],
 ) -> Motion:  # fmt: skip
     """Newton's method on the return map from a guess of (phase, v) at a release on a wall."""
-    _, multipliers, residual, numbers, labels, n, stable, status = _core.rest_motion(
-        osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, REST_EVENTS
+    for room in REST_EVENTS:
+        answer = _core.rest_motion(
+            osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, room
+        )
+        if answer[-1] != MORE_EVENTS:
+            break
+    n, sides, each, phases, impacts, scalars, multipliers, verdicts, m, values, labels, status = (
+        answer
     )
     raise_status(int(status))
-    table = event_table(numbers[:, :n].copy(), labels[:, :n]).copy()
+    table = event_table(values[:, :m].copy(), labels[:, :m]).copy()
     table["time"] -= table["time"][0]
     table.flags.writeable = False
-    letters, first = letters_of(table)
-    pattern = Pattern("".join(letters), cycles)
-    starts, resting = segments(table, clearance)
-    period = TWO_PI * cycles / r
-    x_min, x_max, whole = _core.extreme_positions(
-        osc.xi, osc.mu, r, load, clearance, starts, resting, period
-    )
-    multipliers.flags.writeable = False
-    amplitude = load / math.hypot((1 - r) * (1 + r), 2 * osc.xi * r)
-    z = first["x"] + 0.5 * pattern.signs * clearance
-    names = ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-    x, before, after, z_before, z_after = (frozen(np.array(first[name])) for name in names)
-    return Motion(
-        osc, r, clearance, pattern, impact_restitution(osc, pattern, None), frozen(first["time"] * r),
-        x, frozen(z), before, after, z_before, z_after, amplitude,
-        math.remainder(float(first["phase"][0]) - lag(osc, r), TWO_PI), residual, multipliers,
-        residual < 1e-9, True, VERDICT[int(stable)], x_min if whole else math.nan,
-        x_max if whole else math.nan, load=load, rest_events=table,
+    letters = (f"{'RL'[one < 0]}{'*' * (abs(one) - 1)}" for one in sides[:n].tolist())
+    return impact_motion(
+        osc, r, clearance, load, Pattern("".join(letters), cycles), frozen(each[:n].copy()),
+        phases[:n].copy(), impacts[:n].copy(order="F"), scalars, multipliers, verdicts,
+        rest_events=table,
     )  # fmt: skip
 
 

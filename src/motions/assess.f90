@@ -13,8 +13,8 @@ module vi_assess
    implicit none (type, external)
    private
 
-   public :: admission, assess_exact, assess_flights, assess_linear, consistency, plane_stability, &
-      stability
+   public :: admission, assess_exact, assess_flights, assess_linear, assess_rest, consistency, &
+      is_near_circle, stability
 
    !> The residual that the 1983 paper accepted for N > 2.
    real(wp), parameter, public :: paper_acceptance = 0.03_wp
@@ -47,15 +47,53 @@ contains
 
    !> The verdicts of `assess_linear` on a motion that Newton's method has found.
    pure subroutine assess_exact(motion)
+      !> With its impacts.
       type(motion_type), intent(inout) :: motion
-      real(wp) :: distance
 
       call assess_linear(motion, exact_acceptance)
-      if (motion%stable == unknown) return
-      distance = abs(abs(motion%multipliers(1)) - 1)
-      if (distance > near_circle) return
-      if (.not. distance > reserve*modulus_doubt(motion)) motion%stable = unknown
+      if (motion%stable == unknown .or. .not. is_near_circle(motion%multipliers(1))) return
+      call doubt_stability(modulus_doubt(motion), motion)
    end subroutine assess_exact
+
+   !> The verdicts on a motion with rest: a fixed point of the map from release to release.
+   !!
+   !! Its period was simulated, through every contact: what comes back to its beginning is
+   !! admissible.
+   pure subroutine assess_rest(map, doubt, motion)
+      !> The derivative of the map, in the plane.
+      real(wp), intent(in) :: map(2, 2)
+      !> By how much the modulus of the leading multiplier may be wrong, where it is near the unit
+      !! circle.
+      real(wp), intent(in) :: doubt
+      !> With its residual and its multipliers.
+      type(motion_type), intent(inout) :: motion
+
+      if (motion%status /= stat%ok) return
+      motion%consistent = consistency(motion%residual, exact_acceptance)
+      motion%admissible = merge(yes, unknown, motion%consistent == yes)
+      motion%stable = plane_stability(map)
+      if (stability(abs(motion%multipliers(1))) == unknown) motion%stable = unknown
+      if (is_near_circle(motion%multipliers(1))) call doubt_stability(doubt, motion)
+   end subroutine assess_rest
+
+   !> Whether rounding may have to do with the side of the unit circle on which a multiplier lies.
+   elemental logical function is_near_circle(multiplier)
+      !> The leading one.
+      complex(wp), intent(in) :: multiplier
+
+      is_near_circle = abs(abs(multiplier) - 1) <= near_circle
+   end function is_near_circle
+
+   !> Leaves open whether a motion is stable where rounding may bring its leading multiplier to the
+   !! unit circle.
+   pure subroutine doubt_stability(doubt, motion)
+      !> By how much its modulus may be wrong.
+      real(wp), intent(in) :: doubt
+      !> With its multipliers, and `stable` from them.
+      type(motion_type), intent(inout) :: motion
+
+      if (.not. abs(abs(motion%multipliers(1)) - 1) > reserve*doubt) motion%stable = unknown
+   end subroutine doubt_stability
 
    !> `admissible`, and the extreme positions of the primary mass, from certified extrema.
    !!

@@ -15,11 +15,11 @@ module vi_doubt
    implicit none (type, external)
    private
 
-   public :: modulus_doubt
+   public :: modulus_doubt, worst_change
 
    !> Assumed error of a residual, over the sum of the residual itself and the rounding of its
    !! terms.
-   real(wp), parameter :: caution = 4.0_wp
+   real(wp), parameter, public :: caution = 4.0_wp
 
 contains
 
@@ -45,7 +45,7 @@ contains
       setting = setting_type(motion%osc, motion%r, motion%amplitude/gain(motion%osc%xi, motion%r), &
          motion%clearance, motion%pattern, motion%restitution)
       unknowns = [motion%x, motion%phases + motion%tau]
-      call worst_change(setting, unknowns, motion%amplitude, change, regular)
+      call change_of_unknowns(setting, unknowns, motion%amplitude, change, regular)
       doubt = huge(1.0_wp)
       if (.not. regular) return
       doubt = spread_of_orders(motion, modulus)
@@ -61,8 +61,8 @@ contains
       end do
    end function modulus_doubt
 
-   !> The change of the unknowns, by rounding of the residuals, in which one unknown changes most.
-   pure subroutine worst_change(setting, unknowns, amplitude, change, regular)
+   !> The worst change of the unknowns x_i, theta_i of an exact motion.
+   pure subroutine change_of_unknowns(setting, unknowns, amplitude, change, regular)
       !> Given data of the motion: oscillator, r, load, clearance, pattern, restitution.
       type(setting_type), intent(in) :: setting
       !> x_i (F0/K) and theta_i = alpha_i + tau (rad) (2N), and the amplitude A of the forced
@@ -72,9 +72,9 @@ contains
       real(wp), intent(out) :: change(:)
       !> False if the Jacobian is singular as far as rounding can tell.
       logical, intent(out) :: regular
-      real(wp), dimension(size(unknowns), size(unknowns)) :: jacobian, factors, answers
-      real(wp), dimension(size(unknowns)) :: residual, rounding, total
-      integer :: i, j, n, status, worst
+      real(wp) :: jacobian(size(unknowns), size(unknowns))
+      real(wp), dimension(size(unknowns)) :: residual, rounding, units
+      integer :: i, n
 
       n = size(unknowns)
       call newton_equations(setting, unknowns, residual, jacobian)
@@ -82,6 +82,26 @@ contains
          rounding(i) = caution*(epsilon(1.0_wp)*(dot_product(abs(jacobian(i, :)), abs(unknowns)) &
             + amplitude*(1 + setting%r)) + abs(residual(i)))
       end do
+      units(:n/2) = setting%clearance
+      units(n/2 + 1:) = 1
+      call worst_change(jacobian, rounding, units, change, regular)
+   end subroutine change_of_unknowns
+
+   !> The change of the unknowns, by rounding of the residuals, in which one unknown changes most.
+   pure subroutine worst_change(jacobian, rounding, units, change, regular)
+      !> Derivatives of the residuals (n) by the unknowns (n).
+      real(wp), intent(in) :: jacobian(:, :)
+      !> What each residual may be wrong by (n), and in which units the unknowns are compared (n).
+      real(wp), intent(in) :: rounding(:), units(:)
+      !> (n)
+      real(wp), intent(out) :: change(:)
+      !> False if the Jacobian is singular as far as rounding can tell.
+      logical, intent(out) :: regular
+      real(wp), dimension(size(rounding), size(rounding)) :: factors, answers
+      real(wp) :: total(size(rounding))
+      integer :: i, j, n, status, worst
+
+      n = size(rounding)
       regular = .false.
       change = 0
       do j = 1, n
@@ -95,8 +115,7 @@ contains
          total(i) = sum(abs(answers(i, :)))
       end do
       if (.not. all(total <= huge(1.0_wp))) return
-      total(:n/2) = total(:n/2)/setting%clearance
-      worst = maxloc(total, 1)
+      worst = maxloc(total/units, 1)
       do j = 1, n
          change = change + sign(1.0_wp, answers(worst, j))*answers(:, j)
       end do

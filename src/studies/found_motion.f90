@@ -74,16 +74,19 @@ contains
       integer, intent(in) :: room
       type(found_type), intent(out) :: found
       type(event_type), allocatable :: events(:)
-      complex(wp) :: lambda(4)
-      real(wp) :: point(2), residual
+      type(motion_type) :: motion
+      real(wp) :: point(2)
       integer :: i, n, m
 
       allocate (events(room))
       point = guess
-      call solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, &
-         found%status, found%stable)
+      call solve_rest_motion(drive, side, cycles, point, motion, events, n)
+      found%status = motion%status
       if (found%status /= stat%ok) return
-      found%admissible = yes
+      found%status = merge(stat%ok, stat%no_convergence, motion%consistent == yes)
+      if (found%status /= stat%ok) return
+      found%admissible = motion%admissible
+      found%stable = motion%stable
       allocate (found%pattern%sides(0), found%unknowns(0))
       found%pattern%cycles = cycles
       allocate (found%releases(3, count(events(:n)%kind == release_event)))

@@ -23,7 +23,7 @@ module vi_points
    implicit none (type, external)
    private
 
-   public :: periodic_points, equispaced_points, exact_point, member_point, recall
+   public :: periodic_points, equispaced_points, exact_point, member_point, recall, store_motion
 
 contains
 
@@ -54,7 +54,7 @@ contains
                flights, &
                system, motion)
          end if
-         call store(motion, flights, impacts(:, :, j), scalars(:, j), multipliers(:, j), &
+         call store_motion(motion, flights, impacts(:, :, j), scalars(:, j), multipliers(:, j), &
             verdicts(:, j), status(j))
       end do
    end subroutine periodic_points
@@ -83,7 +83,7 @@ contains
          end if
          do i = 1, 2
             column = 2*(j - 1) + i
-            call store(motions(i), flights, impacts(:, :, column), scalars(:, column), &
+            call store_motion(motions(i), flights, impacts(:, :, column), scalars(:, column), &
                multipliers(:, column), verdicts(:, column), status(column))
          end do
       end do
@@ -109,7 +109,7 @@ contains
       call assess_exact(motion)
       call assess_flights(motion)
       phases = motion%phases
-      call store(motion, .true., impacts, scalars, multipliers, verdicts, status)
+      call store_motion(motion, .true., impacts, scalars, multipliers, verdicts, status)
    end subroutine exact_point
 
    !> The motion of unknowns that solve the equations.
@@ -126,11 +126,11 @@ contains
       call assess_exact(motion)
       call assess_flights(motion)
       phases = motion%phases
-      call store(motion, .true., impacts, scalars, multipliers, verdicts, status)
+      call store_motion(motion, .true., impacts, scalars, multipliers, verdicts, status)
    end subroutine member_point
 
    !> Writes one motion into its place.
-   pure subroutine store(motion, flights, impacts, scalars, multipliers, verdicts, status)
+   pure subroutine store_motion(motion, flights, impacts, scalars, multipliers, verdicts, status)
       type(motion_type), intent(in) :: motion
       logical, intent(in) :: flights
       real(wp), intent(out) :: impacts(:, :), scalars(:)
@@ -157,9 +157,9 @@ contains
          motion%x_max]
       if (.not. flights) scalars(5:6) = nan
       multipliers = motion%multipliers
-   end subroutine store
+   end subroutine store_motion
 
-   !> The motion whose rows `store` wrote, as far as its flights are concerned.
+   !> The motion whose rows `store_motion` wrote, as far as its flights are concerned.
    pure function recall(osc, r, pattern, restitution, phases, impacts, amplitude, &
       tau) result(motion)
       type(oscillator_type), intent(in) :: osc

@@ -6,26 +6,29 @@
 !! letters (vi_rest_family) is smooth where the simulated one is not, and its derivative is known
 !! in closed form. A solution counts if the simulation from it comes back to it.
 module vi_rest_motion
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_assess, only: plane_stability
+   use vi_assess, only: assess_rest, is_near_circle
+   use vi_doubt, only: caution, worst_change
+   use vi_drive, only: drive_type, event_type, impact_event, release_event, state_time, &
+      state_type, stick_event, two_pi
    use vi_event_letters, only: read_letters, reading_type, total_phase
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
-   use vi_motion, only: unknown
+   use vi_motion, only: motion_type
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, most_impacts, &
       n_parameters
    use vi_oscillator, only: left, right
+   use vi_pattern, only: default_restitution, pattern_type
    use vi_rest_family, only: new_rest_family, plane_map, rest_family_type, rest_period, &
       rest_period_type
-   use vi_simulate, only: drive_type, event_type, impact_event, release_event, simulate, &
-      state_type
+   use vi_simulate, only: simulate
    use vi_status, only: stat
+   use vi_trajectory, only: extreme_positions
    implicit none (type, external)
    private
 
-   public :: release_state, return_map, solve_rest_motion
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+   public :: find_rest_motion, release_state, return_map, solve_rest_motion
 
 contains
 
@@ -89,24 +92,20 @@ contains
    end function release_state
 
    !> Newton's method for a fixed point of the return map.
-   pure subroutine solve_rest_motion(drive, side, cycles, point, lambda, residual, events, n, &
-      status, stable)
+   pure subroutine solve_rest_motion(drive, side, cycles, point, motion, events, n)
+      !> The system.
       type(drive_type), intent(in) :: drive
       !> The wall, +1 or -1, and the load cycles k.
       integer, intent(in) :: side, cycles
       !> In: a guess of (phase, v) at the release. Out: the fixed point.
       real(wp), intent(inout) :: point(2)
-      !> Multipliers by falling modulus, the last two 0.
-      complex(wp), intent(out) :: lambda(4)
-      !> Greatest change of phase and v/D over a simulated period.
-      real(wp), intent(out) :: residual
+      !> Its multipliers, the last two 0, its residual, the greatest change of phase and v/D over a
+      !! simulated period, its verdicts, and its status: `stat%ok`, `stat%no_motion`,
+      !! `stat%no_convergence`, or what the simulation says. No impacts.
+      type(motion_type), intent(out) :: motion
       !> Events of the period (n of them), the last one the release.
       type(event_type), intent(inout) :: events(:)
       integer, intent(out) :: n
-      !> `stat%ok`, `stat%no_motion`, `stat%no_convergence`, or what the simulation says.
-      integer, intent(out) :: status
-      !> The verdict: `yes`, `no` or `unknown` of vi_motion.
-      integer, intent(out), optional :: stable
       !> Newton steps in all, and times that letters are held.
       integer, parameter :: most = 40, most_rounds = 4
       !> A simulated period that changes the state by less holds the letters of the motion.
@@ -114,27 +113,24 @@ contains
       type(rest_family_type) :: family
       type(rest_period_type) :: period
       real(wp), allocatable :: unknowns(:)
-      real(wp) :: c(n_parameters), matrix(2, 2), step(2), image(2)
-      complex(wp) :: pair(2)
+      real(wp) :: c(n_parameters), matrix(2, 2), step(2), image(2), doubt
       logical :: good
       integer :: i, rounds
 
-      lambda = 0
       n = 0
-      if (present(stable)) stable = unknown
-      residual = huge(1.0_wp)
-      status = stat%no_motion
+      motion%residual = huge(1.0_wp)
+      motion%status = stat%no_motion
       if (.not. drive%load > 0) return
       c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [drive%r, &
          log(drive%clearance/drive%load), drive%osc%xi, drive%osc%mu, &
          drive%osc%restitution([right, left])]
       rounds = 0
       do i = 1, most
-         call simulate_period(drive, side, cycles, point, image, residual, events, n, family, &
-            unknowns, status)
-         if (status /= stat%ok) return
-         if (rounds > 0 .and. residual < 1.0e-11_wp) exit
-         if (residual < close_by .and. rounds < most_rounds) then
+         call simulate_period(drive, side, cycles, point, image, motion%residual, events, n, &
+            family, unknowns, motion%status)
+         if (motion%status /= stat%ok) return
+         if (rounds > 0 .and. motion%residual < 1.0e-11_wp) exit
+         if (motion%residual < close_by .and. rounds < most_rounds) then
             rounds = rounds + 1
             call hold_letters(family, c, unknowns, good)
             if (good) then
@@ -143,32 +139,160 @@ contains
             end if
          end if
          call rest_period(family, unknowns, c, period)
-         status = stat%no_convergence
+         motion%status = stat%no_convergence
          if (.not. period%right) return
          matrix = -plane_map(period)
          matrix(1, 1) = matrix(1, 1) + 1
          matrix(2, 2) = matrix(2, 2) + 1
          step = [image(1), asinh(image(2)/drive%clearance)] - unknowns(:2)
-         call solve(matrix, step, status)
-         if (status /= stat%ok) return
+         call solve(matrix, step, motion%status)
+         if (motion%status /= stat%ok) return
          step = unknowns(:2) + step*min(1.0_wp, 0.3_wp/maxval(abs(step)))
          point = [step(1), sinh(step(2))*drive%clearance]
       end do
-      status = merge(stat%ok, stat%no_convergence, residual < 1.0e-10_wp)
-      if (status /= stat%ok) return
+      motion%status = merge(stat%ok, stat%no_convergence, motion%residual < 1.0e-10_wp)
+      if (motion%status /= stat%ok) return
       point(1) = modulo(point(1), two_pi)
-      call simulate_period(drive, side, cycles, point, image, residual, events, n, family, &
-         unknowns, status)
-      if (status /= stat%ok) return
-      status = stat%no_convergence
+      call simulate_period(drive, side, cycles, point, image, motion%residual, events, n, family, &
+         unknowns, motion%status)
+      if (motion%status /= stat%ok) return
+      motion%status = stat%no_convergence
       call rest_period(family, unknowns, c, period)
       if (.not. period%right) return
-      matrix = plane_map(period)
-      if (present(stable)) stable = plane_stability(matrix)
-      call eigenvalues(matrix, pair, status)
-      if (abs(pair(2)) > abs(pair(1))) pair = pair([2, 1])
-      lambda(:2) = pair
+      call plane_multipliers(period, motion%multipliers(:2), motion%status)
+      doubt = 0
+      if (is_near_circle(motion%multipliers(1))) doubt = modulus_doubt(family, unknowns, c, &
+         period, motion%multipliers(1))
+      call assess_rest(plane_map(period), doubt, motion)
    end subroutine solve_rest_motion
+
+   !> The eigenvalues of the map of the plane, by falling modulus.
+   pure subroutine plane_multipliers(period, pair, status)
+      !> The period.
+      type(rest_period_type), intent(in) :: period
+      !> Both.
+      complex(wp), intent(out) :: pair(2)
+      !> As of `eigenvalues`.
+      integer, intent(out) :: status
+      real(wp) :: map(2, 2)
+
+      map = plane_map(period)
+      call eigenvalues(map, pair, status)
+      if (abs(pair(2)) > abs(pair(1))) pair = pair([2, 1])
+   end subroutine plane_multipliers
+
+   !> By how much the modulus of the leading multiplier may be wrong by rounding of the unknowns, of
+   !! which the worst change is taken forward and backward, as in vi_doubt; huge where nothing is
+   !! certain.
+   pure real(wp) function modulus_doubt(family, unknowns, c, period, leading) result(doubt)
+      !> The letters.
+      type(rest_family_type), intent(in) :: family
+      !> Those of vi_rest_family (m), and r, log(D), xi, mu, R1, R2.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> The period of these.
+      type(rest_period_type), intent(in) :: period
+      !> Its leading multiplier.
+      complex(wp), intent(in) :: leading
+      type(rest_period_type) :: other
+      real(wp) :: jacobian(size(unknowns), size(unknowns))
+      real(wp), dimension(size(unknowns)) :: rounding, units, change
+      complex(wp) :: pair(2)
+      integer :: i, side, status
+      logical :: regular
+
+      do i = 1, size(unknowns)
+         associate (equation => period%equations(i))
+            jacobian(i, :) = equation%by(:size(unknowns))
+            rounding(i) = caution*(epsilon(1.0_wp)*dot_product(abs(jacobian(i, :)), &
+               abs(unknowns)) + abs(equation%value))
+         end associate
+      end do
+      units = 1
+      call worst_change(jacobian, rounding, units, change, regular)
+      doubt = merge(0.0_wp, huge(1.0_wp), regular)
+      do side = -1, 1, 2
+         if (.not. regular) return
+         call rest_period(family, unknowns + side*change, c, other)
+         status = stat%no_convergence
+         if (other%right) call plane_multipliers(other, pair, status)
+         regular = status == stat%ok
+         if (regular) doubt = max(doubt, abs(abs(pair(1)) - abs(leading)))
+      end do
+      if (.not. regular) doubt = huge(1.0_wp)
+   end function modulus_doubt
+
+   !> The periodic motion with rest near a release, with all that is to be told of it.
+   pure subroutine find_rest_motion(drive, side, cycles, guess, room, motion, events)
+      !> The system.
+      type(drive_type), intent(in) :: drive
+      !> The wall of the release, +1 or -1, and the load cycles of the period.
+      integer, intent(in) :: side, cycles
+      !> (phase, v) at the release.
+      real(wp), intent(in) :: guess(2)
+      !> Events that the period may have.
+      integer, intent(in) :: room
+      !> Its impacts are the first ones of the letters, counted from the first letter after the
+      !! release; +2 and -2 among the sides are accumulation and rest.
+      type(motion_type), intent(out) :: motion
+      !> Events of the period, the last one the release.
+      type(event_type), allocatable, intent(out) :: events(:)
+      type(event_type), allocatable :: found(:)
+      type(reading_type) :: reading
+      real(wp) :: point(2), period
+      real(wp), allocatable :: times(:)
+      logical :: complete
+      integer :: n
+
+      allocate (found(room))
+      point = guess
+      call solve_rest_motion(drive, side, cycles, point, motion, found, n)
+      if (motion%status /= stat%ok) return
+      allocate (events, source=found(:n))
+      call read_letters(events, reading)
+      motion%osc = drive%osc
+      motion%r = drive%r
+      motion%clearance = drive%clearance
+      motion%amplitude = drive%amplitude
+      motion%pattern = pattern_type(reading%letters, cycles)
+      times = event_times(drive, events)
+      associate (first => events(reading%first), letters => reading%letters)
+         motion%restitution = default_restitution(letters, drive%osc%restitution(right), &
+            drive%osc%restitution(left))
+         motion%phases = times(reading%first)*drive%r
+         motion%tau = first(1)%phase - drive%lag
+         motion%tau = motion%tau - two_pi*anint(motion%tau/two_pi)
+         motion%x = first%x
+         motion%z = first%x + 0.5_wp*sign(1, letters)*drive%clearance
+         motion%x_dot_before = first%x_dot_before
+         motion%x_dot_after = first%x_dot_after
+         motion%z_dot_before = first%z_dot_before
+         motion%z_dot_after = first%z_dot_after
+      end associate
+      period = two_pi*cycles/drive%r
+      call extreme_positions(drive, transpose(reshape([times, events%phase, events%x, &
+         events%x_dot_after, events%x + 0.5_wp*events%side*drive%clearance, events%z_dot_after], &
+         [n, 6])), merge(events%side, 0, events%kind == stick_event), period, motion%x_min, &
+         motion%x_max, complete)
+      if (.not. complete) then
+         motion%x_min = ieee_value(1.0_wp, ieee_quiet_nan)
+         motion%x_max = motion%x_min
+      end if
+   end subroutine find_rest_motion
+
+   !> Times of events since the first one, in 1/omega.
+   pure function event_times(drive, events) result(times)
+      !> The system.
+      type(drive_type), intent(in) :: drive
+      !> In the order of time (n).
+      type(event_type), intent(in) :: events(:)
+      real(wp) :: times(size(events))
+      integer :: i
+
+      do i = 1, size(events)
+         times(i) = state_time(events(i)%cycle, events(i)%phase, drive%r)
+      end do
+      times = times - times(1)
+   end function event_times
 
    !> A simulated period: where it ends, its events, letters and unknowns.
    pure subroutine simulate_period(drive, side, cycles, point, image, residual, events, n, family, &

@@ -3,7 +3,7 @@ module motions_assess
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, random_type
    use random_systems, only: pi, random_motion, scale_of
-   use vi_assess, only: assess_flights, assess_linear, paper_acceptance
+   use vi_assess, only: assess_flights, assess_linear, assess_rest, paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type
@@ -31,6 +31,7 @@ contains
       call test_corners()
       call test_stability_verdict()
       call test_no_approach()
+      call test_rest_verdicts()
       call test_sample()
    end subroutine test_assess
 
@@ -236,6 +237,40 @@ contains
       call complete_motion(motion, [1.0_wp, -1.0_wp], 0.0_wp, 0.0_wp, 1.0_wp)
       call check(motion%status == stat%no_load, 'A = 0 is no motion')
    end subroutine test_no_approach
+
+   !> Of a motion with rest: stable where both multipliers are inside the unit circle, unknown where
+   !! rounding may bring the leading one there; and not admissible where its period does not close.
+   subroutine test_rest_verdicts()
+      type(motion_type) :: motion
+      real(wp) :: map(2, 2)
+
+      map = reshape([0.9_wp, 0.0_wp, 0.3_wp, 0.2_wp], [2, 2])
+      motion%residual = 1e-12_wp
+      motion%multipliers = [0.9_wp, 0.2_wp, 0.0_wp, 0.0_wp]
+      call assess_rest(map, 0.0_wp, motion)
+      call check(all([motion%consistent, motion%admissible, motion%stable] == yes), 'rest: stable')
+      call move_to(1.1_wp)
+      call assess_rest(map, 0.0_wp, motion)
+      call check(motion%stable == no, 'rest: unstable')
+      call move_to(1 + 1e-13_wp)
+      call assess_rest(map, 0.0_wp, motion)
+      call check(motion%stable == unknown, 'rest: on the circle')
+      call move_to(1 - 1e-5_wp)
+      call assess_rest(map, 1e-8_wp, motion)
+      call check(motion%stable == yes, 'rest: near the circle, but certain')
+      call assess_rest(map, 1e-5_wp, motion)
+      call check(motion%stable == unknown, 'rest: near the circle, and not certain')
+      motion%residual = 1e-8_wp
+      call assess_rest(map, 0.0_wp, motion)
+      call check(motion%consistent == no .and. motion%admissible == unknown, 'rest: not closed')
+   contains
+      subroutine move_to(leading)
+         real(wp), intent(in) :: leading
+
+         map(1, 1) = leading
+         motion%multipliers(1) = leading
+      end subroutine move_to
+   end subroutine test_rest_verdicts
 
    !> The time history goes through the impacts, is periodic, and shows what follows an
    !! impact at it.

@@ -1,11 +1,14 @@
 """Exact motions with accumulation and rest."""
 
+import contextlib
+
 import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_motions import rest_motion
 from shared_simulations import STATE, state
 from shared_systems import RIG
+from vibroimpact.newton import release_motion
 
 
 def test_motion_with_completed_chatter():
@@ -119,3 +122,77 @@ def test_rest_motion_has_no_impact_maps():
     """An accumulation has infinitely many impacts: no list of [P_i], and an error that says so."""
     with pytest.raises(vi.errors.ParameterError, match="rest"):
         rest_motion().impact_maps()
+
+
+def starts_near(zone, kind, offset):
+    """Motions from many starts near a vertex of a piece of the boundary, at a clearance off it by a share."""
+    piece = max((p for p in zone.boundary if p.type == kind), key=len)
+    i = len(piece) // 2
+    r, edge = float(piece.r[i]), float(piece.clearance[i])
+    release = np.array([piece.theta[0, i], piece.x[0, i] * edge])
+    draw, found = np.random.default_rng(4), []
+    for _ in range(30):
+        guess = release * (1 + 1e-5 * draw.normal(size=2))
+        with contextlib.suppress(vi.errors.SingularError):
+            found.append(
+                release_motion(zone.osc, r, edge * (1 + offset), 1.0, 1, -1, guess)
+            )  # fmt: skip
+    return found
+
+
+@pytest.fixture(scope="module")
+def zone_with_folds():
+    """Motions RRRL*, with a fold and a Neimark-Sacker bifurcation."""
+    osc = vi.Oscillator(0.00359, 0.05224, (0.6257, 0.371))
+    return vi.zone(osc, vi.Pattern("RRRL*"), (0.9, 1.1), (2, 20))
+
+
+@pytest.mark.parametrize("offset", [-1e-7, -1e-9, -1e-10, -1e-11, 1e-15, 1e-12, 1e-11, 1e-10, 1e-9])
+def test_no_verdict_beside_a_fold_where_starts_disagree(offset, zone_with_folds):
+    """What the starts leave open of the distance from the unit circle is open: so near to a fold, and beyond it.
+
+    Beyond the fold there is no motion, but Newton's method stops where the equations are solved to rounding.
+    """
+    found = starts_near(zone_with_folds, "fold", offset)
+    assert offset > 0 or len(found) > 10
+    for side in (-1, 1):
+        distance = [abs(m.multipliers[0]) - 1 for m in found]
+        group = [m for m, d in zip(found, distance, strict=True) if side * d > 0]
+        distance = [d for d in distance if side * d > 0]
+        if len(group) < 3:
+            continue
+        scatter = np.ptp(distance) / abs(np.median(distance))
+        verdicts = {m.stable for m in group}
+        if scatter > 0.5 and offset > 0:
+            assert verdicts == {None}
+        if scatter < 1e-3:
+            assert verdicts == {side < 0}
+        assert (side > 0) not in verdicts
+
+
+@pytest.mark.parametrize("kind", ["fold", "neimark_sacker"])
+def test_on_the_unit_circle_nothing_is_decided(kind, zone_with_folds):
+    """With a leading multiplier on the circle to rounding."""
+    near = [
+        motion
+        for offset in np.linspace(-2e-14, 2e-14, 5)
+        for motion in starts_near(zone_with_folds, kind, offset)
+    ]
+    assert near
+    assert {m.stable for m in near if abs(abs(m.multipliers[0]) - 1) < 2e-13} <= {None}
+    if kind == "neimark_sacker":
+        assert min(abs(abs(m.multipliers[0]) - 1) for m in near) < 2e-13
+
+
+def test_a_period_that_does_not_close_is_not_admissible(zone_with_folds):
+    """Beyond the fold some starts end where a simulated period comes back to 1e-8 alone: no motion at all."""
+    found = [
+        motion
+        for offset in (3e-10, 1e-9)
+        for motion in starts_near(zone_with_folds, "fold", offset)
+    ]
+    open_ends = [motion for motion in found if motion.residual > 1e-9]
+    assert open_ends
+    for motion in found:
+        assert motion.consistent == (motion.residual <= 1e-9)
+        assert motion.admissible == (True if motion.consistent else None)

@@ -164,8 +164,11 @@ def test_vertices_bound_the_stable_motions():
 
 def stable_near(osc, r, clearance, release):
     """Whether the return map has a stable motion RRRL* near a release."""
-    point, *_, stable, status = vi._core.rest_motion(
+    *_, verdicts, n, values, _, status = vi._core.rest_motion(
         osc.xi, osc.mu, osc.restitution, r, 1.0, clearance, -1, 1, np.array(release), 200
     )
-    near = math.hypot(math.remainder(point[0] - release[0], 2 * math.pi), point[1] / release[1] - 1)
-    return status == 0 and near < 0.02 and stable == 1
+    if status:
+        return False
+    phase, v = values[1, n - 1], values[4, n - 1]  # of the last event, the release
+    near = math.hypot(math.remainder(phase - release[0], 2 * math.pi), v / release[1] - 1)
+    return near < 0.02 and verdicts[2] == 1
