@@ -1,10 +1,10 @@
-!> An atlas: the zones of all patterns in a window, found without being told the patterns.
+!> An atlas: the zones of all patterns in a window.
 !!
 !! Patterns are enumerated up to a number of impacts and cycles. Those with rest come from a survey
 !! by simulation, whose attractors also are seeds of the zones, and from the simulations at the
-!! nodes of the lattice that the searches for zones with rest begin with. An attractor that lies in
-!! no zone of its pattern is sought once more on a finer lattice. What became of the other points of
-!! the survey is kept beside the zones.
+!! nodes of the lattice with which the searches for zones with rest begin. If an attractor lies in
+!! no zone of its pattern, that pattern is searched once more on a finer lattice. The outcomes of
+!! the other points of the survey are kept beside the zones.
 module vi_atlas
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
@@ -22,11 +22,12 @@ module vi_atlas
 
    public :: find_atlas, outcomes_of
 
+   !> What to search, and the effort.
    type, public :: atlas_request_type
       type(oscillator_type) :: osc
       real(wp) :: r(2) = 0, clearance(2) = 0
       integer :: max_impacts = 5, max_cycles = 1
-      !> Points of the survey, and load cycles simulated at each before it is looked at.
+      !> Points of the survey, and load cycles of the transient at each.
       integer :: survey = 400, settling = 400
       integer :: lines = 17, guesses = 24, points = 20000, threads = 1
    end type atlas_request_type
@@ -38,22 +39,23 @@ module vi_atlas
       type(zone_type) :: zone
    end type sheet_type
 
-   !> The zones of all patterns in a window, and what the survey settled on.
+   !> The zones of all patterns in a window, and the results of the survey.
    type, public :: atlas_type
       type(sheet_type), allocatable :: sheets(:)
       !> Every point of the survey, and those with a motion within the limits.
       type(attractor_type), allocatable :: points(:), attractors(:)
-      !> Attractors with rest, each of another pattern that the survey did not meet.
+      !> Attractors with rest of patterns that the survey did not find, one of each pattern.
       type(attractor_type), allocatable :: sighted(:)
       !> Whether each attractor lies in a zone of its pattern.
       logical, allocatable :: explained(:)
    end type atlas_type
 
-   !> A pattern with rest that simulations at nodes seem to repeat.
+   !> A pattern with rest that simulations at nodes appear to repeat.
    type :: sight_type
       type(pattern_type) :: pattern
-      !> Simulations, and of the first, the second, the fourth, the eighth .. which they are: their
-      !! number at the node, and the lines of the lattice.
+      !> Number of such simulations; of the first, second, fourth, eighth and so on: its number at
+      !! the
+      !! node, and the lattice lines of the node.
       integer :: n = 0, nodes(3, bit_size(0)) = 0
    end type sight_type
 
@@ -61,16 +63,18 @@ contains
 
    !> All zones in a window.
    subroutine find_atlas(request, atlas, tally)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> The zones and the results of the survey.
       type(atlas_type), intent(out) :: atlas
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(release_type), allocatable :: releases(:, :, :)
       real(wp), allocatable :: places(:, :, :)
       logical, allocatable :: again(:)
       integer :: i, j, announced
 
-      ! the zones of patterns without rest are in sight before the survey begins
+      ! the work on patterns without rest is known before the survey begins
       allocate (atlas%attractors(0), atlas%sighted(0))
       call list_sheets(request, atlas)
       announced = zone_work*size(atlas%sheets)
@@ -103,18 +107,22 @@ contains
       call explain(request, atlas)
    end subroutine find_atlas
 
-   !> How many points of the survey there are of each outcome.
+   !> Number of points of the survey of each outcome.
    pure function outcomes_of(atlas) result(counts)
+      !> The atlas.
       type(atlas_type), intent(in) :: atlas
       integer :: counts(size(outcome_names))
 
       counts = count_outcomes(atlas%points%outcome)
    end function outcomes_of
 
-   !> What simulations settle on, and the attractors within the limits.
+   !> The survey by simulation, and its attractors within the limits.
    subroutine survey_window(request, atlas, tally)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> In and out: points and attractors are set.
       type(atlas_type), intent(inout) :: atlas
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       integer :: i, n
 
@@ -131,14 +139,17 @@ contains
       end do
    end subroutine survey_window
 
-   !> The simulations that all searches for zones with rest share.
+   !> The simulations at the nodes of a lattice, which all searches for zones with rest share.
    subroutine simulate_lattice(request, finer, releases, places, tally)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
-      !> Times as many lattice lines.
+      !> Factor of the number of lattice lines.
       integer, intent(in) :: finer
-      !> As of `simulate_nodes`.
+      !> (simulations, r, D) as of `simulate_nodes`.
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
+      !> (2, r, D): r and D of the nodes.
       real(wp), allocatable, intent(out) :: places(:, :, :)
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(sheet_type) :: sheet
 
@@ -150,8 +161,11 @@ contains
    !> Whether the free mass comes to rest on a wall in the survey's motions within the limits or,
    !! if not, in the second half of a simulation at any node of the lattice.
    logical function any_rests(request, atlas, tally)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> Its sheets.
       type(atlas_type), intent(in) :: atlas
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(atlas_request_type) :: sparse
       type(release_type), allocatable :: releases(:, :, :)
@@ -167,15 +181,21 @@ contains
          i=1, size(releases, 2)), j=1, size(releases, 3))])
    end function any_rests
 
-   !> Looks in these simulations for patterns with rest that the survey has not met.
+   !> Searches the simulations at nodes for patterns with rest that the survey has not found.
    !!
-   !! Of each pattern that some of them seem to repeat at their end a few are carried on for as long
-   !! as those of the survey, and count if Newton's method confirms the motion they are on then.
+   !! Of each pattern that simulations appear to repeat at their end, a few simulations are
+   !! continued
+   !! for as long as those of the survey. The pattern counts if Newton's method confirms the motion
+   !! on
+   !! which they are then.
    subroutine sight_rests(request, atlas, releases, tally)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> In: with its sheets. Out: with the attractors `sighted`.
       type(atlas_type), intent(inout) :: atlas
       !> As of `simulate_nodes`.
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(sight_type), allocatable :: sights(:)
       type(attractor_type), allocatable :: tried(:)
@@ -208,12 +228,15 @@ contains
       end do
    end subroutine sight_rests
 
-   !> The patterns not listed so far that simulations at nodes seem to repeat, and those nodes.
+   !> The patterns not listed so far that simulations at nodes appear to repeat, and those nodes.
    pure subroutine list_sights(request, atlas, releases, sights)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> Its sheets.
       type(atlas_type), intent(in) :: atlas
       !> As of `simulate_nodes`.
       type(release_type), intent(in) :: releases(:, :, :)
+      !> The patterns.
       type(sight_type), allocatable, intent(out) :: sights(:)
       type(pattern_type) :: pattern
       integer :: i, j, k, m, shift
@@ -241,37 +264,46 @@ contains
       end do
    end subroutine list_sights
 
-   !> How many simulations of a pattern are kept.
+   !> Number of simulations of a pattern that are kept: those with numbers 1, 2, 4, 8 and so on.
    pure integer function kept(sight)
+      !> The pattern.
       type(sight_type), intent(in) :: sight
 
       kept = bit_size(sight%n) - leadz(sight%n)
    end function kept
 
+   !> Whether both walls have the same coefficient of restitution.
    pure logical function equal_walls(osc)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
 
       equal_walls = abs(osc%restitution(1) - osc%restitution(2)) <= 0
    end function equal_walls
 
-   !> Whether a pattern is that of a sheet.
+   !> Whether a pattern is that of one of some sheets.
    pure logical function is_listed(sheets, pattern)
+      !> The sheets.
       type(sheet_type), intent(in) :: sheets(:)
+      !> The pattern, in standard order.
       type(pattern_type), intent(in) :: pattern
       integer :: i
 
       is_listed = any([(same_pattern(sheets(i)%pattern, pattern), i=1, size(sheets))])
    end function is_listed
 
-   !> Finds the zones of some sheets, one task each.
+   !> Finds the zones of some sheets; each is a task.
    subroutine trace_sheets(request, atlas, wanted, finer, releases, tally)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> In and out: the zones of the wanted sheets are set.
       type(atlas_type), intent(inout) :: atlas
+      !> (sheets) Whether each is to be searched.
       logical, intent(in) :: wanted(:)
       !> Times as many lattice lines.
       integer, intent(in) :: finer
       !> As of `simulate_nodes`, with as many lines.
       type(release_type), intent(in) :: releases(:, :, :)
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       integer :: j, status
 
@@ -291,9 +323,11 @@ contains
       !$omp end parallel do
    end subroutine trace_sheets
 
-   !> What to look for as the zone of a sheet.
+   !> The request for the zone of a sheet.
    pure function zone_request(request, sheet, finer) result(one)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> The sheet.
       type(sheet_type), intent(in) :: sheet
       !> Times as many lattice lines.
       integer, intent(in) :: finer
@@ -304,25 +338,33 @@ contains
          request%points)
    end function zone_request
 
+   !> Whether a pattern has rests.
    pure logical function rests(pattern)
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
 
       rests = any(abs(pattern%sides) == 2)
    end function rests
 
-   !> Lattice lines: a motion with rest is only found inside its zone, which may be narrow.
+   !> Number of lattice lines. Patterns with rest have more: such a motion is found only inside its
+   !! zone, which may be narrow.
    pure integer function lattice(request, pattern, finer)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
+      !> Factor of the number of lattice spacings.
       integer, intent(in) :: finer
 
       lattice = min(129, finer*(request%lines - 1) + 1)
       if (rests(pattern)) lattice = max(lattice, 33)
    end function lattice
 
-   !> All patterns up to the limits, shortest first, and those with rest that have been met.
+   !> All patterns up to the limits, shortest first, and those with rest that have been found.
    pure subroutine list_sheets(request, atlas)
+      !> What is asked for.
       type(atlas_request_type), intent(in) :: request
+      !> In: with its attractors. Out: with its sheets, without zones.
       type(atlas_type), intent(inout) :: atlas
       integer :: letters(request%max_impacts), n, bits, cycles, i
 
@@ -346,10 +388,15 @@ contains
       end do
    end subroutine list_sheets
 
-   !> Adds a pattern in standard order that is not there yet: symmetric motions, then the others.
+   !> Adds the sheets of a pattern, first the symmetric motions and then the others, if the pattern
+   !! is
+   !! in standard order and not listed yet.
    pure subroutine add_sheets(osc, pattern, sheets)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
+      !> In and out: the sheets.
       type(sheet_type), allocatable, intent(inout) :: sheets(:)
       type(sheet_type), allocatable :: longer(:)
       integer :: standard(size(pattern%sides)), shift, i, n, more
@@ -370,7 +417,9 @@ contains
       call move_alloc(longer, sheets)
    end subroutine add_sheets
 
+   !> Whether two patterns are the same.
    pure logical function same_pattern(a, b)
+      !> The patterns.
       type(pattern_type), intent(in) :: a, b
 
       same_pattern = a%cycles == b%cycles .and. size(a%sides) == size(b%sides)
@@ -379,7 +428,9 @@ contains
 
    !> The attractors of a pattern as seeds: r, D and the unknowns of the whole pattern (2 + 2N, m).
    pure function seeds_of(atlas, pattern) result(seeds)
+      !> The atlas.
       type(atlas_type), intent(in) :: atlas
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
       real(wp), allocatable :: seeds(:, :)
       type(attractor_type), allocatable :: items(:)
@@ -396,8 +447,11 @@ contains
       end do
    end function seeds_of
 
+   !> Whether an attractor has a pattern.
    pure logical function is_of(attractor, pattern)
+      !> The attractor.
       type(attractor_type), intent(in) :: attractor
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
 
       is_of = attractor%cycles == pattern%cycles .and. &
@@ -405,9 +459,11 @@ contains
       if (is_of) is_of = all(attractor%letters == pattern%sides)
    end function is_of
 
-   !> Finds out which attractors lie in a zone of their pattern, of its symmetric motions or others.
+   !> Sets which attractors lie in a zone of their pattern, of its symmetric motions or the others.
    pure subroutine explain(request, atlas)
+      !> What is asked for; its window.
       type(atlas_request_type), intent(in) :: request
+      !> In and out: `explained` is set.
       type(atlas_type), intent(inout) :: atlas
       integer, allocatable :: mine(:)
       integer :: i, j

@@ -74,7 +74,7 @@ contains
    pure function atlas_request(case, threads) result(request)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Threads; the answer does not depend on them.
+      !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       type(atlas_request_type) :: request
 
@@ -87,17 +87,17 @@ contains
       end associate
    end function atlas_request
 
-   !> Finds all zones in a window; says what became of the points of the survey, and which
-   !! attractors
-   !! lie in no zone.
+   !> Finds all zones in a window, and reports the outcomes of the survey and the attractors that
+   !! lie
+   !! in no zone.
    subroutine run_atlas(case, threads, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Threads; the answer does not depend on them.
+      !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(atlas_request_type) :: request
       type(atlas_type) :: atlas
@@ -184,13 +184,13 @@ contains
       call result%put('points', 'explained', explained)
    end subroutine put_points
 
-   !> Remarks what became of the survey, and what is missing.
+   !> Adds remarks on the outcomes of the survey, and on what is missing.
    pure subroutine remark_survey(atlas, found, said, result)
       !> The atlas.
       type(atlas_type), intent(in) :: atlas
       !> The pieces of each sheet.
       type(pieces_type), intent(in) :: found(:)
-      !> What became of the points, in words.
+      !> The outcomes of the survey, in words.
       character(*), intent(in) :: said
       !> The result.
       type(result_type), intent(inout) :: result
@@ -219,9 +219,11 @@ contains
       end do
    end subroutine remark_survey
 
-   !> What became of the points of the survey.
+   !> The outcomes of the points of the survey, in words.
    pure subroutine survey_text(atlas, text)
+      !> The atlas.
       type(atlas_type), intent(in) :: atlas
+      !> The numbers of points of each outcome, in words.
       character(:), allocatable, intent(out) :: text
       integer :: counts(size(outcome_names)), i
 
@@ -234,9 +236,11 @@ contains
       end do
    end subroutine survey_text
 
-   !> The patterns of attractors in no zone, each once.
+   !> The patterns of the attractors that lie in no zone, each once.
    pure subroutine list_patterns(atlas, text)
+      !> The atlas.
       type(atlas_type), intent(in) :: atlas
+      !> The short names, separated by commas; empty if there are none.
       character(:), allocatable, intent(out) :: text
       character(:), allocatable :: name
       integer :: i
@@ -252,6 +256,7 @@ contains
 
    !> Short name of a pattern: RRL/1.
    pure function pattern_text(sides, cycles) result(text)
+      !> Sides of the impacts, and the load cycles k of a period.
       integer, intent(in) :: sides(:), cycles
       character(size(sides) + count(abs(sides) > 1) + 1 + whole_width(cycles)) :: text
 

@@ -1,4 +1,5 @@
-!> To which attractor a state goes: simulated until it is in a neighbourhood of a known one.
+!> The attractor to which a state goes: it is simulated until it is in a neighbourhood of a known
+!! one.
 module vi_attractor_basin
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_target, only: difference, target_type
@@ -13,26 +14,31 @@ module vi_attractor_basin
 
    public :: decide
 
-   !> The label of a state that was not come to.
+   !> The label of a state that was not simulated, because the computation was stopped.
    integer, parameter, public :: not_reached = -1
 
 contains
 
-   !> Initial states to the numbers of their attractors; 0 if not decided within the cycles, and
-   !! `not_reached` if it was stopped before.
+   !> The number of the attractor of each initial state; 0 if it is not decided within the cycles,
+   !! and
+   !! `not_reached` if the computation was stopped before.
    subroutine decide(osc, r, load, clearance, targets, starts, cycles, threads, labels, impacts, &
       ends, tally)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: r, load, clearance
+      !> Motions with their neighbourhoods.
       type(target_type), intent(in) :: targets(:)
       !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
+      !> Largest number of load cycles simulated, and number of OpenMP threads.
       integer, intent(in) :: cycles, threads
-      !> (m)
+      !> (m) Number of the target, 0 or `not_reached`; (m) events simulated until then.
       integer, intent(out) :: labels(:), impacts(:)
-      !> (5, m): where a state is when it is decided or given up.
+      !> (5, m): the state at which the simulation ended.
       real(wp), intent(out) :: ends(:, :)
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(drive_type) :: drive
       integer :: j
@@ -52,11 +58,17 @@ contains
 
    !> Simulates one state until it is in a neighbourhood.
    pure subroutine follow(drive, targets, start, cycles, label, impacts, finish)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Motions with their neighbourhoods.
       type(target_type), intent(in) :: targets(:)
+      !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
+      !> Largest number of load cycles simulated.
       integer, intent(in) :: cycles
+      !> Number of the target, 0 if none; events simulated.
       integer, intent(out) :: label, impacts
+      !> t (below a load cycle), x, x', z, z' at the end of the simulation.
       real(wp), intent(out) :: finish(5)
       integer, parameter :: chunk = 8
       type(state_type) :: state, final
@@ -84,7 +96,9 @@ contains
 
    !> The attractor in whose neighbourhood an event is, or 0.
    pure integer function neighbourhood_of(targets, event) result(label)
+      !> Motions with their neighbourhoods.
       type(target_type), intent(in) :: targets(:)
+      !> The event.
       type(event_type), intent(in) :: event
       real(wp) :: d(4)
 

@@ -1,4 +1,4 @@
-!> The attractors of a point as they become known, and the states that go to each.
+!> The attractors at a point (r, D), and the initial states that go to each.
 module vi_attractor_catalogue
    use vi_attractor_basin, only: decide, not_reached
    use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, within
@@ -14,15 +14,17 @@ module vi_attractor_catalogue
 
    public :: label_states
 
-   !> Attractors at most: without damping every state may have its own.
+   !> Largest number of attractors: without damping every state may have its own.
    integer, parameter :: most_attractors = 1000
-   !> Rounds in which motions become known; they go on while they decide a share at least.
+   !> Largest number of rounds of a search for motions, and the least share of the states that a
+   !! round
+   !! has to decide for another round.
    integer, parameter :: rounds = 16
    real(wp), parameter :: lively = 0.02_wp
-   !> States that are described at a time, and impacts that are kept of each.
+   !> States that are described at a time, and impacts kept of each.
    integer, parameter :: block = 2000, impacts_kept = 200
 
-   !> What is known, and how it is found out.
+   !> The attractors known so far, and the settings of the search.
    type, public :: catalogue_type
       type(drive_type) :: drive
       !> Longest period that is looked for, in load cycles; threads.
@@ -33,7 +35,7 @@ module vi_attractor_catalogue
       type(group_type), allocatable :: groups(:)
    end type catalogue_type
 
-   !> What some states settle on: contents as of `settle_chains`, one link.
+   !> The motions on which some states settle: contents as of `settle_chains`, one link.
    type :: ends_type
       real(wp), allocatable :: values(:, :, :, :), extremes(:, :, :), ends(:, :, :)
       integer, allocatable :: labels(:, :, :, :), found(:, :), periods(:, :, :), status(:, :)
@@ -49,10 +51,11 @@ contains
       real(wp), intent(in) :: starts(:, :)
       !> Load cycles in which a state should be decided, and states simulated first.
       integer, intent(in) :: cycles, probes
-      !> (m), and the events simulated to decide.
+      !> (m) Number of the attractor, 0 or `not_reached`.
       integer, intent(out) :: labels(:)
+      !> Number of events simulated to decide.
       real(wp), intent(out) :: events
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: ends(:, :), after(:, :)
       integer, allocatable :: open_ones(:), found(:), counts(:)
@@ -90,6 +93,7 @@ contains
 
    !> Some of n places, spread evenly, each once.
    pure function some(n, wanted) result(places)
+      !> Number of places, and how many of them.
       integer, intent(in) :: n, wanted
       integer, allocatable :: places(:)
       integer :: i, m
@@ -99,11 +103,15 @@ contains
       places = [(1 + int(real(i, wp)*(n - 1)/max(1, m - 1)), i=0, m - 1)]
    end function some
 
-   !> Leaves the states that are not decided, where they are now.
+   !> Keeps only the states that are not decided, with their present values.
    pure subroutine keep_open(found, after, open_ones, ends)
+      !> (m) Number of the attractor of each state; not above 0 if it is not decided.
       integer, intent(in) :: found(:)
+      !> (5, m) The states at the end of the simulation.
       real(wp), intent(in) :: after(:, :)
+      !> In: numbers (m) of the states among all. Out: those of the states kept.
       integer, allocatable, intent(inout) :: open_ones(:)
+      !> Out: (5, states kept).
       real(wp), allocatable, intent(inout) :: ends(:, :)
       integer, allocatable :: still(:), left(:)
       integer :: i
@@ -116,12 +124,17 @@ contains
       ends = after(:, still)
    end subroutine keep_open
 
-   !> Simulates states to what they settle on.
+   !> Simulates states until they have settled.
    subroutine settle(catalogue, starts, settling, room, found, tally)
+      !> Drive, longest period and threads are read.
       type(catalogue_type), intent(in) :: catalogue
+      !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
+      !> Load cycles of the transient, and impacts kept.
       integer, intent(in) :: settling, room
+      !> The motions on which the states settle.
       type(ends_type), intent(out) :: found
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: parameters(:, :, :)
       integer :: m, j
@@ -141,11 +154,15 @@ contains
       end associate
    end subroutine settle
 
-   !> Adds the periodic motions that some states settle on.
+   !> Adds the periodic motions on which some states settle.
    subroutine discover(catalogue, starts, settling, tally)
+      !> In and out: the attractors known so far.
       type(catalogue_type), intent(inout) :: catalogue
+      !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
+      !> Load cycles of the transient.
       integer, intent(in) :: settling
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(ends_type) :: found
       type(known_type) :: new
@@ -157,7 +174,7 @@ contains
       do j = 1, size(starts, 2)
          if (found%status(1, j) /= stat%ok .or. found%periods(1, 1, j) == 0 .or. &
             found%periods(3, 1, j) == 0 .or. catalogue%n == most_attractors) cycle
-         ! what has the numbers of one before is that one
+         ! a state with the same numbers as one before is on the same motion
          do i = 1, n
             if (all(found%periods(:2, 1, seen(i)) == found%periods(:2, 1, j)) .and. &
                maxval(abs(found%extremes(:, 1, seen(i)) - found%extremes(:, 1, j))) < &
@@ -176,21 +193,30 @@ contains
       end do
    end subroutine discover
 
+   !> Adds an attractor.
    subroutine add(catalogue, new)
+      !> In and out: the attractors known so far, with room for one more.
       type(catalogue_type), intent(inout) :: catalogue
+      !> The attractor.
       type(known_type), intent(in) :: new
 
       catalogue%n = catalogue%n + 1
       catalogue%known(catalogue%n) = new
    end subroutine add
 
-   !> The known periodic motion that each state comes near to.
+   !> The known periodic motion to which each state comes near.
    subroutine decide_known(catalogue, starts, cycles, found, counts, after, tally)
+      !> The attractors known so far.
       type(catalogue_type), intent(in) :: catalogue
+      !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
+      !> Largest number of load cycles simulated.
       integer, intent(in) :: cycles
+      !> (m) Number of the attractor, 0 or `not_reached`; (m) events simulated.
       integer, intent(out) :: found(:), counts(:)
+      !> (5, m) The states at the end of the simulation.
       real(wp), intent(out) :: after(:, :)
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(target_type), allocatable :: targets(:)
       integer, allocatable :: owners(:)
@@ -217,13 +243,17 @@ contains
       found = owners(found)
    end subroutine decide_known
 
-   !> What states that come to no known motion are on.
+   !> Determines the attractors of states that come near to no known motion.
    subroutine describe(catalogue, starts, labels, members, tally)
+      !> In and out: the attractors known so far.
       type(catalogue_type), intent(inout) :: catalogue
+      !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
+      !> (all states) In and out: the numbers of the attractors of these states are set.
       integer, intent(inout) :: labels(:)
-      !> The places of the states among all.
+      !> (m) The numbers of the states among all.
       integer, intent(in) :: members(:)
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(ends_type) :: found
       type(known_type) :: new
@@ -264,7 +294,9 @@ contains
 
    !> Adds an attractor that has no neighbourhood, if there is room.
    subroutine add_described(catalogue, new)
+      !> In and out: the attractors known so far.
       type(catalogue_type), intent(inout) :: catalogue
+      !> The attractor; its arrays are allocated if they are not.
       type(known_type), intent(inout) :: new
 
       if (catalogue%n == most_attractors) return
@@ -273,9 +305,11 @@ contains
       call add(catalogue, new)
    end subroutine add_described
 
-   !> Renumbers the attractors by falling share; those that no state goes to are left out.
+   !> Renumbers the attractors by falling share; those to which no state goes are removed.
    subroutine order_by_share(catalogue, labels)
+      !> In and out: the attractors.
       type(catalogue_type), intent(inout) :: catalogue
+      !> In and out: the number of the attractor of each state.
       integer, intent(inout) :: labels(:)
       type(known_type), allocatable :: sorted(:)
       integer :: counts(catalogue%n), place(not_reached:catalogue%n), i, n

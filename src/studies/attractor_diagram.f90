@@ -1,7 +1,7 @@
-!> Bifurcation diagrams: what simulations settle on along a parameter.
+!> Bifurcation diagrams: the motions on which simulations settle along a parameter.
 !!
-!! A run sweeps up or down, with the state carried from value to value, or starts anew at each value
-!! from a state of its own.
+!! A run sweeps up or down and carries the state from value to value, or starts at each value from a
+!! new state.
 module vi_attractor_diagram
    use vi_attractor_settled, only: settle_chains
    use vi_attractor_spread, only: spread_states
@@ -12,7 +12,7 @@ module vi_attractor_diagram
 
    public :: diagram, find_windows
 
-   !> Added to x' from value to value, over D: what is unstable is left.
+   !> Added to x' from value to value, over D, so that a sweep leaves unstable motions.
    real(wp), parameter :: kick = 1.0e-9_wp
 
    !> A system of which one parameter varies.
@@ -28,7 +28,8 @@ module vi_attractor_diagram
       real(wp), allocatable :: values(:)
    end type path_type
 
-   !> What the runs settle on: arrays (..., values, runs), contents as of `settle_chains`.
+   !> The motions on which the runs settle: arrays (..., values, runs), contents as of
+   !! `settle_chains`.
    type, public :: diagram_type
       real(wp), allocatable :: impacts(:, :, :, :)
       integer, allocatable :: labels(:, :, :, :), found(:, :), periods(:, :, :), status(:, :)
@@ -39,15 +40,17 @@ contains
 
    !> Simulates all runs.
    subroutine diagram(path, directions, start, settling, keep, points, threads, result, tally)
+      !> The system and the values of its parameter.
       type(path_type), intent(in) :: path
       !> (runs): 1 up, -1 down, 0 anew at each value.
       integer, intent(in) :: directions(:)
-      !> (5): t, x, x', z, z' at the start of sweeps; empty for a state with plenty of motion.
+      !> (5): t, x, x', z, z' at the start of sweeps; if empty, a state with large velocities.
       real(wp), intent(in) :: start(:)
-      !> Load cycles simulated first, load cycles looked at, impacts kept.
+      !> Load cycles simulated first, load cycles examined, impacts kept, OpenMP threads.
       integer, intent(in) :: settling, keep, points, threads
+      !> Out: all runs, their values in rising order.
       type(diagram_type), intent(out), target :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable, target :: parameters(:, :, :)
       real(wp), allocatable :: starts(:, :), ends(:, :, :)
@@ -57,7 +60,7 @@ contains
 
       n = size(path%values)
       runs = size(directions)
-      ! what starts anew at each value are chains of one link, the values first
+      ! runs that start anew at each value are chains of one link, values varying first
       links = merge(1, n, all(directions == 0))
       chains = n*runs/links
       allocate (parameters(6, n, runs), starts(5, chains), ends(5, links, chains))
@@ -86,7 +89,9 @@ contains
 
    !> The six parameters at each value, in the order of a run.
    pure function parameters_along(path, direction) result(c)
+      !> The system and the values of its parameter.
       type(path_type), intent(in) :: path
+      !> 1 up, -1 down, 0 anew at each value.
       integer, intent(in) :: direction
       real(wp) :: c(6, size(path%values))
       integer :: i, n
@@ -101,11 +106,13 @@ contains
       if (direction < 0) c = c(:, n:1:-1)
    end function parameters_along
 
-   !> Where a sweep starts.
+   !> The state at the start of a sweep.
    pure function start_of(path, c, start) result(state)
+      !> The system.
       type(path_type), intent(in) :: path
       !> Its first parameters.
       real(wp), intent(in) :: c(6)
+      !> (5) As given, or empty.
       real(wp), intent(in) :: start(:)
       real(wp) :: state(5)
 
@@ -116,8 +123,11 @@ contains
       end if
    end function start_of
 
+   !> Allocates the arrays of a diagram.
    pure subroutine make_room(points, n, runs, result)
+      !> Impacts kept, values, and runs.
       integer, intent(in) :: points, n, runs
+      !> Out: with arrays of undefined contents.
       type(diagram_type), intent(inout) :: result
 
       allocate (result%impacts(7, points, n, runs), result%labels(2, points, n, runs), &
@@ -125,9 +135,11 @@ contains
          result%status(n, runs))
    end subroutine make_room
 
-   !> A run that swept down, with its values rising.
+   !> Reverses a run that swept down, so that its values rise.
    pure subroutine turn_round(result, j)
+      !> In and out: the runs.
       type(diagram_type), intent(inout) :: result
+      !> Number of the run.
       integer, intent(in) :: j
       integer :: n
 
@@ -140,12 +152,13 @@ contains
       result%status(:, j) = result%status(n:1:-1, j)
    end subroutine turn_round
 
-   !> The stretches of a run over which the motion keeps its period and its letters.
+   !> The ranges of successive values over which a run keeps its period and its number of letters.
    pure subroutine find_windows(periods, first, last, n)
       !> (4, values)
       integer, intent(in) :: periods(:, :)
-      !> (values) each; of n windows.
+      !> (values) First and last value of each of the n windows; the rest is 0.
       integer, intent(out) :: first(:), last(:)
+      !> Number of windows.
       integer, intent(out) :: n
       integer :: i
       logical :: goes_on

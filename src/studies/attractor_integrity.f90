@@ -16,6 +16,7 @@ contains
 
    !> Distances of pairs along either axis, and the share of the pairs that have different ends.
    pure function uncertain_pairs(labels) result(pairs)
+      !> (second axis, first axis) Number of the attractor of each state.
       integer, intent(in) :: labels(:, :)
       !> (2, distances)
       real(wp), allocatable :: pairs(:, :)
@@ -34,7 +35,8 @@ contains
       end do
    end function uncertain_pairs
 
-   !> a in: a share ~ distance**a of the pairs has different ends; NaN if there is no boundary.
+   !> The exponent a with which the share of pairs with different ends grows as distance**a; NaN if
+   !! there is no boundary.
    pure real(wp) function uncertainty_exponent(pairs) result(a)
       !> As of `uncertain_pairs`.
       real(wp), intent(in) :: pairs(:, :)
@@ -48,12 +50,15 @@ contains
       a = dot_product(x, y)/dot_product(x, x)
    end function uncertainty_exponent
 
-   !> The largest disc inside a basin: from a state to the nearest one that goes elsewhere, or to
-   !! the edge, a cell beyond the last states.
+   !> The largest disc inside a basin. Its radius is the distance from a state to the nearest one
+   !! with
+   !! another attractor, or to the edge, which is one cell beyond the last states.
    pure subroutine largest_disc(labels, label, cells, radius, place)
+      !> (second axis, first axis) Number of the attractor of each state; the one in question.
       integer, intent(in) :: labels(:, :), label
       !> Distances of neighbours along the first and the second dimension.
       real(wp), intent(in) :: cells(2)
+      !> Radius of the disc, in the unit of `cells`.
       real(wp), intent(out) :: radius
       !> Of its centre, along both.
       integer, intent(out) :: place(2)
@@ -84,7 +89,9 @@ contains
    !> The least of the parabolas f(q) + (cell (p - q))**2 at each place p, all of them in one pass
    !! (Felzenszwalb and Huttenlocher, Distance transforms of sampled functions, 2012).
    pure subroutine lower_envelope(f, cell)
+      !> In: the values f(q). Out: the envelope.
       real(wp), intent(inout) :: f(:)
+      !> Distance of neighbouring places.
       real(wp), intent(in) :: cell
       real(wp) :: least(size(f)), from(size(f)), crossing
       integer :: lowest(size(f)), k, p, q

@@ -16,14 +16,16 @@ module vi_attractor_known
 
    public :: alike, ball, exact_period, identify, within
 
-   !> Kinds: periodic without and with rest, neither, a simulation that repeats itself but is no
-   !! stable motion.
+   !> Kinds of attractors. The last one is a simulation that repeats itself although no stable
+   !! motion
+   !! is confirmed.
    integer, parameter, public :: periodic = 1, resting = 2, quasi_periodic = 3, chaotic = 4, &
       no_impacts = 5, repeating = 6
 
    !> Events of a period at most.
    integer, parameter :: room = 2048
 
+   !> An attractor.
    type, public :: known_type
       integer :: kind = 0
       !> Load cycles, and letters of a period: sides, twice them where impacts accumulate, the
@@ -32,7 +34,7 @@ module vi_attractor_known
       integer, allocatable :: letters(:)
       !> t, x, x', z, z' of a state on it.
       real(wp) :: state(5) = 0
-      !> Of a periodic one: its impacts, or its releases, with what is known to go there.
+      !> Of a periodic one: its impacts, or its releases, with their neighbourhoods.
       type(target_type), allocatable :: targets(:)
       !> Of a periodic one: greatest modulus of its multipliers; of others: largest exponent per
       !! load cycle.
@@ -41,12 +43,15 @@ module vi_attractor_known
 
 contains
 
-   !> The stable periodic motion that a state of some period is on, and what is known to go there.
+   !> The stable periodic motion on which a state is, and its neighbourhoods.
    subroutine identify(drive, end, cycles, threads, known, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> t, x, x', z, z'
       real(wp), intent(in) :: end(5)
+      !> Load cycles of the period, and number of OpenMP threads.
       integer, intent(in) :: cycles, threads
+      !> The motion, if there is one.
       type(known_type), intent(out) :: known
       !> False if there is none.
       logical, intent(out) :: good
@@ -56,11 +61,13 @@ contains
          known%targets, threads)
    end subroutine identify
 
-   !> The stable periodic motion that a state of some period is on.
+   !> The stable periodic motion on which a state is.
    pure subroutine exact_period(drive, end, cycles, known, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> t, x, x', z, z'
       real(wp), intent(in) :: end(5)
+      !> Load cycles of the period.
       integer, intent(in) :: cycles
       !> Its targets have no neighbourhoods yet.
       type(known_type), intent(out) :: known
@@ -108,10 +115,11 @@ contains
       end do
    end subroutine exact_period
 
-   !> A state with the free mass between the walls, which rounding may leave it outside of.
+   !> A state whose free mass is between the walls, if rounding has put it outside.
    pure function within(state, clearance) result(inside)
       !> t, x, x', z, z'
       real(wp), intent(in) :: state(5)
+      !> The clearance.
       real(wp), intent(in) :: clearance
       real(wp) :: inside(5)
 
@@ -121,8 +129,11 @@ contains
 
    !> An event as a fixed point of a period.
    pure subroutine start_target(event, cycles, target)
+      !> The event.
       type(event_type), intent(in) :: event
+      !> Load cycles of the period.
       integer, intent(in) :: cycles
+      !> The motion, without metric and radius.
       type(target_type), intent(out) :: target
 
       target%release = event%kind == release_event
@@ -138,13 +149,17 @@ contains
 
    !> Newton's method on the map over a period, from a state that is almost periodic.
    pure subroutine converge(drive, target, events, n, p, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: event and period of a motion that is almost periodic. Out: of the exact motion.
       type(target_type), intent(inout) :: target
-      !> Of the period, and their number.
+      !> Out: events 1 to n of the period.
       type(event_type), intent(inout) :: events(:)
+      !> Number of events of the period.
       integer, intent(out) :: n
-      !> Its derivative.
+      !> Derivative of the map over the period.
       real(wp), intent(out) :: p(4, 4)
+      !> False if it did not converge to a motion near the start.
       logical, intent(out) :: good
       real(wp) :: zero(4), off, before, scale(4), matrix(4, 4), step(4), begin(4)
       integer :: i, j, status
@@ -183,6 +198,7 @@ contains
 
    !> Radius and contraction of the largest neighbourhood that decides; 0 and 1 if there is none.
    pure function ball(known) result(numbers)
+      !> A periodic motion.
       type(known_type), intent(in) :: known
       real(wp) :: numbers(2)
       integer :: i
@@ -195,9 +211,11 @@ contains
       end do
    end function ball
 
-   !> Whether two periodic motions are one: an event of the other is the first of the one.
+   !> Whether two periodic motions are the same: the first event of one is an event of the other.
    pure logical function alike(one, other, clearance)
+      !> The motions.
       type(known_type), intent(in) :: one, other
+      !> The clearance, unit of the comparison.
       real(wp), intent(in) :: clearance
       real(wp) :: off(4)
       integer :: i

@@ -1,11 +1,11 @@
 !> Lyapunov exponents through impacts, accumulations and rests.
 !!
-!! Four directions are carried from event to event by the exact derivatives and made orthonormal
-!! after each; the logarithms of what that takes away, over the time, are the exponents. They are
-!! those of the map from impact to impact in (x, x', z', alpha), which has no direction along the
-!! flow, and so the four exponents of the map over one load cycle.
+!! Four directions are carried from event to event by the exact derivatives and orthonormalised
+!! after each. The sums of the logarithms of their lengths, over the time, are the exponents. They
+!! are those of the map from impact to impact in (x, x', z', alpha), which has no direction along
+!! the flow, and so the four exponents of the map over one load cycle.
 !!
-!! Volume is a check of them: the flux |y'| dx dx' dz' dalpha through a wall shrinks by
+!! The contraction of volume is a check: the flux |y'| dx dx' dz' dalpha through a wall shrinks by
 !! exp(-2 xi t) over a flight, and an impact multiplies dx' dz' by R, hence
 !! |det P_i| = exp(-2 xi t) R u/v with the departure speed u at the start and the approach speed v
 !! at the end of the flight. As u = R v at each impact, the sum of the logarithms telescopes to
@@ -36,7 +36,7 @@ module vi_attractor_lyapunov
       real(wp) :: q(4, 4) = 0
       !> Directions that are not lost.
       integer :: rank = 4
-      !> Greatest difference from the telescoped sum, and the difference so far.
+      !> Difference between the sum of the logarithms and that from the volume, and the time so far.
       real(wp) :: difference = 0, time = 0
       !> Impacts and rests.
       integer :: counts(2) = 0
@@ -46,17 +46,20 @@ module vi_attractor_lyapunov
 
 contains
 
-   !> The exponents at m points, by batches of time after one that is not counted.
+   !> The exponents at m points, from batches of time after a first one that is not counted.
    subroutine lyapunov_points(osc, r, load, clearance, states, contacts, discard, cycles, batches, &
       threads, exponents, deviations, dimensions, counts, errors, status, tally)
+      !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> (m) each
       real(wp), intent(in) :: r(:), load(:), clearance(:)
       !> (7, m), (3, m): initial states as in `pack_state`.
       real(wp), intent(in) :: states(:, :)
+      !> (3, m): of the initial states, as in `pack_state`.
       integer, intent(in) :: contacts(:, :)
       !> Load cycles before the first batch, and in each batch.
       integer, intent(in) :: discard, cycles
+      !> Batches that count, at least 2, and number of OpenMP threads.
       integer, intent(in) :: batches, threads
       !> (4, m): per unit of time, -inf of directions that are lost; standard errors by the scatter
       !! of the batches.
@@ -65,11 +68,12 @@ contains
       real(wp), intent(out) :: dimensions(:)
       !> (2, m): impacts and rests.
       integer, intent(out) :: counts(:, :)
-      !> (m): difference of the sum of logarithms from what volume says, per unit of time.
+      !> (m): difference between the sum of the logarithms and that from the volume, per unit of
+      !! time.
       real(wp), intent(out) :: errors(:)
       !> (m): `stat%no_motion` if a batch has no two events, `stat%not_computed` if stopped before.
       integer, intent(out) :: status(:)
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       integer :: j
 
@@ -86,11 +90,15 @@ contains
 
    !> The largest exponent per load cycle of one trajectory, and its standard error.
    subroutine largest_exponent(drive, start, discard, cycles, batches, largest, deviation, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> State at the start.
       type(state_type), intent(in) :: start
       !> Load cycles before the first batch, which is not counted, and in each.
       integer, intent(in) :: discard, cycles
+      !> Batches that count, at least 2.
       integer, intent(in) :: batches
+      !> The exponent per load cycle, and its standard error; NaN if the status is not `stat%ok`.
       real(wp), intent(out) :: largest, deviation
       !> As in `lyapunov_points`.
       integer, intent(out) :: status
@@ -103,16 +111,25 @@ contains
       deviation = deviations(1)*(two_pi/drive%r)
    end subroutine largest_exponent
 
-   !> The exponents of one trajectory, and what its batches tell of them.
+   !> The exponents of one trajectory, and their standard errors from its batches.
    subroutine exponents_of(drive, start, discard, cycles, batches, exponents, deviations, &
       dimension, counts, error, status, tally)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> State at the start.
       type(state_type), intent(in) :: start
+      !> Load cycles before the first batch, load cycles in each batch, and batches that count.
       integer, intent(in) :: discard, cycles, batches
+      !> Exponents per unit of time, -inf in lost directions; their standard errors; Kaplan-Yorke
+      !! dimension. NaN if the status is not `stat%ok`.
       real(wp), intent(out) :: exponents(4), deviations(4), dimension
+      !> Impacts and rests.
       integer, intent(out) :: counts(2)
+      !> As `errors` in `lyapunov_points`.
       real(wp), intent(out) :: error
+      !> As in `lyapunov_points`.
       integer, intent(out) :: status
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp) :: each(4, 0:batches), mean(4), sum_before
       integer :: i, rank
@@ -133,7 +150,8 @@ contains
       exponents = each(:, 0)
       exponents(rank + 1:) = ieee_value(error, ieee_negative_inf)
       deviations(rank + 1:) = 0
-      ! as many directions as volumes grow in, and the part of the next that makes up for them
+      ! Kaplan and Yorke: the number of directions whose volumes grow, and the share of the next one
+      ! that makes up for the growth
       dimension = 0
       sum_before = 0
       do i = 1, 4
@@ -146,16 +164,24 @@ contains
       end if
    end subroutine exponents_of
 
-   !> The averages of all batches together and of each, along a trajectory.
+   !> The averages over all batches together and over each batch, along a trajectory.
    subroutine carry_along(drive, start, discard, cycles, exponents, rank, counts, error, status, &
       tally)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> State at the start.
       type(state_type), intent(in) :: start
+      !> Load cycles before the first batch, and in each batch.
       integer, intent(in) :: discard, cycles
+      !> (4, 1 + batches): of all batches together, then of each.
       real(wp), intent(out) :: exponents(:, :)
+      !> Directions that are not lost; impacts and rests.
       integer, intent(out) :: rank, counts(2)
+      !> As `errors` in `lyapunov_points`.
       real(wp), intent(out) :: error
+      !> As in `lyapunov_points`.
       integer, intent(out) :: status
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(state_type) :: state, final
       type(event_type) :: events(chunk)
@@ -208,12 +234,15 @@ contains
       error = abs(tangent%difference)/max(tangent%time, tiny(1.0_wp))
    end subroutine carry_along
 
-   !> Carries the directions on to an event and adds what they grow by.
+   !> Carries the directions to the next event and adds the logarithms of their growth.
    pure subroutine carry(drive, event, weights, tangent, sums)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The event.
       type(event_type), intent(in) :: event
-      !> In the average of all batches together, and of this one.
+      !> Weights in the average over all batches together, and over this batch.
       real(wp), intent(in) :: weights(2)
+      !> In: at the event before. Out: at this event.
       type(tangent_type), intent(inout) :: tangent
       !> (.., average): weighted sums of the four logarithms and of the time.
       real(wp), intent(inout) :: sums(5, 2)
@@ -247,11 +276,15 @@ contains
       tangent%event = event
    end subroutine carry
 
-   !> Adds to the difference between the logarithms and what volume says, over a flight.
+   !> Adds, over a flight, to the difference between the logarithms and those from the volume.
    pure subroutine compare(drive, event, lengths, tangent)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The impact that ends the flight.
       type(event_type), intent(in) :: event
+      !> Growth of each direction over the flight.
       real(wp), intent(in) :: lengths(4)
+      !> In and out: the sum of the differences.
       type(tangent_type), intent(inout) :: tangent
       real(wp) :: speeds(2), restitution
 
@@ -265,9 +298,11 @@ contains
 
    !> A weight that rises from 0 and falls to 0 smoothly over [0, 1].
    !!
-   !! With it the averages of what is periodic or quasi-periodic converge faster than any power of
-   !! the time, those of chaos as fast as without.
+   !! With it averages over periodic and quasi-periodic motions converge faster than any power of
+   !! the
+   !! time, those over chaotic motions as fast as without.
    pure real(wp) function bump(s)
+      !> Place in the interval.
       real(wp), intent(in) :: s
 
       bump = 0

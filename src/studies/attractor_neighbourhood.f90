@@ -1,9 +1,9 @@
-!> Neighbourhoods of periodic motions from which everything goes to the motion.
+!> Neighbourhoods of periodic motions in which all states go to the motion.
 !!
 !! In the norm of M = sum of (P'/g)^n (P/g)^n, with g between the spectral radius of the derivative
-!! P over a period and 1, P contracts by g at least. A ball of that norm is a neighbourhood if the
-!! map itself, not only P, brings all of many states spread over it nearer to the middle, with as
-!! many events on the way; half of the largest such radius found is what decides.
+!! P over a period and 1, P contracts by g at least. A ball of that norm counts as a neighbourhood
+!! if the map itself, not only P, brings each of many states spread over it nearer to the centre,
+!! with the same number of events. Half of the largest such radius found is used.
 module vi_attractor_neighbourhood
    use vi_attractor_target, only: difference, over_period, period_derivative, target_type
    use vi_drive, only: drive_type, event_type, new_drive, two_pi
@@ -16,16 +16,20 @@ module vi_attractor_neighbourhood
 
    public :: find_neighbourhoods
 
-   !> States on which a neighbourhood is tried, and events of a period at most.
+   !> States on which a neighbourhood is tested, and largest number of events of a period.
    integer, parameter :: trials = 1024, room = 2048
 
 contains
 
-   !> The neighbourhoods of motions of which event and period are given.
+   !> The neighbourhoods of motions whose event and period are given.
    subroutine find_neighbourhoods(osc, r, load, clearance, targets, threads)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: r, load, clearance
+      !> In: event and period of each motion. Out: with metric and radius, 0 if there is none.
       type(target_type), intent(inout) :: targets(:)
+      !> Number of OpenMP threads.
       integer, intent(in) :: threads
       type(drive_type) :: drive
       integer :: i
@@ -40,7 +44,9 @@ contains
 
    !> The neighbourhood of one motion.
    pure subroutine find_neighbourhood(drive, target)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: event and period of the motion. Out: with metric and radius.
       type(target_type), intent(inout) :: target
       real(wp), parameter :: finer = 0.5_wp**0.25_wp
       real(wp) :: p(4, 4), zero(4)
@@ -57,7 +63,7 @@ contains
       if (.not. good) return
       call find_metric(drive, target, p, good)
       if (.not. good) return
-      ! from the whole space between the walls down
+      ! from a ball that covers the whole space between the walls downwards
       target%radius = sqrt(real(target%n, wp))*norm2(matmul(target%metric, &
          merge([drive%clearance, 1.0_wp, 0.0_wp, 0.0_wp], &
          [drive%clearance, drive%clearance, drive%clearance, 1.0_wp], target%release)))
@@ -70,11 +76,15 @@ contains
       target%box = target%radius*norm2(target%inverse, dim=2)
    end subroutine find_neighbourhood
 
-   !> Whether all states tried of a ball come nearer over a period.
+   !> Whether all tested states of a ball come nearer to its centre over a period.
    pure subroutine contract(drive, target, events, contracts)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The motion with its metric; the ball has its radius.
       type(target_type), intent(in) :: target
+      !> Scratch.
       type(event_type), intent(inout) :: events(:)
+      !> Whether they do.
       logical, intent(out) :: contracts
       real(wp) :: u(5), direction(4), d(4), distance, next, pair(4)
       real(wp), parameter :: steps(5) = [0.8566749_wp, 0.7338918_wp, 0.6287066_wp, 0.5385973_wp, &
@@ -102,9 +112,13 @@ contains
 
    !> The norm in which the derivative contracts.
    pure subroutine find_metric(drive, target, p, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In and out: metric, inverse and contraction are set.
       type(target_type), intent(inout) :: target
+      !> The derivative over a period.
       real(wp), intent(in) :: p(4, 4)
+      !> False if the motion is not stable, or the metric could not be factorised.
       logical, intent(out) :: good
       real(wp), dimension(4, 4) :: a, m
       real(wp) :: scale(4), radius
@@ -137,11 +151,15 @@ contains
       call factorise(m, n, scale, target, good)
    end subroutine find_metric
 
-   !> m = L L'; the metric is L' over the scale, its inverse the scale times (L')^-1.
+   !> The metric from m = L L': it is L' over the scale, and its inverse the scale times (L')^-1.
    pure subroutine factorise(m, n, scale, target, good)
+      !> A symmetric positive matrix, and the units of the coordinates.
       real(wp), intent(in) :: m(4, 4), scale(4)
+      !> Its order: 4, or 2 of a release.
       integer, intent(in) :: n
+      !> In and out: metric and inverse are set.
       type(target_type), intent(inout) :: target
+      !> False if the matrix is not positive definite.
       logical, intent(out) :: good
       real(wp) :: u(4, 4), v(4, 4)
       integer :: i, j

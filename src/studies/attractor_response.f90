@@ -1,4 +1,4 @@
-!> The response of the primary mass over all attractors that coexist.
+!> The response of the primary mass over all coexisting attractors.
 module vi_attractor_response
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_negative_inf, ieee_positive_inf, &
       ieee_quiet_nan, ieee_value
@@ -14,15 +14,18 @@ module vi_attractor_response
 
 contains
 
-   !> max|X|/A of what initial states spread evenly settle on, at n points.
+   !> max|X|/A of the motions on which evenly spread initial states settle, at n points.
    subroutine respond(osc, r, clearance, load, settling, keep, threads, attenuation, envelope, &
       periods, status, tally)
+      !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> (n) each
       real(wp), intent(in) :: r(:), clearance(:)
+      !> Load amplitude f.
       real(wp), intent(in) :: load
-      !> Load cycles simulated first, and load cycles looked at.
+      !> Load cycles simulated first, and load cycles examined.
       integer, intent(in) :: settling, keep
+      !> Number of OpenMP threads.
       integer, intent(in) :: threads
       !> (states, n): NaN where a simulation failed.
       real(wp), intent(out) :: attenuation(:, :)
@@ -30,7 +33,7 @@ contains
       real(wp), intent(out) :: envelope(:, :)
       !> (4, states, n): period, letters, impacts, rests; (states, n).
       integer, intent(out) :: periods(:, :, :), status(:, :)
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       integer, parameter :: room = 1
       real(wp), allocatable :: parameters(:, :, :), starts(:, :), impacts(:, :, :, :), &

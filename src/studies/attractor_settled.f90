@@ -1,7 +1,7 @@
-!> What simulations settle on: the last impacts, the period if there is one, extreme positions.
+!> The motions on which simulations settle: last impacts, period if there is one, extreme positions.
 !!
-!! Simulations stand in chains. Along a chain the parameters change from link to link and the state
-!! goes on, so that a chain is a sweep; chains of one link are independent initial states.
+!! Simulations form chains. Along a chain the parameters change from link to link and the state is
+!! carried over, so that a chain is a sweep; chains of one link are independent initial states.
 module vi_attractor_settled
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -19,9 +19,9 @@ module vi_attractor_settled
 
    public :: settle_chains
 
-   !> Events kept of a simulation, and events in which a simulation has to be done.
+   !> Events kept of a simulation, and largest number of events of a simulation.
    integer, parameter :: room = 4096, most_events = 50000000
-   !> States one period apart are the same within this part of the clearance.
+   !> States one period apart count as the same within this share of the clearance.
    real(wp), parameter :: same = 1.0e-5_wp
 
    !> The end of a simulation.
@@ -42,25 +42,31 @@ contains
       labels, found, periods, extremes, ends, status, tally)
       !> (6, links, chains): r, D, xi, mu, R1, R2
       real(wp), intent(in) :: parameters(:, :, :)
+      !> Load amplitude f.
       real(wp), intent(in) :: load
       !> (5, chains): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
       !> Load cycles simulated first, and those that are kept.
       integer, intent(in) :: settling, keep
-      !> Added to x' from link to link, over D: a sweep leaves what is unstable.
+      !> Added to x' from link to link, over D, so that a sweep leaves unstable motions.
       real(wp), intent(in) :: kick
+      !> Number of OpenMP threads.
       integer, intent(in) :: threads
-      !> (7, room, links, chains), (2, ..): the kept impacts as in `store_events`, and their number.
+      !> (7, room, links, chains): the kept impacts as in `store_events`.
       real(wp), intent(inout) :: values(:, :, :, :)
+      !> (2, room, links, chains): kind and side of the kept impacts; (links, chains): their number.
       integer, intent(inout) :: labels(:, :, :, :), found(:, :)
-      !> (4, links, chains): period, letters, impacts, rests; (2, ..): least and greatest x.
+      !> (4, links, chains): load cycles of the period (0 if there is none), letters, impacts,
+      !! rests.
       integer, intent(inout) :: periods(:, :, :)
+      !> (2, links, chains): least and greatest x; NaN where it was not computed.
       real(wp), intent(inout) :: extremes(:, :, :)
       !> (5, links, chains): states at the end, as `starts`.
       real(wp), intent(inout) :: ends(:, :, :)
-      !> `stat%not_computed` from the link on at which it was stopped.
+      !> (links, chains): codes of vi_status; `stat%not_computed` from the link on at which it was
+      !! stopped.
       integer, intent(inout) :: status(:, :)
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(settled_type) :: settled
       type(state_type) :: state
@@ -96,12 +102,15 @@ contains
       !$omp end parallel do
    end subroutine settle_chains
 
-   !> A state under new parameters: the free mass keeps its place between the walls.
+   !> A state under new parameters: the free mass keeps its relative place between the walls.
    pure function carried(drive, state, clearance, kick) result(next)
+      !> The system with the new parameters.
       type(drive_type), intent(in) :: drive
+      !> The state with the old ones.
       type(state_type), intent(in) :: state
-      !> That before.
+      !> The old clearance.
       real(wp), intent(in) :: clearance
+      !> Added to x', over half the clearance.
       real(wp), intent(in) :: kick
       type(state_type) :: next
       real(wp) :: y, half
@@ -114,12 +123,15 @@ contains
          state%x + y, state%z_dot + merge(kick*half, 0.0_wp, state%side /= 0)])
    end function carried
 
-   !> Simulates until the transient is over, and looks at what is left.
+   !> Simulates the transient, and examines the load cycles after it.
    pure subroutine settle_on(drive, state, settling, keep, settled)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> Out: the end.
       type(state_type), intent(inout) :: state
+      !> Load cycles of the transient, and those examined.
       integer, intent(in) :: settling, keep
+      !> Out: the end of the simulation; its arrays are reused.
       type(settled_type), intent(inout) :: settled
       type(state_type) :: last(0:keep)
       integer :: n, first(0:keep), i, k
@@ -131,7 +143,7 @@ contains
       total = 0
       state%cycle = 0
       last(0) = state
-      ! states are compared at a phase that the start has nothing to do with: not at an impact
+      ! states are compared at a phase unrelated to that of the start, which may be an impact
       call advance(drive, state, last(0), settling + 0.6180339887_wp, settled%events, n, total, &
          settled%status)
       first = 1
@@ -161,15 +173,22 @@ contains
       state = last(merge(keep, 0, settled%status == stat%ok))
    end subroutine settle_on
 
-   !> Goes on some cycles; the events of the end are kept if there is room.
+   !> Simulates some load cycles; the last events are kept if there is room.
    pure subroutine advance(drive, state, final, cycles, events, n, total, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> Where the last flight or rest began, and the end from which the cycles count.
       type(state_type), intent(inout) :: state, final
+      !> Load cycles to simulate; a single one ends with the status `stat%more_events` if the room
+      !! is not enough.
       real(wp), intent(in) :: cycles
+      !> Out: the last n events.
       type(event_type), intent(inout) :: events(:)
+      !> Number of events kept.
       integer, intent(out) :: n
+      !> In and out: events of the simulation so far.
       integer, intent(inout) :: total
+      !> `stat%ok`, `stat%more_events` or `stat%budget`.
       integer, intent(out) :: status
       integer(int64) :: cycle
       real(wp) :: phase
@@ -185,16 +204,20 @@ contains
 
    !> Whether two states at one phase are the same.
    pure logical function alike(a, b, clearance)
+      !> The states.
       type(state_type), intent(in) :: a, b
+      !> The clearance, unit of the comparison.
       real(wp), intent(in) :: clearance
 
       alike = maxval(abs([a%x - b%x, a%x_dot - b%x_dot, a%z - b%z, a%z_dot - b%z_dot])) <= &
          same*clearance
    end function alike
 
-   !> Counts letters, impacts and rests of a period, which has no beginning: its events are a ring.
+   !> Counts letters, impacts and rests of a period; its first event follows its last one.
    pure subroutine read_period(settled, first, last)
+      !> In: with its events. Out: letters, impacts and rests are set.
       type(settled_type), intent(inout) :: settled
+      !> Numbers of the first and last event of the period.
       integer, intent(in) :: first, last
 
       associate (events => settled%events(first:last))
@@ -206,9 +229,13 @@ contains
 
    !> Extreme positions of the primary mass between two states.
    pure subroutine find_extremes(drive, begin, finish, events, settled)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The states at both ends.
       type(state_type), intent(in) :: begin, finish
+      !> The events in between.
       type(event_type), intent(in) :: events(:)
+      !> Out: x_min and x_max; status `stat%budget` if a search ran out of steps.
       type(settled_type), intent(inout) :: settled
       real(wp) :: starts(6, 0:size(events))
       integer :: resting(0:size(events)), i
@@ -229,12 +256,17 @@ contains
       if (.not. complete) settled%status = stat%budget
    end subroutine find_extremes
 
-   !> The kept impacts as columns, as many as there is room for.
+   !> Stores the kept impacts as columns, as many as there is room for.
    pure subroutine store(settled, values, labels, r, n)
+      !> The end of a simulation.
       type(settled_type), intent(in) :: settled
+      !> (7, room) Out: as in `store_events`.
       real(wp), intent(inout) :: values(:, :)
+      !> (2, room) Out: as in `store_events`.
       integer, intent(inout) :: labels(:, :)
+      !> Frequency ratio.
       real(wp), intent(in) :: r
+      !> Number of impacts stored.
       integer, intent(out) :: n
       type(event_type), allocatable :: impacts(:)
 

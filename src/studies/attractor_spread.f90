@@ -1,5 +1,5 @@
-!> Initial states over what motions with impacts may reach, spread evenly or at random: the same
-!! ones every time.
+!> Initial states spread evenly or at random over the range that motions with impacts may reach.
+!! They are the same in every run.
 module vi_attractor_spread
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
@@ -12,8 +12,10 @@ module vi_attractor_spread
 
 contains
 
-   !> A length to spread states over: that of the motion without impacts, within limits.
+   !> A length over which states are spread: the amplitude of the motion without impacts, within
+   !! limits.
    pure real(wp) function spread_scale(xi, r, load, clearance) result(scale)
+      !> Damping ratio, frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: xi, r, load, clearance
 
       scale = min(max(load*gain(xi, r), 0.5_wp*clearance), 3*clearance)
@@ -21,8 +23,11 @@ contains
 
    !> States (5, n) at t = 0, spread in x, x', z - x and z' by an additive recurrence.
    pure function spread_states(osc, r, load, clearance, n) result(states)
+      !> Oscillator; only xi is read.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: r, load, clearance
+      !> Number of states.
       integer, intent(in) :: n
       real(wp) :: states(5, n)
       real(wp) :: golden, scale, u(4)
@@ -43,7 +48,9 @@ contains
    !> Random states (5, n) at t = 0, uniform in a box: x, x' and z' within the scale either way,
    !! z - x between the walls. A state depends on the seed and its place alone.
    pure function random_states(xi, r, load, clearance, n, seed) result(states)
+      !> Damping ratio, frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: xi, r, load, clearance
+      !> Number of states, and the seed.
       integer, intent(in) :: n, seed
       real(wp) :: states(5, n)
       real(wp) :: scale, u(4)

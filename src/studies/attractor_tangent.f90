@@ -19,8 +19,11 @@ contains
 
    !> The derivative of the state of an event with respect to that of the event before it.
    pure subroutine event_derivative(drive, before, after, p, regular)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Two successive events.
       type(event_type), intent(in) :: before, after
+      !> (new, old) Derivative of (x, x', z', alpha); undefined where `regular` is false.
       real(wp), intent(out) :: p(4, 4)
       !> False if there is no derivative: an impact or a release at which nothing approaches.
       logical, intent(out) :: regular
@@ -33,11 +36,15 @@ contains
       end if
    end subroutine event_derivative
 
-   !> The same for the beginning or the end of a rest.
+   !> As `event_derivative`, for the beginning or the end of a rest.
    pure subroutine rest_derivative(drive, before, after, p, regular)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Two successive events, the later one a stick or a release.
       type(event_type), intent(in) :: before, after
+      !> (new, old) Derivative of (x, x', z', alpha); undefined where `regular` is false.
       real(wp), intent(out) :: p(4, 4)
+      !> False if a release has no derivative.
       logical, intent(out) :: regular
       type(variation_type) :: change
       type(moment_type) :: from
@@ -63,6 +70,7 @@ contains
 
    !> The state just after an event.
    pure function moment_of(event) result(moment)
+      !> The event.
       type(event_type), intent(in) :: event
       type(moment_type) :: moment
 
@@ -71,7 +79,9 @@ contains
 
    !> Time from one event to a later one.
    pure real(wp) function lapse(drive, before, after)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The events.
       type(event_type), intent(in) :: before, after
 
       lapse = (two_pi*real(after%cycle - before%cycle, wp) + (after%phase - before%phase))/drive%r
@@ -79,6 +89,7 @@ contains
 
    !> Speed at which the masses part after an event.
    pure real(wp) function departure_speed(event)
+      !> The event.
       type(event_type), intent(in) :: event
 
       departure_speed = event%side*(event%x_dot_after - event%z_dot_after)
@@ -86,18 +97,23 @@ contains
 
    !> Coefficient of restitution of the wall of an event.
    pure real(wp) function restitution_at(drive, event) result(restitution)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The event.
       type(event_type), intent(in) :: event
 
       restitution = drive%osc%restitution(merge(right, left, event%side > 0))
    end function restitution_at
 
-   !> Gram and Schmidt, twice; `lengths` is the diagonal of the triangular factor.
+   !> Gram-Schmidt orthonormalisation, applied twice.
    !!
-   !! A column that depends on those before it, to rounding, has length 0 and becomes some other
-   !! direction, so that the columns are a basis always.
+   !! A column that depends on those before it, to rounding, has length 0 and is replaced by some
+   !! other
+   !! direction, so that the columns are always a basis.
    pure subroutine orthonormalise(q, lengths)
+      !> In: four columns. Out: orthonormal columns.
       real(wp), intent(inout) :: q(4, 4)
+      !> Length of each column orthogonal to those before it: the diagonal of the triangular factor.
       real(wp), intent(out) :: lengths(4)
       real(wp) :: whole, rest
       integer :: j, least
@@ -121,9 +137,11 @@ contains
       end do
    end subroutine orthonormalise
 
-   !> Takes the components along the columns before it from a column.
+   !> Subtracts from a column its components along the columns before it.
    pure subroutine project_out(q, j)
+      !> In and out: column j changes; those before it are orthonormal.
       real(wp), intent(inout) :: q(4, 4)
+      !> Number of the column.
       integer, intent(in) :: j
       integer :: i
 

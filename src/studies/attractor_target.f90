@@ -12,7 +12,7 @@ module vi_attractor_target
 
    public :: difference, over_period, period_derivative
 
-   !> A stable periodic motion, and what is known to go to it.
+   !> A stable periodic motion, and a neighbourhood from which states go to it.
    type, public :: target_type
       !> Of the event: a release, or an impact on the wall of this side.
       logical :: release = .false.
@@ -24,7 +24,7 @@ module vi_attractor_target
       real(wp) :: middle(4) = 0
       !> The norm is that of `metric` times a difference of states, `inverse` its inverse.
       real(wp), dimension(4, 4) :: metric = 0, inverse = 0
-      !> What P contracts by in it; the radius, 0 if there is no neighbourhood.
+      !> Contraction of P in this norm; radius of the neighbourhood, 0 if there is none.
       real(wp) :: contraction = 1, radius = 0
       !> Half sides of the box around the neighbourhood.
       real(wp) :: box(4) = 0
@@ -32,9 +32,11 @@ module vi_attractor_target
 
 contains
 
-   !> State of an event less that of the motion's own.
+   !> The state of an event less that of the motion.
    pure function difference(target, event) result(d)
+      !> The motion.
       type(target_type), intent(in) :: target
+      !> An event of the same kind on the same wall.
       type(event_type), intent(in) :: event
       real(wp) :: d(4)
       real(wp) :: phase
@@ -49,14 +51,19 @@ contains
       end if
    end function difference
 
-   !> The events of the period that begins at the motion's event plus a difference.
+   !> The events of a period that starts from the event of the motion plus a difference.
    pure subroutine over_period(drive, target, d, events, n, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The motion.
       type(target_type), intent(in) :: target
+      !> The difference of states, as from `difference`; 0 for the motion itself.
       real(wp), intent(in) :: d(4)
+      !> Out: events 1 to n.
       type(event_type), intent(inout) :: events(:)
       !> Events up to the one that ends the period.
       integer, intent(out) :: n
+      !> False if there is no departure speed, the events have no room, or no event ends the period.
       logical, intent(out) :: good
       type(state_type) :: state, final
       real(wp) :: phase, nearest, off, start(4)
@@ -94,12 +101,17 @@ contains
       good = n > 0
    end subroutine over_period
 
-   !> The derivative over a period in the coordinates of the event.
+   !> The derivative of the map over a period, in the coordinates of the event.
    pure subroutine period_derivative(drive, target, events, p, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The motion.
       type(target_type), intent(in) :: target
+      !> (n) Events of a period; the last one is that of the motion.
       type(event_type), intent(in) :: events(:)
+      !> (4, 4), or its first two rows and columns if the event is a release.
       real(wp), intent(out) :: p(4, 4)
+      !> False if an event has no derivative.
       logical, intent(out) :: good
       type(event_type) :: before
       real(wp) :: step(4, 4), whole(4, 4)

@@ -1,4 +1,4 @@
-!> Attractors that are not periodic, told apart by the places of their impacts.
+!> Attractors that are not periodic, distinguished by the places of their impacts.
 module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_known, only: chaotic, known_type, quasi_periodic
@@ -12,9 +12,9 @@ module vi_attractor_wandering
 
    public :: tell_apart
 
-   !> Such attractors at most.
+   !> Largest number of such attractors.
    integer, parameter :: most_groups = 30
-   !> Load cycles after which the largest Lyapunov exponent is told from 0, those before, batches.
+   !> Load cycles from which the largest Lyapunov exponent is computed, those before, and batches.
    integer, parameter :: exponent_cycles = 4000, exponent_discard = 500, batches = 20
    !> Least largest exponent of chaos per load cycle.
    real(wp), parameter :: least_chaos = 2.0e-3_wp
@@ -29,18 +29,21 @@ module vi_attractor_wandering
 
 contains
 
-   !> The attractor that a trajectory which does not repeat itself is on; it may be a new one.
+   !> The attractor of a trajectory that does not repeat itself; it may be a new one.
    subroutine tell_apart(drive, values, sides, known, groups, next, label)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> Its last impacts as in `store_events`.
       real(wp), intent(in) :: values(:, :)
+      !> (n) Walls of these impacts: +1 right, -1 left.
       integer, intent(in) :: sides(:)
       !> In: a state of it. Out: the attractor, if it is new.
       type(known_type), intent(inout) :: known
+      !> In: cells of the attractors known so far. Out: with those of a new one.
       type(group_type), allocatable, intent(inout) :: groups(:)
       !> The number of a new attractor.
       integer, intent(in) :: next
-      !> 0 if it cannot be told.
+      !> Out: the number of the attractor; not changed if it cannot be determined.
       integer, intent(inout) :: label
       type(group_type) :: own
       type(group_type), allocatable :: more(:)
@@ -73,9 +76,13 @@ contains
 
    !> Marks the cell of an impact.
    pure subroutine mark(group, drive, phase, x, side)
+      !> In and out: the cells.
       type(group_type), intent(inout) :: group
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Load phase (rad), and position of the primary mass.
       real(wp), intent(in) :: phase, x
+      !> Wall: +1 right, -1 left.
       integer, intent(in) :: side
       real(wp) :: place
 
@@ -85,8 +92,11 @@ contains
 
    !> The cells in which a long simulation has impacts.
    pure subroutine find_cells(drive, start, group)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
+      !> In and out: the cells.
       type(group_type), intent(inout) :: group
       type(event_type) :: events(64)
       type(state_type) :: state, final
@@ -107,9 +117,11 @@ contains
       end do
    end subroutine find_cells
 
-   !> Whether a state is on a chaotic or a quasi-periodic attractor; kind 0 if on neither.
+   !> Whether a state is on a chaotic or a quasi-periodic attractor; kind 0 if it is on neither.
    subroutine find_kind(drive, known)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: with its state. Out: kind and largest exponent are set.
       type(known_type), intent(inout) :: known
       real(wp) :: deviation
       integer :: status
@@ -120,7 +132,7 @@ contains
       call largest_exponent(drive, initial_state(drive, known%state), exponent_discard, &
          exponent_cycles/batches, batches, known%largest, deviation, status)
       if (status /= stat%ok) return                                     ! impacts die out
-      ! below, it is a transient that has ended meanwhile
+      ! a smaller exponent: it was a transient, which has ended meanwhile
       if (known%largest > -least_chaos) known%kind = merge(chaotic, quasi_periodic, &
          known%largest > least_chaos)
    end subroutine find_kind

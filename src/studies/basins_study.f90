@@ -1,4 +1,4 @@
-!> The study &basins: to which attractor states go.
+!> The study &basins: the attractor to which each initial state goes.
 module vi_basins_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use vi_attractor_basin, only: not_reached
@@ -211,15 +211,15 @@ contains
       states(4, :) = states(4, :) + states(2, :)
    end function plane_states
 
-   !> Finds to which attractor each state goes.
+   !> Finds the attractor to which each state goes.
    subroutine run_basins(case, threads, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Threads; the answer does not depend on them.
+      !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(catalogue_type) :: catalogue
       type(line_type), allocatable :: names(:)
@@ -295,7 +295,7 @@ contains
       end do
    end subroutine open_states
 
-   !> Puts the attractors into the result, and remarks them.
+   !> Puts the attractors into the result, with remarks.
    pure subroutine put_attractors(case, catalogue, names, labels, result)
       !> The case.
       type(case_type), intent(in) :: case
@@ -343,25 +343,30 @@ contains
       call remark_safety(case, n, labels, result)
    end subroutine put_attractors
 
-   !> Share of the states that were reached that go to an attractor.
+   !> The share of the simulated states that go to an attractor.
    pure real(wp) function share(labels, i)
+      !> (states) Number of the attractor of each state, and the one in question.
       integer, intent(in) :: labels(:), i
 
       share = real(count(labels == i), wp)/count(labels /= not_reached)
    end function share
 
-   !> Of the share, as of as many independent states: an upper bound for those of a plane.
+   !> Standard error of that share for independent states; an upper bound for states of a plane.
    pure real(wp) function standard_error(labels, i)
+      !> (states) Number of the attractor of each state, and the one in question.
       integer, intent(in) :: labels(:), i
 
       standard_error = sqrt(share(labels, i)*(1 - share(labels, i))/count(labels /= &
          not_reached))
    end function standard_error
 
-   !> How sure the shares are, and of a plane that was not cut short how safe its states.
+   !> Adds remarks on the errors of the shares, and, for a complete plane, on the uncertainty
+   !! exponent
+   !! and the largest discs.
    pure subroutine remark_safety(case, n, labels, result)
+      !> The case.
       type(case_type), intent(in) :: case
-      !> Attractors.
+      !> Number of attractors, and (states) the number of the attractor of each state.
       integer, intent(in) :: n, labels(:)
       !> The result.
       type(result_type), intent(inout) :: result
@@ -403,9 +408,9 @@ contains
    pure subroutine find_disc(study, plane, i, radius, centre)
       !> The group.
       type(values_type), intent(in) :: study
-      !> (second axis, first axis)
+      !> (second axis, first axis) Number of the attractor of each state, and the one in question.
       integer, intent(in) :: plane(:, :), i
-      !> Of the disc.
+      !> Radius and centre of the disc.
       real(wp), intent(out) :: radius, centre(2)
       real(wp) :: low(2), high(2), cells(2), first(size(plane, 2)), second(size(plane, 1))
       integer :: place(2), n(2)
@@ -420,9 +425,11 @@ contains
       centre = [first(place(2)), second(place(1))]
    end subroutine find_disc
 
-   !> Adds what else is known of an attractor.
+   !> Adds details of an attractor to a text.
    pure subroutine add_details(known, text)
+      !> The attractor.
       type(known_type), intent(in) :: known
+      !> In and out: the text to which they are added.
       character(:), allocatable, intent(inout) :: text
       real(wp) :: numbers(2)
 
@@ -438,9 +445,11 @@ contains
       text = text//'; t, x, x_dot, z, z_dot = '//exact_list(known%state)
    end subroutine add_details
 
-   !> Sides and load cycles, or the kind; a number tells those of one name apart.
+   !> Names of the attractors: sides and load cycles, or the kind; equal names get a number.
    pure subroutine find_names(catalogue, names)
+      !> The attractors.
       type(catalogue_type), intent(in) :: catalogue
+      !> (attractors) Their names.
       type(line_type), allocatable, intent(out) :: names(:)
       type(line_type) :: plain(catalogue%n)
       integer :: i, j, before, alike

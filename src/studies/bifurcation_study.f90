@@ -1,4 +1,4 @@
-!> The study &bifurcation: the impacts that are left along a parameter.
+!> The study &bifurcation: the impacts after the transient along a parameter.
 module vi_bifurcation_study
    use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
    use vi_case, only: case_type
@@ -183,15 +183,15 @@ contains
       if (case%study%has('t')) state = state_of(case%study)
    end function start_state
 
-   !> Sweeps, or starts anew at each value, and keeps the impacts that are left.
+   !> Sweeps, or starts anew at each value, and keeps the impacts after the transient.
    subroutine run_bifurcation(case, threads, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Threads; the answer does not depend on them.
+      !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(path_type) :: path
       type(diagram_type) :: found
@@ -323,6 +323,7 @@ contains
 
    !> The system with its values of the parameter.
    pure function path_of(case) result(path)
+      !> The case, checked.
       type(case_type), intent(in) :: case
       type(path_type) :: path
 
@@ -335,8 +336,9 @@ contains
       call parameter_place(trim(parameter_of(case)), path%place, path%tied)
    end function path_of
 
-   !> Of the runs: 1 up, -1 down, 0 anew at each value.
+   !> The direction of each run: 1 up, -1 down, 0 anew at each value.
    pure function directions_of(case) result(directions)
+      !> The case, checked.
       type(case_type), intent(in) :: case
       integer, allocatable :: directions(:)
 
@@ -352,15 +354,18 @@ contains
       end select
    end function directions_of
 
+   !> The name of a run.
    pure function run_name(directions, j) result(text)
+      !> Of all runs, and the number of the run.
       integer, intent(in) :: directions(:), j
       character(len_trim(padded_name(directions, j))) :: text
 
       text = padded_name(directions, j)
    end function run_name
 
-   !> The same with blanks behind it.
+   !> The name of a run, padded with blanks.
    pure function padded_name(directions, j) result(text)
+      !> Of all runs, and the number of the run.
       integer, intent(in) :: directions(:), j
       character(20) :: text
 
@@ -374,7 +379,7 @@ contains
       end select
    end function padded_name
 
-   !> N/k; empty where no period was seen.
+   !> Letters and load cycles of a period as N/k; empty where no period was found.
    pure function label(period) result(text)
       !> Load cycles, letters, impacts, rests.
       integer, intent(in) :: period(4)

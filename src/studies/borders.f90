@@ -22,20 +22,21 @@ module vi_borders
       type(curve_type) :: sheet
       !> A point inside, beside each loop (2, n).
       real(wp), allocatable :: inside(:, :)
-      !> Motions found in the window, steps of the net, and borders left untraced.
+      !> Motions found in the window, steps of the net, and borders that were not traced.
       integer :: nodes = 0, steps = 0, untraced = 0
       !> Lattice lines of constant r and of constant D.
       integer :: lines(2) = 0
-      !> Points traced, those of loops that were dropped included.
+      !> Points traced, including those of loops that were discarded.
       integer :: points = 0
-      !> Whether a loop was traced with other distances of motions that repeat themselves.
+      !> Whether a loop was traced with another distance from motions that repeat themselves.
       logical :: retraced = .false.
       !> Whether each seed is stable and admissible, inside the window, and in no closed loop.
       logical, allocatable :: open_seeds(:)
    end type zone_type
 
-   !> Distances at which a motion counts as one that repeats itself, by the first one: where a fold
-   !! begins at such a motion, rounding can leave too little of the equations at the first.
+   !> Distances at which a motion counts as one that repeats itself, over the first one. Where a
+   !! fold
+   !! begins at such a motion, rounding can spoil the equations at the first distance.
    real(wp), parameter, public :: distances(4) = [1, 3, 10, 30]
 
    !> Loops kept, and points after which no further loop is begun.
@@ -46,6 +47,7 @@ contains
 
    !> Traces the boundary from a place on it, unless it is on a loop already.
    subroutine trace_border(border, apart, most, keep_open, zone, closed, tally)
+      !> The place on the boundary.
       type(border_type), intent(in) :: border
       !> Distance at which a motion counts as one that repeats itself.
       real(wp), intent(in) :: apart
@@ -53,9 +55,11 @@ contains
       integer, intent(in) :: most
       !> Whether a curve that cannot be closed is kept.
       logical, intent(in) :: keep_open
+      !> In and out: a loop is added, or the border counted as untraced.
       type(zone_type), intent(inout) :: zone
       !> Whether the place lies on a closed loop.
       logical, intent(out) :: closed
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(curve_type) :: sheet
       type(loop_type) :: loop, other
@@ -94,34 +98,42 @@ contains
          zone%untraced = zone%untraced + 1
          return
       end if
-      ! a loop that the border only leads to can have been there before
+      ! a loop that the trace has only reached from this border may be known already
       begin%point = loop%points(:, 1)
       begin%condition = loop%conditions(1)
       call find_border(begin, zone, loop_at)
       if (loop_at > 0 .and. closed) return
       zone%retraced = zone%retraced .or. apart > zone%sheet%frame%apart
       zone%n = zone%n + 1
-      ! without the room that is left
+      ! without the unused room
       zone%loops(zone%n) = picked(loop, [(loop_at, loop_at=1, loop%n)])
       zone%inside(:, zone%n) = border%inside
    end subroutine trace_border
 
-   !> Traces one way.
+   !> Traces a boundary in one direction.
    subroutine trace(sheet, border, most, way, loop, tally)
+      !> The sheets over the window.
       type(curve_type), intent(in) :: sheet
+      !> The place on the boundary.
       type(border_type), intent(in) :: border
+      !> Largest number of points, and the direction, as of `trace_loop`.
       integer, intent(in) :: most, way
+      !> The boundary.
       type(loop_type), intent(out) :: loop
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
 
       call trace_loop(sheet, stride_type(longest=0.02_wp, turn=0.15_wp), border%point, &
          border%condition, most, loop, tally, way)
    end subroutine trace
 
-   !> Moves a place at the distance of a motion that repeats itself to another distance.
+   !> Moves a place at one distance from a motion that repeats itself to another distance.
    pure subroutine move_apart(sheet, border, good)
+      !> The sheets over the window, with the new distance.
       type(curve_type), intent(in) :: sheet
+      !> In and out: the place; not changed unless its condition is a repetition.
       type(border_type), intent(inout) :: border
+      !> Whether it was found.
       logical, intent(out) :: good
       real(wp) :: along(size(border%point)), tangent(size(border%point))
       integer :: iterations
@@ -138,9 +150,11 @@ contains
       good = iterations > 0
    end subroutine move_apart
 
-   !> Puts the same curve, traced the other way from the same point, before it.
+   !> Puts the same curve, traced in the opposite direction from the same point, before it.
    pure subroutine add_other_way(other, loop)
+      !> The curve traced in the opposite direction.
       type(loop_type), intent(in) :: other
+      !> In: the curve. Out: both, in one direction.
       type(loop_type), intent(inout) :: loop
       integer :: i
 
@@ -148,10 +162,13 @@ contains
       loop = chained(reversed(picked(other, [(i, i=2, other%n)])), loop)
    end subroutine add_other_way
 
-   !> The loop that a place lies on, by whichever distance it was traced; 0 if none.
+   !> The loop that a place lies on, whichever distance it was traced with.
    pure subroutine find_border(border, zone, found)
+      !> The place.
       type(border_type), intent(in) :: border
+      !> The loops known so far.
       type(zone_type), intent(in) :: zone
+      !> Number of the loop; 0 if none.
       integer, intent(out) :: found
       type(curve_type) :: sheet
       type(border_type) :: moved
@@ -170,12 +187,15 @@ contains
       end do
    end subroutine find_border
 
-   !> The loop that a place lies on, or its image; 0 if none.
+   !> The loop that a place, or its image under a symmetry of the pattern, lies on.
    !!
    !! Images of a motion under a symmetry of the pattern have the same zone.
    pure subroutine find_loop(border, zone, found)
+      !> The place.
       type(border_type), intent(in) :: border
+      !> The loops known so far.
       type(zone_type), intent(in) :: zone
+      !> Number of the loop; 0 if none.
       integer, intent(out) :: found
       type(border_type) :: image
       integer :: j, k, n
@@ -196,8 +216,11 @@ contains
 
    !> Whether a place on the boundary lies on a loop, along the same condition.
    pure logical function lies_on(frame, border, loop)
+      !> The family.
       type(frame_type), intent(in) :: frame
+      !> The place.
       type(border_type), intent(in) :: border
+      !> The loop.
       type(loop_type), intent(in) :: loop
       real(wp), dimension(size(border%point)) :: chord, offset
       real(wp) :: share, length

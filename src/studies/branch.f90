@@ -1,9 +1,9 @@
 !> Branches: a family of motions along one parameter, with its special points.
 !!
-!! Pseudo-arclength continuation: the branch goes round folds. A special point is where one of the
+!! Pseudo-arclength continuation follows the branch round folds. A special point is where one of the
 !! conditions of stability or admissibility changes its sign; it is located by Newton's method with
-!! that condition as a further equation. Shorter motions that repeat themselves, or symmetric ones,
-!! end a branch: there another branch goes on.
+!! that condition as a further equation. A branch ends at a motion that repeats itself within its
+!! period, or that is symmetric; such motions form a branch of their own.
 module vi_branch
    use vi_crossing, only: hidden_zero, locate
    use vi_curve, only: curve_type
@@ -22,7 +22,7 @@ module vi_branch
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
       end_full = 5, end_stopped = 6
 
-   !> A step as short as this is not made again for what it may hide.
+   !> A step as short as this is not repeated in search of hidden special points.
    real(wp), parameter :: least_step = 1.0e-6_wp
 
    !> One way along a family, from its start.
@@ -38,19 +38,25 @@ module vi_branch
 
 contains
 
-   !> Follows a family one way from a point, until it leaves the bounds of the parameter.
+   !> Follows a family in one direction from a point, until it leaves the bounds of the parameter.
    subroutine follow_branch(curve, stride, point, way, most, branch, work, told, tally)
       !> With one active parameter and edges at its bounds.
       type(curve_type), intent(in) :: curve
+      !> Limits on steps.
       type(stride_type), intent(in) :: stride
+      !> The motion at the start: unknowns, then the parameter over its range (0 to 1).
       real(wp), intent(in) :: point(:)
       !> +1 or -1: the way the parameter changes first.
       integer, intent(in) :: way
+      !> Largest number of points.
       integer, intent(in) :: most
+      !> The branch; its arrays have room for `most` points.
       type(branch_type), intent(out) :: branch
-      !> As of vi_tally.
+      !> Units of work of this branch in the progress counters, see vi_tally.
       integer, intent(in) :: work
+      !> In: units reported so far. Out: with those reported here.
       integer, intent(inout) :: told
+      !> Progress counters.
       integer, intent(inout), optional :: tally(3)
       type(condition_type) :: none(0)
       type(place_type) :: before, now, next
@@ -100,10 +106,13 @@ contains
       branch%reason = end_full
    end subroutine follow_branch
 
-   !> Whether a step has to be made again, shorter: it may hide a special point, or leaps over one
-   !! of the bounds.
+   !> Whether a step has to be repeated with a shorter length: it may hide a special point, or goes
+   !! too
+   !! far beyond one of the bounds.
    pure logical function is_too_far(before, now, next, shortest)
+      !> Start of the step before, start and end of this step.
       type(place_type), intent(in) :: before, now, next
+      !> Least length of a step.
       real(wp), intent(in) :: shortest
 
       is_too_far = .false.
@@ -111,13 +120,14 @@ contains
          next%values, now%came, next%came, merge(0.2_wp, 0.0_wp, now%conditions%kind <= &
          neimark_sacker)))
       if (can_shorten(next, 1.0e-5_wp)) is_too_far = is_too_far .or. changes_much(now, next)
-      ! beyond a bound nothing is looked at: what is there may make no sense
+      ! values beyond a bound are not used: they may make no sense
       if (can_shorten(next, shortest)) is_too_far = is_too_far .or. leaps_over(next)
    end function is_too_far
 
    !> Whether the multipliers change so much within a step that some may have crossed the unit
    !! circle and come back.
    pure logical function changes_much(now, next)
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       real(wp), parameter :: most_change = 0.5_wp
 
@@ -126,10 +136,13 @@ contains
       changes_much = norm2(next%spectrum%e(:3) - now%spectrum%e(:3)) > most_change
    end function changes_much
 
-   !> Whether the special points within a step explain how many multipliers are outside the unit
-   !! circle at its ends: else there are more of them.
+   !> Whether the special points within a step account for the numbers of multipliers outside the
+   !! unit
+   !! circle at its ends; otherwise there are more special points.
    pure logical function explained(now, next, found, order)
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
+      !> (conditions) The place where each condition is zero, where that is known.
       type(place_type), intent(in) :: found(:)
       !> The conditions that are zero, in order along the step.
       integer, intent(in) :: order(:)
@@ -156,8 +169,9 @@ contains
       explained = possible(outside_circle(next%spectrum, 0))
    end function explained
 
-   !> The share of the range between the start and a bound that lies behind the last point.
+   !> The share of the range between the start and a bound that the branch has covered.
    pure real(wp) function covered(branch)
+      !> The branch so far.
       type(branch_type), intent(in) :: branch
       real(wp) :: start, now
 
@@ -167,10 +181,13 @@ contains
       covered = abs(now - start)/max(epsilon(start), merge(1 - start, start, now > start))
    end function covered
 
-   !> Whether a walk begins on the bound of the parameter that lies its way.
+   !> Whether a walk begins on the bound of the parameter that lies in its direction.
    pure logical function on_bound(curve, start, way)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> The start of the walk.
       type(place_type), intent(in) :: start
+      !> +1 or -1: the direction in which the parameter changes.
       integer, intent(in) :: way
 
       ! the edges are the last two conditions: lowest, highest
@@ -179,6 +196,7 @@ contains
 
    !> Whether a place lies beyond a bound of the parameter.
    pure logical function beyond(place)
+      !> The place.
       type(place_type), intent(in) :: place
 
       beyond = any(place%conditions%kind == edge .and. place%values < 0)
@@ -186,6 +204,7 @@ contains
 
    !> Whether a step has gone so far beyond a bound that the bound could not be located on it.
    pure logical function leaps_over(place)
+      !> The end of the step.
       type(place_type), intent(in) :: place
 
       leaps_over = beyond(place) .and. abs(place%point(size(place%point)) - 0.5_wp) > 0.5_wp + &
@@ -194,8 +213,11 @@ contains
 
    !> Appends the special points within a step, in order.
    pure subroutine note_special(curve, now, next, branch, done, unsure)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
+      !> In and out: the special points are appended.
       type(branch_type), intent(inout) :: branch
       !> Whether one of them ends the branch.
       logical, intent(out) :: done
@@ -210,7 +232,7 @@ contains
       done = .false.
       unsure = .false.
       short = .not. can_shorten(next, least_step)
-      ! a start on a bound may lie outside by rounding: to come in is no event
+      ! a start on a bound may lie outside by rounding: to enter is no event
       crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= edge)
       beside = nearly_repeats(now, next)
       if (beside) then
@@ -267,6 +289,7 @@ contains
    !> Whether a step begins or ends so near to a motion that repeats itself that rounding decides
    !! how the parameter changes.
    pure logical function nearly_repeats(now, next) result(beside)
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       real(wp), parameter :: near = 3.0e-4_wp
 
@@ -276,6 +299,7 @@ contains
 
    !> Whether the parameter changes its direction within a step.
    pure logical function turns_back(now, next)
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
 
       associate (n => size(now%tangent))
@@ -283,11 +307,15 @@ contains
       end associate
    end function turns_back
 
-   !> Whether a touch is that of an impact whose approach speed gets zero in the same place.
+   !> Whether a grazing touch is that of an impact whose approach speed becomes zero at the same
+   !! point.
    !!
-   !! There the flights before and after the impact begin or end with a touch: one event, not two.
+   !! There the flight before or after that impact ends or begins with a touch: it is one event, not
+   !! two.
    pure logical function is_end_of_approach(found, crossed, j) result(same)
+      !> (conditions) The place where each condition is zero, where that is known.
       type(place_type), intent(in) :: found(:)
+      !> (conditions) Whether each condition is zero within the step.
       logical, intent(in) :: crossed(:)
       !> Index of the touch.
       integer, intent(in) :: j
@@ -305,10 +333,13 @@ contains
       end do
    end function is_end_of_approach
 
-   !> Whether a step comes back to the start of the branch.
+   !> Whether a step returns to the start of the branch.
    pure logical function closes(curve, branch, now, next)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> The branch so far.
       type(branch_type), intent(in) :: branch
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       real(wp) :: offset(size(now%point)), share
 
@@ -321,17 +352,25 @@ contains
          norm2(offset - share*now%tangent) < 0.2_wp*share + 1.0e-9_wp
    end function closes
 
+   !> Appends a place to a branch.
    pure subroutine append(branch, place, special)
+      !> In and out: the branch.
       type(branch_type), intent(inout) :: branch
+      !> The place.
       type(place_type), intent(in) :: place
+      !> The condition that is zero there; kind 0 if none.
       type(condition_type), intent(in) :: special
 
       call append_point(branch, place%point, special)
    end subroutine append
 
+   !> Appends a point to a branch.
    pure subroutine append_point(branch, point, special)
+      !> In and out: the branch.
       type(branch_type), intent(inout) :: branch
+      !> The point.
       real(wp), intent(in) :: point(:)
+      !> The condition that is zero there; kind 0 if none.
       type(condition_type), intent(in) :: special
 
       branch%n = branch%n + 1

@@ -24,13 +24,17 @@ contains
    subroutine simulate_bundle(osc, r, load, clearance, cycles, most_events, threads, states, &
       contacts, &
          counts, status)
+      !> Oscillator, the same for all.
       type(oscillator_type), intent(in) :: osc
-      !> (m) each
+      !> (m) Frequency ratios, load amplitudes f, clearances.
       real(wp), intent(in) :: r(:), load(:), clearance(:)
+      !> Load cycles simulated, not necessarily whole.
       real(wp), intent(in) :: cycles
+      !> Events after which a simulation ends, and number of OpenMP threads.
       integer, intent(in) :: most_events, threads
-      !> (7, m), (3, m) as in `pack_state`: in the initial states, out the final ones.
+      !> (7, m) as in `pack_state`. In: the initial states. Out: the final ones.
       real(wp), intent(inout) :: states(:, :)
+      !> (3, m) as in `pack_state`. In: of the initial states. Out: of the final ones.
       integer, intent(inout) :: contacts(:, :)
       !> (2, m): impacts and rests.
       integer, intent(out) :: counts(:, :)
@@ -52,10 +56,16 @@ contains
 
    !> One simulation of which only the end and the numbers of impacts and rests are kept.
    pure subroutine simulate_counting(drive, state, cycles, most_events, counts, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: the initial state. Out: the final one; if `most_events` were reached, that after the
+      !! last event.
       type(state_type), intent(inout) :: state
+      !> Load cycles simulated.
       real(wp), intent(in) :: cycles
+      !> Events after which the simulation ends.
       integer, intent(in) :: most_events
+      !> Numbers of impacts and of rests; `stat%ok`, `stat%more_events` or `stat%budget`.
       integer, intent(out) :: counts(2), status
       type(event_type) :: events(chunk)
       type(state_type) :: final

@@ -7,8 +7,9 @@ module vi_condition_names
 
    public :: condition_detail, condition_name
 
-   !> Their lengths are fixed: gfortran keeps the length of a result of deferred length in one place
-   !! for all threads.
+   !> Fixed lengths of names and details: gfortran keeps the length of a result of deferred length
+   !! in
+   !! one place for all threads.
    integer, parameter, public :: name_length = 14, detail_length = 24
 
    !> The parameters in their order in the core.
@@ -19,10 +20,11 @@ contains
 
    !> The type of a condition that is zero.
    pure function condition_name(kind, index, symmetric, mirrored) result(name)
+      !> Kind and index of the condition, as of vi_frame.
       integer, intent(in) :: kind, index
-      !> The family is one of symmetric motions.
+      !> Whether the family consists of symmetric motions.
       logical, intent(in) :: symmetric
-      !> The first way in which a member can repeat itself is as its own mirror image.
+      !> Whether the first way in which a member can repeat itself is as its own mirror image.
       logical, intent(in) :: mirrored
       character(name_length) :: name
 
@@ -50,8 +52,11 @@ contains
       end select
    end function condition_name
 
-   !> Which flight touches which wall, which impact has no approach, which parameter is at a bound.
+   !> The detail of a condition: which flight touches which wall, which impact has no approach,
+   !! which
+   !! parameter is at a bound.
    pure function condition_detail(kind, index, side) result(detail)
+      !> Kind, index and side of the condition, as of vi_frame.
       integer, intent(in) :: kind, index, side
       character(detail_length) :: detail
 
@@ -69,6 +74,7 @@ contains
 
    !> A whole number below 100.
    pure function number_text(number) result(text)
+      !> From 0 to 99.
       integer, intent(in) :: number
       character(merge(2, 1, number >= 10)) :: text
 

@@ -1,6 +1,7 @@
-!> The conditions under which a motion is stable and admissible, as numbers that are positive there.
+!> The conditions under which a motion is stable and admissible, as numbers that are positive where
+!! they are met.
 !!
-!! Each is smooth along a family, and zero where a bifurcation of its own kind ends the zone.
+!! Each is smooth along a family, and zero where a bifurcation of its kind bounds the zone.
 module vi_conditions
    use vi_extrema, only: relative_extrema
    use vi_family, only: kinship
@@ -21,12 +22,15 @@ contains
 
    !> The values of all conditions: 3 of stability, n approaches, n gaps, repetitions, edges.
    pure subroutine all_conditions(frame, unknowns, c, values, found, spectrum)
+      !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
+      !> Unknowns of the motion (see vi_frame), and the parameters r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
+      !> (m) Value of each condition, positive where it is met.
       real(wp), intent(out) :: values(:)
-      !> The conditions with their details.
+      !> (m) The conditions; grazing with its wall and the share of the flight.
       type(condition_type), intent(out) :: found(:)
-      !> Irregular where it is not known.
+      !> Sums of the multipliers; not set for motions with rest.
       type(spectrum_type), intent(out), optional :: spectrum
       type(spectrum_type) :: sums
       type(orbit_type) :: o
@@ -40,7 +44,7 @@ contains
       call stability_values(frame, unknowns, o, values(:3), sums)
       if (present(spectrum)) spectrum = sums
       if (.not. frame%every_crossing .and. all(values(:3) > 0)) then
-         ! inside are the stable ones alone
+         ! only stable motions are inside
          if (sums%e(0) > 0 .and. outside_circle(sums, 0) > 0) then
             values(neimark_sacker) = -values(neimark_sacker)
          end if
@@ -57,10 +61,13 @@ contains
       end do
    end subroutine all_conditions
 
-   !> The value of one condition; of grazing, at the stationary point it tells.
+   !> The value of one condition; that of grazing at the stationary point given in it.
    pure real(wp) function condition_value(frame, unknowns, c, condition) result(value)
+      !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
+      !> Unknowns of the motion (see vi_frame), and the parameters r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
+      !> The condition.
       type(condition_type), intent(in) :: condition
       type(orbit_type) :: o
       type(condition_type) :: touch
@@ -87,10 +94,15 @@ contains
       end select
    end function condition_value
 
+   !> The value of a condition other than those of stability and grazing.
    pure real(wp) function simple_value(frame, unknowns, o, c, condition) result(value)
+      !> The family, and its repetitions.
       type(frame_type), intent(in) :: frame
+      !> u_i, theta_i (2n), and the parameters r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
+      !> The orbit of these.
       type(orbit_type), intent(in) :: o
+      !> The condition.
       type(condition_type), intent(in) :: condition
 
       associate (i => condition%index)
@@ -107,9 +119,11 @@ contains
       end associate
    end function simple_value
 
-   !> How fast the masses part after an impact with R = 0: their relative acceleration.
+   !> The relative acceleration at which the masses part after an impact with R = 0.
    pure real(wp) function departure(o, i)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the impact.
       integer, intent(in) :: i
       real(wp) :: d(0:5)
 
@@ -123,10 +137,15 @@ contains
    !! distances to motions that repeat themselves, since these are reached with a multiplier 1 whose
    !! distance to 1 goes with that square.
    pure subroutine stability_values(frame, unknowns, o, values, spectrum)
+      !> The family, and its repetitions.
       type(frame_type), intent(in) :: frame
+      !> u_i, theta_i (2n).
       real(wp), intent(in) :: unknowns(:)
+      !> The orbit of these.
       type(orbit_type), intent(in) :: o
+      !> Values of fold, flip, Neimark-Sacker; 0 where an impact has no approach speed.
       real(wp), intent(out) :: values(3)
+      !> Sums of the multipliers.
       type(spectrum_type), intent(out) :: spectrum
       integer :: i
 
@@ -145,11 +164,13 @@ contains
       end do
    end subroutine stability_values
 
-   !> Whether the third number says too little about stability: it and both others can be positive
-   !! where several multipliers have crossed the unit circle. This one of Jury's conditions fails
-   !! there by far, and on the edge of the stable ones it is met, or just so where three multipliers
-   !! are on the circle.
+   !> Whether the remaining condition of Jury's fails.
+   !!
+   !! The three numbers of `stability_values` can all be positive where several multipliers have
+   !! crossed the unit circle. There this condition fails by far. On the boundary of the stable
+   !! motions it is met, barely so where three multipliers lie on the circle.
    pure logical function fails_jury(spectrum)
+      !> Sums of the multipliers.
       type(spectrum_type), intent(in) :: spectrum
 
       associate (e => spectrum%e, q => spectrum%product)
@@ -157,12 +178,16 @@ contains
       end associate
    end function fails_jury
 
-   !> The least gap at a stationary point inside a flight; one half where there is none nearer.
-   !! After an impact with R = 0 the departure counts as well.
+   !> The least gap at a stationary point inside a flight, at most one half. After an impact with R
+   !! = 0
+   !! the departure counts as well.
    pure subroutine gap_of_flight(o, touch, gap)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
-      !> In: the flight. Out: also the wall and when.
+      !> In: the flight. Out: also the wall and the share of its duration; the kind becomes
+      !! `rest_vanishes` if the departure is less.
       type(condition_type), intent(inout) :: touch
+      !> The gap over the clearance; negative beyond the wall.
       real(wp), intent(out) :: gap
       real(wp) :: lowest, highest, lowest_at, highest_at
       logical :: complete
@@ -190,8 +215,11 @@ contains
 
    !> The gap at the stationary point near a given share of the flight.
    pure subroutine polish_touch(o, touch, gap)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> In: flight, wall, and about which share of its duration. Out: with the exact share.
       type(condition_type), intent(inout) :: touch
+      !> The gap over the clearance; negative beyond the wall.
       real(wp), intent(out) :: gap
       type(flight_type) :: flight
       real(wp) :: d(0:5), t, step
@@ -211,8 +239,11 @@ contains
       gap = 0.5_wp - touch%side*(flight_position(flight, t) - d(0))
    end subroutine polish_touch
 
+   !> The flight after impact i, lengths in units of the clearance.
    pure function flight_at(o, i) result(flight)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the impact.
       integer, intent(in) :: i
       type(flight_type) :: flight
 

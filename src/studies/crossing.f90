@@ -1,4 +1,4 @@
-!> Where, on a step along a curve of motions, a condition is zero.
+!> Zeros of a condition on a step along a curve of motions.
 module vi_crossing
    use vi_curve, only: correct, curve_type
    use vi_frame, only: condition_type, edge, grazing, is_inside, rest_vanishes
@@ -11,16 +11,18 @@ module vi_crossing
 
 contains
 
-   !> Whether a condition may have been negative (or positive) for a moment within the last step.
+   !> Whether a condition may have changed its sign twice within the last two steps.
    !!
-   !! The parabola through three values in a row has its extremum inside the last two steps, on the
-   !! other side of zero.
+   !! That is so if the parabola through three successive values has its extremum inside these
+   !! steps,
+   !! on the other side of zero.
    pure elemental logical function hidden_zero(before, now, next, first, second, margin) &
       result(hidden)
+      !> Three successive values of the condition.
       real(wp), intent(in) :: before, now, next
       !> Lengths of the steps between them.
       real(wp), intent(in) :: first, second
-      !> How near to zero, over the value between them, the extremum counts already.
+      !> The extremum counts also if it is less than this share of the middle value.
       real(wp), intent(in), optional :: margin
       real(wp) :: slope, curvature, at, extreme
 
@@ -39,21 +41,26 @@ contains
 
    !> The point of a step where a further condition is zero: Newton's method, else bisection.
    pure subroutine locate(curve, conditions, from, to, which, place, share, good)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Conditions that are zero along the curve.
       type(condition_type), intent(in) :: conditions(:)
+      !> Start and end of the step.
       type(place_type), intent(in) :: from, to
       !> Index of the condition that changes its sign.
       integer, intent(in) :: which
+      !> Out: the place where the condition is zero, if it is found.
       type(place_type), intent(inout) :: place
       !> Share of the step.
       real(wp), intent(out) :: share
+      !> Whether it is found.
       logical, intent(out) :: good
       type(condition_type) :: extra(1)
       type(place_type) :: low, high
       real(wp) :: near
       integer :: i, iterations
 
-      ! a touch is known best where it is one
+      ! the details of a touch are taken from the end where the gap is less
       extra(1) = to%conditions(which)
       if (any(extra(1)%kind == [grazing, rest_vanishes]) .and. &
          from%values(which) < to%values(which)) then
@@ -93,22 +100,27 @@ contains
       place%conditions(which) = extra(1)
    end subroutine locate
 
+   !> Length of a step along the tangent at its start.
    pure real(wp) function from_length(from, to) result(length)
+      !> Start and end of the step.
       type(place_type), intent(in) :: from, to
 
       length = dot_product(from%tangent, to%point - from%point)
    end function from_length
 
-   !> The zero next to the inside end of a step.
+   !> The zero nearest to the inside end of a step.
    !!
-   !! What is violated at a zero was met at the inside end, so that it is zero in between, even if
-   !! it has the same sign at both ends: a step may pass two of its zeros.
+   !! A condition that is violated at a zero of another one was met at the inside end, so it is zero
+   !! in
+   !! between, even if it has the same sign at both ends: a step may pass two of its zeros.
    pure subroutine innermost_zero(curve, now, next, inside, best, which)
       !> With one active parameter.
       type(curve_type), intent(in) :: curve
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       !> Whether the step begins inside.
       logical, intent(in) :: inside
+      !> Out: the place of the zero, if one is found.
       type(place_type), intent(inout) :: best
       !> The condition that is zero there; 0 if none was found.
       integer, intent(out) :: which

@@ -1,7 +1,7 @@
-!> Curves of motions: Newton's method and tangents for the motions under some conditions.
+!> Curves of motions: Newton's method and tangents.
 !!
-!! With one active parameter the motions alone are a curve; with two, those that meet one condition
-!! (a fold, say).
+!! With one active parameter the motions of a family are a curve; with two active parameters the
+!! motions on which one condition is zero (a fold, say).
 module vi_curve
    use vi_conditions, only: condition_value
    use vi_curve_point, only: curve_type, parameters_of, point_size, to_point, unknowns_of
@@ -19,37 +19,44 @@ module vi_curve
    public :: correct, condition_slope, tangent_at
    public :: curve_type, parameters_of, point_size, unknowns_of
 
-   !> How Newton's method came to its end.
+   !> How Newton's method converged.
    type, public :: correction_type
-      !> The first two steps: their greatest components.
+      !> Largest absolute component of each of the first two steps.
       real(wp) :: moved(2) = 0
-      !> The sign of the determinant of the equations, with the direction of travel as the last one:
-      !! it is the same all along a curve, but beyond a place where curves cross.
+      !> The sign of the determinant of the equations, the last of which is the direction of travel.
+      !! It
+      !! is constant along a curve, and changes only where curves cross.
       integer :: orientation = 0
    end type correction_type
 
    integer, parameter :: most_iterations = 8
    !> What rounding leaves of an equation, relative to its coefficients.
    real(wp), parameter :: rounding = 1.0e-13_wp
-   !> A residual that no Newton step survives: the period has other letters.
+   !> A residual that makes Newton's method fail: the period has other letters.
    real(wp), parameter :: at_fault = huge(1.0_wp)
 
 contains
 
-   !> Newton's method for a point under conditions and, if that is not enough, in a plane.
+   !> Newton's method for a point on which conditions are zero and, if there is one condition less
+   !! than active parameters, which lies in a given plane.
    !!
    !! Equations: those of the motion, the conditions, and normal . (point - start) = 0.
    pure subroutine correct(curve, conditions, point, iterations, normal, tangent, correction)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Conditions that are zero at the point: as many as there are active parameters, or one less
+      !! with `normal`.
       type(condition_type), intent(in) :: conditions(:)
       !> In: a guess. Out: the last iterate.
       real(wp), intent(inout) :: point(:)
       !> Iterations used; 0 if they did not converge.
       integer, intent(out) :: iterations
+      !> Unit normal of the plane through the guess in which the point is to lie.
       real(wp), intent(in), optional :: normal(:)
-      !> The unit tangent in the direction of the normal: the last step of the iteration, which is
-      !! negligible, tells it as well.
+      !> The unit tangent at the point, on the side of the normal. It comes from the last iteration,
+      !! whose step is negligible.
       real(wp), intent(out), optional :: tangent(:)
+      !> How the iteration went.
       type(correction_type), intent(out), optional :: correction
       real(wp) :: a(most, most), b(2, most), start(most), moved, before, residual
       logical :: regular, done
@@ -76,11 +83,11 @@ contains
             correction%orientation = orientation
          end if
          point = point - b(1, :n)
-         ! what is left after this step is below rounding; and where a fold leaves a pitchfork the
-         ! equations are met to rounding before the place is known as well as that
+         ! the error after this step is below rounding; where a fold starts at a pitchfork the
+         ! residuals are below rounding before the point is known that well
          done = moved < 1.0e-8_wp
-         ! quadratic convergence: the next step is to this one as this one to the last, squared;
-         ! beside a singular point it is not negligible yet
+         ! quadratic convergence: the ratio of the next step to this one is the square of that of
+         ! this one to the last; near a singular point the next step is not negligible yet
          if (done .and. .not. curve%frame%resting .and. i < most_iterations) then
             done = moved*(moved/before)**2 < 1.0e-13_wp .or. moved > 0.5_wp*before
             ! motions that repeat themselves are such points
@@ -95,9 +102,11 @@ contains
       end do
    end subroutine correct
 
-   !> Whether the impacts follow each other in time: the equations have other roots as well.
+   !> Whether the impacts are in the order of time; the equations have other roots as well.
    pure logical function in_order(curve, point)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> A root of its equations.
       real(wp), intent(in) :: point(:)
       integer :: n
 
@@ -108,12 +117,17 @@ contains
          < span_of(curve%frame%family)
    end function in_order
 
-   !> Residuals of the motion and of the conditions, each with its gradient (a column); no more
-   !! right sides.
+   !> Residuals of the motion and of the conditions, each with its gradient; the second right sides
+   !! are
+   !! 0.
    pure subroutine equations(curve, conditions, point, b, a)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Conditions that are to be zero.
       type(condition_type), intent(in) :: conditions(:)
+      !> A guess.
       real(wp), intent(in) :: point(:)
+      !> Out: b(1, j): residual j, b(2, :): 0; a(:, j): gradient of residual j by the coordinates.
       real(wp), intent(inout) :: b(2, most), a(most, most)
       type(orbit_type) :: o
       real(wp) :: c(n_parameters), slope(most)
@@ -143,11 +157,16 @@ contains
       end do
    end subroutine equations
 
-   !> The same for motions with rest.
+   !> As `equations`, for motions with rest.
    pure subroutine rest_equations(curve, conditions, point, b, a)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Conditions that are to be zero.
       type(condition_type), intent(in) :: conditions(:)
+      !> A guess.
       real(wp), intent(in) :: point(:)
+      !> Out: b(1, j): residual j, or huge where the letters cannot be followed; a(:, j): its
+      !! gradient by the coordinates.
       real(wp), intent(inout) :: b(2, most), a(most, most)
       type(rest_period_type) :: period
       type(measure_type) :: measure
@@ -178,11 +197,17 @@ contains
       if (any(curve%active > by_clearance)) call rest_differences(curve, conditions, point, a)
    end subroutine rest_equations
 
-   !> The derivatives of these equations by parameters other than r and log(D), by differences.
+   !> The derivatives of the equations of motions with rest by parameters other than r and log(D),
+   !! by
+   !! central differences.
    pure subroutine rest_differences(curve, conditions, point, a)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Conditions that are to be zero.
       type(condition_type), intent(in) :: conditions(:)
+      !> A guess.
       real(wp), intent(in) :: point(:)
+      !> In and out: gradients, a column each; the rows of such parameters are set.
       real(wp), intent(inout) :: a(most, most)
       real(wp), parameter :: h = 1.0e-6_wp
       real(wp) :: moved(size(point)), ahead(unknown_count(curve%frame) + size(conditions))
@@ -201,8 +226,11 @@ contains
 
    !> Residual of a period with rest, and the conditions that the same period gives.
    pure function rest_values(curve, conditions, point) result(values)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Conditions whose values are wanted.
       type(condition_type), intent(in) :: conditions(:)
+      !> A guess.
       real(wp), intent(in) :: point(:)
       real(wp) :: values(unknown_count(curve%frame) + size(conditions))
       type(rest_period_type) :: period
@@ -222,11 +250,15 @@ contains
       end do
    end function rest_values
 
-   !> Value and derivative of a condition.
+   !> Value of a condition, and its gradient by the coordinates of a point.
    pure subroutine condition_slope(curve, condition, point, value, slope)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> The condition.
       type(condition_type), intent(in) :: condition
+      !> A point of the curve.
       real(wp), intent(in) :: point(:)
+      !> The value, and the gradient (as `point`).
       real(wp), intent(out) :: value, slope(:)
       type(orbit_type) :: o
       real(wp) :: c(n_parameters), whole(most)
@@ -241,11 +273,15 @@ contains
       end if
    end subroutine condition_slope
 
-   !> The same for a motion with rest.
+   !> As `condition_slope`, for a motion with rest.
    pure subroutine rest_slope(curve, condition, point, c, value, slope)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> The condition.
       type(condition_type), intent(in) :: condition
+      !> A point of the curve, and the parameters there.
       real(wp), intent(in) :: point(:), c(:)
+      !> The value, and the gradient (as `point`).
       real(wp), intent(out) :: value, slope(:)
       type(rest_period_type) :: period
       type(measure_type) :: measure
@@ -264,12 +300,18 @@ contains
       end if
    end subroutine rest_slope
 
-   !> The same from the orbit of the point; what is not known in closed form, by differences.
+   !> As `condition_slope`, from the orbit of the point; central differences where no closed form is
+   !! known.
    pure subroutine orbit_slope(curve, condition, point, c, o, value, slope)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> The condition.
       type(condition_type), intent(in) :: condition
+      !> A point of the curve, and the parameters there.
       real(wp), intent(in) :: point(:), c(:)
+      !> The orbit of the point.
       type(orbit_type), intent(in) :: o
+      !> The value, and the gradient (the first elements, as `point`).
       real(wp), intent(out) :: value, slope(most)
       integer :: n
 
@@ -285,12 +327,17 @@ contains
       end if
    end subroutine orbit_slope
 
-   !> The derivative of a condition by central differences, from one coordinate on.
+   !> The derivatives of a condition by all coordinates from one on, by central differences.
    pure subroutine differences(curve, condition, point, first, slope)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> The condition.
       type(condition_type), intent(in) :: condition
+      !> A point of the curve.
       real(wp), intent(in) :: point(:)
+      !> Number of the first coordinate.
       integer, intent(in) :: first
+      !> (as `point`) In and out: elements from `first` on are set.
       real(wp), intent(inout) :: slope(:)
       real(wp) :: moved(size(point)), h
       integer :: j
@@ -304,7 +351,9 @@ contains
          slope(j) = (slope(j) - at(moved))/(2*h)
       end do
    contains
+      !> The value of the condition at a point near by.
       pure real(wp) function at(place)
+         !> The point.
          real(wp), intent(in) :: place(:)
 
          at = condition_value(curve%frame, unknowns_of(curve, place), parameters_of(curve, place), &
@@ -314,13 +363,17 @@ contains
 
    !> The unit tangent of a curve at a point of it, in the direction of a given vector.
    pure subroutine tangent_at(curve, conditions, point, along, tangent, regular, orientation)
+      !> The curve.
       type(curve_type), intent(in) :: curve
       !> One condition less than there are active parameters.
       type(condition_type), intent(in) :: conditions(:)
+      !> A point of the curve, and a vector to which the tangent is not orthogonal.
       real(wp), intent(in) :: point(:), along(:)
+      !> The unit tangent, on the side of `along`; 0 if it is not defined.
       real(wp), intent(out) :: tangent(:)
+      !> False if the tangent is not defined, as where curves cross.
       logical, intent(out) :: regular
-      !> As of `correction_type`.
+      !> As of `correction_type`, with `along` as the direction of travel.
       integer, intent(out), optional :: orientation
       real(wp) :: a(most, most), b(2, most), unused
       integer :: n, sign

@@ -10,6 +10,7 @@ module vi_curve_point
 
    public :: parameters_of, point_size, to_point, unknowns_of
 
+   !> What is fixed along a curve, and how its points are scaled.
    type, public :: curve_type
       type(frame_type) :: frame
       !> All parameters; those that are active are given by the point.
@@ -25,6 +26,7 @@ contains
 
    !> Numbers in a point.
    pure integer function point_size(curve)
+      !> The curve.
       type(curve_type), intent(in) :: curve
 
       point_size = unknown_count(curve%frame) + size(curve%active)
@@ -32,7 +34,9 @@ contains
 
    !> The parameters at a point.
    pure function parameters_of(curve, point) result(c)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> A point of it.
       real(wp), intent(in) :: point(:)
       real(wp) :: c(n_parameters)
       integer :: j, n
@@ -47,16 +51,21 @@ contains
 
    !> The unknowns (u_i, theta_i) at a point.
    pure function unknowns_of(curve, point) result(unknowns)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> A point of it.
       real(wp), intent(in) :: point(:)
       real(wp) :: unknowns(unknown_count(curve%frame))
 
       unknowns = point(:size(unknowns))
    end function unknowns_of
 
-   !> A gradient by all unknowns, r and log(D) as one by the coordinates of a point.
+   !> Converts a gradient by all unknowns, r and log(D) to one by the coordinates of a point.
    pure subroutine to_point(curve, slope)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> In: by the unknowns, r, log(D). Out: by the coordinates; 0 for active parameters other than
+      !! r and log(D).
       real(wp), intent(inout) :: slope(most)
       real(wp) :: by(2)
       integer :: k, n

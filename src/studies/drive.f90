@@ -1,4 +1,4 @@
-!> What a simulation is about: the system in motion, its state, and what happens to it.
+!> The data of a simulation: the driven system, its state, and its events.
 module vi_drive
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_contact, only: departure_type
@@ -24,12 +24,12 @@ module vi_drive
       real(wp) :: r = 1, load = 1, clearance = 1
       !> Amplitude of the motion without impacts, and its lag behind the load, equation (4).
       real(wp) :: amplitude = 0, lag = 0
-      !> How both parts of x move on.
+      !> Tables that advance both parts of x in time.
       type(transition_type) :: transition
    end type drive_type
 
-   !> Where the system is. The load phase r t is kept as whole cycles and the rest, so that its
-   !! error does not grow with time.
+   !> State of the system (lengths in F0/K, velocities in omega F0/K). The load phase r t is kept as
+   !! whole cycles and the rest, so that its error does not grow with time.
    type, public :: state_type
       integer(int64) :: cycle = 0
       !> In [0, 2 pi).
@@ -53,7 +53,10 @@ contains
 
    !> A system under a load, with its walls.
    pure function new_drive(osc, r, load, clearance) result(drive)
+      !> Oscillator without its load.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega, load amplitude f, and clearance d in the unit of length of f
+      !! (D = d K/F0 for f = 1).
       real(wp), intent(in) :: r, load, clearance
       type(drive_type) :: drive
 
@@ -69,7 +72,9 @@ contains
 
    !> Time of a state in 1/omega.
    pure real(wp) function state_time(cycle, phase, r) result(time)
+      !> Whole load cycles.
       integer(int64), intent(in) :: cycle
+      !> Load phase above them (rad), and frequency ratio.
       real(wp), intent(in) :: phase, r
 
       time = (two_pi*real(cycle, wp) + phase)/r
@@ -77,7 +82,9 @@ contains
 
    !> A state from t, x, x', z, z'; on a wall it may depart, rest, or be about to collide.
    pure function initial_state(drive, start) result(state)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> t (1/omega), x, x', z, z'.
       real(wp), intent(in) :: start(5)
       type(state_type) :: state
       real(wp) :: y, half, pull, phase
@@ -105,9 +112,11 @@ contains
       end if
    end function initial_state
 
-   !> How the flight from a state begins; one given from outside may collide at once.
+   !> How the flight from a state begins; a state given by the user may begin with an impact.
    pure function departure_from(state, half) result(departure)
+      !> The state at the start of the flight.
       type(state_type), intent(in) :: state
+      !> Half the clearance.
       real(wp), intent(in) :: half
       type(departure_type) :: departure
       real(wp) :: approach
@@ -120,8 +129,11 @@ contains
 
    !> The flight that begins at a state.
    pure function flight_from(drive, state, duration) result(flight)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The state at the start of the flight, its time 0.
       type(state_type), intent(in) :: state
+      !> Time until the end of the flight (1/omega).
       real(wp), intent(in) :: duration
       type(flight_type) :: flight
 
@@ -131,7 +143,9 @@ contains
 
    !> The joint oscillation of both masses from a state.
    pure function rest_from(drive, state) result(rest)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The state at the start, time 0; the free mass is on a wall.
       type(state_type), intent(in) :: state
       type(oscillation_type) :: rest
 
@@ -139,8 +153,9 @@ contains
          state%x_dot)
    end function rest_from
 
-   !> Whether the relative position of a state given from outside is that of a wall.
+   !> Whether the relative position of a state given by the user is that of a wall, to rounding.
    elemental logical function on_wall(y, half)
+      !> Relative position z - x, and half the clearance.
       real(wp), intent(in) :: y, half
 
       on_wall = abs(y) > half*(1 - 1.0e-12_wp)

@@ -1,8 +1,9 @@
-!> The equispaced pair at one frequency ratio and many clearances: what depends on r is done once.
+!> The equispaced pair at one frequency ratio and many clearances: what depends on r is computed
+!! once.
 !!
 !! The motion is its own mirror image half a period later, so one flight, from the right wall to the
-!! left one, tells all. Where the nodes of the flight cannot decide, the motion goes through the
-!! general procedures.
+!! left one, determines it. Where the nodes of the flight cannot decide, the motion is examined by
+!! the general procedures.
 module vi_equispaced_row
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: admission, assess_flights, consistency, paper_acceptance, stability
@@ -30,9 +31,10 @@ module vi_equispaced_row
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
+   !> What the motions of a row of a chart have in common.
    type, public :: row_type
       type(line_type) :: line
-      !> A motion of the row without its numbers.
+      !> A motion of the row, of which only the given data are set.
       type(motion_type) :: motion
       !> What the lanes of a block have in common.
       type(plan_type) :: plan
@@ -41,7 +43,7 @@ module vi_equispaced_row
       type(nodes_type) :: nodes
    end type row_type
 
-   !> What a chart keeps of a motion.
+   !> The results of a motion that a chart keeps.
    type, public :: summary_type
       !> x_1, tau, x_min, x_max
       real(wp) :: x = 0, tau = 0, x_min = 0, x_max = 0
@@ -50,7 +52,7 @@ module vi_equispaced_row
       integer :: status = stat%no_motion
    end type summary_type
 
-   !> One motion: its state after the impact on the right wall, and the parts of its flight.
+   !> One motion: its state after the impact on the right wall, and the components of its flight.
    type :: half_type
       real(wp) :: clearance, x, x_dot, z_dot, x_dot_before
       !> Coefficients of the four functions at the nodes; the last two are A cos(tau), A sin(tau).
@@ -63,9 +65,13 @@ contains
 
    !> A row of the chart; k = `cycles` is odd and both walls have one coefficient of restitution.
    pure subroutine new_row(osc, r, cycles, row)
+      !> Oscillator with equal coefficients of restitution.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio.
       real(wp), intent(in) :: r
+      !> Load cycles k in a period, odd.
       integer, intent(in) :: cycles
+      !> Out: the row; its arrays are reused.
       type(row_type), intent(inout) :: row
       type(linear_system_type) :: system
 
@@ -79,10 +85,13 @@ contains
 
    !> Both motions of a row at a clearance, with their verdicts.
    pure subroutine row_pair(row, clearance, with_multipliers, pair)
+      !> The row; its motion is used as scratch.
       type(row_type), intent(inout) :: row
+      !> Clearance D = d K/F0.
       real(wp), intent(in) :: clearance
       !> Whether the multipliers are wanted, or only the verdict on them.
       logical, intent(in) :: with_multipliers
+      !> Both motions; status `stat%no_motion` where one does not exist.
       type(summary_type), intent(out) :: pair(2)
       real(wp) :: x(2), forced(2, 2)
       integer :: i, status(2)
@@ -95,10 +104,13 @@ contains
       end do
    end subroutine row_pair
 
-   !> Both motions of a row at many clearances, with their verdicts: as many calls of `row_pair`,
-   !! but side by side.
+   !> Both motions of a row at many clearances, with their verdicts: as `row_pair`, but many points
+   !! side
+   !! by side.
    pure subroutine row_pairs(row, clearance, with_multipliers, wide, pairs)
+      !> The row; its motion is used as scratch.
       type(row_type), intent(inout) :: row
+      !> (m) Clearances D = d K/F0.
       real(wp), intent(in) :: clearance(:)
       !> Whether the multipliers are wanted, and whether the processor runs the wide procedures.
       logical, intent(in) :: with_multipliers, wide
@@ -123,15 +135,19 @@ contains
       if (n > 0) call row_block(row, n, block, place, with_multipliers, wide, pairs)
    end subroutine row_pairs
 
-   !> The first n lanes of a block, which is empty afterwards.
+   !> Computes the first n lanes of a block.
    pure subroutine row_block(row, n, block, place, with_multipliers, wide, pairs)
+      !> The row; its motion is used as scratch.
       type(row_type), intent(inout) :: row
+      !> In: number of lanes. Out: 0.
       integer, intent(inout) :: n
       !> (lanes, 4): clearance, x_1, A cos(tau), A sin(tau).
       real(wp), intent(inout) :: block(:, :)
       !> (2, lanes): where in `pairs` a lane belongs.
       integer, intent(in) :: place(:, :)
+      !> As in `row_pairs`.
       logical, intent(in) :: with_multipliers, wide
+      !> (2, m) In and out: the motions of these lanes are set.
       type(summary_type), intent(inout) :: pairs(:, :)
       real(wp) :: largest(lanes)
       integer :: l, stable(lanes), admissible(lanes)
@@ -175,9 +191,13 @@ contains
 
    !> One motion of a row, with its verdicts.
    pure subroutine summarize(row, clearance, x, forced, with_multipliers, summary)
+      !> The row; its motion is used as scratch.
       type(row_type), intent(inout) :: row
+      !> Clearance D, x_1, and A cos(tau), A sin(tau) (F0/K).
       real(wp), intent(in) :: clearance, x, forced(2)
+      !> Whether the multipliers are wanted, or only the verdict on them.
       logical, intent(in) :: with_multipliers
+      !> Out: results and verdicts.
       type(summary_type), intent(inout) :: summary
       type(half_type) :: half
       logical :: certain
@@ -197,8 +217,11 @@ contains
       summary%x_max = row%motion%x_max
    end subroutine summarize
 
+   !> The flight of a motion of a row.
    pure type(half_type) function new_half(row, clearance, x, forced) result(half)
+      !> The row.
       type(row_type), intent(in) :: row
+      !> Clearance D, x_1, and A cos(tau), A sin(tau) (F0/K).
       real(wp), intent(in) :: clearance, x, forced(2)
       real(wp) :: a, b
 
@@ -215,11 +238,15 @@ contains
       end associate
    end function new_half
 
-   !> `stable`, and the multipliers if they are wanted, from half a period.
+   !> Sets `stable`, and the multipliers if they are wanted, from half a period.
    pure subroutine find_stability(row, half, with_multipliers, summary)
+      !> The row.
       type(row_type), intent(in) :: row
+      !> The flight of the motion.
       type(half_type), intent(in) :: half
+      !> Whether the multipliers are wanted; otherwise they are NaN.
       logical, intent(in) :: with_multipliers
+      !> Out: `stable` and multipliers; not changed where the map has no derivative.
       type(summary_type), intent(inout) :: summary
       !> Mirror: positions and velocities change sign, phases do not.
       real(wp), parameter :: mirror(4) = [-1, -1, -1, 1]
@@ -251,11 +278,15 @@ contains
       summary%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
    end subroutine find_stability
 
-   !> `admissible`, x_min and x_max where the nodes and the bound between them decide.
+   !> Sets `admissible`, x_min and x_max where the nodes and the bound between them decide.
    pure subroutine find_extremes(row, half, summary, certain)
+      !> The row.
       type(row_type), intent(in) :: row
+      !> The flight of the motion.
       type(half_type), intent(in) :: half
+      !> Out: `admissible`, x_min and x_max, if `certain`.
       type(summary_type), intent(inout) :: summary
+      !> Whether the nodes decide.
       logical, intent(out) :: certain
       real(wp), dimension(0:most_nodes) :: x, x_rise, y, y_rise
       real(wp) :: largest, wall, dip

@@ -21,6 +21,7 @@ contains
 
    !> Load phase of an event since the start.
    elemental real(wp) function total_phase(event)
+      !> The event.
       type(event_type), intent(in) :: event
 
       total_phase = two_pi*real(event%cycle, wp) + event%phase
@@ -28,6 +29,7 @@ contains
 
    !> The event with which a period ends: the last release, or the last event if there is none.
    pure integer function last_of_period(events) result(last)
+      !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
 
       last = findloc(events%kind, release_event, dim=1, back=.true.)
@@ -37,6 +39,7 @@ contains
    !> The letter that is complete with each event: 0 for a release, and for an impact that is part
    !! of an accumulation.
    pure function letter_endings(events, ring) result(letters)
+      !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
       !> Whether the first event follows on the last one, as in a period.
       logical, intent(in) :: ring
@@ -65,7 +68,9 @@ contains
    !> The letters of all events, one after the other. An accumulation whose first impacts are not
    !! among the events is a letter all the same; without its rest it is as many letters as impacts.
    pure subroutine read_letters(events, reading)
+      !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
+      !> The letters, and the first and last event of each (numbers in `events`).
       type(reading_type), intent(out) :: reading
       integer :: endings(size(events)), i, first
 
@@ -90,8 +95,11 @@ contains
 
    !> The letters of the events after one load phase and up to another.
    pure subroutine read_window(events, begin, finish, reading)
+      !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
+      !> Load phases since the start (rad); an event at `begin` is left out, one at `finish` is not.
       real(wp), intent(in) :: begin, finish
+      !> The letters, and the first and last event of each (numbers in `events`).
       type(reading_type), intent(out) :: reading
       integer :: before
 
@@ -104,8 +112,11 @@ contains
    !> The greatest difference in phase of the letters of two windows some cycles apart; huge where
    !! the letters differ, or are all on one wall.
    pure real(wp) function mismatch(events, now, before, cycles)
+      !> (n) All events, in the order of time.
       type(event_type), intent(in) :: events(:)
+      !> Letters of the later and of the earlier window.
       type(reading_type), intent(in) :: now, before
+      !> Load cycles from the earlier window to the later one.
       integer, intent(in) :: cycles
 
       mismatch = huge(1.0_wp)

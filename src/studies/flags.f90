@@ -1,7 +1,7 @@
-!> Is the motion stable? For very many points with given phases: yes or no, and little else.
+!> The verdicts on stability, and little else, for very many points with given phases.
 !!
 !! Points are computed side by side (vi_lane_verdicts). Where those procedures are unsure the point
-!! goes through the reference chain, that is, LAPACK.
+!! is computed by the reference chain, that is, with LAPACK.
 module vi_flags
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_chain, only: periodic_chain
@@ -33,20 +33,24 @@ contains
    !> The verdicts of `periodic_chain` on the motions with given phases (m, N) at ratios r (m).
    subroutine stability_flags(osc, r, pattern, restitution, phases, acceptance, with_radius, &
       threads, wide, consistent, stable, radius, status, referred)
+      !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
-      !> The phases of a point are a row here; its first one is 0.
+      !> (m) Frequency ratios; (N) coefficient of restitution of each impact; (m, N) phases (rad), a
+      !! point a row, the first one 0.
       real(wp), intent(in) :: r(:), restitution(:), phases(:, :)
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> Largest relative residual that counts as consistent.
       real(wp), intent(in) :: acceptance
       !> Whether the spectral radius of [P] is wanted too.
       logical, intent(in) :: with_radius
+      !> Number of OpenMP threads, at least 1.
       integer, intent(in) :: threads
       !> Whether wide registers may be used if the processor has them; the bits are the same.
       logical, intent(in) :: wide
-      !> 1, 0, or -1 for unknown; and a code of vi_status.
+      !> (m) 1, 0, or -1 for unknown; and a code of vi_status.
       integer, intent(out) :: consistent(:), stable(:), status(:)
-      !> NaN where it is not wanted or not there.
+      !> (m) Spectral radius; NaN where it is not wanted or the motion failed.
       real(wp), intent(out) :: radius(:)
       !> Points that went through the reference chain.
       integer, intent(out) :: referred
@@ -78,13 +82,20 @@ contains
       !$omp end parallel do
    end subroutine stability_flags
 
-   !> One block of points; lanes that are left over repeat the last one.
+   !> One block of at most `lanes` points; unused lanes repeat the last point.
    pure subroutine block(plan, r, phases, with_radius, wide, room, consistent, stable, radius)
+      !> Data that all points share.
       type(plan_type), intent(in) :: plan
+      !> (m) Frequency ratios, and (m, N) phases (rad) of the points.
       real(wp), intent(in) :: r(:), phases(:, :)
+      !> Whether the spectral radius is wanted, and whether the procedures for wide registers are
+      !! called.
       logical, intent(in) :: with_radius, wide
+      !> Scratch, kept between calls.
       type(room_type), intent(inout) :: room
+      !> (m) 1, 0 or `unsure`.
       integer, intent(out) :: consistent(:), stable(:)
+      !> (m) Spectral radius; NaN if it is not wanted.
       real(wp), intent(out) :: radius(:)
       real(wp) :: ratio(lanes), spectral(lanes)
       integer :: verdict(lanes, 2), i, m
@@ -116,13 +127,24 @@ contains
    !> The points of a block that are unsure, by the reference chain.
    subroutine refer(osc, r, pattern, restitution, phases, acceptance, with_radius, room, &
       consistent, stable, radius, status, referred)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> (m) Frequency ratios; (N) coefficients of restitution; (m, N) phases (rad); largest
+      !! relative residual that counts as consistent.
       real(wp), intent(in) :: r(:), restitution(:), phases(:, :), acceptance
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> Whether the spectral radius is wanted.
       logical, intent(in) :: with_radius
+      !> Scratch, kept between calls.
       type(room_type), intent(inout) :: room
+      !> In: verdicts (m) of the block, and the points referred so far. Out: without `unsure`, and
+      !! with those of this block.
       integer, intent(inout) :: consistent(:), stable(:), referred
+      !> (m) In: those of the block. Out: those of the referred points are replaced; NaN if they
+      !! failed.
       real(wp), intent(inout) :: radius(:)
+      !> (m) Codes of vi_status; `stat%ok` for points that are not referred.
       integer, intent(out) :: status(:)
       integer :: j
 

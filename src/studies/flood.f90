@@ -1,8 +1,9 @@
-!> Exact motions of one pattern on a grid: found at a few points, then followed to their neighbours.
+!> Exact motions of one pattern on a grid: found at a few points, then continued to their
+!! neighbours.
 !!
-!! A sweep looks at every point next to one that gained motions in the sweep before, and starts
-!! Newton's method there from these. It reads only what was there before the sweep and writes to its
-!! own points, so the answer is the same to the last bit for any number of threads.
+!! A sweep visits every point next to one that gained motions in the sweep before, and starts
+!! Newton's method there from these. Each point reads only results from before the sweep and writes
+!! only its own, so the results have the same bits for any number of threads.
 !!
 !! The state of a flood, with the clearances as rows j and the frequency ratios as columns k:
 !!
@@ -27,7 +28,8 @@ module vi_flood
    !> Neighbours of (j, k), and for each the number under which it has (j, k) as a neighbour.
    integer, parameter, public :: steps(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
    integer, parameter :: back(4) = [2, 1, 4, 3]
-   !> Newton iterations from a neighbour, and motions that a search at a point may find.
+   !> Largest number of Newton iterations from a neighbour, and of motions found by a search at a
+   !! point.
    integer, parameter :: most_iterations = 15, most_found = 24
 
 contains
@@ -35,18 +37,21 @@ contains
    !> Searches for motions at some points of the grid.
    subroutine seed_flood(setting, r, clearance, points, guesses, symmetry, threads, unknowns, &
       marks, counts)
-      !> Its r and clearance do not matter.
+      !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
-      !> (n), (m)
+      !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
       !> (2, p): j, k of each point.
       integer, intent(in) :: points(:, :)
-      !> Guesses a point.
+      !> Guesses at each point.
       integer, intent(in) :: guesses
       !> 1: only motions that are their own mirror image, -1: only others, 0: both.
       integer, intent(in) :: symmetry
+      !> Number of OpenMP threads.
       integer, intent(in) :: threads
+      !> (2N, keep, m, n) In and out: motions are added.
       real(wp), intent(inout) :: unknowns(:, :, :, :)
+      !> (2, keep, m, n) and (2, m, n), as above. In and out.
       integer, intent(inout) :: marks(:, :, :, :), counts(:, :, :)
       type(setting_type) :: here
       real(wp) :: found(size(unknowns, 1), most_found)
@@ -70,15 +75,20 @@ contains
       !$omp end parallel do
    end subroutine seed_flood
 
-   !> Follows the newest motions for a number of sweeps, or until no point gains one.
+   !> Continues the newest motions for a number of sweeps, or until no point gains one.
    subroutine sweep_flood(setting, r, clearance, sweeps, symmetry, threads, unknowns, marks, &
       counts, gained)
+      !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
+      !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
+      !> Largest number of sweeps; symmetry as in `seed_flood`; OpenMP threads.
       integer, intent(in) :: sweeps, symmetry, threads
+      !> (2N, keep, m, n) In and out: motions are added.
       real(wp), intent(inout) :: unknowns(:, :, :, :)
+      !> (2, keep, m, n) and (2, m, n), as above. In and out.
       integer, intent(inout) :: marks(:, :, :, :), counts(:, :, :)
-      !> Motions gained in the last sweep: at 0 the flood has ended.
+      !> Motions gained in the last sweep: 0 when the flood is complete.
       integer, intent(out) :: gained
       integer :: before(2, size(clearance), size(r)), s, j, k
 
@@ -99,12 +109,17 @@ contains
       end do
    end subroutine sweep_flood
 
-   !> Tries the newest motions of the four neighbours of a point.
+   !> Starts Newton's method at a point from the newest motions of its four neighbours.
    pure subroutine visit(setting, r, clearance, j, k, symmetry, before, unknowns, marks, n_here)
+      !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
+      !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
+      !> The point; symmetry as in `seed_flood`; `counts` before this sweep.
       integer, intent(in) :: j, k, symmetry, before(:, :, :)
+      !> (2N, keep, m, n) In and out: motions of the point are added.
       real(wp), intent(inout) :: unknowns(:, :, :, :)
+      !> (2, keep, m, n) and motions at the point. In and out.
       integer, intent(inout) :: marks(:, :, :, :), n_here
       real(wp) :: guess(size(unknowns, 1))
       integer :: side, i, jj, kk, n_old
@@ -114,7 +129,7 @@ contains
          kk = k + steps(2, side)
          if (.not. on_grid(jj, kk, before)) cycle
          do i = before(1, jj, kk) + 1, before(2, jj, kk)
-            ! it came from here
+            ! the motion came from this point
             if (marks(2, i, jj, kk) == back(side)) cycle
             n_old = n_here
             call extrapolate(length_scale(setting%osc, r(kk), clearance(jj)), jj, kk, steps(:, &
@@ -125,13 +140,18 @@ contains
       end do
    end subroutine visit
 
-   !> A guess from a motion at (j, k) and the same motion one step further away, if it is there.
+   !> A guess by linear extrapolation from a motion at (j, k) and the same motion one step further
+   !! away, if there is one; otherwise the motion itself.
    pure subroutine extrapolate(scale, j, k, step, near, before, unknowns, guess)
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
+      !> The neighbour; the step from the point to it; `counts` before this sweep.
       integer, intent(in) :: j, k, step(2), before(:, :, :)
+      !> (2N) the motion there; (2N, keep, m, n) all motions.
       real(wp), intent(in) :: near(:), unknowns(:, :, :, :)
+      !> (2N) Guess at the point.
       real(wp), intent(out) :: guess(:)
-      !> Motions further apart than this are hardly one motion at two neighbouring points.
+      !> Motions at two neighbouring points that are further apart than this are different ones.
       real(wp), parameter :: reach = 0.2_wp
       real(wp) :: gap(size(near)), least, item
       integer :: i, jj, kk
@@ -151,18 +171,25 @@ contains
       end do
    end subroutine extrapolate
 
+   !> Whether a point belongs to the grid.
    pure logical function on_grid(j, k, counts)
+      !> The point, and (2, m, n) of the grid; only its shape is read.
       integer, intent(in) :: j, k, counts(:, :, :)
 
       on_grid = j >= 1 .and. k >= 1 .and. j <= size(counts, 2) .and. k <= size(counts, 3)
    end function on_grid
 
-   !> Newton's method from a guess; a motion that is new at this point is added.
+   !> Newton's method from a guess; a motion that is new at the point is added.
    pure subroutine try_guess(setting, guess, origin, symmetry, unknowns, marks, n_here)
+      !> Given data at the point.
       type(setting_type), intent(in) :: setting
+      !> (2N) x_i (F0/K), theta_i (rad).
       real(wp), intent(in) :: guess(:)
+      !> Number of the neighbour it came from, 0 if none; symmetry as in `seed_flood`.
       integer, intent(in) :: origin, symmetry
+      !> (2N, keep) In and out: motions of the point.
       real(wp), intent(inout) :: unknowns(:, :)
+      !> (2, keep) and number of motions of the point. In and out.
       integer, intent(inout) :: marks(:, :), n_here
       type(motion_type) :: motion
       real(wp) :: u(size(guess)), none(size(guess), 0), scale
@@ -186,15 +213,19 @@ contains
       rank = solved
       if (motion%admissible == yes) rank = merge(admissible_stable, admissible, &
          motion%stable == yes)
-      ! the last quarter of the room is for the best, the last but one for the better ones
+      ! the last quarter of the room is kept for admissible stable motions, the one before it for
+      ! admissible ones
       if (n_here >= (size(marks, 2)*(rank + 2))/4) return
       n_here = n_here + 1
       unknowns(:, n_here) = u
       marks(:, n_here) = [rank, origin]
    end subroutine try_guess
 
+   !> The given data at another point.
    pure function at(setting, r, clearance) result(here)
+      !> Given data.
       type(setting_type), intent(in) :: setting
+      !> Frequency ratio and clearance of the point.
       real(wp), intent(in) :: r, clearance
       type(setting_type) :: here
 

@@ -1,8 +1,8 @@
-!> Motions as a search keeps them: each written in one way, so that no motion is kept twice.
+!> Motions as a search keeps them: each in a standard form, so that no motion is kept twice.
 !!
-!! Without rest a motion is its pattern with positions and phases; with rest, its releases. A motion
-!! may have been found written several times over, from any of its impacts on, or as the mirror
-!! image of one that is known.
+!! A motion without rest is described by its pattern with positions and phases, one with rest by its
+!! releases. A search may find a motion over several periods, beginning with any of its impacts, or
+!! as the mirror image of a known one.
 module vi_found_motion
    use vi_assess, only: assess_exact, assess_flights
    use vi_drive, only: drive_type, event_type, release_event, two_pi
@@ -22,6 +22,7 @@ module vi_found_motion
    !> Newton iterations for a motion without rest.
    integer, parameter :: most_iterations = 50
 
+   !> A motion that a search has found.
    type, public :: found_type
       !> Without rest the sides of the impacts; with rest no sides. And the load cycles.
       type(pattern_type) :: pattern
@@ -38,10 +39,14 @@ contains
 
    !> The exact motion of a pattern near a guess, with its verdicts.
    pure subroutine new_found(drive, pattern, x, theta, found)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Sides of the n impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
-      !> The guess (n).
+      !> (n) Guess: positions x_i and theta_i = alpha_i + tau (rad).
       real(wp), intent(in) :: x(:), theta(:)
+      !> The motion with its verdicts; without its arrays unless its status is `stat%ok` or
+      !! `stat%no_convergence`.
       type(found_type), intent(out) :: found
       type(motion_type) :: motion
       real(wp) :: x_now(size(x)), theta_now(size(x)), none(2*size(x), 0)
@@ -65,6 +70,7 @@ contains
 
    !> The periodic motion with rest near a release, with its verdicts.
    pure subroutine new_resting(drive, side, cycles, guess, room, found)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The wall of the release, and the load cycles of the period.
       integer, intent(in) :: side, cycles
@@ -72,6 +78,7 @@ contains
       real(wp), intent(in) :: guess(2)
       !> Events that the period may have.
       integer, intent(in) :: room
+      !> The motion with its verdicts; without its arrays unless its status is `stat%ok`.
       type(found_type), intent(out) :: found
       type(event_type), allocatable :: events(:)
       type(motion_type) :: motion
@@ -101,9 +108,11 @@ contains
       found%releases(:, m) = [real(side, wp), point]
    end subroutine new_resting
 
-   !> What is given of a motion of a pattern.
+   !> The given data of a motion of a pattern.
    pure function setting_of(drive, pattern) result(setting)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Sides of the impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       type(setting_type) :: setting
 
@@ -111,10 +120,13 @@ contains
          default_restitution(pattern%sides, drive%osc%restitution(1), drive%osc%restitution(2)))
    end function setting_of
 
-   !> The same motion written once, from the impact on that puts R before L.
+   !> The same motion over its shortest period, beginning with the impact that `standard_letters`
+   !! puts
+   !! first.
    pure function in_standard_form(found, scale) result(standard)
+      !> The motion.
       type(found_type), intent(in) :: found
-      !> Of positions, as `length_scale`.
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
       type(found_type) :: standard
       integer, allocatable :: letters(:)
@@ -145,6 +157,7 @@ contains
 
    !> The mirror image, where the walls are alike: x -> -x, R <-> L, half a load cycle later.
    pure function mirrored(found) result(image)
+      !> The motion.
       type(found_type), intent(in) :: found
       type(found_type) :: image
       integer :: n
@@ -159,9 +172,11 @@ contains
       image%releases(3, :) = -found%releases(3, :)
    end function mirrored
 
-   !> Whether two motions in standard form are one.
+   !> Whether two motions in standard form are the same.
    pure logical function are_same(one, other, scale)
+      !> The motions.
       type(found_type), intent(in) :: one, other
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
       integer :: i
 
@@ -176,10 +191,11 @@ contains
       end if
    end function are_same
 
-   !> Whether two releases are one, whole load cycles apart.
+   !> Whether two releases are the same except for whole load cycles.
    pure logical function near_release(one, other, scale) result(near)
       !> Side, phase and velocity of each.
       real(wp), intent(in) :: one(3), other(3)
+      !> Unit of velocities.
       real(wp), intent(in) :: scale
       real(wp) :: gap
 

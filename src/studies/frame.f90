@@ -1,4 +1,4 @@
-!> What is fixed along a curve or sheet of motions, and the conditions that can end a zone there.
+!> What is fixed along a curve or sheet of motions, and the conditions that can bound a zone on it.
 module vi_frame
    use vi_family, only: repetition_type
    use vi_kinds, only: wp
@@ -48,6 +48,7 @@ contains
 
    !> Number of unknowns of a motion: (u_i, theta_i), or those of vi_rest_family.
    pure integer function unknown_count(frame)
+      !> The family, of either kind.
       type(frame_type), intent(in) :: frame
 
       if (frame%resting) then
@@ -57,10 +58,11 @@ contains
       end if
    end function unknown_count
 
-   !> Load phases that differ by whole cycles are the same: takes the common ones off a difference.
+   !> Removes whole load cycles that all phases of a difference have in common.
    pure subroutine wrap_phases(frame, offset)
+      !> The family, of either kind.
       type(frame_type), intent(in) :: frame
-      !> A difference of unknowns, or of points, which begin with them.
+      !> In and out: a difference of unknowns, or of points, which begin with them.
       real(wp), intent(inout) :: offset(:)
       real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
       integer :: n
@@ -77,6 +79,7 @@ contains
 
    !> Number of conditions.
    pure integer function condition_count(frame)
+      !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
 
       if (frame%resting) then
@@ -87,9 +90,12 @@ contains
       end if
    end function condition_count
 
-   !> The list of conditions of a frame, without the details that `all_conditions` finds.
+   !> Condition number j of a frame, without the details that `all_conditions` finds.
    pure function condition_at(frame, j) result(condition)
+      !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
+      !> 1 to 3: fold, flip, Neimark-Sacker; then zero approach, grazing, and repetition or
+      !! vanishing rest, by impact, flight, letter or repetition; then the edges.
       integer, intent(in) :: j
       type(condition_type) :: condition
       integer :: n, m
@@ -115,10 +121,13 @@ contains
       end if
    end function condition_at
 
-   !> Whether all conditions are met, those on the edges of one parameter included.
+   !> Whether all conditions are met; of the edges only those of one parameter count.
    pure logical function is_inside(conditions, values, parameter) result(inside)
+      !> (m) The conditions.
       type(condition_type), intent(in) :: conditions(:)
+      !> (m) Their values, positive where they are met.
       real(wp), intent(in) :: values(:)
+      !> Place of the parameter whose edges count.
       integer, intent(in) :: parameter
 
       inside = all(values > 0 .or. (conditions%kind == edge .and. conditions%index /= parameter))

@@ -1,4 +1,4 @@
-!> Joins the loose ends of boundaries that could not be followed until they close.
+!> Joins the loose ends of boundaries that could not be closed.
 module vi_join
    use vi_borders, only: zone_type
    use vi_frame, only: condition_type, frame_type, joint, wrap_phases
@@ -15,8 +15,9 @@ module vi_join
 
 contains
 
-   !> Joins the nearest loose ends first, until none are near.
+   !> Joins pairs of loose ends, the nearest ones first, until no two are near each other.
    pure subroutine join_loose_ends(zone)
+      !> In and out: the loops; joined ones are merged or closed.
       type(zone_type), intent(inout) :: zone
       integer :: i, j, a, b, best(2), side(2)
       real(wp) :: nearest, distance
@@ -45,8 +46,11 @@ contains
       end do
    end subroutine join_loose_ends
 
-   !> Distance of two loose ends in the window; huge if their motions differ, or there is no curve.
+   !> Distance of two loose ends in the window; huge if their motions differ, or if both belong to
+   !! one
+   !! very short curve.
    pure real(wp) function between(zone, i, end_of_i, j, end_of_j) result(distance)
+      !> The loops.
       type(zone_type), intent(in) :: zone
       !> The loops, and which end of each: 1 the first, 2 the last.
       integer, intent(in) :: i, end_of_i, j, end_of_j
@@ -55,7 +59,7 @@ contains
 
       distance = huge(distance)
       associate (a => zone%loops(i), b => zone%loops(j))
-         ! a curve hardly longer than that is no way round a zone
+         ! a curve that is hardly longer than that does not enclose a zone
          if (i == j) then
             m = size(offset) - 2
             offset(:2) = maxval(abs(a%points(m + 1:, :a%n) - spread(a%points(m + 1:, 1), 2, &
@@ -72,6 +76,7 @@ contains
 
    !> Joins two loops, or one with itself.
    pure subroutine join(zone, which, side)
+      !> In and out: the loops.
       type(zone_type), intent(inout) :: zone
       !> The loops and their ends, as of `between`.
       integer, intent(in) :: which(2), side(2)
@@ -94,13 +99,17 @@ contains
       zone%n = zone%n - 1
    end subroutine join
 
-   !> Adds a straight piece from the last point of a curve to the first of another one, and that; or
-   !! to its own first point.
+   !> Adds a straight piece from the last point of a curve to the first point of another curve, and
+   !! that
+   !! curve; without another curve, to its own first point.
    pure subroutine add_joint(frame, loop, next, turn)
+      !> The family.
       type(frame_type), intent(in) :: frame
+      !> In: the curve. Out: with the piece, and the other curve.
       type(loop_type), intent(inout) :: loop
+      !> The other curve.
       type(loop_type), intent(in), optional :: next
-      !> Whether the other one is taken the other way round.
+      !> Whether the other curve is reversed.
       logical, intent(in), optional :: turn
       type(loop_type) :: second, between_them
       integer :: i

@@ -1,8 +1,8 @@
-!> Lattice lines over a window of the plane (r, log D), so dense that what they cross is not missed.
+!> Lattice lines over a window of the plane (r, log D), close enough together not to miss zones.
 !!
-!! In a window about r = 1 that is as large as the charts of the 1983 paper they are evenly spaced.
-!! In a larger one there are more, and those of constant r are densest where zones are narrow: about
-!! the resonance r = 1, and at small r, where r = 1/n follow each other at distances of about r**2.
+!! In a window about r = 1 of the size of the charts of the 1983 paper they are evenly spaced. A
+!! larger window has more lines, and those of constant r are closest where zones are narrow: about
+!! the resonance r = 1, and at small r, where the values r = 1/n are about r**2 apart.
 module vi_lattice
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -10,7 +10,7 @@ module vi_lattice
 
    public :: lattice_type, new_lattice, nearest_lines, line_spacing
 
-   !> Lines of constant coordinate, from 0 at the lower end of the window on.
+   !> Coordinates of lines in increasing order, 0 at the lower end of the window.
    type :: axis_type
       real(wp), allocatable :: at(:)
    end type axis_type
@@ -21,17 +21,18 @@ module vi_lattice
       type(axis_type) :: axes(2)
    end type lattice_type
 
-   !> Spacings at 17 lines: of log D, of r at its distance from 1, of r over r**2.
+   !> Spacings of 17 lines: of log D; of r over its distance from 1; of r over r**2.
    real(wp), parameter :: by_ratio = log(100.0_wp)/16, by_resonance = 0.27_wp, by_order = 0.5_wp
-   !> How near to resonance its width rather than the distance counts.
+   !> Distance from resonance below which this width counts instead of the distance.
    real(wp), parameter :: width = 0.1_wp
-   !> No more lines than this times those asked for.
+   !> Largest number of lines over the number asked for.
    integer, parameter :: most = 8
 
 contains
 
-   !> The lattice of a window, with as many lines each way as asked for, or more.
+   !> The lattice of a window, with at least as many lines in each direction as asked for.
    pure function new_lattice(lines, window, scale) result(lattice)
+      !> Least number of lines in each direction, at least 2.
       integer, intent(in) :: lines
       !> Lowest and highest r, lowest and highest log D, and the units of the lines.
       real(wp), intent(in) :: window(4), scale(2)
@@ -42,9 +43,13 @@ contains
          ((window(4) - window(3))/scale(2))
    end function new_lattice
 
-   !> From 0 to 1: even where that is dense enough, otherwise even in the integral of the density.
+   !> Places of the lines of constant r from 0 to 1: evenly spaced if that is dense enough,
+   !! otherwise
+   !! evenly in the integral of the density.
    pure function r_lines(lines, low, high) result(at)
+      !> Least number of lines, at least 2.
       integer, intent(in) :: lines
+      !> Lowest and highest r.
       real(wp), intent(in) :: low, high
       real(wp), allocatable :: at(:)
       real(wp) :: a, b, middle, level
@@ -71,29 +76,36 @@ contains
       end do
    end function r_lines
 
-   !> Lines of 17 per unit of r, and how their number grows with r.
+   !> Number of spacings of 17 lines per unit of r.
    elemental real(wp) function density(r)
+      !> Frequency ratio.
       real(wp), intent(in) :: r
 
       density = 1/(by_resonance*hypot(width, r - 1)) + 1/(by_order*r**2)
    end function density
 
+   !> Integral of `density` over r.
    pure real(wp) function total(r)
+      !> Frequency ratio.
       real(wp), intent(in) :: r
 
       total = asinh((r - 1)/width)/by_resonance - 1/(by_order*r)
    end function total
 
-   !> Lines where there are so many spacings at 17 lines.
+   !> Number of lines in a range.
    pure integer function needed(spacings, lines)
+      !> Number of spacings of 17 lines in the range.
       real(wp), intent(in) :: spacings
+      !> Least number of lines.
       integer, intent(in) :: lines
 
       needed = 1 + ceiling(min(spacings/16, real(most, wp))*(lines - 1)*(1 - 1.0e-9_wp))
       needed = max(lines, needed)
    end function needed
 
+   !> Evenly spaced numbers from 0 to 1.
    pure function even(lines) result(at)
+      !> How many, at least 2.
       integer, intent(in) :: lines
       real(wp) :: at(lines)
       integer :: i
@@ -103,7 +115,9 @@ contains
 
    !> The lines nearest to a point.
    pure function nearest_lines(lattice, q) result(place)
+      !> The lattice.
       type(lattice_type), intent(in) :: lattice
+      !> Coordinates of the point, in the units of the lines.
       real(wp), intent(in) :: q(2)
       integer :: place(2), i
 
@@ -112,8 +126,11 @@ contains
 
    !> The distance between the lines on both sides of a coordinate.
    pure real(wp) function line_spacing(lattice, direction, q)
+      !> The lattice.
       type(lattice_type), intent(in) :: lattice
+      !> 1 for lines of constant r, 2 for lines of constant D.
       integer, intent(in) :: direction
+      !> The coordinate, in the units of the lines.
       real(wp), intent(in) :: q
       integer :: i
 

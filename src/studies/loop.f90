@@ -10,12 +10,13 @@ module vi_loop
    !> A corner as the end of a piece and as the beginning of the next.
    integer, parameter, public :: ends = 1, begins = 2
 
-   !> A boundary as far as it could be followed.
+   !> A boundary, or the part of it that could be followed.
    type, public :: loop_type
       !> Points (2n + 2, m), and the condition that is zero from each to the next.
       real(wp), allocatable :: points(:, :), tangents(:, :)
       type(condition_type), allocatable :: conditions(:)
-      !> Whether a point is a corner, where two conditions are zero; it is there twice.
+      !> `ends` or `begins` if a point is a corner, where two conditions are zero, otherwise 0; a
+      !! corner is listed twice.
       integer, allocatable :: corner(:)
       integer :: n = 0
       !> False if the curve could not be followed to its start.
@@ -24,8 +25,9 @@ module vi_loop
 
 contains
 
-   !> The same curve the other way round.
+   !> The same curve in the opposite direction.
    pure function reversed(loop) result(turned)
+      !> The curve.
       type(loop_type), intent(in) :: loop
       type(loop_type) :: turned
       integer :: i
@@ -35,9 +37,11 @@ contains
       where (turned%corner > 0) turned%corner = ends + begins - turned%corner
    end function reversed
 
-   !> Some points of a curve, in an order.
+   !> Some points of a curve, in a given order.
    pure function picked(loop, order) result(some)
+      !> The curve.
       type(loop_type), intent(in) :: loop
+      !> Numbers of the points.
       integer, intent(in) :: order(:)
       type(loop_type) :: some
       integer :: i
@@ -55,8 +59,9 @@ contains
       end do
    end function picked
 
-   !> A curve and another one behind it.
+   !> A curve followed by another one.
    pure function chained(first, second) result(whole)
+      !> The curves.
       type(loop_type), intent(in) :: first, second
       type(loop_type) :: whole
       integer :: n

@@ -159,11 +159,11 @@ contains
    subroutine run_lyapunov(case, threads, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Threads; the answer does not depend on them.
+      !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: r(:), clearance(:), states(:, :), loads(:), exponents(:, :), &
          deviations(:, :), dimensions(:), errors(:), cycle_times(:, :)

@@ -1,8 +1,9 @@
-!> A net of curves over the sheets of motions in a window, and where they cross the edge of a zone.
+!> A net of curves over the sheets of motions in a window, and where they cross the boundary of a
+!! zone.
 !!
 !! The lines of a lattice in the window are followed on every sheet that the seeds belong to,
-!! through folds as well. Where two lines cross the motion is a node; from every node both lines go
-!! on, so that all connected sheets are covered.
+!! through folds as well. A motion where two lines cross is a node; from every node both lines are
+!! followed, so that all connected sheets are covered.
 module vi_net
    use vi_crossing, only: hidden_zero, innermost_zero
    use vi_curve, only: curve_type
@@ -20,13 +21,15 @@ module vi_net
    !> Room for crossings of one line with those of the lattice.
    integer, parameter :: crossing_room = 64
 
-   !> A point on the edge of a zone: the condition that is zero there, and a point inside nearby.
+   !> A point on the boundary of a zone: the condition that is zero there, and a point inside
+   !! nearby.
    type, public :: border_type
       real(wp), allocatable :: point(:)
       type(condition_type) :: condition
       real(wp) :: inside(2) = 0
    end type border_type
 
+   !> The net over one window.
    type, public :: net_type
       !> The sheets: both parameters are active, 0 at the lower corner of the window.
       type(curve_type) :: sheet
@@ -36,10 +39,10 @@ module vi_net
       integer, allocatable :: lattice(:, :), follower(:), head(:, :)
       real(wp), allocatable :: unknowns(:, :)
       logical, allocatable :: followed(:, :)
-      !> Places where lines cross the edge of a zone.
+      !> Places where lines cross the boundary of a zone.
       type(border_type), allocatable :: borders(:)
       integer :: n_borders = 0
-      !> Where a line beside the lattice has crossed lines of it.
+      !> Places where a line that does not belong to the lattice has crossed lines of the lattice.
       type(start_type) :: crossings(crossing_room)
       integer :: n_crossings = 0
       !> Steps made.
@@ -53,8 +56,11 @@ contains
 
    !> An empty net.
    pure subroutine new_net(sheet, lines, net)
+      !> The sheets over the window.
       type(curve_type), intent(in) :: sheet
+      !> The lattice.
       type(lattice_type), intent(in) :: lines
+      !> Out: without nodes.
       type(net_type), intent(out) :: net
       integer :: n
 
@@ -66,11 +72,13 @@ contains
       allocate (net%head(size(lines%axes(1)%at), size(lines%axes(2)%at)), source=0)
    end subroutine new_net
 
-   !> Adds a node; one that is there already is not added again.
+   !> Adds a node, unless it exists already.
    pure subroutine add_seed(net, i, j, unknowns, node)
+      !> In and out: the net.
       type(net_type), intent(inout) :: net
       !> Place in the lattice.
       integer, intent(in) :: i, j
+      !> Unknowns of the motion.
       real(wp), intent(in) :: unknowns(:)
       !> Its index; 0 if there is no room.
       integer, intent(out) :: node
@@ -93,12 +101,13 @@ contains
       net%head(i, j) = node
    end subroutine add_seed
 
-   !> Follows both lines through every node, until all have been.
+   !> Follows both lines through every node, also through the nodes found on the way.
    subroutine cover(net, first, tally)
+      !> In and out: the net.
       type(net_type), intent(inout) :: net
       !> The first node whose lines may not have been followed.
       integer, intent(in) :: first
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       integer :: node, direction, way
 
@@ -115,13 +124,17 @@ contains
       end do
    end subroutine cover
 
-   !> Follows the lines through a motion beside the lattice, then those of the lattice that they
-   !! cross, and covers the sheet from there.
+   !> Follows the lines through a motion that is no node, then the lattice lines that they cross,
+   !! and
+   !! covers the sheet from there.
    subroutine cover_from(net, at, unknowns, tally)
+      !> In and out: the net.
       type(net_type), intent(inout) :: net
       !> Its place in the window.
       real(wp), intent(in) :: at(2)
+      !> Unknowns of the motion.
       real(wp), intent(in) :: unknowns(:)
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(start_type) :: begin
       integer :: direction, first, i, way
@@ -144,7 +157,9 @@ contains
 
    !> A node as the start of a line.
    pure function start_of(net, node) result(begin)
+      !> The net.
       type(net_type), intent(in) :: net
+      !> Number of the node.
       integer, intent(in) :: node
       type(start_type) :: begin
       integer :: i
@@ -153,12 +168,18 @@ contains
          i=1, 2)], net%lattice(:, node))
    end function start_of
 
-   !> Follows a line from a motion one way, until it leaves the window or what is physical.
+   !> Follows a line from a motion in one direction, until it leaves the window or its motions are
+   !! far
+   !! from physical.
    subroutine follow_line(net, begin, direction, way, tally)
+      !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
+      !> Start of the line.
       type(start_type), intent(in) :: begin
-      !> The parameter that changes along the line is `direction`.
+      !> Number of the parameter that changes along the line, and the sign of its change at the
+      !! start.
       integer, intent(in) :: direction, way
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(curve_type) :: line
       type(place_type) :: before, now, next
@@ -173,7 +194,7 @@ contains
       along = 0
       along(size(along)) = way
       mark = [begin%unknowns, begin%at(direction)]
-      ! what is near a motion that is given is looked at more closely
+      ! shorter steps near a given motion
       share = merge(0.8_wp, 0.2_wp, begin%lattice(3 - direction) > 0)
       stride = stride_type(longest=share*line_spacing(net%lines, direction, mark(size(mark))))
       call begin_walk(line, none, mark, along, 0.2_wp*stride%longest, now, good)
@@ -195,11 +216,11 @@ contains
          end if
          call note_border(net, line, direction, begin, now, next)
          call note_nodes(net, line, direction, begin, now, next, known)
-         ! a motion that is given can be too near to one that repeats itself: away from there
+         ! a given motion can be too near to one that repeats itself: move away from there
          left = leaving
          leaving = leaves(next, line)
          if (known .or. (leaving .and. .not. left)) return
-         ! a closed curve between the lattice's lines comes back to a place of its own
+         ! a closed curve between the lattice lines returns to a point of its own
          call pass(line, mark(size(mark)), now, next, point, passes)
          point = point - mark
          call wrap_phases(net%sheet%frame, point)
@@ -213,10 +234,15 @@ contains
 
    !> Notes the nodes between two places.
    pure subroutine note_nodes(net, line, direction, begin, now, next, known)
+      !> In and out: nodes are added.
       type(net_type), intent(inout) :: net
+      !> The line.
       type(curve_type), intent(in) :: line
+      !> Number of the parameter that changes along it.
       integer, intent(in) :: direction
+      !> Its start.
       type(start_type), intent(in) :: begin
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       !> Whether the line has been here before.
       logical, intent(out) :: known
@@ -241,12 +267,15 @@ contains
       end do
    end subroutine note_nodes
 
-   !> Notes where a line beside the lattice crosses one of it.
+   !> Notes where a line that does not belong to the lattice crosses one that does.
    pure subroutine note_crossing(net, direction, level, begin, point)
+      !> In and out: the crossing is added, if there is room.
       type(net_type), intent(inout) :: net
       !> The direction of the line beside the lattice, and the number of the line it crosses.
       integer, intent(in) :: direction, level
+      !> Start of the line.
       type(start_type), intent(in) :: begin
+      !> The point of the line at the crossing.
       real(wp), intent(in) :: point(:)
 
       if (net%n_crossings == crossing_room) return
@@ -260,10 +289,15 @@ contains
 
    !> Notes where a step enters or leaves a zone.
    pure subroutine note_border(net, line, direction, begin, now, next)
+      !> In and out: the border is added, if there is room.
       type(net_type), intent(inout) :: net
+      !> The line.
       type(curve_type), intent(in) :: line
+      !> Number of the parameter that changes along it.
       integer, intent(in) :: direction
+      !> Its start.
       type(start_type), intent(in) :: begin
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       type(place_type) :: best
       real(wp) :: other, q(2)

@@ -9,7 +9,7 @@ module vi_net_line
 
    public :: leaves, line_of, may_pass, pass
 
-   !> Where a line begins: a motion, its place in the window, and the lattice lines it lies on.
+   !> Start of a line: a motion, its place in the window, and the lattice lines it lies on.
    type, public :: start_type
       real(wp), allocatable :: unknowns(:)
       real(wp) :: at(2) = 0
@@ -22,12 +22,15 @@ module vi_net_line
 
 contains
 
-   !> The curve of one lattice line.
+   !> The curve of motions along a line through a place, parallel to the lattice lines.
    pure subroutine line_of(sheet, begin, direction, line)
+      !> The sheets over the window.
       type(curve_type), intent(in) :: sheet
+      !> Start of the line.
       type(start_type), intent(in) :: begin
-      !> The parameter that changes along the line.
+      !> Number of the parameter that changes along the line: 1 for r, 2 for log D.
       integer, intent(in) :: direction
+      !> The curve.
       type(curve_type), intent(out) :: line
       integer :: other
 
@@ -39,10 +42,11 @@ contains
       line%c(sheet%active(other)) = sheet%origin(other) + sheet%scale(other)*begin%at(other)
    end subroutine line_of
 
-   !> Whether a line has left the window, or the motion is no longer physical by far.
+   !> Whether a line has left the window, or its motions are far from physical.
    pure logical function leaves(place, line)
+      !> The place reached.
       type(place_type), intent(in) :: place
-      !> Of motions with rest: without it their letters are others.
+      !> The line; motions with rest are followed only as long as every rest lasts.
       type(curve_type), intent(in) :: line
 
       associate (v => place%values, kind => place%conditions%kind)
@@ -56,17 +60,23 @@ contains
    !> Whether a step may pass through a zone: what is violated at its start is met at its end, and
    !! something else is violated there.
    pure logical function may_pass(now, next)
+      !> (conditions) Values at the start and at the end of the step.
       real(wp), intent(in) :: now(:), next(:)
 
       may_pass = any(now < 0) .and. any(next < 0) .and. .not. any(now < 0 .and. next < 0)
    end function may_pass
 
-   !> Where a step passes a level of the line's parameter, if it does.
+   !> The point at which a step passes a level of the line's parameter.
    pure subroutine pass(line, level, now, next, point, passes)
+      !> The line.
       type(curve_type), intent(in) :: line
+      !> The level, as coordinate of the line.
       real(wp), intent(in) :: level
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
+      !> The point, if the level is passed.
       real(wp), intent(out) :: point(:)
+      !> Whether it is.
       logical, intent(out) :: passes
       type(condition_type) :: at
       real(wp) :: a, b

@@ -1,7 +1,7 @@
 !> Flights of one duration: the free and the forced oscillation at fixed nodes, computed once.
 !!
-!! Every flight is a combination of these. A bound on its fourth derivative certifies what happens
-!! between the nodes; where the bound cannot decide, the caller has to go another way.
+!! Every flight is a linear combination of these. A bound on its fourth derivative bounds it between
+!! the nodes; where the bound cannot decide, the caller has to use another method.
 module vi_nodes
    use vi_bernstein, only: sag, stays_within
    use vi_kinds, only: wp
@@ -17,6 +17,7 @@ module vi_nodes
    integer, parameter :: density = 8
    integer, parameter, public :: most_nodes = 240
 
+   !> The nodes of flights of one duration; n = 0 if they would be too many.
    type, public :: nodes_type
       real(wp) :: xi = 0, r = 1, step = 0
       integer :: n = 0
@@ -27,9 +28,11 @@ module vi_nodes
 
 contains
 
-   !> The nodes of flights of a duration.
+   !> The nodes of flights of a given duration.
    pure subroutine new_nodes(xi, r, duration, nodes)
+      !> Damping ratio, frequency ratio, and duration of the flights (1/omega).
       real(wp), intent(in) :: xi, r, duration
+      !> Out: the nodes; its arrays are allocated anew.
       type(nodes_type), intent(inout) :: nodes
       real(wp) :: t, h, shrink, s, c, wanted
       integer :: j
@@ -54,15 +57,19 @@ contains
       end do
    end subroutine new_nodes
 
-   !> The largest |x| of the flight: the stationary point by the largest node, and a proof that
-   !! nothing exceeds it.
+   !> The largest |x| of a flight: the stationary point near the node with the largest |x|, and a
+   !! proof
+   !! that |x| is nowhere larger.
    pure subroutine find_largest(nodes, parts, bound, x, x_rise, largest, certain)
+      !> The nodes.
       type(nodes_type), intent(in) :: nodes
       !> Coefficients of the four functions, and a bound on the fourth derivative of x.
       real(wp), intent(in) :: parts(4), bound
       !> x and its rise at the nodes (0:n); at both ends |x| is the same.
       real(wp), intent(in) :: x(0:), x_rise(0:)
+      !> Largest |x|; means nothing unless `certain`.
       real(wp), intent(out) :: largest
+      !> False where the proof failed.
       logical, intent(out) :: certain
       real(wp) :: shift, peak, level, dip
       integer :: j, n, top
@@ -96,11 +103,15 @@ contains
       end if
    end subroutine find_largest
 
-   !> The stationary point of x near a node: its time from there, and x.
+   !> The stationary point of x near a node, by Newton's method.
    pure subroutine climb(nodes, parts, j, shift, x)
+      !> The nodes.
       type(nodes_type), intent(in) :: nodes
+      !> Coefficients of the four functions.
       real(wp), intent(in) :: parts(4)
+      !> Number of the node.
       integer, intent(in) :: j
+      !> Time from the node to the stationary point (1/omega), of either sign, and x there.
       real(wp), intent(out) :: shift, x
       !> Terms of the Taylor series about the node; what is left out is below rounding.
       integer, parameter :: terms = 11

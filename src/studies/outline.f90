@@ -14,7 +14,9 @@ contains
 
    !> (5, n): r, D, the derivatives of r and log D by the length of the curve, length to the next.
    pure function vertices_of(sheet, loop) result(vertices)
+      !> The sheets over the window.
       type(curve_type), intent(in) :: sheet
+      !> The loop.
       type(loop_type), intent(in) :: loop
       real(wp) :: vertices(5, loop%n)
       integer :: j, m
@@ -30,7 +32,9 @@ contains
 
    !> A closed loop as a polygon, counter-clockwise around a zone and clockwise around a hole.
    pure subroutine ring_of(sheet, loop, inside, r, clearance, ring)
+      !> The sheets over the window.
       type(curve_type), intent(in) :: sheet
+      !> The loop.
       type(loop_type), intent(in) :: loop
       !> A point inside, beside the loop: in the units of the sheet.
       real(wp), intent(in) :: inside(2)
@@ -46,8 +50,11 @@ contains
 
    !> Length of a loop from a vertex to the next, to fourth order.
    pure real(wp) function arc(sheet, loop, j) result(length)
+      !> The sheets over the window.
       type(curve_type), intent(in) :: sheet
+      !> The loop.
       type(loop_type), intent(in) :: loop
+      !> Number of the vertex.
       integer, intent(in) :: j
       real(wp) :: chord(size(loop%points, 1)), cosine
       integer :: next

@@ -1,10 +1,10 @@
-!> The motions of one pattern at a point, from guesses there and along two lines through it.
+!> The motions of one pattern at a point (r, D), from guesses there and along two lines through it.
 !!
 !! Newton's method misses motions whose neighbourhood of convergence is small. But the lines of
-!! constant D and of constant r through a motion, followed through their folds, often come back to
-!! the point on another sheet: each passage through the point is one more of its motions, and both
-!! its lines are followed as well. Where a motion grazes a wall a line of another pattern begins,
-!! which has that touch as an impact more.
+!! constant D and of constant r through a motion, followed through their folds, often return to the
+!! point on another sheet. Each passage through the point gives a further motion, and both its lines
+!! are followed as well. Where a motion grazes a wall a line of another pattern begins, in which
+!! that touch is an additional impact.
 module vi_passages
    use vi_conditions, only: gap_of_flight, polish_touch
    use vi_curve, only: correct, curve_type, tangent_at
@@ -25,11 +25,12 @@ module vi_passages
    real(wp), parameter :: pi = acos(-1.0_wp)
    !> Units of length along r and log D, those of the 1983 charts, and how far a line is followed.
    real(wp), parameter :: unit(2) = [0.4_wp, log(100.0_wp)], reach = 0.3_wp
-   !> A motion that is farther beyond a wall (over D) is not looked at for births. Their lines may
-   !! well lead to admissible motions: seen from 0.38 beyond.
+   !> No births are searched on a motion that is farther beyond a wall (over D) than this. The lines
+   !! of such births can lead to admissible motions: that was observed from 0.38 beyond.
    real(wp), parameter :: depth = 0.5_wp
-   !> Motions and births kept of a pattern, and steps made along its lines at most; a search with
-   !! few guesses is to be a short one, and makes no more than the square of their number.
+   !> Largest number of motions and of births kept of a pattern, and of steps along its lines; a
+   !! search
+   !! with few guesses makes no more steps than the square of their number.
    integer, parameter :: room = 128, most_births = 32, most_steps = 3000
 
    !> A motion that just touches a wall, written with the touch as an impact: in standard order.
@@ -66,6 +67,7 @@ contains
 
    !> The motions of a pattern at a point, admissible or not, and their lines.
    pure subroutine begin_lines(pattern, c, guesses, letters, lines, tried)
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
@@ -73,6 +75,7 @@ contains
       integer, intent(in) :: guesses
       !> Most impacts of a pattern that begins where another one grazes.
       integer, intent(in) :: letters
+      !> Out: the motions found, their lines and births.
       type(lines_type), intent(inout) :: lines
       !> Newton iterations that were started.
       integer, intent(out) :: tried
@@ -85,10 +88,12 @@ contains
       call follow_all(lines, 1)
    end subroutine begin_lines
 
-   !> Follows the line that begins at a birth, and those of motions at the point that it leads to.
+   !> Follows the line that begins at a birth, and the lines of all motions at the point that it
+   !! reaches.
    pure subroutine follow_birth(lines, birth)
-      !> Of the pattern of the birth.
+      !> In and out: motions and births of the pattern of the birth.
       type(lines_type), intent(inout) :: lines
+      !> The birth.
       type(birth_type), intent(in) :: birth
       integer :: way, first
 
@@ -101,7 +106,9 @@ contains
 
    !> Follows both lines through every motion at the point, from one of them on.
    pure subroutine follow_all(lines, first)
+      !> In and out: motions and births of the pattern.
       type(lines_type), intent(inout) :: lines
+      !> Number of the first motion whose lines are followed.
       integer, intent(in) :: first
       real(wp) :: unknowns(2*size(lines%pattern%sides))
       integer :: i, direction, way
@@ -120,10 +127,13 @@ contains
       end do
    end subroutine follow_all
 
-   !> Nothing known yet.
+   !> The lines of a pattern before any motion is known.
    pure subroutine new_lines(pattern, c, lines)
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
+      !> Out: without motions.
       type(lines_type), intent(inout) :: lines
 
       lines%pattern = pattern
@@ -141,13 +151,16 @@ contains
       allocate (lines%followed(2, room), source=.false.)
    end subroutine new_lines
 
-   !> Follows a line one way, until it leaves the reach or what is physical, or comes to where it
-   !! has been followed before.
+   !> Follows a line in one direction, until it leaves the range of the parameter, an impact loses
+   !! its
+   !! approach, or a part is reached that has been followed before.
    pure subroutine walk(lines, direction, unknowns, place, way)
+      !> In and out: motions and births of the pattern.
       type(lines_type), intent(inout) :: lines
-      !> The parameter that changes along the line, and which way first.
+      !> Place of the parameter that changes along the line (`by_r` or `by_clearance`), and the sign
+      !! of its change at the start.
       integer, intent(in) :: direction, way
-      !> The motion where it begins, and its place on the line.
+      !> Unknowns of the motion at the start (2N), and its coordinate on the line, 0 at the point.
       real(wp), intent(in) :: unknowns(:), place
       type(condition_type) :: none(0), touches(size(unknowns)/2), touches_next(size(unknowns)/2)
       type(place_type) :: now, next
@@ -187,16 +200,23 @@ contains
       end do
    end subroutine walk
 
-   !> Whether the masses approach each other at every impact; and the gaps of the flights.
+   !> The orbit of a point of a line: whether the masses approach each other at every impact, and
+   !! the
+   !! gaps of its flights.
    pure subroutine look(curve, point, looks, o, right, gaps, touches)
+      !> The line.
       type(curve_type), intent(in) :: curve
+      !> A point of it.
       real(wp), intent(in) :: point(:)
       !> Whether the gaps are wanted.
       logical, intent(in) :: looks
+      !> Out: the orbit, if r > 0.
       type(orbit_type), intent(inout) :: o
+      !> Whether the masses approach each other at every impact.
       logical, intent(out) :: right
       !> The least gap inside each flight over D, and where it is.
       real(wp), intent(inout) :: gaps(:)
+      !> The grazing condition of each gap, with its wall and share of the flight.
       type(condition_type), intent(inout) :: touches(:)
       real(wp) :: c(size(curve%c))
       integer :: i
@@ -217,11 +237,13 @@ contains
 
    !> Notes where a motion grazes a wall within a step: a longer pattern begins there.
    pure subroutine note_births(lines, now, next, gaps, gaps_next, touches)
+      !> In and out: births are added.
       type(lines_type), intent(inout) :: lines
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
-      !> Of each flight, before and after the step.
+      !> Gap of each flight over D before and after the step.
       real(wp), intent(in) :: gaps(:), gaps_next(:)
-      !> Where the gaps are after it.
+      !> The grazing conditions of the gaps after the step.
       type(condition_type), intent(in) :: touches(:)
       type(birth_type) :: birth
       real(wp) :: point(size(now%point))
@@ -243,6 +265,7 @@ contains
 
    !> Whether a birth is among those noted.
    pure logical function is_known(births, birth)
+      !> Known births, and the one in question.
       type(birth_type), intent(in) :: births(:), birth
       integer :: i
 
@@ -257,10 +280,13 @@ contains
 
    !> A motion that touches a wall, with the touch as one impact more, in standard order.
    pure subroutine insert(lines, point, touch, birth)
+      !> Pattern and line of the motion.
       type(lines_type), intent(in) :: lines
+      !> A point of the line that touches a wall.
       real(wp), intent(in) :: point(:)
       !> Flight, wall and share of the flight's duration, about.
       type(condition_type), intent(in) :: touch
+      !> The motion with the touch as an impact.
       type(birth_type), intent(out) :: birth
       type(orbit_type) :: o
       type(condition_type) :: there
@@ -302,7 +328,9 @@ contains
    !!
    !! A step round a fold may pass it twice: away from its beginning and back towards its end.
    pure subroutine note_passages(lines, now, next, known)
+      !> In and out: motions are added.
       type(lines_type), intent(inout) :: lines
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       !> Whether the line has been followed there before.
       logical, intent(out) :: known
@@ -325,9 +353,9 @@ contains
       end if
    end subroutine note_passages
 
-   !> Whether a tangent comes from the point within a step.
+   !> Whether a tangent that starts at a place passed coordinate 0 within a step before it.
    pure logical function passes(q, slope, step)
-      !> The parameter where the tangent begins, and how fast it grows along it.
+      !> Coordinate at the place, its derivative along the tangent, and the length of the step.
       real(wp), intent(in) :: q, slope, step
 
       passes = q*slope > 0 .and. abs(q) < step*abs(slope)
@@ -335,7 +363,9 @@ contains
 
    !> Adds the motion at the point to which a guess leads, if that is near.
    pure subroutine note(lines, guess, step, known)
+      !> In and out: the motion is added, and its line marked as followed.
       type(lines_type), intent(inout) :: lines
+      !> A guess for the motion: a point of the line.
       real(wp), intent(in) :: guess(:)
       !> The length of the step that passes the point.
       real(wp), intent(in) :: step

@@ -31,15 +31,25 @@ contains
    pure subroutine periodic_points(osc, r, pattern, restitution, phases, acceptance, single, &
       flights, &
          impacts, scalars, multipliers, verdicts, status)
+      !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
+      !> (m) Frequency ratios Omega/omega.
       real(wp), intent(in) :: r(:)
+      !> Sides of the n impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> Coefficient of restitution of each impact (n), and its phase at each point (n, m; rad,
+      !! increasing from 0).
       real(wp), intent(in) :: restitution(:), phases(:, :)
+      !> Largest relative residual that counts as consistent.
       real(wp), intent(in) :: acceptance
       !> Whether to compute in single precision, and whether to examine the flights.
       logical, intent(in) :: single, flights
+      !> (n, 6, m), (6, m) as above; NaN at a failed point, x_min and x_max also if the flights are
+      !! not examined.
       real(wp), intent(out) :: impacts(:, :, :), scalars(:, :)
+      !> (4, m), by falling modulus; NaN at a failed point.
       complex(wp), intent(out) :: multipliers(:, :)
+      !> (3, m) consistent, admissible, stable: 1, 0, -1 for unknown; (m) codes of vi_status.
       integer, intent(out) :: verdicts(:, :), status(:)
       type(linear_system_type) :: system
       type(motion_type) :: motion
@@ -62,13 +72,21 @@ contains
    !> Both equispaced motions at each (r, clearance); the results have 2m columns, two a point.
    pure subroutine equispaced_points(osc, r, clearance, cycles, acceptance, single, flights, &
          impacts, scalars, multipliers, verdicts, status)
+      !> Oscillator; its two coefficients of restitution are equal.
       type(oscillator_type), intent(in) :: osc
+      !> (m) Frequency ratios Omega/omega, and (m) clearances D = d K/F0.
       real(wp), intent(in) :: r(:), clearance(:)
+      !> Load cycles k in a period, odd.
       integer, intent(in) :: cycles
+      !> Largest relative residual that counts as consistent.
       real(wp), intent(in) :: acceptance
+      !> Whether to compute in single precision, and whether to examine the flights.
       logical, intent(in) :: single, flights
+      !> (2, 6, 2m), (6, 2m) as above; NaN where a motion does not exist.
       real(wp), intent(out) :: impacts(:, :, :), scalars(:, :)
+      !> (4, 2m), by falling modulus; NaN where a motion does not exist.
       complex(wp), intent(out) :: multipliers(:, :)
+      !> (3, 2m) consistent, admissible, stable: 1, 0, -1 for unknown; (2m) codes of vi_status.
       integer, intent(out) :: verdicts(:, :), status(:)
       type(linear_system_type) :: system
       type(motion_type) :: motions(2)
@@ -93,12 +111,19 @@ contains
    pure subroutine exact_point(setting, x, theta, most, phases, impacts, scalars, multipliers, &
       verdicts, &
          status, iterations)
+      !> Given data: oscillator, r, load, clearance, pattern, restitution.
       type(setting_type), intent(in) :: setting
+      !> (n) Guess: positions x_i (F0/K) and theta_i = alpha_i + tau (rad).
       real(wp), intent(in) :: x(:), theta(:)
-      !> Most iterations.
+      !> Largest number of Newton iterations.
       integer, intent(in) :: most
+      !> (n) Phases alpha_i (rad), (n, 6) and (6) as above; the last two are NaN if the iteration
+      !! failed.
       real(wp), intent(out) :: phases(:), impacts(:, :), scalars(:)
+      !> (4) By falling modulus; NaN if the iteration failed.
       complex(wp), intent(out) :: multipliers(:)
+      !> (3) consistent, admissible, stable: 1, 0, -1 for unknown; a code of vi_status; Newton
+      !! iterations made.
       integer, intent(out) :: verdicts(:), status, iterations
       type(motion_type) :: motion
       real(wp) :: x_now(size(x)), theta_now(size(x)), none(2*size(x), 0)
@@ -115,10 +140,15 @@ contains
    !> The motion of unknowns that solve the equations.
    pure subroutine member_point(setting, x, theta, phases, impacts, scalars, multipliers, &
       verdicts, status)
+      !> Given data: oscillator, r, load, clearance, pattern, restitution.
       type(setting_type), intent(in) :: setting
+      !> (n) Positions x_i (F0/K) and theta_i = alpha_i + tau (rad) that solve the equations.
       real(wp), intent(in) :: x(:), theta(:)
+      !> (n) Phases alpha_i (rad), (n, 6) and (6) as above.
       real(wp), intent(out) :: phases(:), impacts(:, :), scalars(:)
+      !> (4) By falling modulus.
       complex(wp), intent(out) :: multipliers(:)
+      !> (3) consistent, admissible, stable: 1, 0, -1 for unknown; a code of vi_status.
       integer, intent(out) :: verdicts(:), status
       type(motion_type) :: motion
 
@@ -131,10 +161,15 @@ contains
 
    !> Writes one motion into its place.
    pure subroutine store_motion(motion, flights, impacts, scalars, multipliers, verdicts, status)
+      !> The motion, finished or failed.
       type(motion_type), intent(in) :: motion
+      !> Whether its flights were examined; if not, x_min and x_max are NaN.
       logical, intent(in) :: flights
+      !> (n, 6), (6) as above; NaN if the motion failed.
       real(wp), intent(out) :: impacts(:, :), scalars(:)
+      !> (4) By falling modulus; NaN if the motion failed.
       complex(wp), intent(out) :: multipliers(:)
+      !> (3) consistent, admissible, stable: 1, 0, -1 for unknown; a code of vi_status.
       integer, intent(out) :: verdicts(:), status
       real(wp) :: nan
 
@@ -159,12 +194,17 @@ contains
       multipliers = motion%multipliers
    end subroutine store_motion
 
-   !> The motion whose rows `store_motion` wrote, as far as its flights are concerned.
+   !> The motion whose rows `store_motion` wrote: everything that its flights need, without verdicts.
    pure function recall(osc, r, pattern, restitution, phases, impacts, amplitude, &
       tau) result(motion)
+      !> Oscillator without its load.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio Omega/omega.
       real(wp), intent(in) :: r
+      !> Sides of the n impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> Coefficient of restitution (n) and phase (n, rad) of each impact, rows of
+      !! `store_motion` (n, 6), amplitude A (F0/K) and phase tau (rad).
       real(wp), intent(in) :: restitution(:), phases(:), impacts(:, :), amplitude, tau
       type(motion_type) :: motion
 

@@ -14,11 +14,14 @@ contains
 
    !> The values of all conditions of a motion with rest; -1 where its letters cannot be followed.
    pure subroutine rest_conditions(frame, unknowns, c, values, found)
+      !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
       !> Phase and asinh(v/D) at the release, phases of the first impacts; r, log(D), xi, mu, R1,
       !! R2.
       real(wp), intent(in) :: unknowns(:), c(:)
+      !> (m) Value of each condition, positive where it is met.
       real(wp), intent(out) :: values(:)
+      !> (m) The conditions; grazing with its wall and flight.
       type(condition_type), intent(out) :: found(:)
       type(rest_period_type) :: period
       type(measure_type) :: measure
@@ -40,10 +43,12 @@ contains
    !> The value of one condition of a motion with rest; not a number where its letters cannot be
    !> followed.
    pure real(wp) function rest_condition(frame, unknowns, c, condition) result(value)
+      !> The family.
       type(frame_type), intent(in) :: frame
       !> Phase and asinh(v/D) at the release, phases of the first impacts; r, log(D), xi, mu, R1,
       !! R2.
       real(wp), intent(in) :: unknowns(:), c(:)
+      !> The condition.
       type(condition_type), intent(in) :: condition
       type(rest_period_type) :: period
       type(measure_type) :: measure
@@ -55,11 +60,14 @@ contains
       value = measure%value
    end function rest_condition
 
-   !> A condition in a period: its value, and its gradient but for those of stability.
+   !> The value of a condition in a period, and its gradient; the gradients of fold, flip and
+   !! Neimark-Sacker are left at 0.
    pure type(measure_type) function measure_in_period(period, c, condition) result(measure)
+      !> The period; `right` may be false, then only edges have a value.
       type(rest_period_type), intent(in) :: period
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
+      !> The condition.
       type(condition_type), intent(in) :: condition
       real(wp) :: stability(3)
 

@@ -1,18 +1,18 @@
 !> Families of motions with rest: one period from a release on a wall to the next one.
 !!
-!! Where a rest ends both masses have one velocity v and the primary mass has no acceleration, so x
-!! = f sin(phase) - 2 xi v: the state at a release is two numbers. A letter is an impact, or all
-!! the impacts that accumulate on a wall and the rest there. The unknowns are the load phase and
-!! asinh(v/D) at the release that ends the last letter (v/D grows without bound as D falls; its
-!! logarithm changes at the pace of log D), and the load phases of the first impacts of all
-!! letters. The equations say that the free mass is at the wall at each of these phases, and that
-!! the period ends as it began.
+!! Where a rest ends both masses have the same velocity v and the primary mass has no acceleration,
+!! so x = f sin(phase) - 2 xi v: two numbers describe the state at a release. A letter is an impact,
+!! or all the impacts that accumulate on a wall and the rest there. The unknowns are the load phase
+!! and asinh(v/D) at the release that ends the last letter (v/D grows without bound as D falls; its
+!! logarithm changes at about the same rate as log D), and the load phases of the first impacts of
+!! all letters. The equations state that the free mass is at the wall at each of these phases, and
+!! that the state at the end of the period is that at its start.
 !!
 !! The equations stay smooth where the free mass touches a wall during a flight and where an
-!! approach speed falls to zero, and an accumulation that just fails to be completed is completed
-!! all the same: the ends of the family are zeros of smooth measures, the gap of a flight, an
-!! approach speed, and the rest that an accumulation leaves. Derivatives by the unknowns, r and log
-!! D are carried along (vi_variation).
+!! approach speed falls to zero. An accumulation that just fails to complete is completed all the
+!! same. The ends of the family are zeros of smooth measures: the gap of a flight, an approach
+!! speed, and the duration of the rest after an accumulation. Derivatives by the unknowns, r and
+!! log D are computed along with them (vi_variation).
 module vi_rest_family
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_drive, only: drive_type, event_type, new_drive, release_event, two_pi
@@ -35,11 +35,12 @@ module vi_rest_family
    !> Impacts of one accumulation that are followed.
    integer, parameter :: most_hops = 20000
 
+   !> What the motions of one family with rest have in common.
    type, public :: rest_family_type
       !> +1, -1 for an impact, +2, -2 for accumulation and rest; the last letter is one of these.
       integer, allocatable :: letters(:)
       integer :: cycles = 1
-      !> Letters by which the pattern that was asked for is turned to make this order.
+      !> Number of letters by which the given pattern was rotated to get this order.
       integer :: turned = 0
    end type rest_family_type
 
@@ -48,14 +49,16 @@ module vi_rest_family
       real(wp) :: value = 0, by(columns) = 0
    end type measure_type
 
-   !> What happens in one period.
+   !> The equations and measures of one period.
    type, public :: rest_period_type
-      !> Of the equations: the unknowns at the next release, the phase less 2 pi k, less those at
-      !! the start; then how far beyond its wall, over D, the free mass is at the first impact of
-      !! each letter.
+      !> Residuals: phase (less 2 pi k) and asinh(v/D) at the next release, less those at the start;
+      !! then the distance, over D, of the free mass beyond its wall at the first impact of each
+      !! letter.
       type(measure_type), allocatable :: equations(:)
-      !> Of each letter: approach speed of its first impact over D; the rest that is left (1 for an
-      !! impact); least gap over D at a stationary point of its flights, to either wall.
+      !> Of each letter: approach speed of its first impact over D; a measure of the duration of the
+      !! rest, negative where the accumulation is not completed (1 for an impact); least gap over D
+      !! at
+      !! a stationary point of its flights, to either wall.
       type(measure_type), allocatable :: approach(:), rest(:), gap(:)
       !> Where that gap is: the wall, and the flight (0 after the last event of the letter, 1, 2 ..
       !! after its impacts) plus the share of its duration.
@@ -65,12 +68,12 @@ module vi_rest_family
       logical :: right = .false.
    end type rest_period_type
 
-   !> A place on the way through a period: the state after an event, its changes, and the flight
-   !! that begins there.
+   !> State within a period: just after an event, with its derivatives, and how the next flight
+   !! begins.
    type :: place_type
       type(moment_type) :: at
       type(variation_type) :: change
-      !> Speed at which the masses part.
+      !> Relative speed at which the masses part.
       real(wp) :: speed = 0
       !> Whether a rest has just ended.
       logical :: released = .false.
@@ -93,6 +96,7 @@ contains
 
    !> Unknowns of a family: the release, and the first impact of each letter.
    pure integer function rest_unknowns(family)
+      !> The family.
       type(rest_family_type), intent(in) :: family
 
       rest_unknowns = 2 + size(family%letters)
@@ -100,11 +104,14 @@ contains
 
    !> One period from a release.
    pure subroutine rest_period(family, unknowns, c, period)
+      !> The family.
       type(rest_family_type), intent(in) :: family
       !> (2 + n) phase and asinh(v/D) at the release, phases of the first impacts.
       real(wp), intent(in) :: unknowns(:)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
+      !> Equations and measures; `right` is false, and they mean nothing, where the letters cannot
+      !! be followed.
       type(rest_period_type), intent(out) :: period
       type(drive_type) :: drive
       type(place_type) :: here
@@ -148,6 +155,7 @@ contains
 
    !> The derivative of the map from release to release, the phases of the impacts eliminated.
    pure function plane_map(period) result(j)
+      !> Equations and measures of the period, `right` being true.
       type(rest_period_type), intent(in) :: period
       real(wp) :: j(2, 2)
       real(wp) :: by(2, size(period%equations)), last(2, size(period%equations))
@@ -178,6 +186,7 @@ contains
    !> det(I - J), det(I + J) and 1 - det J of the map of the plane of releases, each times the
    !! approach speeds: a multiplier grows like the inverse of such a speed.
    pure function rest_stability(period) result(values)
+      !> Equations and measures of the period, `right` being true.
       type(rest_period_type), intent(in) :: period
       real(wp) :: values(3)
       real(wp), dimension(size(period%equations), size(period%equations)) :: a, b
@@ -206,8 +215,9 @@ contains
       values(3) = product(period%approach%value) - plain
    end function rest_stability
 
-   !> By elimination with partial pivoting.
+   !> The determinant of a matrix, by elimination with partial pivoting.
    pure real(wp) function determinant(matrix)
+      !> (n, n)
       real(wp), intent(in) :: matrix(:, :)
       real(wp) :: a(size(matrix, 1), size(matrix, 1)), row(size(matrix, 1))
       integer :: i, k, n, pivot
@@ -231,6 +241,7 @@ contains
       end do
    end function determinant
 
+   !> The driven system with given parameters, for a load amplitude of 1.
    pure function drive_of(c) result(drive)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
@@ -242,6 +253,7 @@ contains
 
    !> The release with which a period starts.
    pure function start_of(drive, side, unknowns, m) result(start)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The wall, +1 or -1.
       integer, intent(in) :: side
@@ -269,20 +281,26 @@ contains
       start%released = .true.
    end function start_of
 
-   !> Flies to an impact at a given load phase, and through it.
+   !> Advances to an impact at a given load phase, and through it.
    pure subroutine fly(drive, side, column, phase, here, equation, approach, gap, touched, &
       touched_at)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Wall of the impact: +1 right, -1 left.
       integer, intent(in) :: side
       !> Which unknown the phase is.
       integer, intent(in) :: column
+      !> Load phase of the impact (rad).
       real(wp), intent(in) :: phase
+      !> In: after the last event. Out: after the impact.
       type(place_type), intent(inout) :: here
-      !> How far beyond the wall the free mass is, and the approach speed, over D.
+      !> Distance of the free mass beyond the wall, and approach speed, both over D.
       type(measure_type), intent(out) :: equation, approach
       !> Least gap so far of the letter that the flight belongs to.
       type(measure_type), intent(inout) :: gap
+      !> Wall of that gap: +1 right, -1 left; changed with it.
       integer, intent(inout) :: touched
+      !> Flight of that gap, and share of its duration; changed with it.
       real(wp), intent(inout) :: touched_at
       type(flight_type) :: flight
       real(wp), dimension(columns) :: longer, y, before
@@ -315,15 +333,18 @@ contains
       here%released = .false.
    end subroutine fly
 
-   !> The unknowns that go with a release: the first impacts of the letters follow from it.
+   !> All unknowns from those of a release: the first impacts of the letters are searched from
+   !! there.
    pure subroutine follow_letters(family, release, c, unknowns, good)
+      !> The family.
       type(rest_family_type), intent(in) :: family
       !> Phase and asinh(v/D).
       real(wp), intent(in) :: release(2)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> (2 + n)
+      !> (2 + n) phase and asinh(v/D) at the release, phases of the first impacts.
       real(wp), intent(out) :: unknowns(:)
+      !> False where a letter of the family does not follow from the release.
       logical, intent(out) :: good
       type(drive_type) :: drive
       type(place_type) :: here
@@ -357,13 +378,19 @@ contains
 
    !> The next contact with one wall.
    pure subroutine next_contact(drive, flight, here, side, limit, contact, found)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The flight that begins at `here`.
       type(flight_type), intent(in) :: flight
+      !> State after the last event.
       type(place_type), intent(in) :: here
+      !> Wall: +1 right, -1 left; the other wall is ignored, up to twice the clearance beyond it.
       integer, intent(in) :: side
-      !> No contact is looked for after this time.
+      !> Latest time of a contact (1/omega after the start of the flight).
       real(wp), intent(in) :: limit
+      !> The contact.
       type(contact_type), intent(out) :: contact
+      !> Whether there is one.
       logical, intent(out) :: found
       type(flight_type) :: moved
       type(departure_type) :: departure
@@ -378,14 +405,19 @@ contains
       found = contact%side == side
    end subroutine next_contact
 
-   !> Through an impact a given time after the beginning of a flight.
+   !> Advances through an impact a given time after the start of a flight.
    pure subroutine impact_at(drive, here, side, time, x, x_dot, speed, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: after the last event. Out: after the impact.
       type(place_type), intent(inout) :: here
+      !> Wall of the impact: +1 right, -1 left.
       integer, intent(in) :: side
+      !> Time of the impact (1/omega after the start of the flight).
       real(wp), intent(in) :: time
-      !> The primary mass at the impact, and the speed at which the masses approach each other.
+      !> Position and velocity of the primary mass at the impact, and the approach speed.
       real(wp), intent(in) :: x, x_dot, speed
+      !> False if there is no approach speed.
       logical, intent(out) :: good
       real(wp) :: before(columns), restitution
 
@@ -408,17 +440,23 @@ contains
    !! The accumulation is cut off where this changes the state by less than rounding, or, if it is
    !! not completed, where it comes nearest to that.
    pure subroutine accumulate(drive, last, here, rest, gap, touched, touched_at, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
-      !> Load phase after which nothing is looked for.
+      !> Load phase (rad) at which the search ends.
       real(wp), intent(in) :: last
+      !> In: after the first impact of the accumulation. Out: after the release.
       type(place_type), intent(inout) :: here
-      !> The rest that is left.
+      !> Measure of the duration of the rest.
       type(measure_type), intent(out) :: rest
+      !> Least gap so far of the letter; lowered where a hop has a smaller one.
       type(measure_type), intent(inout) :: gap
+      !> Wall of that gap.
       integer, intent(inout) :: touched
+      !> Flight of that gap, and share of its duration.
       real(wp), intent(inout) :: touched_at
+      !> False if the accumulation does not come near to completion, or the rest does not end.
       logical, intent(out) :: good
-      !> What cutting off may cost, relative to the motion: of a motion, and beyond its end.
+      !> Largest relative error by cutting off: for a motion, and beyond the end of the family.
       real(wp), parameter :: fine = 1.0e-17_wp, coarse = 1.0e-6_wp
       type(place_type) :: best
       real(wp) :: restitution, cost, least, time, x, x_dot, speed, scale, closing
@@ -439,7 +477,7 @@ contains
             best = here
          end if
          if (cost <= fine*scale) exit
-         ! it has come near to its end, and goes away from it again
+         ! it was nearly completed, and now the hops become longer again
          if (least <= coarse*scale .and. 1.0e-3_wp*cost > least) exit
          call next_hop(drive, here, last, time, x, x_dot, speed)
          if (.not. time > 0) exit
@@ -456,7 +494,9 @@ contains
 
    !> The acceleration that closes the gap after an impact.
    pure real(wp) function closing_acceleration(drive, at) result(a)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> State just after the impact.
       type(moment_type), intent(in) :: at
 
       a = -at%side*(drive%load*sin(at%phase) - 2*drive%osc%xi*at%x_dot - at%x)
@@ -464,9 +504,14 @@ contains
 
    !> The next impact on the wall just left; a time of 0 if there is none.
    pure subroutine next_hop(drive, here, last, time, x, x_dot, speed)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> State just after an impact.
       type(place_type), intent(in) :: here
+      !> Load phase (rad) at which the search ends.
       real(wp), intent(in) :: last
+      !> Time of the next impact (1/omega after this one), position and velocity of the primary mass
+      !! there, approach speed.
       real(wp), intent(out) :: time, x, x_dot, speed
       type(contact_type) :: contact
       real(wp) :: limit
@@ -493,15 +538,20 @@ contains
       end associate
    end subroutine next_hop
 
-   !> The rest from the last impact that is followed to the release.
+   !> The rest from the last impact that is computed to the release.
    !!
-   !! What is left of it is measured so that it goes through zero about linearly where the
-   !! accumulation just fails to be completed (see `critical`).
+   !! The measure of its duration passes zero about linearly where the accumulation just fails to
+   !! complete (see `critical`).
    pure subroutine rest_on(drive, restitution, last, here, rest, good)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Coefficient of restitution of the wall, and load phase (rad) at which the search ends.
       real(wp), intent(in) :: restitution, last
+      !> In: after the last impact. Out: after the release.
       type(place_type), intent(inout) :: here
+      !> Measure of the duration of the rest.
       type(measure_type), intent(out) :: rest
+      !> False if the rest does not end before `last`, or its end has no derivative.
       logical, intent(out) :: good
       type(oscillation_type) :: joint
       real(wp), dimension(columns) :: closing_by, speed_by, instant
@@ -541,15 +591,17 @@ contains
       end associate
    end subroutine rest_on
 
-   !> Where an accumulation just is, or is not, completed before the gap's acceleration a turns.
+   !> The limit between accumulations that are and are not completed before the gap's acceleration a
+   !! changes its sign.
    !!
-   !! With a = j s, s being the time until it turns, the next impact comes after t = 3/2 s (1 -
+   !! With a = j s, s being the time until it does, the next impact follows after t = 3/2 s (1 -
    !! sqrt(1 - 8/3 w)), w = u/(j s**2) = u/(a s). The step from w to the next one has a fixed
    !! point, tau = t/s with (3 - tau) (1 - tau)**2 = R (3 - 2 tau): below it impacts accumulate
    !! while there is time left, above it they do not. A distance from it grows by L from impact to
    !! impact while s shrinks by 1 - tau, so that (1 - w/w_c) s**power with (1 - tau)**power = 1/L
    !! is the same number at each of them.
    pure subroutine critical(restitution, limit, power)
+      !> Coefficient of restitution of the wall.
       real(wp), intent(in) :: restitution
       !> w_c and the power.
       real(wp), intent(out) :: limit, power
@@ -573,10 +625,13 @@ contains
       power = log(growth)/(-log(1 - tau))
    end subroutine critical
 
-   !> The flight that begins at a place.
+   !> The flight that begins after an event.
    pure function flight_from(drive, at, duration) result(flight)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> State after the event.
       type(moment_type), intent(in) :: at
+      !> Time until the end of the flight (1/omega).
       real(wp), intent(in) :: duration
       type(flight_type) :: flight
 
@@ -584,14 +639,21 @@ contains
          at%x_dot, at%x + 0.5_wp*at%side*drive%clearance, at%z_dot, duration)
    end function flight_from
 
-   !> Takes the least gap at a stationary point inside a flight, if it is less than the one so far.
+   !> Updates the least gap with those at the stationary points inside a flight.
    pure subroutine note_gap(drive, here, duration, flight_number, gap, touched, touched_at)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> State at the start of the flight.
       type(place_type), intent(in) :: here
+      !> Duration of the flight (1/omega).
       real(wp), intent(in) :: duration
+      !> Number of the flight, as in `rest_period_type`.
       integer, intent(in) :: flight_number
+      !> In: least gap so far (over D). Out: lowered if this flight has a smaller one.
       type(measure_type), intent(inout) :: gap
+      !> Wall of that gap: +1 right, -1 left.
       integer, intent(inout) :: touched
+      !> Flight of that gap, and share of its duration.
       real(wp), intent(inout) :: touched_at
       real(wp), parameter :: early = 1.0e-3_wp
       type(flight_type) :: flight
@@ -626,14 +688,17 @@ contains
       end do
    end subroutine note_gap
 
-   !> The last release from a wall among events, as unknowns; none gives found = .false.
+   !> The last release from a wall in a list of events, as unknowns.
    pure subroutine last_release(side, events, clearance, unknowns, found)
-      !> The wall, +1 or -1.
+      !> The wall: +1 right, -1 left.
       integer, intent(in) :: side
+      !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
+      !> Clearance D = d K/F0.
       real(wp), intent(in) :: clearance
       !> Phase and asinh(v/D).
       real(wp), intent(out) :: unknowns(2)
+      !> Whether there is one.
       logical, intent(out) :: found
       integer :: i
 

@@ -1,6 +1,6 @@
-!> Closed curves in the plane (r, D): dense polygons, and how often they go round a point.
+!> Closed curves in the plane (r, D): dense polygons, and their winding numbers.
 !!
-!! Both coordinates are taken in the plane (r, log D).
+!! Both are computed in the plane (r, log D).
 module vi_rings
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -8,7 +8,7 @@ module vi_rings
 
    public :: dense_ring, passes, winding
 
-   !> Farthest that a polygon may lie from its curve, the window being the unit square.
+   !> Largest distance of a polygon from its curve, the window being the unit square.
    real(wp), parameter :: sag = 1.0e-7_wp
    !> A vertex this near to an edge of the window lies on it.
    real(wp), parameter :: on_edge = 1.0e-10_wp
@@ -21,7 +21,7 @@ contains
    pure subroutine dense_ring(vertices, r, clearance, inside, ring)
       !> (5, m): r, D, derivatives of r and log D by length, length to the next.
       real(wp), intent(in) :: vertices(:, :)
-      !> The window.
+      !> The window: lowest and highest r, lowest and highest D.
       real(wp), intent(in) :: r(2), clearance(2)
       !> A point of the zone, close beside the loop: r, D. A hole does not go round it.
       real(wp), intent(in) :: inside(2)
@@ -56,7 +56,10 @@ contains
 
       !> Of the part from a vertex on: its place, its derivatives at both ends, and its chord.
       pure subroutine cubic(i, here, a, b, chord)
+         !> Number of the vertex.
          integer, intent(in) :: i
+         !> Place of the vertex, derivatives at both ends, and chord, the window being the unit
+         !! square.
          real(wp), dimension(2), intent(out) :: here, a, b, chord
          integer :: j
 
@@ -71,9 +74,10 @@ contains
 
    !> Whether a zone lies on the left of the ring around it.
    !!
-   !! An edge of the window tells at once. Otherwise the point inside does, which can lie so close
-   !! to a fold that an edge would cut it off.
+   !! A piece on an edge of the window decides this directly. Otherwise the point inside decides; it
+   !! can lie so close to a fold that an edge of the polygon cuts it off.
    pure logical function zone_on_left(vertices, r, clearance, ring, inside) result(left)
+      !> As in `dense_ring`.
       real(wp), intent(in) :: vertices(:, :), r(2), clearance(2), ring(:, :), inside(2)
       real(wp) :: edges
       logical :: around(1)
@@ -86,10 +90,13 @@ contains
       left = (area(ring) > 0) .eqv. around(1)
    end function zone_on_left
 
-   !> The length of the parts on edges of the window, those with the window on their left less those
-   !! with it on their right.
+   !> The length of the pieces on edges of the window that have the window on their left, less that
+   !! of
+   !! those that have it on their right.
    pure real(wp) function left_of_edges(vertices, r, clearance) result(left)
+      !> As in `dense_ring`.
       real(wp), intent(in) :: vertices(:, :)
+      !> The window.
       real(wp), intent(in) :: r(2), clearance(2)
       real(wp) :: a(2), b(2)
       integer :: i
@@ -106,6 +113,7 @@ contains
    contains
       !> A vertex in the unit square.
       pure function place(vertex) result(q)
+         !> r, D
          real(wp), intent(in) :: vertex(2)
          real(wp) :: q(2)
 
@@ -116,6 +124,7 @@ contains
 
    !> Area inside a polygon, positive if it goes counter-clockwise.
    pure real(wp) function area(ring)
+      !> (2, n): r, D
       real(wp), intent(in) :: ring(:, :)
       real(wp) :: a(2), b(2)
       integer :: i
@@ -128,7 +137,7 @@ contains
       end do
    end function area
 
-   !> Whether a polygon passes a point as near as it is sharp.
+   !> Whether a point lies on a polygon, as far as the polygon is accurate.
    pure logical function passes(ring, point, r, clearance)
       !> (2, n), (2): r, D
       real(wp), intent(in) :: ring(:, :), point(2)
@@ -138,8 +147,9 @@ contains
       passes = distance(ring, point, [r(2) - r(1), log(clearance(2)/clearance(1))]) < 2*sag
    end function passes
 
-   !> Of a point from a polygon, in the window as the unit square.
+   !> Distance of a point from a polygon.
    pure real(wp) function distance(ring, point, scale)
+      !> (2, n) and (2): r, D; (2): units of r and log D.
       real(wp), intent(in) :: ring(:, :), point(2), scale(2)
       real(wp) :: chord(2), offset(2), share
       integer :: i, next
@@ -154,7 +164,7 @@ contains
       end do
    end function distance
 
-   !> How often a polygon goes round points, counter-clockwise.
+   !> Winding numbers of a polygon around points, counter-clockwise.
    pure function winding(ring, points) result(turns)
       !> (2, n), (2, m): r, D
       real(wp), intent(in) :: ring(:, :), points(:, :)

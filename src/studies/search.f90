@@ -30,6 +30,7 @@ contains
 
    !> Exact motions of a pattern from a number of guesses.
    pure subroutine search_pattern(pattern, c, guesses, found, n_found, tried, skip)
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
@@ -42,7 +43,7 @@ contains
       integer, intent(inout) :: n_found
       !> Newton iterations that were started.
       integer, intent(out) :: tried
-      !> Guesses of the sequence to leave out, at neighbouring points others each time.
+      !> Number of guesses of the sequence to leave out; neighbouring points take different ones.
       integer, intent(in) :: skip
       type(linear_system_type) :: system
       type(motion_type) :: motion
@@ -75,13 +76,15 @@ contains
 
    !> Newton's method from a guess, repelled by known motions.
    pure subroutine iterate(family, c, known, unknowns, good)
+      !> All motions of the pattern.
       type(family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> (2N, m)
+      !> (2N, m) Unknowns of known motions, which repel the iteration.
       real(wp), intent(in) :: known(:, :)
       !> In: the guess (2N). Out: the motion.
       real(wp), intent(inout) :: unknowns(:)
+      !> Whether the iteration converged to a motion with impacts at distinct times.
       logical, intent(out) :: good
       type(orbit_type) :: o
       real(wp) :: a(most, most), b(2, most), step(size(unknowns)), share, unused

@@ -16,25 +16,26 @@ module vi_seeds
 
    public :: initial_state_of, motions_at, part_of, simulate_releases
 
-   !> Motions of a pattern kept at a point; load cycles simulated before a release is looked for.
+   !> Largest number of motions of a pattern at a point; load cycles simulated to find a release.
    integer, parameter :: room = 64, settling = 60
    !> Most simulations at a point for motions with rest.
    integer, parameter, public :: most_simulations = 6
 
-   !> How far apart the letters of two periods may be in phase, and how much nearer those of a
-   !! longer period must be.
+   !> Largest difference in phase (rad) between the letters of two successive periods, and the
+   !! factor
+   !! by which that of a longer period must be smaller.
    real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
    !> The last releases of a simulation, from the right wall and from the left one: load phase and
-   !! asinh(v/D) (2, 2), and whether there are such.
+   !! asinh(v/D) (2, 2), and whether they exist.
    type, public :: release_type
       real(wp) :: at(2, 2) = 0
       logical :: there(2) = .false.
       !> Whether one of them is in the second half of the simulation.
       logical :: late = .false.
-      !> The period that nearly repeats itself at the end, up to the last release: its load cycles,
-      !! 0 if there is none that short, and its letters.
+      !> The period up to the last release that nearly repeats the one before: its load cycles, 0 if
+      !! there is none among the lengths examined, and its letters.
       integer :: cycles = 0
       integer, allocatable :: letters(:)
    end type release_type
@@ -43,7 +44,9 @@ contains
 
    !> Unknowns, or guesses of them, of the motions of a family at a point.
    pure subroutine motions_at(frame, pattern, c, guesses, skip, found, releases)
+      !> The family.
       type(frame_type), intent(in) :: frame
+      !> All sides of its pattern, and the load cycles.
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
@@ -51,6 +54,7 @@ contains
       integer, intent(in) :: guesses
       !> Guesses of the sequence to leave out, at neighbouring points others each time.
       integer, intent(in) :: skip
+      !> (unknowns, m) The motions.
       real(wp), allocatable, intent(out) :: found(:, :)
       !> Those of simulations at this point, if they have been made.
       type(release_type), intent(in), optional :: releases(:)
@@ -75,11 +79,15 @@ contains
       end do
    end subroutine motions_at
 
-   !> The unknowns of a family among those of the whole pattern; with rest these are phase and v/D.
+   !> The unknowns of a family from those of the whole pattern; with rest these are the phase and
+   !! v/D
+   !! of a release.
    pure function part_of(frame, c, whole) result(unknowns)
+      !> The family.
       type(frame_type), intent(in) :: frame
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
+      !> x_i/D, theta_i of all impacts (2N); with rest, phase and v/D.
       real(wp), intent(in) :: whole(:)
       real(wp) :: unknowns(unknown_count(frame))
       integer :: n, total
@@ -95,13 +103,15 @@ contains
       end if
    end function part_of
 
-   !> The motions that the last releases of some simulations belong to.
+   !> Guesses of motions with rest, from the last releases of some simulations.
    pure subroutine releases_at(frame, c, releases, found)
+      !> The family.
       type(frame_type), intent(in) :: frame
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       !> One of each simulation.
       type(release_type), intent(in) :: releases(:)
+      !> (unknowns, m) The guesses whose letters can be followed.
       real(wp), allocatable, intent(out) :: found(:, :)
       real(wp) :: list(unknown_count(frame), size(releases))
       integer :: k, kept, wall
@@ -117,10 +127,11 @@ contains
       found = list(:, :kept)
    end subroutine releases_at
 
-   !> Simulates from some initial states; which motions they settle on depends on no family.
+   !> The last releases of simulations from some initial states; they depend on no family.
    pure subroutine simulate_releases(c, releases, longest)
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
+      !> (simulations) Out: the last releases of each; none if it failed.
       type(release_type), intent(out) :: releases(:)
       !> Letters and load cycles of the longest period looked for at the end; none if absent.
       integer, intent(in), optional :: longest(2)
@@ -154,6 +165,7 @@ contains
    pure function initial_state_of(k, n, clearance) result(state)
       !> Which simulation, of how many.
       integer, intent(in) :: k, n
+      !> Clearance D = d K/F0.
       real(wp), intent(in) :: clearance
       type(state_type) :: state
 
@@ -163,9 +175,11 @@ contains
 
    !> The period up to the last release that nearly repeats the one before it.
    pure subroutine read_end(events, longest, release)
+      !> (n) Last events of a simulation, in the order of time.
       type(event_type), intent(in) :: events(:)
       !> Most letters and load cycles.
       integer, intent(in) :: longest(2)
+      !> In: with its releases. Out: `late`, `cycles` and `letters` are set.
       type(release_type), intent(inout) :: release
       type(reading_type) :: now, before
       real(wp) :: finish, apart, least

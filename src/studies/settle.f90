@@ -1,9 +1,9 @@
-!> Vertices of a loop that are a distance from where their curve ends are moved there.
+!> Moves the vertices of a loop that lie at a small distance from the bifurcation onto it.
 !!
-!! Motions of a pattern end where they become one that repeats itself: one with the mirror symmetry
-!! (the pitchfork) or of half the pattern (the flip). Among the motions that repeat themselves that
-!! one is a regular point, where the map of the shorter period has a multiplier -1, and it is solved
-!! for there: the motions of the pattern itself are singular at it.
+!! The motions of a pattern end where they become a motion that repeats itself: one with the mirror
+!! symmetry (the pitchfork) or of half the pattern (the flip). The equations of the pattern itself
+!! are singular there. In the family of the motions that repeat themselves it is a regular point,
+!! where the map of the shorter period has a multiplier -1, so it is computed in that family.
 module vi_settle
    use vi_curve, only: correct, curve_type
    use vi_family, only: repetition_type
@@ -16,14 +16,16 @@ module vi_settle
 
    public :: settle
 
-   !> Farther than this from the vertex, another motion has been found.
+   !> A motion that is farther than this from the vertex is another one.
    real(wp), parameter :: reach = 0.3_wp
 
 contains
 
-   !> Moves the vertices that are a distance from a motion that repeats itself onto that motion.
+   !> Moves the vertices at the distance `apart` from a motion that repeats itself onto that motion.
    pure subroutine settle(sheet, loop)
+      !> The sheets over the window.
       type(curve_type), intent(in) :: sheet
+      !> In: as traced. Out: with moved vertices and tangents.
       type(loop_type), intent(inout) :: loop
       type(curve_type), allocatable :: parents(:)
       real(wp), dimension(size(loop%points, 1)) :: point, tangent
@@ -49,8 +51,8 @@ contains
          else
             call settle_corner(parents(i), sheet%frame%repetitions(i), loop%conditions(twin), &
                point, good)
-            ! another kind of corner, where a fold begins, say: its place along the curve is known
-            ! by what it is at some distances
+            ! another kind of corner, for example where a fold begins: its place along the curve is
+            ! extrapolated from those at some distances
             if (.not. good) call extrapolate(sheet, loop, j, twin, point, good)
             if (good) call settle_point(parents(i), sheet%frame%repetitions(i), point, tangent, &
                good)
@@ -62,9 +64,11 @@ contains
       end do
    end subroutine settle
 
-   !> The same vertex on the other piece, if it is a corner, else itself.
+   !> The number of the same vertex on the other piece, if it is a corner, otherwise its own number.
    pure integer function twin_of(loop, j) result(twin)
+      !> The loop.
       type(loop_type), intent(in) :: loop
+      !> Number of the vertex.
       integer, intent(in) :: j
 
       twin = j
@@ -72,20 +76,27 @@ contains
       if (loop%corner(j) == begins .and. (loop%closed .or. j > 1)) twin = modulo(j - 2, loop%n) + 1
    end function twin_of
 
-   !> Whether a way to repeat oneself is one after half the period, so that a multiplier -1 of the
-   !! shorter one leads to it.
+   !> Whether a motion that repeats itself in a given way does so after half the period, so that it
+   !! is
+   !! reached with a multiplier -1 of the shorter period.
    pure logical function halves(parent, way)
+      !> The sheet of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
+      !> The repetition.
       type(repetition_type), intent(in) :: way
 
       halves = size(parent%frame%family%sides) == way%shift
    end function halves
 
-   !> The sheet of the motions that repeat themselves in a way; without sides unless after half the
-   !! period.
+   !> The sheet of the motions that repeat themselves in a given way; without sides unless they do
+   !! so
+   !! after half the period.
    pure subroutine make_parent(sheet, way, parent)
+      !> The sheet of the pattern.
       type(curve_type), intent(in) :: sheet
+      !> The repetition.
       type(repetition_type), intent(in) :: way
+      !> The sheet of these motions.
       type(curve_type), intent(out) :: parent
 
       parent%c = sheet%c
@@ -106,12 +117,16 @@ contains
       end associate
    end subroutine make_parent
 
-   !> The bifurcation in the plane across the curve through a vertex; out: the motion there, in the
-   !! whole pattern, and the tangent of the curve.
+   !> The bifurcation in the plane through a vertex orthogonal to the curve.
    pure subroutine settle_point(parent, way, point, tangent, good)
+      !> The sheet of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
+      !> The repetition.
       type(repetition_type), intent(in) :: way
+      !> In: the vertex. Out: the motion at the bifurcation, with all impacts of the pattern, and
+      !! the unit tangent of the curve.
       real(wp), intent(inout) :: point(:), tangent(:)
+      !> Whether it was found.
       logical, intent(out) :: good
       real(wp), dimension(2*way%shift + 2) :: near, normal, along
 
@@ -125,12 +140,17 @@ contains
       tangent = tangent/norm2(tangent)
    end subroutine settle_point
 
-   !> The bifurcation where another condition is zero as well.
+   !> The point of the bifurcation at which another condition is zero as well.
    pure subroutine settle_corner(parent, way, other, point, good)
+      !> The sheet of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
+      !> The repetition.
       type(repetition_type), intent(in) :: way
+      !> The other condition.
       type(condition_type), intent(in) :: other
+      !> In: the vertex. Out: the motion, with all impacts of the pattern.
       real(wp), intent(inout) :: point(:)
+      !> Whether it was found.
       logical, intent(out) :: good
       real(wp) :: near(2*way%shift + 2)
       type(condition_type) :: same
@@ -147,13 +167,19 @@ contains
       if (good) call make_whole(way, near, 1.0_wp, point)
    end subroutine settle_corner
 
-   !> Newton's method for a motion that repeats itself, not far off.
+   !> Newton's method for a motion that repeats itself, near a given one.
    pure subroutine solve(parent, conditions, point, good, normal, tangent)
+      !> The sheet of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
+      !> Conditions that are to be zero.
       type(condition_type), intent(in) :: conditions(:)
+      !> In: a guess. Out: the motion, if `good`.
       real(wp), intent(inout) :: point(:)
+      !> Whether it was found near the guess.
       logical, intent(out) :: good
+      !> Unit normal of the plane in which the motion is to lie.
       real(wp), intent(in), optional :: normal(:)
+      !> Unit tangent of the curve there.
       real(wp), intent(out), optional :: tangent(:)
       real(wp) :: start(size(point))
       integer :: iterations
@@ -163,11 +189,15 @@ contains
       good = iterations > 0 .and. maxval(abs(point - start)) < reach
    end subroutine solve
 
-   !> The mean of a motion and of its image, or of their derivatives: half the impacts, and the
-   !! parameters.
+   !> The mean of a motion and its image, or of their derivatives: the first half of the impacts,
+   !! and
+   !! the parameters.
    pure function half_of(parent, way, point, affine) result(half)
+      !> The sheet of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
+      !> The repetition.
       type(repetition_type), intent(in) :: way
+      !> The motion, or a derivative of it, with all impacts.
       real(wp), intent(in) :: point(:)
       !> 1 for a motion, 0 for a derivative.
       real(wp), intent(in) :: affine
@@ -180,10 +210,13 @@ contains
       half(2*n + 1:) = point(4*n + 1:)
    end function half_of
 
-   !> All impacts from the first half of them.
+   !> All impacts of a motion that repeats itself from the first half of them.
    pure subroutine make_whole(way, half, affine, point)
+      !> The repetition.
       type(repetition_type), intent(in) :: way
+      !> The first half of the impacts, and the parameters; 1 for a motion, 0 for a derivative.
       real(wp), intent(in) :: half(:), affine
+      !> With all impacts.
       real(wp), intent(out) :: point(:)
 
       associate (n => way%shift)
@@ -192,17 +225,24 @@ contains
       end associate
    end subroutine make_whole
 
-   !> Where a vertex is led to by what it is at some distances, each twice the one before.
+   !> Extrapolates a vertex to distance 0 from its places at some distances, each twice the one
+   !! before.
    !!
-   !! The motion is a smooth function of the distance and the parameters are one of its square. The
-   !! shorter the distance, the less of the equations rounding leaves: of the places that three
-   !! distances in a row lead to, those that differ least are right.
+   !! The unknowns are a smooth function of the distance, and the parameters are one of its square.
+   !! The
+   !! shorter the distance, the more rounding affects the equations. Each three successive distances
+   !! give one estimate; that with the least change from the one before is taken.
    pure subroutine extrapolate(sheet, loop, vertex, twin, point, good)
+      !> The sheet of the pattern.
       type(curve_type), intent(in) :: sheet
+      !> The loop as traced.
       type(loop_type), intent(in) :: loop
-      !> Of the vertex and, if it is a corner, of the same one on the other piece.
+      !> Number of the vertex and, if it is a corner, of the same one on the other piece, otherwise
+      !! the same number.
       integer, intent(in) :: vertex, twin
+      !> Out: the extrapolated vertex, if `good`.
       real(wp), intent(inout) :: point(:)
+      !> Whether there is an estimate.
       logical, intent(out) :: good
       integer, parameter :: most_distances = 8
       real(wp), parameter :: weights(3) = [8, -6, 1]/3.0_wp

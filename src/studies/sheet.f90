@@ -1,4 +1,4 @@
-!> The sheets of motions over a window of the plane (r, log D) that a zone is looked for on.
+!> The sheets of motions over a window of the plane (r, log D), on which zones are searched.
 module vi_sheet
    use vi_curve, only: curve_type
    use vi_family, only: new_family
@@ -14,7 +14,7 @@ module vi_sheet
 
    public :: is_neutral, make_sheet
 
-   !> What to look for and how hard.
+   !> What to search, and the effort.
    type, public :: zone_request_type
       type(oscillator_type) :: osc
       !> Sides; +2 and -2 for accumulation and rest.
@@ -35,8 +35,10 @@ contains
 
    !> Whether no motion of an oscillator is asymptotically stable: nothing dissipates.
    !!
-   !! Without impacts on it (mu = 0) the primary mass loses by damping alone, the other by impacts.
+   !! With mu = 0 the primary mass loses energy by damping alone, and the free mass by impacts
+   !! alone.
    pure logical function is_neutral(osc)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       logical :: undamped, elastic
 
@@ -47,8 +49,11 @@ contains
 
    !> The family in the window, both parameters active.
    pure subroutine make_sheet(request, sheet, status)
+      !> What is asked for.
       type(zone_request_type), intent(in) :: request
+      !> The family; r and log D are 0 at the lower corner of the window.
       type(curve_type), intent(out) :: sheet
+      !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
       real(wp) :: low(2), high(2)
       logical :: possible

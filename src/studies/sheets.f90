@@ -1,9 +1,10 @@
-!> Which slot of a chart holds which motion, so that each slot is continuous over the grid.
+!> Assigns the motions of a chart to slots, so that each slot is continuous over the grid.
 !!
-!! A sheet is a set of motions at connected points, at most one a point, each the nearest of its
-!! neighbour's motions and the other way round. Sheets with more admissible and stable motions come
-!! first, then those with more admissible ones, then the larger ones. In the end each slot holds
-!! sheets that do not touch, as far as the room allows.
+!! A sheet is a set of motions at connected points, at most one at each point. Two motions at
+!! neighbouring points belong together if each is the nearest of all motions at its point to the
+!! other. Sheets with more admissible stable motions are placed first, then those with more
+!! admissible ones, then the larger ones. Each slot holds sheets that do not touch, as far as the
+!! room allows.
 module vi_sheets
    use vi_flood, only: admissible, admissible_stable, solved, steps
    use vi_kinds, only: wp
@@ -31,8 +32,9 @@ module vi_sheets
 
 contains
 
-   !> The slots of all motions; 0 for one that has no room.
+   !> The slots of all motions; 0 for a motion without room.
    pure subroutine assign_slots(pattern, scale, unknowns, ranks, counts, room, slots)
+      !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> (m, n): `length_scale` of each point
       real(wp), intent(in) :: scale(:, :)
@@ -40,6 +42,7 @@ contains
       real(wp), intent(in) :: unknowns(:, :, :, :)
       !> (keep, m, n), and (m, n) motions a point
       integer, intent(in) :: ranks(:, :, :), counts(:, :)
+      !> Number of slots.
       integer, intent(in) :: room
       !> (keep, m, n)
       integer, intent(out) :: slots(:, :, :)
@@ -59,11 +62,15 @@ contains
       end do
    end subroutine assign_slots
 
-   !> All sheets, those that hold a motion of high rank first.
+   !> All sheets, those with a motion of higher rank first.
    pure subroutine find_sheets(pattern, scale, unknowns, ranks, counts, sheets)
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
+      !> (m, n) and (2N, keep, m, n), as in `assign_slots`.
       real(wp), intent(in) :: scale(:, :), unknowns(:, :, :, :)
+      !> (keep, m, n) and (m, n), as in `assign_slots`.
       integer, intent(in) :: ranks(:, :, :), counts(:, :)
+      !> The sheets.
       type(sheets_type), intent(out) :: sheets
       integer :: rank, i, j, k
 
@@ -91,9 +98,13 @@ contains
 
    !> Grows the newest sheet from its first member over all neighbours.
    pure subroutine grow(pattern, scale, unknowns, ranks, counts, sheets)
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
+      !> (m, n) and (2N, keep, m, n), as in `assign_slots`.
       real(wp), intent(in) :: scale(:, :), unknowns(:, :, :, :)
+      !> (keep, m, n) and (m, n), as in `assign_slots`.
       integer, intent(in) :: ranks(:, :, :), counts(:, :)
+      !> In and out: motions are added to the newest sheet.
       type(sheets_type), intent(inout) :: sheets
       integer :: next, side, i, j, k, jj, kk, other, sizes(3)
 
@@ -123,7 +134,9 @@ contains
 
    !> Adds a motion to the newest sheet.
    pure subroutine join(sheets, i, j, k)
+      !> In and out: the sheets.
       type(sheets_type), intent(inout) :: sheets
+      !> Number of the motion at the point, and the point.
       integer, intent(in) :: i, j, k
 
       sheets%last = sheets%last + 1
@@ -132,9 +145,11 @@ contains
       sheets%stamp(j, k) = sheets%n
    end subroutine join
 
-   !> Which of several motions is the nearest; 0 if none is near.
+   !> Number of the nearest of several motions; 0 if none is near.
    pure integer function closest(pattern, scale, unknowns, others) result(best)
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
+      !> Unit of positions; (2N) the motion; (2N, m) the others.
       real(wp), intent(in) :: scale, unknowns(:), others(:, :)
       real(wp) :: least, item
       integer :: i
@@ -151,6 +166,7 @@ contains
 
    !> The order of sheets, the largest first; equal ones keep their order.
    pure function by_size(sizes) result(order)
+      !> (3, sheets) As in `sheets_type`.
       integer, intent(in) :: sizes(:, :)
       integer :: order(size(sizes, 2))
       integer :: s, t
@@ -166,7 +182,9 @@ contains
       end do
    end function by_size
 
+   !> Whether one sheet comes before another.
    pure logical function larger(one, other)
+      !> Their sizes, as in `sheets_type`.
       integer, intent(in) :: one(3), other(3)
       integer :: i
 
@@ -177,12 +195,14 @@ contains
       end do
    end function larger
 
-   !> Puts a sheet into the first slot where it neither overlaps nor touches another; if there is
-   !! none, where it overlaps none; if there is none, it is divided.
+   !> Puts a sheet into the first slot in which it neither overlaps nor touches another sheet;
+   !! otherwise into the first one in which it overlaps none; otherwise it is divided among slots.
    pure subroutine place(members, ranks, holder, slots)
+      !> (3, p) i, j, k of its motions; (keep, m, n) ranks of all motions.
       integer, intent(in) :: members(:, :), ranks(:, :, :)
       !> (room, m, n): the motion that holds a slot, 0 if none.
       integer, intent(inout) :: holder(:, :, :)
+      !> (keep, m, n) In and out: the slot of each motion.
       integer, intent(inout) :: slots(:, :, :)
       logical, dimension(size(holder, 1)) :: taken, touched
       integer :: t, p, side, slot
@@ -215,6 +235,8 @@ contains
 
    !> The last slot whose motion has the lowest rank, if that is below a rank; otherwise 0.
    pure integer function weakest(ranks, holder, rank) result(slot)
+      !> (keep) ranks of the motions at a point; (room) the motion that holds each slot; the rank in
+      !! question.
       integer, intent(in) :: ranks(:), holder(:), rank
 
       slot = minloc(ranks(holder), 1, back=.true.)

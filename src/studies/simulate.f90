@@ -20,20 +20,24 @@ module vi_simulate
 
 contains
 
-   !> Goes on from a state to an end of time, or until there are more events than room for them.
+   !> Simulates from a state to a final time, or until the array of events is full.
    !!
-   !! Ending because the events are full loses nothing: calling again goes on bit for bit.
+   !! If the array is full, a further call continues with the same bits as one long call.
    pure subroutine simulate(drive, state, last_cycle, last_phase, events, n, final, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
-      !> Out: where the last flight or rest began; going on from there is going on bit for bit.
+      !> In: the initial state. Out: the state at which the last flight or rest began; a call that
+      !! starts from there continues with the same bits.
       type(state_type), intent(inout) :: state
-      !> The end: load cycles and the phase above them.
+      !> Whole load cycles at the end.
       integer(int64), intent(in) :: last_cycle
+      !> Load phase above them at the end (rad).
       real(wp), intent(in) :: last_phase
+      !> Out: events 1 to n, in the order of time; the other elements keep their values.
       type(event_type), intent(inout) :: events(:)
-      !> Events found.
+      !> Number of events found.
       integer, intent(out) :: n
-      !> The state at the end (if there are more events: that after the last one).
+      !> The state at the end; with `stat%more_events`, that after the last event.
       type(state_type), intent(out) :: final
       !> `stat%ok`, `stat%more_events` or `stat%budget`.
       integer, intent(out) :: status
@@ -63,16 +67,19 @@ contains
       final%phase = last_phase
    end subroutine simulate
 
-   !> Goes on for some load cycles, whatever the number of events, of which the last ones are kept.
+   !> Simulates some load cycles with any number of events, of which only the last ones are kept.
    pure subroutine simulate_cycles(drive, state, cycles, left, events, n, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
-      !> Out: the end.
+      !> In: the initial state. Out: the state at the end.
       type(state_type), intent(inout) :: state
+      !> Whole load cycles to simulate.
       integer, intent(in) :: cycles
-      !> How many events there may be; out: fewer by those there were.
+      !> In: events that may still occur. Out: less those that did; 0 or negative if too many.
       integer, intent(inout) :: left
+      !> Scratch and out: elements 1 to n are the last events.
       type(event_type), intent(inout) :: events(:)
-      !> Events kept.
+      !> Number of events kept.
       integer, intent(out) :: n
       !> `stat%ok`, `stat%more_events` if there are too many, or `stat%budget`.
       integer, intent(out) :: status
@@ -92,21 +99,31 @@ contains
 
    !> Time from a state to the end.
    pure real(wp) function time_left(drive, state, last_cycle, last_phase)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The state.
       type(state_type), intent(in) :: state
+      !> Load cycles at the end.
       integer(int64), intent(in) :: last_cycle
+      !> Load phase above them (rad).
       real(wp), intent(in) :: last_phase
 
       time_left = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase - state%phase))/drive%r
    end function time_left
 
-   !> Goes on to the next event and through it. If none is found, the state is left as it is.
+   !> Advances to the next event and through it. If there is none, the state is not changed.
    pure subroutine go_on(drive, state, remaining, event, found, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: the state. Out: just after the event, if one is found.
       type(state_type), intent(inout) :: state
+      !> Time to the end (1/omega).
       real(wp), intent(in) :: remaining
+      !> Out: the event, if one is found.
       type(event_type), intent(inout) :: event
+      !> Whether there is an event before the end.
       logical, intent(out) :: found
+      !> Set to `stat%budget` if the search ran out of steps; otherwise not changed.
       integer, intent(inout) :: status
       real(wp) :: s, c
       logical :: over
@@ -125,15 +142,21 @@ contains
       if (.not. (found .or. over)) call fly_on(drive, state, s, c, remaining, event, found, status)
    end subroutine go_on
 
-   !> Flies to the next impact and through it, as far as possible by marching.
+   !> Advances to the next impact and through it, with vi_hop or vi_march where they can decide.
    pure subroutine fly_on(drive, state, s, c, remaining, event, found, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: the state. Out: just after the impact, if one is found.
       type(state_type), intent(inout) :: state
       !> Sine and cosine of the load phase.
       real(wp), intent(in) :: s, c
+      !> Time to the end (1/omega).
       real(wp), intent(in) :: remaining
+      !> Out: the impact, if one is found.
       type(event_type), intent(inout) :: event
+      !> Whether there is an impact before the end.
       logical, intent(out) :: found
+      !> Set to `stat%budget` if the search ran out of steps; otherwise not changed.
       integer, intent(inout) :: status
       type(touch_type) :: touch
       real(wp) :: half, time, approach
@@ -164,13 +187,19 @@ contains
       call collide(drive%osc, touch%side, approach, touch%x_dot, state, event)
    end subroutine fly_on
 
-   !> The plain search for the next contact, from where the march has ended.
+   !> The reference search for the next contact, from the time at which the march ended.
    pure subroutine search(drive, state, half, remaining, touch, approach, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The state at the start of the flight.
       type(state_type), intent(in) :: state
+      !> Half the clearance, and the time to the end (1/omega).
       real(wp), intent(in) :: half, remaining
+      !> In: the time before which there is no contact. Out: the contact; side 0 if there is none.
       type(touch_type), intent(inout) :: touch
+      !> Approach speed at the contact.
       real(wp), intent(out) :: approach
+      !> Set to `stat%budget` if the search ran out of steps; otherwise not changed.
       integer, intent(inout) :: status
       type(contact_type) :: contact
 
@@ -186,10 +215,15 @@ contains
    !! The departure speed R v is kept as a number of its own: as the difference of two velocities it
    !! would lose its relative accuracy when impacts accumulate.
    pure subroutine collide(osc, side, approach, x_dot, state, event)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> Wall of the impact: +1 right, -1 left.
       integer, intent(in) :: side
+      !> Approach speed, and velocity of the primary mass just before the impact.
       real(wp), intent(in) :: approach, x_dot
+      !> In: time and positions of the impact. Out: also the velocities just after it.
       type(state_type), intent(inout) :: state
+      !> Out: the impact.
       type(event_type), intent(inout) :: event
 
       event%kind = impact_event
@@ -206,21 +240,25 @@ contains
       event%z_dot_after = state%z_dot
    end subroutine collide
 
-   !> Completes an accumulation of impacts, where the rest of it is short enough.
+   !> Completes an accumulation of impacts, if what remains of it is short enough.
    !!
    !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
    !! take T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next
    !! order is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
    !! that has to be below 1e-16.
    pure subroutine accumulate(drive, state, s, c, remaining, event, found, over)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: just after an impact. Out: resting on the wall, if the accumulation is completed.
       type(state_type), intent(inout) :: state
       !> Sine and cosine of the load phase.
       real(wp), intent(in) :: s, c
-      !> Time to the end.
+      !> Time to the end (1/omega).
       real(wp), intent(in) :: remaining
+      !> Out: the start of the rest, if the accumulation is completed.
       type(event_type), intent(inout) :: event
-      !> Completed; or it would be after the end, and until then the gap stays below 1e-12 x''.
+      !> In: false. Out: whether it is completed; whether it would be completed only after the end,
+      !! and until then the gap stays below 1e-12 x''.
       logical, intent(inout) :: found, over
       real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
       real(wp) :: x_ddot, closing, jerk, lost, duration, velocity
@@ -253,13 +291,19 @@ contains
       end associate
    end subroutine accumulate
 
-   !> Rests on the wall until the release.
+   !> Advances through a rest on a wall to the release.
    pure subroutine rest_on(drive, state, remaining, event, found, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: resting. Out: just released, if that happens before the end.
       type(state_type), intent(inout) :: state
+      !> Time to the end (1/omega).
       real(wp), intent(in) :: remaining
+      !> Out: the release, if it happens before the end.
       type(event_type), intent(inout) :: event
+      !> Whether the release happens before the end.
       logical, intent(out) :: found
+      !> Set to `stat%budget` if the search ran out of steps; otherwise not changed.
       integer, intent(inout) :: status
       real(wp) :: time
       logical :: complete
@@ -276,10 +320,13 @@ contains
          state%x_dot, state%x_dot, state%z_dot, state%z_dot)
    end subroutine rest_on
 
-   !> Moves both masses on for a time in which nothing happens.
+   !> Advances both masses over a time without events; the load phase is not changed.
    pure subroutine move_on(drive, time, state)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> Time to advance (1/omega).
       real(wp), intent(in) :: time
+      !> In: at the start. Out: positions and velocities after that time.
       type(state_type), intent(inout) :: state
       real(wp) :: d(0:5)
 
@@ -300,7 +347,9 @@ contains
 
    !> Advances the load phase.
    pure subroutine move(state, phase_step)
+      !> In and out: only cycle and phase change.
       type(state_type), intent(inout) :: state
+      !> Phase to add (rad), >= 0.
       real(wp), intent(in) :: phase_step
       integer(int64) :: cycles
 

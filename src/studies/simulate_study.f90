@@ -57,9 +57,9 @@ contains
    subroutine run_simulate(case, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(event_type), allocatable :: events(:)
       type(state_type) :: final

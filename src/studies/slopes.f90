@@ -1,6 +1,6 @@
-!> The gradients of conditions on motions, without differences.
+!> The gradients of conditions on motions, without difference quotients.
 !!
-!! By u_i, theta_i, r and log D, in this order. A motion with rest is simulated and has none here.
+!! They are by u_i, theta_i, r and log D, in this order. Motions with rest are not handled here.
 module vi_slopes
    use vi_conditions, only: fails_jury, polish_touch
    use vi_family, only: add_kinship_slope, kinship
@@ -17,8 +17,9 @@ module vi_slopes
 
 contains
 
-   !> Whether the gradient of a condition is known.
+   !> Whether `value_and_slope` gives the gradient of a condition.
    pure elemental logical function has_slope(condition)
+      !> The condition.
       type(condition_type), intent(in) :: condition
 
       select case (condition%kind)
@@ -33,11 +34,15 @@ contains
 
    !> The value of a condition and its gradient, as far as `has_slope`.
    pure subroutine value_and_slope(frame, unknowns, c, o, condition, value, slope)
+      !> The family, and its repetitions.
       type(frame_type), intent(in) :: frame
+      !> u_i, theta_i (2n), and the parameters r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       !> The orbit of these unknowns and parameters.
       type(orbit_type), intent(in) :: o
+      !> The condition.
       type(condition_type), intent(in) :: condition
+      !> Its value.
       real(wp), intent(out) :: value
       !> (2n + 2)
       real(wp), contiguous, intent(out) :: slope(:)
@@ -62,13 +67,19 @@ contains
       end associate
    end subroutine value_and_slope
 
-   !> Of the three numbers that tell stability, as `stability_values` has them.
+   !> Value and gradient of one of the three numbers of `stability_values`.
    pure subroutine stability_slope(frame, unknowns, o, kind, value, slope)
+      !> The family, and its repetitions.
       type(frame_type), intent(in) :: frame
+      !> u_i, theta_i (2n).
       real(wp), intent(in) :: unknowns(:)
+      !> The orbit of these.
       type(orbit_type), intent(in) :: o
+      !> `fold`, `flip` or `neimark_sacker`.
       integer, intent(in) :: kind
+      !> The value; 0 where an impact has no approach speed.
       real(wp), intent(out) :: value
+      !> (2n + 2) In: 0. Out: the gradient.
       real(wp), contiguous, intent(inout) :: slope(:)
       type(spectrum_type) :: spectrum
       real(wp) :: distance
@@ -100,22 +111,30 @@ contains
       end select
    end subroutine stability_slope
 
-   !> Adds that of the approach speed of an impact, times a weight.
+   !> Adds the gradient of the approach speed of an impact, times a weight.
    pure subroutine approach_slope(o, i, weight, slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Number of the impact.
       integer, intent(in) :: i
+      !> Factor of the gradient.
       real(wp), intent(in) :: weight
+      !> (2n + 2) In and out: the gradient to which it is added.
       real(wp), contiguous, intent(inout) :: slope(:)
 
       call by_speed(o, i - 1, o%side(i)*weight*(1 - o%of_before(1, i)), slope)
       call by_speed(o, i, -o%side(i)*weight*o%of_before(2, i), slope)
    end subroutine approach_slope
 
-   !> Of the gap at a stationary point, which does not change with the instant.
+   !> Value and gradient of the gap at a stationary point; its derivative by the instant is zero.
    pure subroutine touch_slope(o, condition, value, slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
+      !> Flight, wall, and about which share of its duration.
       type(condition_type), intent(in) :: condition
+      !> The gap over the clearance.
       real(wp), intent(out) :: value
+      !> (2n + 2) In: 0. Out: the gradient.
       real(wp), contiguous, intent(inout) :: slope(:)
       type(condition_type) :: touch
       real(wp) :: t, free(2), c1, c2, sine, cosine, side

@@ -1,4 +1,4 @@
-!> Where a search at a point begins: initial states and releases from rest, spread evenly.
+!> Starting values of a search at a point: initial states and releases from rest, spread evenly.
 module vi_starts
    use vi_kinds, only: wp
    use vi_oscillator, only: gain, oscillator_type
@@ -11,12 +11,14 @@ module vi_starts
 
 contains
 
-   !> About the greatest position that a motion with impacts has.
+   !> Estimate of the greatest |x| that a motion with impacts has.
    !!
    !! Where the free mass rests on a wall for long, the two masses move as one, and their resonance
    !! is below that of the primary mass alone. Every second start is for the masses together.
    pure real(wp) function reach_of(osc, r, load, clearance, i) result(reach)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: r, load, clearance
       !> The number of the start.
       integer, intent(in) :: i
@@ -31,8 +33,11 @@ contains
    !> Number i >= 1 of initial states t, x, x', z, z' that fill a box about the motion without
    !! impacts evenly (an additive recurrence).
    pure function state_start(osc, r, load, clearance, i) result(state)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: r, load, clearance
+      !> Number of the start, from 1.
       integer, intent(in) :: i
       real(wp) :: state(5)
       real(wp) :: golden, reach, u(5)
@@ -57,8 +62,11 @@ contains
    !! At a release x'' = 0, and the contact force ends if the jerk f r cos(phase) - v has the sign
    !! of the wall.
    pure function release_start(osc, r, load, clearance, side, i) result(release)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: r, load, clearance
+      !> Wall: +1 right, -1 left; number of the start, from 0.
       integer, intent(in) :: side, i
       real(wp) :: release(2)
       real(wp), parameter :: golden = 1.324717957244746_wp

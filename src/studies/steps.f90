@@ -11,43 +11,52 @@ module vi_steps
 
    public :: begin_walk, can_shorten, exchange, survey, take_step
 
-   !> A place on a curve: the point, the direction of travel, and all conditions there.
+   !> A point of a curve with the direction of travel and all conditions.
    type, public :: place_type
       real(wp), allocatable :: point(:), tangent(:), values(:)
       type(condition_type), allocatable :: conditions(:)
-      !> The curve leaves the tangent by bend(:, 1) s^2 + bend(:, 2) s^3, to go by the last step.
+      !> The curve departs from the tangent by bend(:, 1) s^2 + bend(:, 2) s^3, extrapolated from
+      !! the
+      !! last step.
       real(wp), allocatable :: bend(:, :)
-      !> The length of the step that led here and of the next one to be tried.
+      !> Length of the step that led here, and of the next one to be tried.
       real(wp) :: came = 0, step = 0
-      !> Whether that step leapt over a place where curves cross.
+      !> Whether that step jumped over a point where curves cross.
       logical :: leapt = .false.
       !> As of `correction_type`; 0 if not known.
       integer :: orientation = 0
-      !> What its multipliers say.
+      !> Sums of its multipliers.
       type(spectrum_type) :: spectrum
    end type place_type
 
-   !> How far and how sharply turning steps may be.
+   !> Limits on steps: longest and shortest length, largest turn (rad), and the length of a jump
+   !! over a
+   !! crossing.
    type, public :: stride_type
       real(wp) :: longest = 0.05_wp, shortest = 1.0e-7_wp, turn = 0.2_wp, leap = 2.0e-4_wp
    end type stride_type
 
 contains
 
-   !> The place of a point of a curve, looking along a direction.
+   !> The first place of a walk along a curve, from a point and a direction.
    pure subroutine begin_walk(curve, conditions, point, along, step, place, regular)
+      !> The curve.
       type(curve_type), intent(in) :: curve
-      !> What holds along the curve.
+      !> Conditions that are zero along the curve.
       type(condition_type), intent(in) :: conditions(:)
+      !> A point of the curve, a vector to which the tangent is not orthogonal, and the length of
+      !! the first step.
       real(wp), intent(in) :: point(:), along(:), step
+      !> The place.
       type(place_type), intent(out) :: place
+      !> False if the tangent is not defined there.
       logical, intent(out) :: regular
 
       place%point = point
       allocate (place%tangent(size(point)))
       allocate (place%bend(size(point), 2), source=0.0_wp)
       call tangent_at(curve, conditions, point, along, place%tangent, regular, place%orientation)
-      ! who begins with a condition may turn round
+      ! with a condition the orientation may change at the start
       if (size(conditions) > 0) place%orientation = 0
       place%step = step
       call survey(curve, place)
@@ -55,6 +64,7 @@ contains
 
    !> Exchanges two places.
    pure subroutine exchange(a, b)
+      !> In and out: exchanged, without copying their arrays.
       type(place_type), intent(inout) :: a, b
       type(place_type) :: c
 
@@ -63,7 +73,9 @@ contains
       call move(c, b)
    end subroutine exchange
 
+   !> Moves a place, without copying its arrays.
    pure subroutine move(from, to)
+      !> `from`: in: the place, out: without its arrays; `to`: out: the place.
       type(place_type), intent(inout) :: from, to
 
       call move_alloc(from%point, to%point)
@@ -80,7 +92,9 @@ contains
 
    !> Evaluates all conditions at a place.
    pure subroutine survey(curve, place)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> In: with its point. Out: values, conditions and spectrum are set.
       type(place_type), intent(inout) :: place
       integer :: n
 
@@ -92,14 +106,19 @@ contains
 
    !> One step along a curve, shortened until Newton's method converges and the turn is small.
    pure subroutine take_step(curve, conditions, stride, from, to, good, blind)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Conditions that are zero along the curve.
       type(condition_type), intent(in) :: conditions(:)
+      !> Limits on the step.
       type(stride_type), intent(in) :: stride
+      !> The place where the step begins.
       type(place_type), intent(in) :: from
+      !> Out: the place where it ends; its arrays are reused.
       type(place_type), intent(inout) :: to
       !> False if the curve could not be followed.
       logical, intent(out) :: good
-      !> Whether the other conditions are not looked at: the bare curve.
+      !> Whether the other conditions are not evaluated.
       logical, intent(in), optional :: blind
       type(correction_type) :: correction
       real(wp) :: step, turn
@@ -118,7 +137,7 @@ contains
          call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent, correction)
          if (iterations > 0 .and. curve%frame%resting) then
             call survey(curve, to)
-            ! all of them at once: the period has other letters there
+            ! all are -1 at once: the period has other letters there
             if (count(to%values <= -1) > size(curve%frame%rest%letters)) iterations = 0
          end if
          if (iterations > 0) then
@@ -131,7 +150,7 @@ contains
          if (leaps) return
          step = 0.5_wp*step
          if (step < stride%shortest) then
-            ! where curves cross, no step is short enough, but a longer one passes
+            ! where curves cross, no step is short enough, but a longer one passes the crossing
             leaps = .true.
             step = stride%leap
          end if
@@ -149,12 +168,17 @@ contains
       call mark_passage(curve, from, to)
    end subroutine take_step
 
-   !> Whether the end of a step lies on the curve on which the step began, as far as can be told.
+   !> Whether the end of a step appears to lie on the curve on which the step began.
    pure logical function keeps_to_curve(curve, conditions, from, to, step, correction) result(keeps)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> Conditions that are zero along the curve.
       type(condition_type), intent(in) :: conditions(:)
+      !> Start and end of the step.
       type(place_type), intent(in) :: from, to
+      !> Its length along the tangent.
       real(wp), intent(in) :: step
+      !> How Newton's method converged at its end.
       type(correction_type), intent(in) :: correction
 
       real(wp), parameter :: large = 0.1_wp, slow = 0.3_wp
@@ -180,19 +204,24 @@ contains
       keeps = iterations > 0 .and. norm2(middle - start) < 0.05_wp*length
    end function keeps_to_curve
 
-   !> Whether a shorter step than the one that led to a place may show more: one that leapt over a
-   !! crossing is the shortest that passes it.
+   !> Whether the step that led to a place can be repeated with a shorter length. A step that jumped
+   !! over a crossing is the shortest that passes it.
    pure logical function can_shorten(place, shortest)
+      !> The end of the step.
       type(place_type), intent(in) :: place
+      !> Least length of a step.
       real(wp), intent(in) :: shortest
 
       can_shorten = place%came > shortest .and. .not. place%leapt
    end function can_shorten
 
-   !> Adds to a place on the tangent how far the curve will have left it, if that is not much.
+   !> Corrects a point on the tangent by the expected curvature of the curve, if that is small.
    pure subroutine bend_over(from, step, point)
+      !> The place where the tangent begins.
       type(place_type), intent(in) :: from
+      !> Distance along the tangent.
       real(wp), intent(in) :: step
+      !> In: the point on the tangent. Out: corrected.
       real(wp), intent(inout) :: point(:)
       integer :: j
 
@@ -202,9 +231,13 @@ contains
       end do
    end subroutine bend_over
 
-   !> The cubic that leaves the tangent at the end of a step, and joins its beginning.
+   !> The cubic through both ends of a step with the tangents there, in powers of the distance from
+   !! its
+   !! end.
    pure subroutine look_back(from, to)
+      !> The place where the step begins.
       type(place_type), intent(in) :: from
+      !> The place where it ends. Out: `bend` is set; 0 if the step turned too much.
       type(place_type), intent(inout) :: to
       real(wp) :: length, cosine, off, slope
       integer :: j
@@ -223,10 +256,14 @@ contains
       end do
    end subroutine look_back
 
-   !> A step may pass a motion that repeats itself: the distance to it counts negative then.
+   !> Makes the distance to a motion that repeats itself negative, if the step has passed that
+   !! motion.
    pure subroutine mark_passage(curve, from, to)
+      !> The curve.
       type(curve_type), intent(in) :: curve
+      !> The place where the step begins.
       type(place_type), intent(in) :: from
+      !> The place where it ends. Out: the values of such conditions may be negative.
       type(place_type), intent(inout) :: to
       real(wp), allocatable :: a(:), b(:)
       integer :: j
@@ -246,7 +283,9 @@ contains
 
    !> The greater of the turns in the whole space and in the plane of two parameters.
    pure real(wp) function turn_of(a, b, active) result(turn)
+      !> Unit tangents at both ends of a step.
       real(wp), intent(in) :: a(:), b(:)
+      !> Number of active parameters, the last coordinates.
       integer, intent(in) :: active
       real(wp) :: lengths
       integer :: n

@@ -133,11 +133,11 @@ contains
    subroutine run_study(case, threads, result, tally)
       !> Checked.
       type(case_type), intent(in) :: case
-      !> Threads; the answer does not depend on them.
+      !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> What was found, and what was not.
       type(result_type), intent(out) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(column_type), allocatable :: columns(:)
       type(line_type), allocatable :: lines(:)

@@ -1,8 +1,8 @@
-!> What simulations settle on, over a window.
+!> The motions on which simulations settle, over a window.
 !!
 !! A simulation that repeats itself after some cycles gives a guess; Newton's method makes the
 !! motion exact, and only a stable, admissible one within the limits is an attractor for an atlas.
-!! What became of the others is told, too: see vi_survey_outcome.
+!! The outcome of the other points is reported too, see vi_survey_outcome.
 module vi_survey
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type
@@ -25,13 +25,13 @@ module vi_survey
 
    public :: settle_from, survey
 
-   !> What a point counts in a tally of work.
+   !> Units of work of a point in the progress counters.
    integer, parameter, public :: survey_work = 5
-   !> Longest period that is looked for at last, in load cycles, and how many times as long
-   !! as before a simulation then goes on first.
+   !> Longest period in load cycles that the second examination of a point considers, and the factor
+   !! by which its transient is longer.
    integer, parameter :: longest_period = 16, longer = 3
-   !> Events kept of the end of a simulation, events of one at most, and load cycles between two
-   !! looks at whether to stop.
+   !> Events kept of the end of a simulation, largest number of events of a simulation, and load
+   !! cycles between two checks whether to stop.
    integer, parameter :: room = 4000, most_events = 4000000, between_looks = 10000
    !> Impacts of two periods that repeat each other are nearer than this in phase.
    real(wp), parameter :: same_phase = 1.0e-3_wp
@@ -39,8 +39,8 @@ module vi_survey
    integer, parameter :: short_batch = 20, long_batch = 200
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
-   !> What a simulation settled on. A stable periodic motion has its letters in standard order;
-   !! one within the limits also its unknowns.
+   !> The motion on which a simulation settled. A stable periodic motion has its letters in standard
+   !! order; one within the limits also its unknowns.
    type, public :: attractor_type
       !> Whether it is one within the limits.
       logical :: found = .false.
@@ -54,24 +54,27 @@ module vi_survey
       real(wp), allocatable :: unknowns(:)
    end type attractor_type
 
-   !> The limits of the motions that an atlas is about.
+   !> The limits of the motions of an atlas.
    type :: limits_type
       integer :: letters, cycles
    end type limits_type
 
 contains
 
-   !> What simulations at points spread evenly over a window settle on.
+   !> The motions on which simulations settle, at points spread evenly over a window.
    subroutine survey(osc, r, clearance, settling, most_letters, most_cycles, threads, attractors, &
       tally)
+      !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> The window.
       real(wp), intent(in) :: r(2), clearance(2)
-      !> Load cycles before an attractor is looked at.
+      !> Load cycles of the transient.
       integer, intent(in) :: settling
       !> Limits of the motions kept.
       integer, intent(in) :: most_letters, most_cycles
+      !> Number of OpenMP threads.
       integer, intent(in) :: threads
+      !> (points) Out: the outcome of each point.
       type(attractor_type), intent(inout) :: attractors(:)
       !> As of vi_tally, in units of `survey_work`; points after a stop are not settled.
       integer, intent(inout), optional :: tally(3)
@@ -96,18 +99,22 @@ contains
       !$omp end parallel do
    end subroutine survey
 
-   !> What one simulation settles on.
+   !> The motion on which one simulation settles.
    !!
-   !! It is looked at after the cycles asked for. What is neither periodic then nor chaotic without
-   !! doubt is looked at once more, later and for longer periods.
+   !! It is examined after the transient. A trajectory that is then neither periodic nor certainly
+   !! chaotic is examined once more, after a longer transient and for longer periods.
    subroutine settle(osc, u, settling, limits, attractor, tally)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> Three numbers in [0, 1) for the initial state.
       real(wp), intent(in) :: u(3)
+      !> Load cycles of the transient.
       integer, intent(in) :: settling
+      !> Limits of the motions kept.
       type(limits_type), intent(in) :: limits
-      !> In: the point.
+      !> In: the point (r, clearance). Out: the outcome.
       type(attractor_type), intent(inout) :: attractor
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(drive_type) :: drive
       type(state_type) :: state
@@ -131,15 +138,20 @@ contains
       if (chaos) attractor%outcome = chaotic
    end subroutine settle
 
-   !> What a simulation from a state is on after some load cycles, if it repeats itself by then.
+   !> The motion on which a simulation from a given state is after some load cycles, if it repeats
+   !! itself by then.
    subroutine settle_from(osc, state, settling, most_letters, most_cycles, attractor, tally)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> State at the start.
       type(state_type), intent(in) :: state
+      !> Load cycles of the transient.
       integer, intent(in) :: settling
       !> As of `survey`.
       integer, intent(in) :: most_letters, most_cycles
-      !> In: the point.
+      !> In: the point (r, clearance). Out: the outcome.
       type(attractor_type), intent(inout) :: attractor
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(state_type) :: final
 
@@ -148,16 +160,21 @@ contains
          most_cycles, limits_type(most_letters, most_cycles), final, attractor, tally)
    end subroutine settle_from
 
-   !> Simulates, then looks at the cycles after that.
+   !> Simulates the transient, then examines the cycles after it.
    subroutine look(osc, drive, settling, longest, limits, state, attractor, tally)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> The driven system of this point.
       type(drive_type), intent(in) :: drive
-      !> Load cycles simulated first, and of the longest period that is looked for.
+      !> Load cycles of the transient, and of the longest period considered.
       integer, intent(in) :: settling, longest
+      !> Limits of the motions kept.
       type(limits_type), intent(in) :: limits
-      !> Out: that at the end.
+      !> In: at the start. Out: at the end.
       type(state_type), intent(inout) :: state
+      !> In: the point. Out: the outcome; `not_settled` also if it was stopped.
       type(attractor_type), intent(inout) :: attractor
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(event_type) :: events(room)
       type(reading_type) :: now, before
@@ -200,15 +217,21 @@ contains
       end do
    end subroutine look
 
-   !> Simulates some cycles from a state; out: the state there, and the last events.
+   !> Simulates some load cycles and keeps the last events.
    subroutine run(drive, state, cycles, events, n, status, tally)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> In: at the start. Out: at the end.
       type(state_type), intent(inout) :: state
+      !> Load cycles to simulate.
       integer, intent(in) :: cycles
+      !> Out: the last n events.
       type(event_type), intent(inout) :: events(:)
-      !> Status `stat%more_events` if there are too many, `stat%not_computed` if it was stopped.
+      !> Number of events kept; `stat%more_events` if there are too many, `stat%not_computed` if it
+      !! was
+      !! stopped, otherwise as of `simulate`.
       integer, intent(out) :: n, status
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       integer :: done, step, left
 
@@ -226,14 +249,19 @@ contains
       end do
    end subroutine run
 
-   !> Notes the pattern of a stable motion that is beyond the limits, or else was read right though
-   !! the equations of its family do not confirm it.
+   !> Records the pattern of a stable motion beyond the limits; one within the limits, which the
+   !! equations of its family have not confirmed, becomes periodic if its letters were read
+   !! correctly.
    pure subroutine name_it(osc, letters, cycles, limits, attractor)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
-      !> Of the period, from any of them on.
+      !> Letters of the period, beginning with any of them.
       integer, intent(in) :: letters(:)
+      !> Load cycles of the period.
       integer, intent(in) :: cycles
+      !> Limits of the motions kept.
       type(limits_type), intent(in) :: limits
+      !> In and out: the outcome is changed.
       type(attractor_type), intent(inout) :: attractor
       integer :: standard(size(letters)), shift
       logical :: mirrored
@@ -251,13 +279,19 @@ contains
       end if
    end subroutine name_it
 
-   !> The exact motion that a window is about, in standard order, if it is stable and admissible.
+   !> The exact motion of a window of events, in standard order, if it is stable and admissible.
    pure subroutine identify(osc, drive, events, reading, cycles, attractor)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The events.
       type(event_type), intent(in) :: events(:)
+      !> Letters of one period among them.
       type(reading_type), intent(in) :: reading
+      !> Load cycles of the period.
       integer, intent(in) :: cycles
+      !> In: the point. Out: letters, cycles and unknowns; `found` if it is confirmed.
       type(attractor_type), intent(inout) :: attractor
       integer :: order(reading%n), shift, n, i, side
       logical :: mirrored, resting
@@ -289,10 +323,14 @@ contains
       call polish(osc, attractor, resting)
    end subroutine identify
 
-   !> Newton's method at the point, and the verdict.
+   !> Newton's method for a motion, and whether it is stable and admissible.
    pure subroutine polish(osc, attractor, resting)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> In: the point, letters, cycles and about the unknowns. Out: exact unknowns and `found`, if
+      !! it is confirmed.
       type(attractor_type), intent(inout) :: attractor
+      !> Whether the pattern has rests.
       logical, intent(in) :: resting
       type(curve_type) :: sheet
       type(condition_type) :: fixed(2)

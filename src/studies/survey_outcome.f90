@@ -1,4 +1,4 @@
-!> What can become of a point of a survey, and how it is told apart.
+!> The possible outcomes of a point of a survey, and the tests for them.
 module vi_survey_outcome
    use vi_attractor_known, only: exact_period, known_type
    use vi_attractor_lyapunov, only: largest_exponent
@@ -12,23 +12,26 @@ module vi_survey_outcome
    public :: count_outcomes, is_chaotic, is_free, stable_period
 
    !> A stable periodic motion within the limits of letters and cycles; one beyond them; the free
-   !! mass at rest, never touched; a positive Lyapunov exponent; none of these so far; repeats
-   !! itself, but Newton's method confirms no stable motion; too many events.
+   !! mass
+   !! at rest and never touched; a positive Lyapunov exponent; none of these so far; a simulation
+   !! that
+   !! repeats itself, but Newton's method confirms no stable motion; too many events.
    integer, parameter, public :: periodic = 1, beyond = 2, no_impacts = 3, chaotic = 4, &
       not_settled = 5, not_confirmed = 6, event_limit = 7
    character(20), parameter, public :: outcome_names(7) = [character(20) :: 'periodic', &
       'beyond the limits', 'without impacts', 'chaotic', 'not settled', 'not confirmed', &
       'event limit reached']
 
-   !> Letters of a pattern at most.
+   !> Largest number of letters of a pattern.
    integer, parameter :: most_letters = 1000
    !> Least largest exponent of chaos per load cycle, and over its standard error.
    real(wp), parameter :: least_chaos = 2.0e-3_wp, least_ratio = 4
 
 contains
 
-   !> How many points there are of each outcome.
+   !> Number of points of each outcome.
    pure function count_outcomes(outcomes) result(counts)
+      !> (points) The outcome of each point.
       integer, intent(in) :: outcomes(:)
       integer :: counts(size(outcome_names))
       integer :: i
@@ -38,10 +41,13 @@ contains
 
    !> Whether the free mass is at rest and no wall ever reaches it.
    !!
-   !! The primary mass moves as A sin(rt - lag) and a free vibration that decays from where it is
-   !! now: its sum of amplitudes bounds |x| from here on.
+   !! The primary mass moves as A sin(rt - lag) plus a decaying free vibration: the sum of their
+   !! present
+   !! amplitudes bounds |x| from now on.
    pure logical function is_free(drive, state)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The present state.
       type(state_type), intent(in) :: state
       real(wp) :: x, x_dot, most
 
@@ -55,15 +61,21 @@ contains
       is_free = abs(state%z) + most < 0.5_wp*drive%clearance
    end function is_free
 
-   !> The letters of the stable periodic motion that a state is on, by Newton's method on the map
-   !! over the period; none if there is no such motion.
+   !> The letters of the stable periodic motion on which a state is, by Newton's method on the map
+   !! over
+   !! the period.
    subroutine stable_period(drive, state, cycles, letters, shorter)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The state.
       type(state_type), intent(in) :: state
       !> Load cycles of the period.
       integer, intent(in) :: cycles
+      !> As of vi_letters; empty if there is no such motion.
       integer, allocatable, intent(out) :: letters(:)
-      !> Its period is a part of the cycles: a simulation that nears it slowly can look like that.
+      !> Whether its period is only a part of these cycles; a simulation that approaches it slowly
+      !! can
+      !! look like that.
       logical, intent(out) :: shorter
       type(known_type) :: known
       logical :: good
@@ -80,7 +92,9 @@ contains
 
    !> Whether a motion repeats itself after a part of its period already.
    pure logical function is_shorter(drive, known)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The motion.
       type(known_type), intent(in) :: known
       real(wp) :: off(4)
       integer :: parts, n
@@ -99,12 +113,15 @@ contains
       end do
    end function is_shorter
 
-   !> Whether the largest Lyapunov exponent from a state on is positive beyond doubt.
+   !> Whether the largest Lyapunov exponent of a trajectory is positive by more than its error.
    subroutine is_chaotic(drive, state, cycles, chaos)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> State at the start.
       type(state_type), intent(in) :: state
       !> Load cycles of each of ten batches.
       integer, intent(in) :: cycles
+      !> Whether it is; false also if the simulation failed.
       logical, intent(out) :: chaos
       real(wp) :: largest, deviation
       integer :: status

@@ -1,7 +1,7 @@
-!> A tally of work, read from outside while the work goes on, and written there to stop it.
+!> Progress counters of a computation. The caller reads them while it runs, and sets one to stop it.
 !!
-!! Its three numbers are the work done, the work in sight, and whether to stop (not 0). Threads add
-!! to it; what is computed does not depend on it, unless it is stopped.
+!! The three numbers are the work done, the work known so far, and a flag to stop (not 0). Threads
+!! add to the first two. Results do not depend on them, unless the computation is stopped.
 module vi_tally
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -11,28 +11,35 @@ module vi_tally
 
 contains
 
-   !> More work has come in sight.
+   !> Adds to the work known so far.
    subroutine add_sight(work, tally)
+      !> Units of work to add.
       integer, intent(in) :: work
+      !> Progress counters; nothing is done without them.
       integer, intent(inout), optional :: tally(3)
 
       if (present(tally)) call add(work, tally(2))
    end subroutine add_sight
 
-   !> Some work is done.
+   !> Adds to the work done.
    subroutine add_work(work, tally)
+      !> Units of work to add.
       integer, intent(in) :: work
+      !> Progress counters; nothing is done without them.
       integer, intent(inout), optional :: tally(3)
 
       if (present(tally)) call add(work, tally(1))
    end subroutine add_work
 
-   !> Brings what is told of one piece of work up to the share of it that is done.
+   !> Reports progress within one task: adds the work that is done but not yet reported.
    subroutine tell_share(share, work, told, tally)
+      !> Share of the task that is done, from 0; more than 1 counts as 1.
       real(wp), intent(in) :: share
-      !> What the whole piece counts, and what of it has been told so far.
+      !> Units of work of the whole task.
       integer, intent(in) :: work
+      !> In: units reported so far. Out: with those of this call.
       integer, intent(inout) :: told
+      !> Progress counters; nothing is done without them.
       integer, intent(inout), optional :: tally(3)
       integer :: more
 
@@ -42,17 +49,20 @@ contains
       call add(more, tally(1))
    end subroutine tell_share
 
-   !> One of the sums becomes larger, whichever threads add to it.
+   !> Adds to one of the sums; several threads may do so at once.
    subroutine add(work, total)
+      !> Units of work to add.
       integer, intent(in) :: work
+      !> In and out: the sum.
       integer, intent(inout) :: total
 
       !$omp atomic update
       total = total + work
    end subroutine add
 
-   !> Whether the rest is no longer wanted.
+   !> Whether the caller has asked the computation to stop.
    logical function is_stopped(tally)
+      !> Progress counters; only read here.
       integer, intent(inout), optional :: tally(3)
       integer :: stop_now
 

@@ -2,7 +2,7 @@
 !!
 !! The motions of a family over the plane (r, D) are sheets. On a sheet, a zone is where all
 !! conditions are positive. Its boundary is followed along the one condition that is zero; where
-!! another one gets zero there is a corner, and the boundary goes on along that one.
+!! another one becomes zero there is a corner, and the boundary is followed along that one.
 module vi_trace
    use vi_conditions, only: condition_value
    use vi_crossing, only: hidden_zero, locate
@@ -17,7 +17,7 @@ module vi_trace
 
    public :: trace_loop
 
-   !> Nearer to the beginning of a step than this is at its beginning.
+   !> A zero nearer than this to the start of a step counts as being at the start.
    real(wp), parameter :: begun = 1.0e-9_wp
 
 contains
@@ -26,16 +26,20 @@ contains
    subroutine trace_loop(curve, stride, point, condition, most, loop, tally, way)
       !> With two active parameters.
       type(curve_type), intent(in) :: curve
+      !> Limits on steps.
       type(stride_type), intent(in) :: stride
+      !> A point of the boundary: the unknowns, then r and log D in the units of the sheet.
       real(wp), intent(in) :: point(:)
+      !> The condition that is zero there.
       type(condition_type), intent(in) :: condition
       !> Most points.
       integer, intent(in) :: most
+      !> The boundary; its arrays have room for `most` points.
       type(loop_type), intent(out) :: loop
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
-      !> +1 upwards at first, or to the right where the curve is level (the default); -1 the other
-      !> way round.
+      !> +1 (the default): towards larger D at first, or towards larger r where D is constant; -1:
+      !! in the opposite direction.
       integer, intent(in), optional :: way
       type(place_type) :: now, next, corner
       real(wp), allocatable :: before(:)
@@ -84,12 +88,17 @@ contains
       end do
    end subroutine trace_loop
 
-   !> The first place, looking upwards or, where the curve is level, to the right.
+   !> The first place of a trace, directed towards larger D or, where D is constant, larger r.
    pure subroutine set_out(curve, active, point, place, good)
+      !> The sheet.
       type(curve_type), intent(in) :: curve
+      !> The condition that is zero along the boundary.
       type(condition_type), intent(in) :: active
+      !> A point of the boundary.
       real(wp), intent(in) :: point(:)
+      !> The place.
       type(place_type), intent(out) :: place
+      !> False if the boundary has no tangent there.
       logical, intent(out) :: good
       real(wp) :: along(size(point))
 
@@ -105,7 +114,9 @@ contains
    pure logical function passes_two(before, now, next, active)
       !> The values at the place before.
       real(wp), intent(in) :: before(:)
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
+      !> The condition that is zero along the boundary.
       type(condition_type), intent(in) :: active
       integer :: j
 
@@ -118,9 +129,12 @@ contains
       end do
    end function passes_two
 
-   !> A loop that turns where it has turned before is closed; what was before is no part of it.
+   !> Closes a loop that has reached one of its earlier corners; the points before that corner are
+   !! removed.
    pure subroutine close_at_corner(curve, loop)
+      !> The sheet.
       type(curve_type), intent(in) :: curve
+      !> In: ends with a corner. Out: closed, if that corner is an earlier one or its start.
       type(loop_type), intent(inout) :: loop
       real(wp) :: offset(size(loop%points, 1))
       integer :: j, m
@@ -143,12 +157,17 @@ contains
       end do
    end subroutine close_at_corner
 
-   !> Whether a step along the condition of the start passes the start.
+   !> Whether a step passes the start of the loop, with the same condition being zero.
    pure logical function closes(curve, loop, now, next, active, met, corner)
+      !> The sheet.
       type(curve_type), intent(in) :: curve
+      !> The loop so far.
       type(loop_type), intent(in) :: loop
+      !> Start and end of the step, and the corner on it.
       type(place_type), intent(in) :: now, next, corner
+      !> The condition that is zero along the step.
       type(condition_type), intent(in) :: active
+      !> Whether there is a corner.
       logical, intent(in) :: met
       real(wp) :: offset(size(now%point)), share, reach
 
@@ -164,7 +183,9 @@ contains
          norm2(offset - share*now%tangent) < 0.3_wp*share + 1.0e-7_wp
    end function closes
 
+   !> Whether two conditions are the same; grazing has to be at about the same share of the flight.
    pure elemental logical function same_condition(a, b)
+      !> The conditions.
       type(condition_type), intent(in) :: a, b
 
       same_condition = a%kind == b%kind .and. a%index == b%index .and. a%side == b%side
@@ -173,18 +194,22 @@ contains
 
    !> The first condition that a step violates, if any, and where.
    !!
-   !! What is zero where the step begins, at a corner, is left behind: if it is violated at the end,
-   !! it has changed its sign somewhere else, which a shorter step tells.
+   !! A condition that is zero at the start of the step, at a corner, does not count there. If it is
+   !! violated at the end, it has another zero within the step, which a shorter step will show.
    pure subroutine first_violation(curve, active, now, next, shortest, corner, which, met)
+      !> The sheet.
       type(curve_type), intent(in) :: curve
+      !> The condition that is zero along the step.
       type(condition_type), intent(in) :: active
+      !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       !> Length of a step that is not shortened any more.
       real(wp), intent(in) :: shortest
-      !> Defined where one is met.
+      !> Out: the place of the violation, if `met`.
       type(place_type), intent(inout) :: corner
-      !> Its index; -1 if it could not be located.
+      !> Number of the violated condition; 0 if none, -1 if it could not be located.
       integer, intent(out) :: which
+      !> Whether there is a violation.
       logical, intent(out) :: met
       type(place_type) :: found
       real(wp) :: share, least
@@ -212,13 +237,19 @@ contains
       end do
    end subroutine first_violation
 
-   !> Goes round a corner: along the new condition, so that the old one gets positive.
+   !> Turns at a corner: follows the new condition in the direction in which the old one increases.
    pure subroutine turn(curve, active, corner, which, now, good)
+      !> The sheet.
       type(curve_type), intent(in) :: curve
+      !> In: the old condition. Out: the new one.
       type(condition_type), intent(inout) :: active
+      !> The corner.
       type(place_type), intent(in) :: corner
+      !> Number of the new condition.
       integer, intent(in) :: which
+      !> Out: the first place along the new condition.
       type(place_type), intent(inout) :: now
+      !> False if the boundary could not be followed.
       logical, intent(out) :: good
       type(condition_type) :: old
       real(wp) :: along(size(corner%point)), unused
@@ -232,11 +263,16 @@ contains
       if (good) now%tangent = uphill(curve, active, old, now)*now%tangent
    end subroutine turn
 
-   !> +1 if a condition grows along the tangent, -1 if it falls: from two points of the curve, since
-   !! a gradient across the curve can be so much greater that its part along it drowns in rounding.
+   !> +1 if a condition increases along the tangent, -1 if it decreases. This is found from two
+   !! points
+   !! of the curve: the gradient across the curve can be so much larger that rounding hides the part
+   !! of the gradient along it.
    pure real(wp) function uphill(curve, active, rising, place)
+      !> The sheet.
       type(curve_type), intent(in) :: curve
+      !> The condition that is zero along the curve, and the one in question.
       type(condition_type), intent(in) :: active, rising
+      !> A place on the curve with its tangent.
       type(place_type), intent(in) :: place
       real(wp), parameter :: h = 1.0e-5_wp
       real(wp) :: point(size(place%point)), values(2)
@@ -253,9 +289,11 @@ contains
       if (values(2) > values(1)) uphill = -1
    end function uphill
 
-   !> Keeps up with the moment of a touch.
+   !> Updates the instant of a grazing touch from the conditions of a place.
    pure subroutine refresh(place, active)
+      !> The place.
       type(place_type), intent(in) :: place
+      !> In and out: a condition; only the share of a grazing flight changes.
       type(condition_type), intent(inout) :: active
       integer :: j
 
@@ -265,10 +303,15 @@ contains
       end do
    end subroutine refresh
 
+   !> Appends a place to a loop.
    pure subroutine append(loop, place, active, corner)
+      !> In and out: the loop.
       type(loop_type), intent(inout) :: loop
+      !> The place.
       type(place_type), intent(in) :: place
+      !> The condition that is zero from there on.
       type(condition_type), intent(in) :: active
+      !> `ends`, `begins`, or 0 if it is no corner.
       integer, intent(in) :: corner
 
       loop%n = loop%n + 1

@@ -17,7 +17,7 @@ module vi_trajectory
    public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, &
       pack_state, unpack_state, initial_state, later
 
-   !> What a whole simulation counts in a tally of work.
+   !> Units of work of a whole simulation in the progress counters.
    integer, parameter :: simulation_work = 1000
 
 contains
@@ -28,18 +28,26 @@ contains
    !! before and after, z' before and after.
    pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, names, table, n, &
       final_state, final_contact, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
-      !> (7), (3) as in `pack_state`; on return where the last flight or rest began.
+      !> (7) as in `pack_state`. In: the initial state. Out: where the last flight or rest began.
       real(wp), intent(inout) :: state(:)
+      !> (3) as in `pack_state`. In and out like `state`.
       integer, intent(inout) :: contact(:)
+      !> The end: whole load cycles, and the load phase above them (rad).
       real(wp), intent(in) :: last_cycle, last_phase
-      !> (4, right and left, kind): what the records have for them; copied, not computed with.
+      !> (4, right and left, kind) Four words that the records have for each wall and kind of event;
+      !! they are copied only.
       real(wp), intent(in) :: names(4, 2, 3)
+      !> (11, room) Out: columns 1 to n are the records; the others keep their values.
       real(wp), intent(inout), contiguous :: table(:, :)
+      !> Number of events found.
       integer, intent(out) :: n
-      !> The state at the end.
+      !> (7) as in `pack_state`: the state at the end.
       real(wp), intent(out) :: final_state(:)
+      !> (3) as in `pack_state`: the state at the end.
       integer, intent(out) :: final_contact(:)
+      !> `stat%ok`, `stat%more_events` if the table is full, or `stat%budget`.
       integer, intent(out) :: status
       integer, parameter :: block = 128
       type(state_type) :: now, final
@@ -69,18 +77,21 @@ contains
    !> A whole simulation: the discarded cycles, then those that are kept.
    subroutine simulate_case(drive, start, duration, discard, max_events, final, events, status, &
       tally)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
-      !> t, x, x', z, z'
+      !> t (1/omega), x, x', z, z'.
       real(wp), intent(in) :: start(5)
       !> Load cycles kept and, before them, discarded.
       real(wp), intent(in) :: duration, discard
+      !> Largest number of events in the discarded cycles, and again in those that are kept.
       integer, intent(in) :: max_events
       !> The state at the end.
       type(state_type), intent(out) :: final
+      !> The events of the cycles that are kept.
       type(event_type), allocatable, intent(out) :: events(:)
       !> `stat%ok`, `stat%more_events` (max_events was reached) or `stat%budget`.
       integer, intent(out) :: status
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(state_type) :: state
       integer :: first
@@ -101,16 +112,24 @@ contains
 
    !> Simulates some cycles in chunks and appends the events, if they are kept.
    subroutine gather(drive, state, final, cycles, max_events, keep, events, status, work, tally)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
-      !> Where the last flight or rest began, and the end from which the cycles count.
+      !> In: where the last flight or rest began, and the state from which the cycles count. Out:
+      !! the same at the end.
       type(state_type), intent(inout) :: state, final
+      !> Load cycles to simulate.
       real(wp), intent(in) :: cycles
+      !> Events after which the simulation ends.
       integer, intent(in) :: max_events
+      !> Whether the events are appended.
       logical, intent(in) :: keep
+      !> In and out: the list of events.
       type(event_type), allocatable, intent(inout) :: events(:)
+      !> `stat%ok`, `stat%more_events` or `stat%budget`.
       integer, intent(out) :: status
-      !> What it counts in the tally.
+      !> Units of work of these cycles in the progress counters.
       integer, intent(in) :: work
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       integer, parameter :: chunk = 65536
       type(event_type), allocatable :: room(:)
@@ -138,9 +157,13 @@ contains
 
    !> Cycle and phase a number of load cycles after a state.
    pure subroutine later(state, cycles, cycle, phase)
+      !> The state.
       type(state_type), intent(in) :: state
+      !> Load cycles to add, not necessarily whole.
       real(wp), intent(in) :: cycles
+      !> Whole load cycles then.
       integer(int64), intent(out) :: cycle
+      !> Load phase above them (rad), in [0, 2 pi).
       real(wp), intent(out) :: phase
 
       cycle = state%cycle + int(cycles, int64)
@@ -152,9 +175,14 @@ contains
 
    !> Events as columns of `values` and `labels`.
    pure subroutine store_events(events, r, values, labels)
+      !> (n) The events.
       type(event_type), intent(in) :: events(:)
+      !> Frequency ratio.
       real(wp), intent(in) :: r
+      !> (7, at least n) Out: time (1/omega), load phase (rad), x, x' before and after, z' before
+      !! and after.
       real(wp), intent(inout) :: values(:, :)
+      !> (2, at least n) Out: kind and side.
       integer, intent(inout) :: labels(:, :)
       integer :: i
 
@@ -169,13 +197,17 @@ contains
 
    !> Least and greatest x over segments, from certified extrema.
    pure subroutine extreme_positions(drive, starts, resting, last, x_min, x_max, complete)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> As in `sample_segments`.
       real(wp), intent(in) :: starts(:, :)
+      !> As in `sample_segments`.
       integer, intent(in) :: resting(:)
       !> Time of the end of the last segment.
       real(wp), intent(in) :: last
+      !> Least and greatest position of the primary mass.
       real(wp), intent(out) :: x_min, x_max
+      !> False if a search ran out of steps.
       logical, intent(out) :: complete
       type(flight_type) :: flight
       real(wp) :: lowest, highest, duration
@@ -213,14 +245,15 @@ contains
    !! A segment begins at an event (or at the start) and lasts until the next; at an event the
    !! velocities are those just after it.
    pure subroutine sample_segments(drive, starts, resting, times, values)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> (6, n): time (increasing), phase, x, x', z, z' at the start of each segment.
       real(wp), intent(in) :: starts(:, :)
       !> (n): the side if the free mass rests on that wall during the segment, otherwise 0.
       integer, intent(in) :: resting(:)
-      !> (m)
+      !> (m) Times (1/omega); those before the first segment are extrapolated from it.
       real(wp), intent(in) :: times(:)
-      !> (6, m)
+      !> (6, m) x, x', z, z', y = z - x, and the load f sin(r t).
       real(wp), intent(out) :: values(:, :)
       type(flight_type) :: flight
       type(oscillation_type) :: rest
@@ -250,6 +283,7 @@ contains
 
    !> Index of the last element not above a value, at least 1, by bisection.
    pure integer function last_not_after(sorted, value) result(low)
+      !> Increasing numbers, and the value.
       real(wp), intent(in) :: sorted(:), value
       integer :: high, middle
 
@@ -268,8 +302,11 @@ contains
    !> A state as numbers (cycle, phase, x, x', z, z', departure speed) and (side, resting,
    !! released).
    pure subroutine pack_state(state, values, contact)
+      !> The state.
       type(state_type), intent(in) :: state
+      !> (7)
       real(wp), intent(out) :: values(:)
+      !> (3)
       integer, intent(out) :: contact(:)
 
       values = [real(state%cycle, wp), state%phase, state%x, state%x_dot, state%z, state%z_dot, &
@@ -279,7 +316,9 @@ contains
 
    !> The inverse of `pack_state`.
    pure function unpack_state(values, contact) result(state)
+      !> (7) as from `pack_state`.
       real(wp), intent(in) :: values(:)
+      !> (3) as from `pack_state`.
       integer, intent(in) :: contact(:)
       type(state_type) :: state
 

@@ -3,13 +3,14 @@
 !! The state of an event is (x, x', z', alpha) just after it, the free mass being on a wall and
 !! alpha the load phase. Everything between events is known in closed form, and so is its
 !! derivative; the instant of an event follows from the condition that ends the flight or the rest.
+!! "Change" always means the derivative by one of the quantities that are varied.
 !!
 !! An accumulation of impacts is cut off after an impact with departure speed u: there both masses
-!! take the velocity of their common centre of mass, and move on as one. The gap that is neglected
-!! lasts for 2 u/(a (1 - R)), a being the acceleration that closes it, and the state after it is
-!! wrong by about its integral, of the order u**3/a**2. The derivative is that of the motion so
-!! defined; as a map of changes at one instant it is the projection on the common motion, with the
-!! dashpot's part in the velocity.
+!! take the velocity of their common centre of mass, and move together from then on. The neglected
+!! gap lasts for 2 u/(a (1 - R)), where a is the acceleration that closes it. The error of the state
+!! after it is about the integral of that gap, of the order u**3/a**2. The derivative is that of the
+!! motion so defined; as a map of changes at one instant it is the projection on the common motion,
+!! with the dashpot's part in the velocity.
 module vi_variation
    use vi_drive, only: drive_type
    use vi_kinds, only: wp
@@ -49,7 +50,7 @@ module vi_variation
       integer :: side = 0
    end type moment_type
 
-   !> What a given time of an oscillation does to small changes.
+   !> The effect of an oscillation over a given time on small changes.
    type :: flow_type
       real(wp) :: time
       !> Of x and x' at the end: by x and by x' at the start, the load phase, and r.
@@ -62,13 +63,15 @@ contains
 
    !> A flight that ends with an impact on a wall.
    pure subroutine through_contact(drive, from, time, side, restitution, change, before, regular)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Duration of the flight in 1/omega.
       real(wp), intent(in) :: time
-      !> The wall of the impact, +1 or -1, and its coefficient of restitution.
+      !> The wall of the impact: +1 right, -1 left.
       integer, intent(in) :: side
+      !> Coefficient of restitution of that wall.
       real(wp), intent(in) :: restitution
       !> In: just after the event that begins the flight. Out: just after the impact.
       type(variation_type), intent(inout) :: change
@@ -82,16 +85,19 @@ contains
          change%clearance, before, regular)
    end subroutine through_contact
 
-   !> The derivative of the state just after an impact by that just after the event before it.
+   !> The derivative of the state just after an impact by that just after the previous event.
    pure subroutine contact_derivative(drive, from, time, side, restitution, p, regular)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Duration of the flight in 1/omega.
       real(wp), intent(in) :: time
-      !> The wall of the impact, +1 or -1, and its coefficient of restitution.
+      !> The wall of the impact: +1 right, -1 left.
       integer, intent(in) :: side
+      !> Coefficient of restitution of that wall.
       real(wp), intent(in) :: restitution
+      !> (new, old) Derivative of (x, x', z', alpha); undefined where `regular` is false.
       real(wp), intent(out) :: p(4, 4)
       !> False if the impact has no approach speed.
       logical, intent(out) :: regular
@@ -102,17 +108,20 @@ contains
       call vary_contact(drive, from, time, side, restitution, 4, p, none, none, unused, regular)
    end subroutine contact_derivative
 
-   !> A flight that ends with an impact on a wall, by the first n quantities.
+   !> A flight that ends with an impact on a wall, varied by the first n quantities.
    pure subroutine vary_contact(drive, from, time, side, restitution, n, state, r, clearance, &
       before, regular)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Duration of the flight in 1/omega.
       real(wp), intent(in) :: time
-      !> The wall of the impact, +1 or -1, and its coefficient of restitution.
+      !> The wall of the impact: +1 right, -1 left.
       integer, intent(in) :: side
+      !> Coefficient of restitution of that wall.
       real(wp), intent(in) :: restitution
+      !> Number of quantities that are varied.
       integer, intent(in) :: n
       !> In: changes just after the event that begins the flight. Out: just after the impact.
       real(wp), intent(inout) :: state(4, n)
@@ -142,6 +151,7 @@ contains
 
    !> A flight of given duration that ends with an impact.
    pure subroutine through_flight(drive, from, time, longer, restitution, change, y, before)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
@@ -171,8 +181,9 @@ contains
       end associate
    end subroutine through_flight
 
-   !> What the velocities x' and z' before an impact contribute to those after it: (11), (12).
+   !> The coefficients of the impact law (11), (12): velocities after an impact by those before it.
    pure function shares(mu, restitution) result(k)
+      !> Mass ratio m/M, and coefficient of restitution of the wall.
       real(wp), intent(in) :: mu, restitution
       !> Of x' and z' to x', of x' and z' to z'.
       real(wp) :: k(4)
@@ -180,8 +191,9 @@ contains
       k = [1 - mu*restitution, mu*(1 + restitution), 1 + restitution, mu - restitution]/(1 + mu)
    end function shares
 
-   !> The impact at the end of a flight, by one quantity.
+   !> The impact at the end of a flight, varied by one quantity.
    pure subroutine strike(r, flow, k, longer, x, x_dot, by_r, state, before)
+      !> Frequency ratio.
       real(wp), intent(in) :: r
       !> Of the flight.
       type(flow_type), intent(in) :: flow
@@ -208,7 +220,9 @@ contains
 
    !> Both masses take the velocity of their centre of mass.
    pure subroutine through_stick(drive, change)
+      !> The driven system; mu is read.
       type(drive_type), intent(in) :: drive
+      !> In: just before. Out: with the common velocity.
       type(variation_type), intent(inout) :: change
 
       associate (mu => drive%osc%mu, state => change%state, n => change%n)
@@ -217,12 +231,15 @@ contains
       end associate
    end subroutine through_stick
 
-   !> Both masses as one, for a given time.
+   !> The common motion of both masses for a given time.
    pure subroutine through_rest(drive, from, time, change)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The state with which the common motion begins.
       type(moment_type), intent(in) :: from
+      !> Duration (1/omega).
       real(wp), intent(in) :: time
+      !> In: at the start. Out: after that time.
       type(variation_type), intent(inout) :: change
       type(flow_type) :: flow
       real(wp) :: x, x_dot
@@ -241,6 +258,7 @@ contains
 
    !> The end of a rest, where the acceleration of both masses rises through 0 on the wall's side.
    pure subroutine release(drive, at, change, instant, regular)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The state at the release.
       type(moment_type), intent(in) :: at
@@ -267,9 +285,13 @@ contains
 
    !> Changes of the relative position z - x a given time after the beginning of a flight.
    pure function gap_change(drive, from, time, change) result(y)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
+      !> Time after the start of the flight (1/omega).
       real(wp), intent(in) :: time
+      !> Changes at the start of the flight.
       type(variation_type), intent(in) :: change
       real(wp) :: y(columns)
       type(flow_type) :: flow
@@ -288,6 +310,7 @@ contains
    pure real(wp) function gap_by(side, time, state, clearance, x) result(y)
       !> The wall on which the flight begins.
       integer, intent(in) :: side
+      !> Time after the beginning of the flight (1/omega).
       real(wp), intent(in) :: time
       !> Changes of the state at the beginning, of the clearance, and of x after that time.
       real(wp), intent(in) :: state(4), clearance, x
@@ -295,10 +318,13 @@ contains
       y = state(1) + 0.5_wp*side*clearance + time*state(3) - x
    end function gap_by
 
-   !> The primary mass in the flight that begins at an event.
+   !> The motion of the primary mass, and its derivatives, in the flight that begins at an event.
    pure function flight_flow(drive, from, time, with_r) result(flow)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
+      !> Time after the start of the flight (1/omega).
       real(wp), intent(in) :: time
       !> Whether r changes.
       logical, intent(in) :: with_r
@@ -317,6 +343,7 @@ contains
       real(wp), intent(in) :: x, x_dot
       !> What moves, over the primary mass, and the damping ratio of the primary mass alone.
       real(wp), intent(in) :: mass, xi
+      !> Duration (1/omega).
       real(wp), intent(in) :: time
       !> Whether r changes; if it does not, the derivatives by r are left at 0.
       logical, intent(in) :: with_r
@@ -350,7 +377,9 @@ contains
 
    !> The forced part, its velocity and its acceleration.
    pure function forced(o, time) result(f)
+      !> Constants of the oscillation; only the forced part is read.
       type(oscillation_type), intent(in) :: o
+      !> Time (1/omega).
       real(wp), intent(in) :: time
       real(wp) :: f(0:2)
 
@@ -361,9 +390,11 @@ contains
 
    !> Changes of x and x' at the end of an oscillation, by one quantity.
    pure subroutine carry(flow, state, r, x, x_dot)
+      !> The oscillation over its time.
       type(flow_type), intent(in) :: flow
       !> Changes of the state at the start, and of r.
       real(wp), intent(in) :: state(4), r
+      !> Changes of x and x' at the end.
       real(wp), intent(out) :: x, x_dot
 
       x = flow%by_x(1)*state(1) + flow%by_x_dot(1)*state(2) + flow%by_phase(1)*state(4) &

@@ -1,7 +1,8 @@
 !> Zones of stable, admissible motions of a pattern in a window of the plane (r, D).
 !!
-!! Seeds from Newton's method are spread over the window, a net covers the sheets they lie on, and
-!! from every place where it enters or leaves a zone the boundary is traced, unless it is known.
+!! Newton's method finds motions at points spread over the window, and a net of lines covers the
+!! sheets on which they lie. Where a line enters or leaves a zone the boundary is traced, unless it
+!! is known.
 module vi_zone
    use vi_borders, only: distances, most_loops, trace_border, zone_type
    use vi_conditions, only: all_conditions
@@ -25,7 +26,7 @@ module vi_zone
 
    public :: count_zone, find_zone, release_type, simulate_nodes, zone_type
 
-   !> What one zone counts in a tally of work.
+   !> Units of work of one zone in the progress counters.
    integer, parameter, public :: zone_work = 1000
 
    !> A motion known beforehand.
@@ -40,22 +41,24 @@ module vi_zone
       logical :: enclosed = .false.
    end type seed_type
 
-   !> A seed this far from a motion of the family is none.
+   !> Largest distance of a seed from a motion of the family.
    real(wp), parameter :: same = 1.0e-3_wp
 
 contains
 
    !> All zones of a pattern in a window.
    subroutine find_zone(request, seeds, zone, status, tally, releases)
+      !> What is asked for.
       type(zone_request_type), intent(in) :: request
       !> Motions known beforehand, in the whole pattern: r, D, x_i/D, theta_i (2 + 2N, m).
       real(wp), intent(in) :: seeds(:, :)
+      !> The loops found; those of a stopped search are incomplete.
       type(zone_type), intent(out) :: zone
       !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
-      !> As of vi_tally; a zone that is stopped has borders left untraced.
+      !> Progress counters, see vi_tally; a zone that was stopped has untraced borders.
       integer, intent(inout), optional :: tally(3)
-      !> Of `simulate_nodes` for the same lattice, which all patterns with rest can share.
+      !> Those of `simulate_nodes` for the same lattice; all patterns with rest can share them.
       type(release_type), intent(in), optional :: releases(:, :, :)
       type(net_type) :: net
       type(seed_type) :: items(size(seeds, 2))
@@ -76,7 +79,7 @@ contains
          call sow(net, [seeds(1, i), log(seeds(2, i))], seeds(3:, i), items(i))
       end do
       call cover(net, 1, tally)
-      ! gfortran computes with the bounds of an array that is passed on absent
+      ! gfortran evaluates the bounds of an absent array that is passed on
       if (present(releases)) then
          call search_window(request, net, told, tally, releases)
       else
@@ -94,14 +97,21 @@ contains
       call tell_share(1.0_wp, zone_work, told, tally)
    end subroutine find_zone
 
-   !> Traces the boundary from all places that were met on it, and from those that the lines
-   !! through seeds meet around which nothing has closed by then.
+   !> Traces the boundary from all places found on it; then also from those found on lines through
+   !! the
+   !! seeds that no closed loop encloses so far.
    subroutine trace_borders(request, net, seeds, zone, told, tally)
+      !> What is asked for.
       type(zone_request_type), intent(in) :: request
+      !> In and out: the net; the lines through seeds are added.
       type(net_type), intent(inout) :: net
+      !> In and out: what is known of the seeds.
       type(seed_type), intent(inout) :: seeds(:)
+      !> In and out: loops are added.
       type(zone_type), intent(inout) :: zone
+      !> Units of work reported so far; in and out.
       integer, intent(inout) :: told
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       logical, allocatable :: is_open(:)
       logical :: closed
@@ -138,7 +148,7 @@ contains
             end do
          end do
       end if
-      ! what cannot be closed is kept
+      ! boundaries that cannot be closed are kept
       do i = 1, net%n_borders
          if (.not. is_open(i)) cycle
          if (is_stopped(tally)) exit
@@ -148,10 +158,13 @@ contains
       call join_loose_ends(zone)
    end subroutine trace_borders
 
-   !> Which seeds have closed loops around them or, if they are inside a zone, on them.
+   !> Which seeds are enclosed by loops; a seed inside a zone may also lie on a loop.
    pure subroutine enclose(request, zone, seeds)
+      !> What is asked for; its window.
       type(zone_request_type), intent(in) :: request
+      !> The loops.
       type(zone_type), intent(in) :: zone
+      !> In and out: `enclosed` is set.
       type(seed_type), intent(inout) :: seeds(:)
       real(wp), allocatable :: ring(:, :)
       real(wp) :: points(2, size(seeds))
@@ -182,15 +195,21 @@ contains
       end do
    end subroutine enclose
 
-   !> Searches motions at the nodes of the lattice and follows the sheets they lie on.
+   !> Searches motions at the nodes of the lattice and follows the sheets on which they lie.
    !!
-   !! At every second node each way with all guesses, then at the others with few: near resonance
-   !! motions may exist on a strip of the window that the first pass steps over.
+   !! The first pass takes every second node in each direction with all guesses, the second pass the
+   !! other nodes with few: near resonance motions may exist on a strip of the window that the first
+   !! pass misses.
    subroutine search_window(request, net, told, tally, releases)
+      !> What is asked for.
       type(zone_request_type), intent(in) :: request
+      !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
+      !> Units of work reported so far; in and out.
       integer, intent(inout) :: told
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
+      !> (simulations, r, D) of `simulate_nodes`.
       type(release_type), intent(in), optional :: releases(:, :, :)
       real(wp), allocatable :: found(:, :)
       real(wp) :: q(2), c(n_parameters)
@@ -198,7 +217,7 @@ contains
       logical :: planted
 
       skip = 0
-      ! motions with rest are looked for by simulation, which takes longer and finds them at once
+      ! motions with rest are found by simulation, which takes longer and needs no second pass
       passes = merge(1, 2, net%sheet%frame%resting)
       do pass = 1, passes
          guesses = merge(request%guesses, request%guesses/4, pass == 1)
@@ -227,16 +246,19 @@ contains
       end do
    end subroutine search_window
 
-   !> The simulations at the nodes of the lattice of a pattern with rest, each node a task.
+   !> The simulations at the nodes of the lattice for patterns with rest.
    subroutine simulate_nodes(request, longest, threads, releases, places, tally)
+      !> What is asked for; its window and lattice.
       type(zone_request_type), intent(in) :: request
       !> Letters and load cycles of the longest period that is looked for at the end.
       integer, intent(in) :: longest(2)
+      !> Number of OpenMP threads; each column of nodes is a task.
       integer, intent(in) :: threads
       !> (simulations, r, D)
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
       !> (2, r, D): r and D of the nodes.
       real(wp), allocatable, intent(out) :: places(:, :, :)
+      !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
       type(curve_type) :: sheet
       real(wp) :: c(n_parameters)
@@ -260,11 +282,13 @@ contains
       !$omp end parallel do
    end subroutine simulate_nodes
 
-   !> Takes a seed in and plants it in the lattice.
+   !> Prepares a seed, and adds it as a node of the lattice if that is possible.
    pure subroutine sow(net, place, whole, seed)
+      !> In and out: the seed is added.
       type(net_type), intent(inout) :: net
       !> r and log D, and the unknowns in the whole pattern.
       real(wp), intent(in) :: place(2), whole(:)
+      !> The seed.
       type(seed_type), intent(out) :: seed
       integer :: i
 
@@ -274,9 +298,13 @@ contains
       call plant(net, seed%at, seed%unknowns, nearest_lines(net%lines, seed%at), seed%planted)
    end subroutine sow
 
-   !> Solves for a seed at its own place: whether it belongs to the family, and is inside a zone.
+   !> Computes the motion of a seed at its own place: whether it belongs to the family and is inside
+   !! a
+   !! zone.
    pure subroutine examine(net, seed)
+      !> The net.
       type(net_type), intent(in) :: net
+      !> In and out: `there`, `inside` and the unknowns are set.
       type(seed_type), intent(inout) :: seed
       type(condition_type) :: conditions(condition_count(net%sheet%frame))
       real(wp) :: point(size(seed%unknowns) + 2), values(size(conditions)), place(2)
@@ -302,7 +330,9 @@ contains
 
    !> Whether a motion repeats itself within its period, to some distance.
    pure logical function repeats(net, unknowns, distance)
+      !> The net; its family.
       type(net_type), intent(in) :: net
+      !> Unknowns of the motion, and the largest distance in (u, theta).
       real(wp), intent(in) :: unknowns(:), distance
       integer :: i
 
@@ -312,12 +342,15 @@ contains
       end associate
    end function repeats
 
-   !> Brings a motion to a node of the lattice and adds it, if it belongs to the family.
+   !> Continues a motion to a node of the lattice and adds it there, if it belongs to the family.
    pure subroutine plant(net, from, unknowns, place, planted)
+      !> In and out: the node is added.
       type(net_type), intent(inout) :: net
       !> Where in the window it comes from.
       real(wp), intent(in) :: from(2)
+      !> Unknowns of the motion.
       real(wp), intent(in) :: unknowns(:)
+      !> Numbers of the lattice lines of the node.
       integer, intent(in) :: place(2)
       !> Whether it is a node now.
       logical, intent(out) :: planted
@@ -343,8 +376,9 @@ contains
       planted = node > 0
    end subroutine plant
 
-   !> How many stable, admissible motions there are at points.
+   !> Number of stable, admissible motions at each point.
    pure function count_zone(zone, r, clearance, points) result(counts)
+      !> The loops; only closed ones count.
       type(zone_type), intent(in) :: zone
       !> The window.
       real(wp), intent(in) :: r(2), clearance(2)

@@ -1,4 +1,4 @@
-!> Zones as lists of pieces: the runs of vertices along which one condition is zero.
+!> Zones as lists of pieces: successive vertices along which one condition is zero.
 module vi_zone_pieces
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_condition_names, only: condition_detail, condition_name
@@ -91,13 +91,15 @@ contains
 
    !> The zones of a pattern: of symmetric motions, of the others, or of both, in this order.
    subroutine zone_pieces(request, seeds, families, found, tally)
+      !> What is asked for; `symmetric` is not read.
       type(zone_request_type), intent(in) :: request
       !> As of `find_zone`.
       real(wp), intent(in) :: seeds(:, :)
       !> Whether symmetric motions and whether others are wanted.
       logical, intent(in) :: families(2)
+      !> The pieces.
       type(pieces_type), intent(out) :: found
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(zone_request_type) :: one
       type(zone_type) :: zone
@@ -124,11 +126,13 @@ contains
 
    !> Adds the pieces of one family.
    pure subroutine add_pieces(zone, request, mirrored, found)
+      !> The zones of one family.
       type(zone_type), intent(in) :: zone
       !> What was asked for: its window, and whether motions are their own mirror images.
       type(zone_request_type), intent(in) :: request
-      !> They are not, but others of the pattern are.
+      !> Whether these motions are not symmetric while others of the pattern are.
       logical, intent(in) :: mirrored
+      !> In and out: the pieces are added.
       type(pieces_type), intent(inout) :: found
       integer :: j
 
@@ -166,11 +170,15 @@ contains
       call move_alloc(longer, found%rings)
    end subroutine add_ring
 
-   !> Splits a loop at its corners, which are there twice: where a piece ends and where one begins.
+   !> Splits a loop at its corners, which are listed twice: where a piece ends and where one begins.
    pure subroutine split(zone, loop, symmetric, mirrored, found)
+      !> The zones of one family.
       type(zone_type), intent(in) :: zone
+      !> The loop.
       type(loop_type), intent(in) :: loop
+      !> As in `add_pieces`: whether its motions are symmetric, or only others of the pattern.
       logical, intent(in) :: symmetric, mirrored
+      !> In and out: the pieces are added.
       type(pieces_type), intent(inout) :: found
       integer, allocatable :: starts(:), run(:)
       integer :: i, j, m, number
@@ -196,11 +204,17 @@ contains
       end do
    end subroutine split
 
+   !> Appends one piece of a loop.
    pure subroutine append(zone, loop, run, number, symmetric, mirrored, found)
+      !> The zones of one family.
       type(zone_type), intent(in) :: zone
+      !> The loop.
       type(loop_type), intent(in) :: loop
+      !> Numbers of the vertices of the piece, and of the loop (0 if it is not closed).
       integer, intent(in) :: run(:), number
+      !> As in `add_pieces`.
       logical, intent(in) :: symmetric, mirrored
+      !> In and out: the piece is added.
       type(pieces_type), intent(inout) :: found
       type(piece_type), allocatable :: longer(:)
       integer :: j, m

@@ -105,9 +105,9 @@ contains
    subroutine run_zone(case, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(pieces_type) :: found
       character(:), allocatable :: what, types
@@ -140,7 +140,7 @@ contains
       if (.not. found%closed) call result%fail(not_closed)
    end subroutine run_zone
 
-   !> How many numbers the seeds have.
+   !> Number of numbers given as seeds.
    pure integer function seed_numbers(study) result(n)
       !> The group.
       type(values_type), intent(in) :: study
@@ -167,7 +167,7 @@ contains
       end if
    end function seeds_of
 
-   !> Puts the seeds into the result around which nothing closed, and remarks them.
+   !> Puts the seeds that no closed boundary encloses into the result, with a remark.
    pure subroutine put_open_seeds(case, is_open, result)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -190,7 +190,9 @@ contains
 
    !> The types of the pieces, each once.
    pure subroutine list_types(found, text)
+      !> The pieces.
       type(pieces_type), intent(in) :: found
+      !> A colon and their types, separated by commas; empty without pieces.
       character(:), allocatable, intent(out) :: text
       integer :: i
 
