@@ -1,8 +1,8 @@
 !> Splits the text of a namelist into groups and assignments that remember their lines.
 !!
-!! Values are not interpreted here. A text that starts with `#` is a result of ours: only the lines
-!! with
-!! a `#` in front are read, without it, so that every table is an input that reproduces it.
+!! Values are not interpreted here. A text that starts with `#` is a result of this program: only
+!! the lines with a leading `#` are read, without it, so that every table is an input that
+!! reproduces it.
 module vi_namelist
    use vi_text, only: detab, line_type, lower, whole
    implicit none (type, external)
@@ -18,6 +18,7 @@ module vi_namelist
       integer :: line = 0
    end type assignment_type
 
+   !> A group, `&name` to the closing slash.
    type, public :: group_type
       character(:), allocatable :: name
       integer :: line = 0
@@ -36,7 +37,7 @@ module vi_namelist
 
 contains
 
-   !> All groups of a text in order; `message` and `line` tell what is wrong with its form.
+   !> All groups of a text in order; `message` and `line` describe the first fault of its form.
    pure subroutine scan_namelist(text, groups, line, message)
       !> The lines.
       type(line_type), intent(in) :: text(:)
@@ -95,8 +96,9 @@ contains
       if (n == 0) message = 'holds no namelist group; a case starts with &system'
    end subroutine scan_namelist
 
-   !> Keeps the lines with a # in front, without it, if the file starts with one.
+   !> If the first line starts with #, keeps only the lines that do, without the #.
    pure subroutine strip_hash(lines)
+      !> In and out: the lines; those without # become empty.
       type(line_type), intent(inout) :: lines(:)
       integer :: i
 
@@ -111,9 +113,11 @@ contains
       end do
    end subroutine strip_hash
 
-   !> Reads `&name` and leaves what follows it in `rest`.
+   !> Reads `&name` at the start of a text.
    pure subroutine open_group(rest, group)
+      !> In: starts with `&name`. Out: the text after it.
       character(:), allocatable, intent(inout) :: rest
+      !> Out: with its name.
       type(group_type), intent(out) :: group
       integer :: last
 
@@ -125,16 +129,21 @@ contains
 
    !> Collects the text of a group up to its closing slash, without comments.
    !!
-   !! On entry `rest` is the text after `&name` on line i; on return it is the text after the
-   !! slash on
+   !! On entry `rest` is the text after `&name` on line i; on return it is the text after the slash
+   !! on
    !! the new line i.
    pure subroutine collect_body(lines, i, rest, body, line, message)
+      !> All lines.
       type(line_type), intent(in) :: lines(:)
+      !> In: number of the line of `&name`. Out: that of the closing slash.
       integer, intent(inout) :: i
+      !> In: text of the line after `&name`. Out: text of the line after the slash.
       character(:), allocatable, intent(inout) :: rest
+      !> The text of the group, with the line number of each character.
       type(body_type), intent(out) :: body
       !> Line of the fault.
       integer, intent(inout) :: line
+      !> The fault; empty if there is none.
       character(:), allocatable, intent(out) :: message
       character :: quote
       integer :: j, first
@@ -180,8 +189,9 @@ contains
       end do
    end subroutine collect_body
 
-   !> Takes the blanks out of a text.
+   !> Removes the blanks from a text.
    pure subroutine squeeze(text)
+      !> In and out.
       character(:), allocatable, intent(inout) :: text
       integer :: i, n
 
@@ -194,9 +204,13 @@ contains
       text = text(:n)
    end subroutine squeeze
 
+   !> Appends a text to the body of a group.
    pure subroutine extend(body, text, line)
+      !> In and out: the body.
       type(body_type), intent(inout) :: body
+      !> What is appended; tabs become blanks.
       character(*), intent(in) :: text
+      !> Number of its line.
       integer, intent(in) :: line
       integer :: i
 
@@ -206,9 +220,13 @@ contains
 
    !> Splits the text of a group into `target = value` at its equals signs.
    pure subroutine split_body(body, group, line, message)
+      !> The text of the group.
       type(body_type), intent(in) :: body
+      !> In: with its name. Out: with its assignments.
       type(group_type), intent(inout) :: group
+      !> Out: line of the fault; otherwise of the last assignment.
       integer, intent(inout) :: line
+      !> The fault; empty if there is none.
       character(:), allocatable, intent(out) :: message
       type(assignment_type) :: item
       integer :: equals, next, start, next_start, i, n
@@ -258,7 +276,9 @@ contains
 
    !> The next equals sign outside quotes at or after `from`, or 0.
    pure integer function next_equals(text, from) result(position)
+      !> The text.
       character(*), intent(in) :: text
+      !> Position at which the search starts; outside quotes.
       integer, intent(in) :: from
       character :: quote
 
@@ -275,9 +295,11 @@ contains
       position = 0
    end function next_equals
 
-   !> Where the name (with subscript) before an equals sign starts.
+   !> Position at which the name (with its subscript) before an equals sign starts.
    pure integer function target_start(text, equals) result(start)
+      !> The text.
       character(*), intent(in) :: text
+      !> Position of the equals sign.
       integer, intent(in) :: equals
       integer :: last
 

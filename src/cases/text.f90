@@ -16,14 +16,16 @@ module vi_text
       character(:), allocatable :: text
    end type line_type
 
-   !> Letters that `brief` keeps at each end of a message.
+   !> Characters that `brief` keeps at each end of a message.
    integer, parameter :: kept = 300
 
 contains
 
    !> Adds a line to a growing list.
    pure subroutine append(lines, text)
+      !> In and out: the list.
       type(line_type), allocatable, intent(inout) :: lines(:)
+      !> The new line.
       character(*), intent(in) :: text
 
       call lengthen(lines, 1)
@@ -32,7 +34,9 @@ contains
 
    !> Adds room for more lines.
    pure subroutine lengthen(lines, more)
+      !> In and out: the list, which need not be allocated; the new lines have no text.
       type(line_type), allocatable, intent(inout) :: lines(:)
+      !> Number of lines to add.
       integer, intent(in) :: more
       type(line_type), allocatable :: longer(:)
       integer :: i, n
@@ -47,8 +51,9 @@ contains
       call move_alloc(longer, lines)
    end subroutine lengthen
 
-   !> The text with blanks for tabs.
+   !> The text with tabs replaced by blanks.
    pure function detab(text) result(clean)
+      !> Any.
       character(*), intent(in) :: text
       character(len(text)) :: clean
       integer :: i
@@ -61,6 +66,7 @@ contains
 
    !> The text, safe for a terminal: a question mark for each byte of a control character.
    pure function printable(text) result(clean)
+      !> Any, in UTF-8 or Latin-1.
       character(*), intent(in) :: text
       character(len(text)) :: clean
       integer :: i, n
@@ -74,8 +80,10 @@ contains
       end do
    end function printable
 
-   !> Bytes of the letter that a text begins with, UTF-8 or else Latin-1; 0 of a control character.
+   !> Number of bytes of the first character of a text, in UTF-8 or else Latin-1; 0 for a control
+   !! character.
    pure integer function letter_length(text) result(n)
+      !> At least one byte, and up to four.
       character(*), intent(in) :: text
       integer :: bytes(len(text)), i
 
@@ -88,8 +96,9 @@ contains
       n = merge(0, i, bytes(1) == 194 .and. bytes(2) < 160)
    end function letter_length
 
-   !> A message without the middle of a value of thousands of letters, which would fill screens.
+   !> A message shortened in the middle, if it is so long that it would fill screens.
    pure function brief(text) result(short)
+      !> The message.
       character(*), intent(in) :: text
       character(min(len(text), 2*kept + 5)) :: short
 
@@ -99,6 +108,7 @@ contains
 
    !> The text in lower case (ASCII).
    pure function lower(text) result(lowered)
+      !> Any.
       character(*), intent(in) :: text
       character(len(text)) :: lowered
       integer :: i
@@ -111,6 +121,7 @@ contains
 
    !> A number with all its digits (17), so that reading it back gives the same bits.
    pure function exact(value) result(text)
+      !> Any number, NaN and infinity included.
       real(wp), intent(in) :: value
       character(exact_width(value)) :: text
       character(24) :: buffer
@@ -119,8 +130,9 @@ contains
       text = adjustl(buffer)
    end function exact
 
-   !> Letters of `exact`.
+   !> Number of characters of `exact`.
    pure integer function exact_width(value) result(width)
+      !> Any number.
       real(wp), intent(in) :: value
       character(24) :: buffer
 
@@ -147,7 +159,7 @@ contains
       end do
    end function exact_list
 
-   !> Letters of `exact_list`.
+   !> Number of characters of `exact_list`.
    pure integer function list_width(values) result(width)
       !> The numbers.
       real(wp), intent(in) :: values(:)
@@ -158,6 +170,7 @@ contains
 
    !> A number with a few digits, for messages and printed tables.
    pure function shown(value, format) result(text)
+      !> The number.
       real(wp), intent(in) :: value
       !> An edit descriptor such as f10.4.
       character(*), intent(in) :: format
@@ -166,9 +179,11 @@ contains
       text = formatted(value, format)
    end function shown
 
-   !> The same with blanks behind it.
+   !> The number as `shown`, padded with blanks.
    pure function formatted(value, format) result(text)
+      !> The number.
       real(wp), intent(in) :: value
+      !> An edit descriptor such as f10.4.
       character(*), intent(in) :: format
       character(40) :: text
 
@@ -176,12 +191,12 @@ contains
       text = adjustl(text)
    end function formatted
 
-   !> A number as a person writes it, with the fewest digits that read back: 1e-6, 0.75, 1000; the
-   !! rest is blank.
+   !> A number in a short form, with the fewest digits that give the same number when it is read:
+   !! 1e-6, 0.75, 1000; padded with blanks.
    pure function number_text(value, is_whole) result(text)
       !> Any finite number.
       real(wp), intent(in) :: value
-      !> Whether it is written without an exponent whatever its size.
+      !> Whether it is a whole number, which never gets an exponent.
       logical, intent(in) :: is_whole
       character(24) :: text
       character(24) :: buffer
@@ -217,16 +232,18 @@ contains
       if (value < 0) text = '-'//trim(text)
    end function number_text
 
-   !> A whole number.
+   !> A whole number as text.
    pure function whole(value) result(text)
+      !> The number.
       integer, intent(in) :: value
       character(whole_width(value)) :: text
 
       write (text, '(i0)') value
    end function whole
 
-   !> Letters of a whole number.
+   !> Number of characters of `whole`.
    pure integer function whole_width(value) result(width)
+      !> The number.
       integer, intent(in) :: value
       integer :: rest
 
@@ -240,7 +257,9 @@ contains
 
    !> The parts of a text between single separators.
    pure function split(text, separator) result(parts)
+      !> The text.
       character(*), intent(in) :: text
+      !> A single character; two in succession have an empty part between them.
       character, intent(in) :: separator
       type(line_type), allocatable :: parts(:)
       integer :: i, first, last
@@ -257,7 +276,9 @@ contains
 
    !> The lines as one text with a separator between them, the inverse of `split`.
    pure function join(lines, separator) result(text)
+      !> The lines, all with a text.
       type(line_type), intent(in) :: lines(:)
+      !> A single character.
       character, intent(in) :: separator
       character(joined_width(lines)) :: text
       integer :: i, length
@@ -270,8 +291,9 @@ contains
       end do
    end function join
 
-   !> Letters of lines that are joined.
+   !> Number of characters of `join`.
    pure integer function joined_width(lines) result(width)
+      !> The lines.
       type(line_type), intent(in) :: lines(:)
       integer :: i
 
@@ -280,15 +302,18 @@ contains
 
    !> A number of things: "1 impact", "2 impacts".
    pure function counted(number, thing) result(text)
+      !> The number.
       integer, intent(in) :: number
+      !> The singular; the plural is formed with an s.
       character(*), intent(in) :: thing
       character(whole_width(number) + len(thing) + merge(1, 2, number == 1)) :: text
 
       text = whole(number)//' '//thing//'s'                        ! of one thing the s is cut off
    end function counted
 
-   !> What a message of the runtime says after the path that it repeats.
+   !> A message of the runtime library without the path at its beginning.
    pure function last_part(reason) result(text)
+      !> The message.
       character(*), intent(in) :: reason
       character(len_trim(adjustl(reason(index(reason, ': ', back=.true.) + 1:)))) :: text
 

@@ -18,15 +18,17 @@ module vi_batch
 
 contains
 
-   !> Runs all cases of one file; nothing runs unless the whole file is right.
+   !> Runs all cases of one file; none runs if the file has a fault.
    subroutine run_file(path, folder, log, only, tally)
+      !> The namelist file.
       character(*), intent(in) :: path
-      !> Where results go; made if it is not there.
+      !> Folder of the results; made if it does not exist.
       character(*), intent(in) :: folder
+      !> In and out: messages, names of results, and the worst status so far.
       type(log_type), intent(inout) :: log
       !> The one kind of cases that is run; without it, or if it is empty, all are.
       character(*), intent(in), optional :: only
-      !> As of vi_tally; of all but single motions.
+      !> Progress counters, see vi_tally; studies of single motions do not use them.
       integer, intent(inout), optional :: tally(3)
       type(case_type), allocatable :: cases(:)
       character(:), allocatable :: message
@@ -56,16 +58,17 @@ contains
       end do
    end subroutine run_file
 
-   !> Runs one case, writes its result and says what was found.
+   !> Runs one case, writes its result and logs what was found.
    subroutine run_case(case, folder, log, written, tally)
       !> Checked.
       type(case_type), intent(in) :: case
       !> Where results go.
       character(*), intent(in) :: folder
+      !> In and out: messages are added.
       type(log_type), intent(inout) :: log
       !> False if a result could not be written.
       logical, intent(out) :: written
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(result_type) :: result
       type(line_type), allocatable :: lines(:)
@@ -104,10 +107,13 @@ contains
       call say(log, done, case%name//': '//table)
    end subroutine run_case
 
-   !> Keeps the cases of one kind, of which there has to be one.
+   !> Keeps the cases of one kind, of which there has to be at least one.
    subroutine keep(path, only, cases, message)
+      !> The file, for the message; name of the study, or empty for all.
       character(*), intent(in) :: path, only
+      !> In: all cases. Out: those of this kind.
       type(case_type), allocatable, intent(inout) :: cases(:)
+      !> Out: set if there is none; otherwise not changed.
       character(:), allocatable, intent(inout) :: message
       type(case_type), allocatable :: kept(:)
       integer :: i, n
@@ -125,11 +131,15 @@ contains
       call move_alloc(kept, cases)
    end subroutine keep
 
-   !> Reserves the names of the results; two cases with one name would overwrite each other.
+   !> Reserves the names of the results; two cases with the same name would overwrite each other.
    subroutine take_names(path, folder, cases, log, message)
+      !> The namelist file, and the folder of the results.
       character(*), intent(in) :: path, folder
+      !> The cases.
       type(case_type), intent(in) :: cases(:)
+      !> In and out: the names are added, unless there is a fault.
       type(log_type), intent(inout) :: log
+      !> Out: the fault; not changed if there is none.
       character(:), allocatable, intent(inout) :: message
       character(:), allocatable :: result
       logical :: overwrites
@@ -148,7 +158,7 @@ contains
                   whole(cases(j)%line)//'; must be another'
             end do
             result = folder//'/'//name
-            ! a result may be run into its own place: it writes the same bytes again
+            ! a result may be run into its own file: it writes the same bytes again
             overwrites = same_file(path, result//'.txt')
             if (.not. overwrites) overwrites = same_file(path, result//'.csv')
             if (overwrites) overwrites = .not. is_result(path)

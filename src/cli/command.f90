@@ -30,6 +30,7 @@ contains
 
    !> Runs what the arguments ask for and returns the exit status.
    subroutine run_command(status)
+      !> Exit status: `done`, `failed` or `wrong`.
       integer, intent(out) :: status
       type(line_type), allocatable :: files(:), lines(:)
       type(log_type) :: log
@@ -101,9 +102,11 @@ contains
       status = max(log%status, merge(failed, done, lost))
    end subroutine run_command
 
-   !> An argument of the command; empty if there are not so many.
+   !> An argument of the command line; empty if there are fewer.
    subroutine get_argument(i, text)
+      !> Number of the argument, from 1.
       integer, intent(in) :: i
+      !> The argument.
       character(:), allocatable, intent(out) :: text
       integer :: length
 
@@ -113,9 +116,9 @@ contains
       if (length > 0) call get_command_argument(i, text)
    end subroutine get_argument
 
-   !> Prints what was asked for, in place of running anything.
+   !> Prints a text, such as the help, instead of running a file.
    subroutine tell(lines, status)
-      !> What.
+      !> The lines.
       type(line_type), intent(in) :: lines(:)
       !> Of the program.
       integer, intent(out) :: status
@@ -152,10 +155,12 @@ contains
       call tell(lines, status)
    end subroutine tell_keys
 
-   !> The folder of -o: nothing that looks like the name of a file, unless it is there or ends with
-   !! a slash.
+   !> Checks the folder of -o: a name that looks like that of a file is refused, unless it exists or
+   !! ends with a slash.
    subroutine check_folder(folder, status)
+      !> The argument after -o.
       character(*), intent(in) :: folder
+      !> Out: `wrong` if it is refused; otherwise not changed.
       integer, intent(inout) :: status
       character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
       character(:), allocatable :: name, suffix
@@ -177,8 +182,11 @@ contains
       end if
    end subroutine check_folder
 
+   !> Prints a fault of the command line.
    subroutine refuse(message, status)
+      !> The fault.
       character(*), intent(in) :: message
+      !> Out: `wrong`.
       integer, intent(out) :: status
 
       write (error_unit, '(a)') message

@@ -1,4 +1,4 @@
-!> Files that are there whole or not at all: written under a temporary name, then renamed.
+!> Files that are written completely or not at all: under a temporary name first, then renamed.
 module vi_files
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_intptr_t, &
       c_new_line, c_null_char, c_null_ptr, c_ptr, c_size_t
@@ -14,17 +14,20 @@ module vi_files
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
          import :: c_char, c_int
          implicit none (type, external)
+         !> Paths, each ended by a null character.
          character(kind=c_char), intent(in) :: from(*), to(*)
       end function c_rename
       integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
          import :: c_char, c_int
          implicit none (type, external)
+         !> Path, ended by a null character.
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value :: mode
       end function c_mkdir
       integer(c_int) function c_remove(path) bind(c, name='remove')
          import :: c_char, c_int
          implicit none (type, external)
+         !> Path, ended by a null character.
          character(kind=c_char), intent(in) :: path(*)
       end function c_remove
       integer(c_int) function c_getpid() bind(c, name='getpid')
@@ -39,6 +42,7 @@ module vi_files
       type(c_ptr) function c_realpath(path, buffer) bind(c, name='realpath')
          import :: c_char, c_ptr
          implicit none (type, external)
+         !> Path, ended by a null character.
          character(kind=c_char), intent(in) :: path(*)
          type(c_ptr), value :: buffer
       end function c_realpath
@@ -52,12 +56,14 @@ module vi_files
          import :: c_char, c_int, c_size_t
          implicit none (type, external)
          integer(c_int), value :: channel
+         !> At least `length` bytes.
          character(kind=c_char), intent(in) :: text(*)
          integer(c_size_t), value :: length
       end function c_write
       subroutine c_perror(text) bind(c, name='perror')
          import :: c_char
          implicit none (type, external)
+         !> What the message begins with, ended by a null character.
          character(kind=c_char), intent(in) :: text(*)
       end subroutine c_perror
       subroutine c_free(address) bind(c, name='free')
@@ -71,23 +77,24 @@ module vi_files
    type, public :: new_file_type
       private
       character(:), allocatable :: path, temporary
-      !> What went wrong; empty as long as nothing did.
+      !> The first error; empty if there is none.
       character(:), allocatable :: message
       integer :: unit = 0
       integer(int64) :: length = 0
       logical :: opened = .false.
    end type new_file_type
 
-   !> What is wanted of the place of results.
+   !> The requirement on the folder of results, as the end of a message.
    character(*), parameter, public :: writable = '; must be a folder and disk that can be written'
 
 contains
 
-   !> Makes a folder if it is not there, its parents included; `message` is empty if it can be
-   !! written to, which is tried before anything is computed, and else says why not, and what is
-   !! wanted.
+   !> Makes a folder and its parents, if they do not exist, and checks that files can be written to
+   !! it.
    subroutine make_folder(path, message)
+      !> The folder.
       character(*), intent(in) :: path
+      !> Empty if files can be written to it; otherwise the reason and the requirement.
       character(:), allocatable, intent(out) :: message
       character(:), allocatable :: temporary
       integer(c_int) :: ignored
@@ -119,17 +126,20 @@ contains
       end do
    end subroutine make_folder
 
-   !> Whether there is a folder of this name.
+   !> Whether a folder exists.
    logical function is_folder(path)
+      !> The folder.
       character(*), intent(in) :: path
 
       inquire (file=path//'/.', exist=is_folder)
    end function is_folder
 
-   !> Writes a line to standard output past the runtime, which does not report a full disk.
+   !> Writes a line to standard output by the C library; the Fortran runtime does not report a full
+   !! disk.
    subroutine print_line(text, printed)
+      !> The line.
       character(*), intent(in) :: text
-      !> If false, the reason has been said.
+      !> Whether it was written; if not, the reason has been printed.
       logical, intent(out) :: printed
       character(:), allocatable :: left
       integer(c_size_t) :: n
@@ -145,10 +155,13 @@ contains
       if (.not. printed) call c_perror('standard output'//c_null_char)
    end subroutine print_line
 
-   !> Writes lines to a file; `message` is empty if that went well, and the old file is kept if not.
+   !> Writes lines to a file; if that fails, the old file is kept.
    subroutine write_file(path, lines, message)
+      !> The file.
       character(*), intent(in) :: path
+      !> Its lines.
       type(line_type), intent(in) :: lines(:)
+      !> Empty if it was written; otherwise the reason.
       character(:), allocatable, intent(out) :: message
       type(new_file_type) :: file
       integer :: i
@@ -160,11 +173,11 @@ contains
       call close_file(file, message)
    end subroutine write_file
 
-   !> Begins a file under a temporary name.
+   !> Opens a new file under a temporary name.
    subroutine open_file(path, file)
-      !> The name that it gets when it is whole.
+      !> The name that it gets when it is complete.
       character(*), intent(in) :: path
-      !> The file; what goes wrong is said when it is closed.
+      !> The file; errors are reported when it is closed.
       type(new_file_type), intent(out) :: file
 
       file%path = path
@@ -188,11 +201,11 @@ contains
       if (status /= 0) file%message = last_part(reason)
    end subroutine add_text
 
-   !> Gives a file its name; `message` is empty if that went well, and the old file is kept if not.
+   !> Closes a file and gives it its name; if that fails, the old file is kept.
    subroutine close_file(file, message)
       !> The file.
       type(new_file_type), intent(inout) :: file
-      !> What went wrong.
+      !> Empty if it was written; otherwise the reason.
       character(:), allocatable, intent(out) :: message
       integer(int64) :: written
       integer(c_int) :: ignored
@@ -215,12 +228,18 @@ contains
       ignored = c_remove(file%temporary//c_null_char)
    end subroutine close_file
 
-   !> Opens a new file beside the wanted one, under a name that no other process or thread uses: a
-   !! file of that name was left behind, and stays while the next name is tried.
+   !> Opens a new file beside another one, under a name that no other process or thread uses. If a
+   !! file
+   !! of that name exists, it was left by an earlier process; it is kept, and the next name is
+   !! tried.
    subroutine open_temporary(path, unit, temporary, message)
+      !> The other file.
       character(*), intent(in) :: path
+      !> Unit of the new file.
       integer, intent(out) :: unit
+      !> Its name.
       character(:), allocatable, intent(out) :: temporary
+      !> Out: the reason, if it could not be opened; otherwise not changed.
       character(:), allocatable, intent(inout) :: message
       character(len(path) + 300) :: reason
       character(64) :: owner
@@ -239,8 +258,9 @@ contains
       message = last_part(reason)
    end subroutine open_temporary
 
-   !> Whether two paths lead to one existing file.
+   !> Whether two paths denote the same existing file.
    logical function same_file(one, other)
+      !> The paths.
       character(*), intent(in) :: one, other
       character(:), allocatable :: a, b
 
@@ -252,7 +272,9 @@ contains
 
    !> The absolute path without links; empty if there is no such file.
    subroutine resolve(path, absolute)
+      !> The path.
       character(*), intent(in) :: path
+      !> The absolute path.
       character(:), allocatable, intent(out) :: absolute
       character(kind=c_char), pointer :: text(:)
       type(c_ptr) :: address

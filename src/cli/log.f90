@@ -1,4 +1,4 @@
-!> What is said while files run.
+!> Messages and names of results while files run.
 module vi_log
    use vi_text, only: append, line_type, printable
    implicit none (type, external)
@@ -6,10 +6,10 @@ module vi_log
 
    public :: say
 
-   !> Exit statuses: all done; ran, but something failed or is not there; the input is wrong.
+   !> Exit statuses: all done; ran, but something failed or does not exist; the input is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
 
-   !> What is said while files run: a line for each case, and the names taken so far.
+   !> The messages while files run, and the names taken so far.
    type, public :: log_type
       !> The first character of a line is '-' for news and '!' for a fault.
       type(line_type), allocatable :: lines(:)
@@ -25,8 +25,11 @@ contains
 
    !> Adds a line to the log and remembers the worst status.
    subroutine say(log, status, text)
+      !> In and out: the log.
       type(log_type), intent(inout) :: log
+      !> `done`, `failed` or `wrong`.
       integer, intent(in) :: status
+      !> The message; control characters are replaced.
       character(*), intent(in) :: text
 
       call append(log%lines, merge('-', '!', status == done)//printable(text))

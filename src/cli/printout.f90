@@ -114,7 +114,9 @@ contains
 
    !> A row of the printout: its name, then its numbers.
    pure function row(name, values, format) result(text)
+      !> Name of the row, and the edit descriptor of a number, 12 characters wide.
       character(*), intent(in) :: name, format
+      !> Its numbers.
       real(wp), intent(in) :: values(:)
       character(16 + 12*size(values)) :: text
       integer :: i
@@ -127,6 +129,7 @@ contains
 
    !> An angle in (-pi, pi].
    pure real(wp) function wrapped(angle)
+      !> An angle (rad).
       real(wp), intent(in) :: angle
 
       wrapped = atan2(sin(angle), cos(angle))

@@ -11,7 +11,7 @@ module vi_read_cases
 
 contains
 
-   !> All cases of a namelist file; at the first fault `message` says file, line, key and remedy.
+   !> All cases of a namelist file; `message` names file, line, key and remedy of the first fault.
    subroutine read_cases(path, cases, message)
       !> The file.
       character(*), intent(in) :: path

@@ -15,12 +15,14 @@ module vi_read_file
       type(c_ptr) function c_fopen(path, mode) bind(c, name='fopen')
          import :: c_char, c_ptr
          implicit none (type, external)
+         !> The file and 'r', each ended by a null character.
          character(kind=c_char), intent(in) :: path(*), mode(*)
       end function c_fopen
       integer(c_size_t) function c_fread(bytes, width, number, stream) bind(c, name='fread')
          import :: c_char, c_ptr, c_size_t
          implicit none (type, external)
          integer(c_size_t), value :: width, number
+         !> The bytes read; the rest is undefined.
          character(kind=c_char), intent(out) :: bytes(width*number)
          type(c_ptr), value :: stream
       end function c_fread
@@ -38,22 +40,23 @@ module vi_read_file
          import :: c_char, c_size_t
          implicit none (type, external)
          integer(c_size_t), value :: room
+         !> The message of the last error, ended by a null character.
          character(kind=c_char), intent(out) :: text(room)
       end subroutine last_error
    end interface
 
-   !> Bytes that a namelist file may have.
+   !> Largest number of bytes of a namelist file.
    integer, parameter :: largest = 64*1024*1024
 
 contains
 
-   !> All lines of a text file or pipe; `message` is empty if that went well.
+   !> All lines of a text file or pipe.
    subroutine read_lines(path, lines, message)
       !> The file.
       character(*), intent(in) :: path
-      !> Without the ends of the lines; what stands behind the last end is a line too.
+      !> Without their line ends; the text after the last line end is a line too.
       type(line_type), allocatable, intent(out) :: lines(:)
-      !> Why it cannot be read.
+      !> Why it cannot be read; empty if it can.
       character(:), allocatable, intent(out) :: message
       character(:), allocatable :: content
 
@@ -61,7 +64,7 @@ contains
       call split_lines(content, lines)
    end subroutine read_lines
 
-   !> Whether a file is a result of ours, which starts with #.
+   !> Whether a file is a result of this program, which starts with #.
    logical function is_result(path)
       !> The file.
       character(*), intent(in) :: path

@@ -1,4 +1,4 @@
-!> A result as a CSV file, which is there whole or not at all.
+!> A result as a CSV file, which is written completely or not at all.
 module vi_write_csv
    use vi_csv, only: csv_header, csv_rows, row_count
    use vi_files, only: add_text, close_file, new_file_type, open_file
@@ -9,18 +9,18 @@ module vi_write_csv
 
    public :: write_csv
 
-   !> Rows that are put into words at a time.
+   !> Rows that are formatted at a time.
    integer, parameter :: block = 4096
 
 contains
 
-   !> Writes a result as CSV; `message` is empty if that went well.
+   !> Writes a result as CSV.
    subroutine write_csv(result, path, message)
       !> The result.
       type(result_type), intent(in) :: result
-      !> Of the file.
+      !> The file.
       character(*), intent(in) :: path
-      !> What went wrong.
+      !> Empty if it was written; otherwise the reason.
       character(:), allocatable, intent(out) :: message
       type(new_file_type) :: file
       type(line_type), allocatable :: head(:)

@@ -53,13 +53,13 @@ contains
    subroutine run_text(text, threads, handle, status, tally)
       !> The namelist.
       character(*), intent(in) :: text
-      !> Threads; the answer does not depend on them.
+      !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> To be freed by `free_result`; there is one whatever the status.
       integer(c_int64_t), intent(out) :: handle
       !> `done`, `failed` or `wrong`.
       integer, intent(out) :: status
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(holder_type), pointer :: holder
       type(case_type), allocatable :: cases(:)

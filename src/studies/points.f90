@@ -194,7 +194,7 @@ contains
       multipliers = motion%multipliers
    end subroutine store_motion
 
-   !> The motion whose rows `store_motion` wrote: everything that its flights need, without verdicts.
+   !> The motion whose rows `store_motion` wrote: all that its flights need, without verdicts.
    pure function recall(osc, r, pattern, restitution, phases, impacts, amplitude, &
       tau) result(motion)
       !> Oscillator without its load.
