@@ -82,48 +82,63 @@ def number(text: str) -> float:
 
 def parsers() -> tuple[Parser, dict[str, Parser]]:
     """The argument parser, and that of each subcommand."""
-    style = argparse.RawDescriptionHelpFormatter
-    main_parser = Parser(
+    return main_parser(), {name: parser_of(name) for name in NAMES}
+
+
+def main_parser() -> Parser:
+    """The parser that knows the names of the subcommands, and not their arguments."""
+    parser = Parser(
         prog="vibroimpact",
         description="Stable periodic motions of a vibrating system in which a free mass hits its walls.",
         epilog=f"example: vibroimpact reproduce table1\n\n{EXIT_STATUS}\n{INTERRUPT}",
-        formatter_class=style,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    main_parser.add_argument(
+    parser.add_argument(
         "--version", action="version", version=f"vibroimpact {version('vibroimpact')}"
     )
-    commands = main_parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    each = {}
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name in NAMES:
-        module = import_module(f".commands.{name}", __package__)
-        each[name] = commands.add_parser(
-            name, help=module.HELP, description=module.DESCRIPTION, formatter_class=style,
-            epilog="\n\n".join([
-                f"example: {module.EXAMPLE}", *[UNITS] * (name not in WITHOUT_UNITS),
-                "\n".join([EXIT_STATUS, *[INTERRUPT] * (name not in WITHOUT_FILES)]),
-            ]),
-        )  # fmt: skip
-        module.arguments(each[name])
-        add_common(each[name])
-    return main_parser, each
+        commands.add_parser(name, help=module_of(name).HELP)
+    return parser
+
+
+def parser_of(name: str) -> Parser:
+    """The parser of a subcommand."""
+    module = module_of(name)
+    parser = Parser(
+        prog=f"vibroimpact {name}", description=module.DESCRIPTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="\n\n".join([
+            f"example: {module.EXAMPLE}", *[UNITS] * (name not in WITHOUT_UNITS),
+            "\n".join([EXIT_STATUS, *[INTERRUPT] * (name not in WITHOUT_FILES)]),
+        ]),
+    )  # fmt: skip
+    module.arguments(parser)
+    add_common(parser)
+    return parser
+
+
+def module_of(name: str) -> Any:
+    """The module of a subcommand."""
+    return import_module(f".commands.{name}", __package__)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of the command; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    main_parser, each = parsers()
+    name = words[0] if words else ""
+    parser = parser_of(name) if name in NAMES else main_parser()
     if not words:
-        main_parser.print_help(sys.stderr)
+        parser.print_help(sys.stderr)
         return 2
-    name = words[0]
     try:
         try:
-            main_parser.in_json = "--json" in words
-            if name not in each:
-                main_parser.parse_args(words)  # help, version or a fault: does not return
-            each[name].in_json = main_parser.in_json
+            parser.in_json = "--json" in words
+            if name not in NAMES:
+                parser.parse_args(words)  # help, version or a fault
+                parser.error(f"{name}: must be a command")
             # files and names may stand on both sides of an option
-            options = each[name].parse_intermixed_args(_separated(words[1:]))
+            options = parser.parse_intermixed_args(_separated(words[1:]))
             options.record = Record(name)
             return said_or_told(name, options)
         finally:
@@ -132,8 +147,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # who read has gone, or the disk is full; nothing is left to be flushed at the end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
-            prog = each[name].prog if name in each else main_parser.prog
-            print(f"{prog}: standard output: {error.strerror or error}", file=sys.stderr)
+            print(f"{parser.prog}: standard output: {error.strerror or error}", file=sys.stderr)
         return 1
 
 
@@ -153,7 +167,7 @@ def outcome(name: str, options: argparse.Namespace) -> int:
     try:
         name_file(options)
         need_extras(options)
-        status = import_module(f".commands.{name}", __package__).run(options)
+        status = module_of(name).run(options)
     except VibroimpactError as error:
         status = error.status
         options.record.fault(f"vibroimpact {name}: {error}")

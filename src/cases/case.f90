@@ -32,9 +32,9 @@ module vi_case
       key_type('mu', low=0.0_wp, high=1.0e6_wp, meaning='mass ratio m/M'), &
       key_type('restitution', most=2, low=0.0_wp, high=1.0_wp, &
       takes='one number for both walls or two (right, left), each with 0 <= R <= 1', &
-      meaning='coefficients of restitution of the walls'), &
+      meaning='coefficient of restitution of both walls, or of the right and the left one'), &
       key_type('r', low=1.0e-6_wp, high=1.0e6_wp, may_miss=.true., &
-      meaning='frequency ratio; left out if the study has frequency ratios of its own')]
+      meaning='frequency ratio Omega/omega, unless the study has frequency ratios of its own')]
 
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &

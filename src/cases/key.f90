@@ -46,6 +46,9 @@ module vi_key
       !> The key that it stands for, in another unit: values are multiplied by `factor`.
       character(24) :: is = ''
       real(wp) :: factor = 1
+      !> The option of a command that gives it, if it is not named as the key is; one that several
+      !! keys have takes a value for each. A dash: there is none.
+      character(16) :: option = ''
       !> Its unit, and what it means.
       character(16) :: unit = ''
       character(160) :: meaning = ''

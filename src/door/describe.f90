@@ -113,8 +113,9 @@ contains
             text//', "may_miss": '//truth(key%may_miss)//', "default": '//quoted(key%default)// &
             ', "words": '//quoted(key%words)//', "takes": '//quoted(takes)//', "or": '// &
             quoted(key%or)//', "over": '//quoted(key%over)//', "only": '//quoted(key%only)// &
-            ', "never": '//quoted(key%never)//', "is": '//quoted(key%is)//', "unit": '// &
-            quoted(key%unit)//', "meaning": '//quoted(key%meaning)//'}'
+            ', "never": '//quoted(key%never)//', "is": '//quoted(key%is)//', "option": '// &
+            quoted(key%option)//', "unit": '//quoted(key%unit)//', "meaning": '// &
+            quoted(key%meaning)//'}'
       end associate
    end subroutine describe_json
 

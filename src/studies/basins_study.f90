@@ -29,22 +29,22 @@ module vi_basins_study
    character(*), parameter :: beside = 'states list', random = ': it is for a plane'
    type(key_type), parameter, public :: basins_keys(*) = [clearance_key, &
       key_type('states', a_whole, may_miss=.true., low=1.0_wp, high=real(most_numbers, wp), &
-      meaning='instead of a plane: this many random states'), &
+      meaning='number of random states, instead of a plane'), &
       key_type('list', least=5, most=5*most_numbers, may_miss=.true., never='states', &
       takes='finite numbers: t, x, x_dot, z and z_dot of each state', &
-      meaning='instead of a plane: these states'), &
+      meaning='t, x, x_dot, z and z_dot of each state, instead of a plane'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=real(huge(1), wp), only='states', &
-      meaning='which random states'), &
+      meaning='seed of the random states'), &
       key_type('axes', a_word, least=2, most=2, words='x x_dot y z_dot t', never=beside, &
       why=random, takes='two of ''x'', ''x_dot'', ''y'' (z - x), ''z_dot'' and ''t'', or states = &
-      &N instead of a plane', meaning='the plane of initial states'), &
+      &N instead of a plane', option='plane', meaning='axes of the plane of initial states'), &
       key_type('low', least=2, most=2, never=beside, why=random, &
-      takes='two finite numbers, one an axis', meaning='first values'), &
+      takes='two finite numbers, one an axis', option='plane', meaning='first value on each'), &
       key_type('high', least=2, most=2, over='low', never=beside, why=random, &
-      takes='two finite numbers, one an axis', meaning='last values'), &
+      takes='two finite numbers, one an axis', option='plane', meaning='last value on each'), &
       key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never=beside, &
       why=random, takes='two whole numbers, one an axis, each with 2 <= values <= 100000', &
-      meaning='how many'), &
+      option='plane', meaning='number of values on each'), &
       key_type('t', default='0', never=beside, why=random, unit='1/omega', &
       meaning='time, unless it is an axis'), &
       key_type('x', default='0', never=beside, why=random, unit='F0/K', &

@@ -23,22 +23,26 @@ module vi_bifurcation_study
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
       meaning='clearance d K/F0, one or one for each value'), &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
-      may_miss=.true., never='parameter=r', why='=: it is the parameter', &
-      meaning='the frequency ratio at each value, if it changes with it'), &
+      may_miss=.true., never='parameter=r', why='=: it is the parameter', option='r-list', &
+      meaning='frequency ratio at each value, if it changes with it'), &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
-      meaning='what changes'), &
+      meaning='parameter that changes'), &
       key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more rising numbers &
-      &in the range of the parameter', meaning='the values, if they are not evenly spaced'), &
-      key_type('low', never='list', takes=range_takes, meaning='first value'), &
-      key_type('high', over='low', never='list', takes=range_takes, meaning='last value'), &
-      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, never='list', meaning='how many'), &
+      &in the range of the parameter', &
+      meaning='values of the parameter, if they are not evenly spaced'), &
+      key_type('low', never='list', takes=range_takes, option='values', &
+      meaning='first value of the parameter'), &
+      key_type('high', over='low', never='list', takes=range_takes, option='values', &
+      meaning='last value'), &
+      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, never='list', option='values', &
+      meaning='number of values'), &
       key_type('spacing', a_word, default=spacing_key%default, words=spacing_key%words, &
-      takes=spacing_key%takes, never='list', meaning='of the values'), &
+      takes=spacing_key%takes, never='list', meaning='spacing of the values'), &
       key_type('sweep', a_word, default='''both''', words='up down both states', &
       meaning='up, down, both: the state is carried from value to value; states: each value starts &
       &anew from many states'), &
       key_type('states', a_whole, default='12', low=1.0_wp, high=1.0e6_wp, only=states, &
-      meaning='how many, spread evenly'), &
+      meaning='initial states at each value, spread evenly'), &
       key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e7_wp, &
       meaning='load cycles simulated at each value before anything is looked at'), &
       key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
@@ -47,13 +51,13 @@ module vi_bifurcation_study
       meaning='impacts kept of each run and value'), &
       key_type('t', may_miss=.true., never=states, why=own, unit='1/omega', &
       meaning=state_keys(1)%meaning), &
-      key_type('x', may_miss=.true., never=states, why=own, unit='F0/K', &
+      key_type('x', may_miss=.true., never=states, why=own, option='state', unit='F0/K', &
       meaning=state_keys(2)%meaning), &
-      key_type('x_dot', may_miss=.true., never=states, why=own, unit='omega F0/K', &
+      key_type('x_dot', may_miss=.true., never=states, why=own, option='state', unit='omega F0/K', &
       meaning=state_keys(3)%meaning), &
-      key_type('z', may_miss=.true., never=states, why=own, unit='F0/K', &
+      key_type('z', may_miss=.true., never=states, why=own, option='state', unit='F0/K', &
       meaning=state_keys(4)%meaning), &
-      key_type('z_dot', may_miss=.true., never=states, why=own, unit='omega F0/K', &
+      key_type('z_dot', may_miss=.true., never=states, why=own, option='state', unit='omega F0/K', &
       meaning=state_keys(5)%meaning), &
       load_key]
 

@@ -27,15 +27,15 @@ module vi_branch_study
 
    type(key_type), parameter, public :: branch_keys(*) = [ &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
-      meaning='what changes'), &
+      meaning='parameter that changes'), &
       key_type('low', takes='a number, at most the value that the motion has', &
-      meaning='its lower bound'), &
+      option='bounds', meaning='lower bound of the parameter'), &
       key_type('high', takes='a number above low, at least the value that the motion has', &
-      meaning='its upper bound'), &
+      option='bounds', meaning='its upper bound'), &
       key_type('longest_step', default='0.05', low=1.0e-6_wp, high=1.0_wp, &
-      meaning='along the branch, the bounds being 0 and 1'), &
+      meaning='longest step along the branch, the bounds being 0 and 1'), &
       key_type('max_points', a_whole, default='4000', low=10.0_wp, high=1.0e5_wp, &
-      meaning='points each way, after which it is cut short')]
+      meaning='points each way after which the branch is cut short')]
 
    type(column_type), parameter, public :: branch_columns(*) = [ &
       column_type('branches', 'branch', wholes, meaning='number of the branch'), &

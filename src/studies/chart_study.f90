@@ -25,15 +25,16 @@ module vi_chart_study
    type(key_type), parameter, public :: chart_keys(*) = [ &
       key_type('sides', a_word, &
       takes='letters R and L, one an impact, 2 to 12 of them, each wall at least once', &
-      meaning='the walls in the order of impacts'), &
+      meaning='walls of the impacts in order, as RRL'), &
       cycles_key, window_keys(1:2), &
-      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, &
-      meaning='frequency ratios'), &
+      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, option='r', &
+      meaning='number of frequency ratios'), &
       window_keys(3:4), &
       key_type('clearance_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, &
-      meaning='clearances'), &
+      option='clearance', meaning='number of clearances'), &
       key_type('spacing', a_word, default='''linear''', words='linear geometric', &
-      takes='''linear'' or ''geometric'' (of the clearances)', meaning='of the clearances'), &
+      takes='''linear'' or ''geometric'' (of the clearances)', &
+      meaning='spacing of the clearances'), &
       symmetric_key, &
       key_type('room', a_whole, default='4', low=1.0_wp, high=32.0_wp, &
       meaning='slots for motions that have no closed form'), &

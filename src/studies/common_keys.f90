@@ -36,27 +36,33 @@ module vi_common_keys
       low=1.0_wp, high=1.0e4_wp, meaning='load cycles in a period')
    type(key_type), parameter, public :: symmetric_key = key_type('symmetric', a_word, &
       default='''both''', words='yes no both', takes='''yes'' (only motions that are their own &
-      &mirror image), ''no'' (only others) or ''both''')
+      &mirror image), ''no'' (only others) or ''both''', &
+      meaning='only motions that are their own mirror image, only others, or both')
    type(key_type), parameter, public :: spacing_key = key_type('spacing', a_word, &
       default='''linear''', words='linear geometric', takes='''linear'' or ''geometric'' (of the &
       &values)')
 
    !> The window of zones and charts.
    type(key_type), parameter, public :: window_keys(4) = [ &
-      key_type('r_min', low=least_r, high=most_r, meaning='first frequency ratio'), &
-      key_type('r_max', low=least_r, high=most_r, over='r_min', meaning='last frequency ratio'), &
-      key_type('clearance_min', low=least_gap, high=most_gap, unit='F0/K', &
+      key_type('r_min', low=least_r, high=most_r, option='r', meaning='first frequency ratio'), &
+      key_type('r_max', low=least_r, high=most_r, over='r_min', option='r', &
+      meaning='last frequency ratio'), &
+      key_type('clearance_min', low=least_gap, high=most_gap, option='clearance', unit='F0/K', &
       meaning='first clearance d K/F0'), &
-      key_type('clearance_max', low=least_gap, high=most_gap, over='clearance_min', unit='F0/K', &
-      meaning='last clearance d K/F0')]
+      key_type('clearance_max', low=least_gap, high=most_gap, over='clearance_min', &
+      option='clearance', unit='F0/K', meaning='last clearance d K/F0')]
 
    !> An initial state.
    type(key_type), parameter, public :: state_keys(5) = [ &
       key_type('t', default='0', unit='1/omega', meaning='time; the load phase is r t'), &
-      key_type('x', default='0', unit='F0/K', meaning='displacement of the primary mass'), &
-      key_type('x_dot', default='0', unit='omega F0/K', meaning='velocity of the primary mass'), &
-      key_type('z', default='0', unit='F0/K', meaning='displacement of the free mass'), &
-      key_type('z_dot', default='0', unit='omega F0/K', meaning='velocity of the free mass')]
+      key_type('x', default='0', option='state', unit='F0/K', &
+      meaning='displacement of the primary mass'), &
+      key_type('x_dot', default='0', option='state', unit='omega F0/K', &
+      meaning='velocity of the primary mass'), &
+      key_type('z', default='0', option='state', unit='F0/K', &
+      meaning='displacement of the free mass'), &
+      key_type('z_dot', default='0', option='state', unit='omega F0/K', &
+      meaning='velocity of the free mass')]
 
    character(*), parameter, public :: parameter_words = 'r clearance xi mu R1 R2 restitution'
    character(*), parameter, public :: parameter_takes = '''r'', ''clearance'', ''xi'', ''mu'', &

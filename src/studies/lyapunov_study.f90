@@ -23,22 +23,24 @@ module vi_lyapunov_study
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
       meaning='clearance d K/F0, one or one for each point'), &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
-      may_miss=.true., never=with, meaning='the frequency ratios of points that are no line with &
+      may_miss=.true., never=with, option='r-list', &
+      meaning='frequency ratios of points that are no line with &
       &equal spaces, one or one for each point'), &
       key_type('shape', a_whole, most=3, low=1.0_wp, high=1.0e6_wp, may_miss=.true., only='r', &
       meaning='the points as an array of two or three dimensions, of which the last varies &
       &first'), &
       key_type('parameter', a_word, may_miss=.true., words='r clearance', &
       takes='''r'' or ''clearance''; low, high and values go with it', &
-      meaning='a line of points'), &
-      key_type('low', only=with, meaning='first value', &
+      option='-', meaning='a line of points'), &
+      key_type('low', only=with, option='-', meaning='first value of the parameter', &
       takes=range_takes), &
-      key_type('high', only=with, over='low', meaning='last value', &
+      key_type('high', only=with, over='low', option='-', meaning='last value', &
       takes=range_takes), &
-      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, only=with, meaning='how many'), &
+      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, only=with, option='-', &
+      meaning='number of values'), &
       key_type('spacing', a_word, default=spacing_key%default, words=spacing_key%words, &
       takes='''linear'' or ''geometric'' (of the values); it goes with parameter', only=with, &
-      meaning='of the values'), &
+      meaning='spacing of the values'), &
       key_type('cycles', a_whole, default='10000', low=4.0_wp, high=1.0e9_wp, &
       takes='a whole number, 2 batches <= cycles <= 1e9', &
       meaning='load cycles averaged over'), &

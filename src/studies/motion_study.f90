@@ -34,13 +34,14 @@ module vi_motion_study
       why=', which finds the clearance', unit='F0/K', meaning='clearance d K/F0'), &
       key_type('sides', a_word, never=equispaced, why=known, &
       takes='letters R and L, one an impact, 2 to 1000 of them, each wall at least once', &
-      meaning='the walls in the order of impacts'), &
+      meaning='walls of the impacts in order, as RRL'), &
       key_type('phases', most=most_impacts, or='phases_over_pi', never=equispaced, why=known, &
       takes='one number an impact, increasing from 0 to below 2 pi cycles', unit='rad', &
       meaning='load phases of the impacts, from the first one'), &
       key_type('phases_over_pi', most=most_impacts, or='phases', never=equispaced, why=known, &
       takes='one number an impact, increasing from 0 to below 2 cycles', is='phases', &
-      factor=pi, unit='pi rad', meaning='the same in units of pi'), &
+      factor=pi, unit='pi rad', &
+      meaning='load phases of the impacts in units of pi, from the first one'), &
       key_type('impact_restitution', most=most_impacts, low=0.0_wp, high=1.0_wp, &
       never=equispaced, why=known, may_miss=.true., &
       takes='one number an impact, each with 0 <= R <= 1', &

@@ -16,20 +16,20 @@ module vi_response_study
 
    type(key_type), parameter, public :: response_keys(*) = [ &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
-      may_miss=.true., &
-      meaning='the frequency ratios, if they are not evenly spaced'), &
+      may_miss=.true., option='r-list', &
+      meaning='frequency ratios, if they are not evenly spaced'), &
       key_type('r_min', low=window_keys(1)%low, high=window_keys(1)%high, never='r', &
-      meaning='first frequency ratio'), &
+      option='r', meaning='first frequency ratio'), &
       key_type('r_max', low=window_keys(1)%low, high=window_keys(1)%high, over='r_min', never='r', &
-      meaning='last frequency ratio'), &
-      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, never='r', &
-      meaning='frequency ratios'), &
+      option='r', meaning='last frequency ratio'), &
+      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, never='r', option='r', &
+      meaning='number of frequency ratios'), &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       or='inverse_clearance', unit='F0/K', meaning='clearance d K/F0, one or one for each r'), &
       key_type('inverse_clearance', most=1000000, low=1.0e-12_wp, high=1.0e12_wp, &
       or='clearance', unit='K/F0', meaning='F0/(d K), one or one for each r'), &
       key_type('states', a_whole, default='24', low=1.0_wp, high=1.0e6_wp, &
-      meaning='initial states at each, spread evenly'), &
+      meaning='initial states at each frequency ratio, spread evenly'), &
       key_type('settling', a_whole, default='600', low=0.0_wp, high=1.0e7_wp, &
       meaning='load cycles simulated before anything is looked at'), &
       key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &

@@ -24,7 +24,7 @@ module vi_simulate_study
       meaning='load cycles simulated before those'), &
       load_key, state_keys, &
       key_type('max_events', a_whole, default='10000000', low=1.0_wp, high=1.0e9_wp, &
-      meaning='events after which it is cut short')]
+      meaning='events after which the simulation is cut short')]
 
    type(column_type), parameter, public :: simulate_columns(*) = [ &
       column_type('events', 'time', unit='1/omega', meaning='time'), &

@@ -1,5 +1,6 @@
 """The tables of keys, as `--describe` prints them: every door keeps what they say."""
 
+import importlib
 import inspect
 import json
 import math
@@ -10,6 +11,9 @@ import subprocess
 import pytest
 import vibroimpact as vi
 from programs import ROOT, SYSTEM, find_batch
+from vibroimpact.command import parser_of
+from vibroimpact.commands import Record, cases
+from vibroimpact.commands.study import read_cases
 from vibroimpact.errors import ParameterError, VibroimpactError
 
 WALLS = SYSTEM.replace(", r = 0.94", "")
@@ -45,6 +49,19 @@ CALLS = {
     "branch": lambda osc, **keys: vi.branch(
         vi.equispaced(osc, 0.94, 37)[0], bounds=(10, 60), **keys),
 }  # fmt: skip
+
+#: The smallest case of each group that has a command, as options without the oscillator.
+OPTIONS = {
+    "simulate": "--r 0.94 --clearance 37 --cycles 1",
+    "chart": "--sides RL --r .8 1.2 2 --clearance 2 200 2",
+    "branch": "--r 0.94 --sides RL --phases 0 4.3 --clearance 37 --parameter clearance --bounds 10 60",
+    "zone": "--sides RL --r .8 1.2 --clearance 2 200",
+    "atlas": "--r .8 1.2 --clearance 2 200",
+    "lyapunov": "--r 0.94 --clearance 37",
+    "bifurcation": "--r 0.94 --parameter clearance --values 2 9 3",
+    "response": "--r .9 1.1 3 --clearance 37",
+    "basins": "--r 0.94 --clearance 37 --plane x -1 1 2 z_dot -1 1 2",
+}
 
 TABLES = json.loads(
     subprocess.run([find_batch(), "--describe"], capture_output=True, check=True).stdout
@@ -109,7 +126,7 @@ def outside(key):
     """Numbers beyond the ends of the range of a key."""
     step = 1 if key["kind"] == "whole" else None
     for end, direction, open_end in (("low", -1, "above"), ("high", 1, "below")):
-        value = key[end]
+        value = key.get(end)
         if value is None:
             continue
         if key[open_end]:
@@ -177,8 +194,14 @@ def drawn(draw, key):
     """A value that a key takes, as text; None where only the study knows."""
     if key["words"]:
         return f"'{draw.choice(key['words'].split())}'"
-    if key["kind"] == "word" or key["most"] > 1 or key["low"] is None or key["high"] is None:
+    if key["kind"] == "word":
         return None
+    if key["most"] > 1:
+        one = {**key, "least": 1, "most": 1}
+        items = [drawn(draw, one) for _ in range(draw.randint(key["least"], max(3, key["least"])))]
+        return None if None in items else ", ".join(items)
+    if key["low"] is None or key["high"] is None:
+        return repr(draw.uniform(-3, 3))
     low, high = key["low"], key["high"]
     if key["kind"] == "whole":
         return str(draw.randint(low, min(high, low + draw.choice((1, 30, 10**9)))))
@@ -202,6 +225,75 @@ def test_random_cases(group, tmp_path):
         accepted += 1
         assert echo(tmp_path, one.text) == one
     assert accepted > 10
+
+
+def as_options(values, table):
+    """Values of keys in the words of a command; None where not all keys that share an option are there."""
+    words = []
+    options = {key["name"]: key["option"] or key["name"].replace("_", "-") for key in table}
+    for option in dict.fromkeys(options[name] for name in values):
+        names = [name for name in options if options[name] == option]
+        if option == "-" or not set(names) <= set(values):
+            return None
+        columns = [values[name].replace("'", "").split(", ") for name in names]
+        words += [f"--{option}", *(word for row in zip(*columns, strict=True) for word in row)]
+    return words
+
+
+def made(group, words):
+    """What is read of the case that options make, under the name of `echo`; or the fault."""
+    found = []
+    module = importlib.import_module(f"vibroimpact.commands.{group}")
+    system = "--xi 0.005 --mu 0.042 --restitution 0.75"
+    options = parser_of(group).parse_intermixed_args(
+        [*system.split(), *OPTIONS[group].split(), *words]
+    )
+    options.record = Record(group)
+    with pytest.MonkeyPatch.context() as patch:
+        for place in (cases, module):
+            patch.setattr(place, "run_kind", lambda *told: found.append(told), raising=False)
+        module.run(options)
+    try:
+        ((one,), _) = read_cases(options, found[0][1])
+    except ParameterError as error:
+        return str(error)
+    return one.text.replace(f"name = '{group}'", "name = 'case'")
+
+
+@pytest.mark.parametrize("group", OPTIONS)
+def test_random_options(group, tmp_path):
+    """The options of a command make the case that a namelist with the same keys makes, or both are refused."""
+    draw, counts = random.Random(group), {True: 0, False: 0}
+    bounded = [key for key in TABLES[group] if list(outside(key))]
+    for i in range(150):
+        keys = draw.sample(TABLES[group], draw.randint(0, min(3, len(TABLES[group]))))
+        if i % 3 == 0:
+            keys += [key for key in TABLES[group] if key["option"] == "state"]
+        values = {key["name"]: drawn(draw, key) for key in keys}
+        if i % 4 == 1:
+            key = draw.choice(bounded)
+            values[key["name"]] = str(draw.choice(list(outside(key))))
+        values = {name: value for name, value in values.items() if value is not None}
+        words = as_options(values, TABLES[group])
+        if words is None or (group == "lyapunov" and ", " in values.get("clearance", "")):
+            continue  # three numbers are a line of points there
+        extra = ", ".join(f"{name} = {value}" for name, value in values.items())
+        wanted, found = echo(tmp_path, case(group, extra, values)), made(group, words)
+        refused = isinstance(wanted, str)
+        counts[refused] += 1
+        assert found.startswith("--") if refused else found == wanted.text, words
+    assert min(counts.values()) >= 5
+
+
+@pytest.mark.parametrize("group", OPTIONS)
+def test_every_key_has_an_option(group):
+    """But the line of points of &lyapunov, which is given by the name of its parameter."""
+    known = {flag for action in parser_of(group)._actions for flag in action.option_strings}
+    for key in TABLES[group]:
+        if key["option"] == "-":
+            assert group == "lyapunov"
+        else:
+            assert f"--{key['option'] or key['name'].replace('_', '-')}" in known
 
 
 def readme_rows():

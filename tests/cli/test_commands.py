@@ -109,7 +109,8 @@ def test_options_of_a_simulation_are_a_namelist(tool):
         assert done.faults[0].startswith("vibroimpact simulate: --state 3.5 0 30 -2: must be ")
     done = tool("simulate", *POINT)
     assert done.faults == [
-        "vibroimpact simulate: --cycles: must be given, or a namelist file instead of the options"
+        "vibroimpact simulate: --cycles: must be given, or a namelist file instead of the options; it must be "
+        "a number of load cycles with 0 <= cycles <= 1e9"
     ]
 
 

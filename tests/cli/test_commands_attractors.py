@@ -134,7 +134,7 @@ def test_random_states(tool):
 
 
 @pytest.mark.parametrize(("words", "fault"), [
-    (["basins", *SYSTEM, "--r", "1", "--clearance", "9"], "exactly one of them must be given"),
+    (["basins", *SYSTEM, "--r", "1", "--clearance", "9"], "--plane: must be given"),
     (["basins", *SYSTEM, "--r", "1", "--clearance", "9", "--plane", *"abcdefgh"], "--plane"),
     (["basins", *SYSTEM, "--r", "1", "--clearance", "-9", "--plane", *["x", "0", "1", "9", "y", "0", "1", "9"]],
      "--clearance -9.0: must be a number with 1e-12 <="),
@@ -144,8 +144,9 @@ def test_random_states(tool):
     (["lyapunov", *SYSTEM, "--r", "1", "2", "--clearance", "9"], "--r 1 2: must be a number, or LOW HIGH N"),
     (["lyapunov", *SYSTEM, "--r", "1", "--clearance", "9", "--state", "0", "1", "7", "0"],
      "--state 0 1 7 0: must be a finite number; z - x must be within half the clearance"),
-    (["response", *SYSTEM, "--r", "1", "2", "3", "--clearance", "-9"], "--clearance -9.0: must be"),
-    (["response", *SYSTEM, "--r", "1", "2", "3"], "--clearance: is missing"),
+    (["response", *SYSTEM, "--r", "1", "2", "3", "--clearance", "-9"], "--clearance -9: must be"),
+    (["response", *SYSTEM, "--r", "1", "2", "3"],
+     "--clearance: must be given, or a namelist file instead of the options; it must be a number with"),
     (["response", "--r", "1", "2", "3"], "--xi: must be given, or a namelist file"),
     (["response", "case.nml", "--states", "3"], "--states: must be left out beside a namelist file"),
 ])  # fmt: skip

@@ -148,13 +148,18 @@ def test_options_of_a_chart_are_a_namelist(tool):
     assert contents(tool.cwd / "results") == contents(tool.cwd / "run")
 
 
+#: What the number of frequency ratios must be.
+MANY = "must be a whole number of at least 2, with N x N of --clearance <= 1000000"
+
+
 @pytest.mark.parametrize(("words", "said"), [
-    (["--r", "1.1", "0.9", "5"], "--r 1.1 0.9 5: must be LOW HIGH N with LOW below HIGH"),
-    (["--r", "0.9", "1.1", "1"], "--r 0.9 1.1 1: must be LOW HIGH N"),
-    (["--r", "0.9", "1.1", "2.5"], "--r 0.9 1.1 2.5: must be LOW HIGH N"),
+    (["--r", "1.1", "0.9", "5"],
+     "--r 1.1 0.9 5: must be a number with 1e-6 <= HIGH <= 1e6, and LOW below HIGH"),
+    (["--r", "0.9", "1.1", "1"], "--r 0.9 1.1 1: " + MANY),
+    (["--r", "0.9", "1.1", "2.5"], "--r 0.9 1.1 2.5: " + MANY),
     (["--r", "0.9", "1.1", "5", "--room", "99"], "--room 99: must be a whole number with 1 <= room <= 32"),
-    (["--r", "0.9", "1.1", "2000000"], "--r 0.9 1.1 2000000: must be LOW HIGH N"),
-    (["--r", "1e-9", "1.1", "5"], "--r 1e-9 1.1 5: must be a number with 1e-6 <= r_min"),
+    (["--r", "0.9", "1.1", "2000000"], "--r 0.9 1.1 2000000: " + MANY),
+    (["--r", "1e-9", "1.1", "5"], "--r 1e-9 1.1 5: must be a number with 1e-6 <= LOW"),
 ])  # fmt: skip
 def test_bad_grids(words, said, tool):
     """In the words that were typed."""

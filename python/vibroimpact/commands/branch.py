@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 
 from ..errors import ParameterError
-from ..studies.branch import CHOICES
 from .cases import run_kind
-from .options import Request, add_case, add_numbers, pair, values
+from .study import Option, add_study, options_of, request_of
 
 HELP = "follow motions along a parameter"
 DESCRIPTION = """Follow exact motions along a parameter, through folds, for the &branch cases of namelist
@@ -20,37 +19,23 @@ EXAMPLE = (
     "--phases-over-pi 0 1.37 --parameter clearance --bounds 10 60 -o results"
 )
 
+#: Keys of the &motion that a branch starts from.
+START = ("clearance", "sides", "cycles", "phases", "phases_over_pi", "impact_restitution")
+
+
+def known() -> dict[str, Option]:
+    """The options."""
+    return options_of("branch", {"motion": START})
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, or a motion, a parameter and its bounds."""
-    add_case(parser, with_pattern=True)
-    parser.add_argument("--r", type=float, metavar="R", help="frequency ratio")
-    parser.add_argument("--clearance", type=float, metavar="D", help="clearance d K/F0")
-    parser.add_argument(
-        "--phases-over-pi", type=float, nargs="+", metavar="PHASE",
-        help="load phases of the impacts over pi, the first 0; near the motion's own is enough",
-    )  # fmt: skip
-    parser.add_argument("--parameter", choices=CHOICES, help="what changes along the branch")
-    parser.add_argument(
-        "--bounds",
-        type=float,
-        nargs=2,
-        metavar=("LOW", "HIGH"),
-        help="its lowest and highest value",
-    )
-    parser.add_argument(
-        "--longest-step",
-        type=float,
-        metavar="S",
-        help="longest step along the branch, in shares of the bounds (default: 0.05)",
-    )
-    add_numbers(parser, max_points="most points each way (default: 4000)")
+    add_study(parser, known())
 
 
 def run(options: argparse.Namespace) -> int:
     """Follow the branches, write and draw them."""
-    low, high = pair(options, "bounds")
-    guessed = options.phases_over_pi is not None
+    guessed = options.phases_over_pi is not None or options.phases is not None
     if options.sides is not None and not guessed:
         raise ParameterError(
             f"--sides {options.sides}: must go with --phases-over-pi, about the phases of its impacts; without "
@@ -62,16 +47,5 @@ def run(options: argparse.Namespace) -> int:
             f"--restitution {walls[0]:g} {walls[1]:g}: must be the same for both walls, or go with --sides and "
             "--phases-over-pi; without them the equispaced motions are followed"
         )
-    groups = {
-        "system": values(options, "xi", "mu", "restitution", "r"),
-        "motion": {
-            "kind": "exact" if guessed else "equispaced",
-            **values(options, "clearance", "sides", "cycles", "phases_over_pi"),
-        },
-        "branch": {
-            "low": low, "high": high, **values(options, "parameter", "longest_step", "max_points"),
-        },
-    }  # fmt: skip
-    needed = ("xi", "mu", "restitution", "r", "clearance", "parameter", "bounds")
-    spans = {"low": "bounds", "high": "bounds"}
-    return run_kind(options, Request("branch", groups, needed, spans))
+    start = {"kind": "exact" if guessed else "equispaced"}
+    return run_kind(options, request_of(options, "branch", known(), motion=start))

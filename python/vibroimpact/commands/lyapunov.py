@@ -6,17 +6,9 @@ import argparse
 from typing import Any
 
 from ..errors import ParameterError
+from ..tables import language
 from .cases import run_kind
-from .options import (
-    STATE,
-    Request,
-    add_case,
-    add_numbers,
-    add_spacing,
-    add_state,
-    span,
-    values,
-)
+from .study import Option, add_study, options_of, request_of, shown
 
 HELP = "compute all Lyapunov exponents at a point or along a line"
 DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a
@@ -27,59 +19,44 @@ another form; with --plot a picture stands beside them. NAME is "lyapunov" for t
 the options."""
 EXAMPLE = "vibroimpact lyapunov --xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 10 30 5 -o results"
 
+#: The options of which one may be a line of points, and what is said of them.
+LINES = {
+    "r": "frequency ratio: a number, or LOW HIGH N for N of them",
+    "clearance": "clearance d K/F0: a number, or LOW HIGH N for N of them",
+}
+#: The keys of such a line.
+SPAN = ("low", "high", "values")
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Files, or a system, points, and how long."""
-    add_case(parser)
-    for name, wanted in (("r", "frequency ratio"), ("clearance", "clearance d K/F0")):
-        parser.add_argument(
-            f"--{name}", type=float, nargs="+", metavar="V",
-            help=f"{wanted}: a number, or LOW HIGH N for N of them",
-        )  # fmt: skip
-    add_spacing(parser, "N values")
-    add_numbers(
-        parser,
-        cycles="load cycles averaged over (default: 10000)",
-        discard="load cycles before them (default: 1000)",
-    )
-    add_state(parser, "where each point starts")
+    """Files, or a case whose line of points has the name of its parameter."""
+    own = {name: {"nargs": "+", "help": text} for name, text in LINES.items()}
+    add_study(parser, options_of("lyapunov"), **own)
 
 
 def run(options: argparse.Namespace) -> int:
     """Compute, print, write and draw them."""
-    point, line = points(options)
-    groups = {
-        "system": {**values(options, "xi", "mu", "restitution"), "r": point["r"]},
-        "lyapunov": {
-            "clearance": point["clearance"], **line, **values(options, "spacing", "cycles", "discard"),
-            **dict(zip(STATE, options.state or (), strict=False)),
-        },
-    }  # fmt: skip
-    spans = dict.fromkeys(STATE, "state")
-    spans |= dict.fromkeys(("low", "high", "values"), str(line.get("parameter")))
-    needed = ("xi", "mu", "restitution", "r", "clearance")
-    status = run_kind(options, Request("lyapunov", groups, needed, spans), details)
+    known = options_of("lyapunov")
+    line: dict[str, str] = {}
+    for name in LINES:
+        given = getattr(options, name) or [None]
+        if len(given) == 1:
+            setattr(options, name, given[0])
+            continue
+        if len(given) != 3:
+            raise ParameterError(f"--{name} {shown(given)}: must be a number, or LOW HIGH N")
+        if line:
+            raise ParameterError("--r, --clearance: one of them must be a number")
+        keys = language()["groups"]["lyapunov"]
+        known[name] = Option(name, [("lyapunov", key) for key in keys if key["name"] in SPAN])
+        line = {"parameter": name}
+    status = run_kind(options, request_of(options, "lyapunov", known, lyapunov=line), details)
     named = options.files or options.state
     if not named and any(": no exponents" in line for line in options.record.faults):
         options.record.fault(
             "vibroimpact lyapunov: another start may lead to impacts: --state X X_DOT Z Z_DOT"
         )
     return status
-
-
-def points(options: argparse.Namespace) -> tuple[dict[str, float | None], dict[str, Any]]:
-    """The two numbers, None for one that changes or is not given, and the keys of the one that changes."""
-    point: dict[str, float | None] = {}
-    line: dict[str, Any] = {}
-    for name in ("r", "clearance"):
-        given = getattr(options, name) or [None]
-        point[name] = given[0] if len(given) == 1 else None
-        if len(given) > 1:
-            low, high, n = span(given, name, "a number, or LOW HIGH N")
-            if line:
-                raise ParameterError("--r, --clearance: one of them must be a number")
-            line = {"parameter": name, "low": low, "high": high, "values": n}
-    return point, line
 
 
 def details(result: Any) -> list[str]:

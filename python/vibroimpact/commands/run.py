@@ -26,7 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run all cases of all files."""
     from .cases import run_kind
-    from .options import Request
+    from .study import Request
 
     return run_kind(options, Request())
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
-
-from .cases import run_kind
-from .options import Request, add_case, add_window, window_groups
+from .study import command
 
 HELP = "find where the motions of a pattern are stable"
 DESCRIPTION = """Find the zones of the plane (r, d K/F0) in which a pattern has stable, admissible motions,
@@ -17,19 +14,4 @@ EXAMPLE = (
     "-o results"
 )
 
-
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Files, or a system, a pattern and a window."""
-    add_case(parser, with_pattern=True)
-    parser.add_argument(
-        "--symmetric", choices=("yes", "no", "both"),
-        help="only motions that are their own mirror image, only others, or both (default)",
-    )  # fmt: skip
-    add_window(parser, guesses=12)
-
-
-def run(options: argparse.Namespace) -> int:
-    """Find the zones, write and draw them."""
-    groups = window_groups(options, "zone", ("sides", "cycles", "symmetric"))
-    needed = ("xi", "mu", "restitution", "sides", "r", "clearance")
-    return run_kind(options, Request("zone", groups, needed))
+arguments, run = command("zone")
