@@ -18,7 +18,7 @@ __all__ = ["Bundle", "simulate_bundle"]
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Bundle:
-    """The ends of many simulations.
+    """The final states of many simulations.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ def simulate_bundle(
 ) -> Bundle:
     """Simulate many initial states or parameters in one call, on several threads.
 
-    The answer is the same to the last bit for any number of threads. After such a call do not fork
+    The results have the same bits for any number of threads. After such a call do not fork
     the process (multiprocessing: use the "spawn" method); a forked child would hang.
 
     Parameters
@@ -74,7 +74,7 @@ def simulate_bundle(
     states : array_like (5,) or (5, M), optional
         t, x, x_dot, z, z_dot at the start; default: all 0.
     max_events : int
-        Events after which one simulation ends early, with a status of its own.
+        Events after which a simulation ends early; its `status` then says so.
     threads : int, optional
         Default: one for each processor.
 

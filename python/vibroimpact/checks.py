@@ -1,7 +1,6 @@
-"""Checks of what callers give: one clear error that names the parameter, its value and the range.
+"""Checks of arguments: one clear error that names the parameter, its value and the range.
 
-Everything here runs before any Fortran does. The ranges are those that the namelist program
-applies.
+All checks run before any Fortran code. The ranges are those of the namelist program.
 """
 
 from __future__ import annotations
@@ -30,19 +29,19 @@ RANGES: dict[str, tuple[float, float, bool]] = {
 }
 MAX_IMPACTS = 1000
 MAX_CYCLES = 10_000
-#: Numbers that a study may have to keep at once.
+#: Largest number of values that a study may keep at once.
 MOST_NUMBERS = 12_500_000
 
 
 def allowed(name: str, label: str | None = None) -> str:
-    """The range of a parameter in words, for messages; `label` is what the caller calls it."""
+    """The range of a parameter in words, for messages; `label` is the caller's name of it."""
     low, high, closed = RANGES[name]
     shown = name if label is None else label
     return f"a number with {low:g} <= {shown} {'<=' if closed else '<'} {high:g}"
 
 
 def number(value: Any, name: str, label: str | None = None) -> float:
-    """A float within the range of `name`; `label` is what the message calls it."""
+    """A float within the range of `name`; `label` is its name in the message."""
     item: float = value
     if type(value) is int and abs(value) < 2**53:
         item = float(value)

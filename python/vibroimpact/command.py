@@ -23,19 +23,19 @@ EXIT_STATUS = (
     "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
 )
 INTERRUPT = "Ctrl-C: what is finished is kept, status 1"
-#: For the commands that read or write numbers.
+#: Note on units in the help of the commands that read or write numbers.
 UNITS = (
     "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega"
 )
 WITHOUT_UNITS = ("explore", "reproduce", "init", "doctor", "bench", "completion")
-#: Those that compute nothing that is kept.
+#: Commands that compute nothing that is kept.
 WITHOUT_FILES = ("explore", "init", "doctor", "bench", "completion")
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that says what is wrong as the rest of the program does, to scripts too."""
+    """A parser that reports errors in the same form as the rest of the program, also to scripts."""
 
-    #: Whether a fault is told in one JSON document as well.
+    #: Whether an error is also reported in a JSON document.
     in_json = False
 
     def __init__(self, **options: Any) -> None:
@@ -48,12 +48,12 @@ class Parser(argparse.ArgumentParser):
         self.register("type", float, number)
 
     def _print_message(self, message: str, file: SupportsWrite[str] | None = None) -> None:
-        """As it was, but not silent where the disk is full."""
+        """As in the base class, but without ignoring a full disk."""
         if message:
             (file or sys.stderr).write(message)
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong, and end."""
+        """Report an error, and end."""
         message = re.sub(r"^argument ([^:]+): (?=.*: must be )", r"\1 ", message)
         if not self.in_json:
             self.print_usage(sys.stderr)
@@ -137,14 +137,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if name not in NAMES:
                 parser.parse_args(words)  # help, version or a fault
                 parser.error(f"{name}: must be a command")
-            # files and names may stand on both sides of an option
+            # files and names may come before and after an option
             options = parser.parse_intermixed_args(_separated(words[1:]))
             options.record = Record(name)
             return said_or_told(name, options)
         finally:
-            sys.stdout.flush()  # also what the parser has printed
+            sys.stdout.flush()  # including the output of the parser
     except OSError as error:
-        # who read has gone, or the disk is full; nothing is left to be flushed at the end
+        # the reader has closed the pipe, or the disk is full: leave nothing to be flushed at the end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             print(f"{parser.prog}: standard output: {error.strerror or error}", file=sys.stderr)
@@ -152,7 +152,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def said_or_told(name: str, options: argparse.Namespace) -> int:
-    """Run a command that says what it does, is quiet, or tells it in one document."""
+    """Run a command with normal output, quietly, or with its output in one JSON document."""
     heard = options.quiet or options.json
     with redirect_stdout(StringIO()) if heard else nullcontext() as said:
         status = outcome(name, options)
@@ -162,7 +162,7 @@ def said_or_told(name: str, options: argparse.Namespace) -> int:
 
 
 def outcome(name: str, options: argparse.Namespace) -> int:
-    """Run a command and give the exit status, whatever happens."""
+    """Run a command and return the exit status, also after an error."""
     status = 2
     try:
         name_file(options)
@@ -185,9 +185,9 @@ def outcome(name: str, options: argparse.Namespace) -> int:
 
 
 def _separated(words: list[str]) -> list[str]:
-    """The words with the value of --plot made plain, which otherwise would swallow a file.
+    """The arguments with the value of --plot made explicit; otherwise the option would take a file as its value.
 
-    A plain word after it that is no file is a format too, and may be a wrong one.
+    A word after it that is no file is taken as a format, which may be an unknown one.
     """
     plain = [*words]
     for i, word in enumerate(words):

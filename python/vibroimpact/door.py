@@ -1,4 +1,4 @@
-"""The one way into a study: its case as the text of a namelist, which the core reads, checks and runs."""
+"""The interface to all studies: a case is the text of a namelist, which the core reads, checks and runs."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ def run(
     threads: int | None = None, progress: Progress | None = None,
     parameters: Mapping[str, str] | None = None,
 ) -> Found:  # fmt: skip
-    """The noun of a study, computed by the core.
+    """Runs a study in the core and returns its result object.
 
     Parameters
     ----------
     noun : class
-        Of the result; its `study` names the group.
+        Class of the result; its `study` names the group.
     keys : mapping
-        Of the group; None for what is left out. `r` is that of &system.
+        Keys of the group; None for a key that is left out. `r` is that of &system.
     parameters : mapping, optional
-        What the caller calls a key or a word of the core, where that is another name.
+        The caller's names of keys and words of the core, where they differ.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        In the words of the core, with the caller's name of the parameter.
+        With the message of the core and the caller's name of the parameter.
     StudyInterrupted
         After Ctrl-C, with what was finished.
     """
@@ -59,7 +59,7 @@ def run(
 
 
 def translated(told: str, names: Mapping[str, str]) -> str:
-    """A message of the core in the words of the caller; one as state['x'] stands at its beginning alone."""
+    """A message of the core with the caller's names; a name such as state['x'] is used only at its beginning."""
     for word, name in names.items():
         whole_word = rf"\b{word}\b" if word.isidentifier() else re.escape(word)
         if ":" in name or "'" in name:
@@ -94,13 +94,13 @@ def run_text(
 
 
 def refusal(handle: int) -> str:
-    """Why the core refused a case."""
+    """The error for a case that the core refused."""
     message: str = json.loads(text_of(_core.describe_result, handle))["message"]
     return message
 
 
 def plain(study: str, key: str, value: Any, name: str) -> Any:
-    """A value as a namelist takes it: float, int, str, or a list of them; the core checks its range."""
+    """A value in a form for a namelist: float, int, str, or a list of them; the core checks its range."""
     if value is None:
         return None
     declared = next(item for item in language()["groups"][study] if item["name"] == key)
@@ -140,7 +140,7 @@ def word(value: Any, name: str, wanted: str) -> str:
 
 
 def line(name: str, values: Any) -> dict[str, Any]:
-    """Values along an axis as a namelist tells them: by their ends and number, if that gives them again."""
+    """Values along an axis for a namelist: their ends and number, if these reproduce the values."""
     from .studies.spacing import spacing_of
 
     array = np.atleast_1d(checks.real_array(values, name, "numbers"))
@@ -155,7 +155,7 @@ def line(name: str, values: Any) -> dict[str, Any]:
 
 
 def swept(values: NDArray[np.float64], parameter: str) -> dict[str, Any] | None:
-    """The keys of the values of a parameter, if their ends, number and spacing give them again."""
+    """The keys of the values of a parameter, if their ends, number and spacing reproduce the values."""
     from .studies.spacing import spacing_of
 
     for end in (values.min(), values.max()):

@@ -19,7 +19,7 @@ __all__ = [
 class VibroimpactError(Exception):
     """Base of every exception that this package raises on purpose."""
 
-    #: What the command ends with.
+    #: Exit status of the command.
     status = 2
 
 

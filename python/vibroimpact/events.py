@@ -18,7 +18,7 @@ EVENT_TYPE = np.dtype(
         ("x_dot_before", "f8"), ("x_dot_after", "f8"), ("z_dot_before", "f8"), ("z_dot_after", "f8"),
     ]
 )  # fmt: skip
-#: What stands for side and kind in a record, as four numbers that are copied and no more.
+#: Side and kind in a record as four numbers, which the core copies without using them.
 _NAMES = np.zeros((3, 2), dtype=EVENT_TYPE)
 _NAMES["kind"], _NAMES["side"] = KINDS[1:, None], ("R", "L")
 WORDS = np.asfortranarray(_NAMES.view(np.float64).reshape(3, 2, 11)[..., 1:5].T)

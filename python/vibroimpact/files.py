@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all."""
+"""Files that are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def writer_name() -> str:
 
 @contextlib.contextmanager
 def replacing(path: Path, temporary: Path) -> Iterator[Path]:
-    """Give the temporary name to write to; it takes the place of `path` unless that was broken off.
+    """Provide a temporary name to write to; the file replaces `path` if no error occurs.
 
     An error names `path`, which the user knows, and not the temporary one.
     """

@@ -1,4 +1,4 @@
-"""Stability of very many motions with given phases: the verdicts and nothing else."""
+"""Stability of very many motions with given phases: only the verdicts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .solve import frequency_ratios, impact_restitution
 
 __all__ = ["StabilityFlags", "stability_flags"]
 
-#: Points that one call of the core takes; between calls Ctrl-C is heard.
+#: Largest number of points in a call of the core; Ctrl-C takes effect between calls.
 CHUNK = 1 << 18
 
 
@@ -32,7 +32,7 @@ class StabilityFlags:
     spectral_radius : ndarray (M,) or None
         Largest modulus of a multiplier, NaN where there is none.
     referred : int
-        Points that LAPACK decided.
+        Number of points that were decided by LAPACK.
     """
 
     consistent: NDArray[np.int8]
@@ -62,11 +62,10 @@ def stability_flags(
     """Whether motions with given phases are stable, for very many points.
 
     The verdicts are those of `periodic_batch`, at a fraction of its time: many points are computed
-    side by side, and Jury's conditions on the characteristic polynomial of [P] stand in for its
-    eigenvalues. A point goes through LAPACK, as in `periodic_batch`, where rounding could turn a
-    verdict: as a rule where the spectral radius is within 1e-8 of 1. Beside its arguments and its
-    result the call needs little memory. The answer is the same to the last bit for any number of
-    threads.
+    side by side, and Jury's conditions on the characteristic polynomial of [P] replace its eigenvalues. A point
+    is computed with LAPACK, as in `periodic_batch`, where rounding could change a verdict: usually where the
+    spectral radius is within 1e-8 of 1. Beside its arguments and its
+    result the call needs little memory. The results have the same bits for any number of threads.
 
     Parameters
     ----------
@@ -74,7 +73,7 @@ def stability_flags(
     phases : array_like (N, M)
         One set of impact phases a column.
     spectral_radius : bool
-        Whether the largest modulus of a multiplier is wanted too. It agrees with LAPACK's to a
+        Whether to compute the largest modulus of a multiplier too. It agrees with LAPACK's to a
         relative 1e-11, or within what the last bits of r and the phases do to it.
     threads : int, optional
         By default as many as there are processors.

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: Seconds between two looks at whether the call is done; in between an interrupt is heard at once.
+#: Seconds between two checks whether the call is done; an interrupt in between takes effect at once.
 INTERVAL = 0.05
 
 
@@ -17,11 +17,11 @@ def interruptible(
     function: Callable[..., Any], *arguments: Any, watch: Callable[[], None] | None = None,
     tally: NDArray[np.int32] | None = None,
 ) -> Any:  # fmt: skip
-    """What a function of the core answers, while the main thread stays free to hear Ctrl-C.
+    """The result of a function of the core, during which the main thread can react to Ctrl-C.
 
-    Meanwhile `watch`, if there is one, is called a few times a second. After an interrupt, or what `watch` raises,
-    the answer is dropped. The core is told to stop by the tally, if it has one among its arguments; otherwise it
-    runs on in a thread that ends with the program.
+    Meanwhile `watch`, if given, is called a few times a second. After an interrupt or an exception of `watch`
+    the result is discarded. The progress counters tell the core to stop, if they are among its arguments;
+    otherwise it continues in a thread that ends with the program.
     """
     if watch is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments)
@@ -38,12 +38,12 @@ def stoppable(
     function: Callable[..., Any], *arguments: Any, tally: NDArray[np.int32],
     progress: Callable[[float, str], None] | None = None, note: str = "",
 ) -> tuple[Any, bool]:  # fmt: skip
-    """What a function of the core answers, and whether it came to its end.
+    """The result of a function of the core, and whether it ran to its end.
 
-    Its last argument is a tally of three numbers: work done, work in sight, and whether to stop. Ctrl-C tells the
-    core by it to stop, which it does within a few load cycles; its answer then is what was finished. A second
+    Its last argument holds three progress counters: work done, work known so far, and a flag to stop. Ctrl-C
+    sets the flag; the core then stops within a few load cycles, and its result is what was finished. A second
     Ctrl-C does not wait for that. `progress` is called a few times a second with the share done and the note;
-    what it raises stops the core too, and is raised.
+    an exception of `progress` also stops the core, and is raised again.
     """
     if progress is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments, tally), True
@@ -52,7 +52,7 @@ def stoppable(
 
     def watch() -> None:
         nonlocal share
-        # more work can come in sight
+        # the known work can grow
         share = max(share, float(tally[0] / max(1, tally[1])))
         if progress is not None:
             progress(share, note)
@@ -69,14 +69,14 @@ def stoppable(
 
 
 def new_tally() -> NDArray[np.int32]:
-    """A tally for the core: nothing done, nothing in sight, not to be stopped."""
+    """Progress counters for the core: no work done, no work known, no request to stop."""
     return np.zeros(3, dtype=np.int32)
 
 
 def _started(
     function: Callable[..., Any], *arguments: Any
 ) -> tuple[threading.Event, list[Any], list[BaseException]]:
-    """A call in a thread of its own, with the places of its answer and of its fault."""
+    """A call in a new thread, with containers for its result and its exception."""
     answer: list[Any] = []
     fault: list[BaseException] = []
 
@@ -98,12 +98,12 @@ def _finished(
     done: threading.Event, answer: list[Any], fault: list[BaseException],
     watch: Callable[[], None] | None,
 ) -> Any:  # fmt: skip
-    """The answer of such a call, when it is there; meanwhile `watch` is called a few times a second."""
+    """Waits for the result of such a call; meanwhile `watch` is called a few times a second."""
     while not done.wait(INTERVAL):
         if watch is not None:
             watch()
     if watch is not None:
-        watch()  # the last word, which fell between two looks
+        watch()  # the last state of the counters, which was reached between two checks
     if fault:
         raise fault[0]
     return answer[0]

@@ -1,6 +1,6 @@
-"""Which motions are one: written once or several times over, from any impact on, or as a mirror image.
+"""Comparison of motions, which may be given over several periods, from any impact on, or as a mirror image.
 
-The core decides, with one tolerance for all studies.
+The core compares them, with the same tolerance for all studies.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ __all__ = ["images", "same", "standard"]
 
 
 class _Parts(NamedTuple):
-    """A motion as the core compares it: without rest the impacts, with rest the releases; else zeros."""
+    """A motion in the form that the core compares: the impacts of one without rest, the releases of one with
+    rest; the other parts are zero."""
 
     sides: NDArray[np.int32]
     unknowns: NDArray[np.float64]
@@ -39,9 +40,10 @@ def _parts(motion: Motion) -> _Parts:
 
 
 def standard(motion: Motion, *, mirrored: bool = False) -> Motion:
-    """A motion written once, with its impacts counted from the one that puts R before L; or its mirror image so.
+    """A motion, or its mirror image, over its shortest period, with its impacts counted from the one that puts
+    R before L.
 
-    The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion where the walls are alike.
+    The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if the walls are alike.
     """
     osc, r, clearance, load = motion.osc, motion.r, motion.clearance, motion.load
     parts = _parts(motion)
@@ -65,15 +67,15 @@ def images(motion: Motion) -> Iterator[Motion]:
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
         try:
             image = standard(motion, mirrored=True)
-        except SingularError:  # on the edge of convergence, as the motion itself
+        except SingularError:  # on the limit of convergence, as the motion itself is
             return
         yield image
 
 
 def same(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
-    """Whether two motions of one system, or one and the other's mirror image, are one.
+    """Whether two motions of one system, or one and the other's mirror image, are the same.
 
-    It does not matter from which impact on they are written.
+    The impact with which each begins does not matter.
     """
     first, second = _parts(one), _parts(other)
     if (

@@ -1,4 +1,4 @@
-"""What is given: the vibrating system, the pattern of impacts, and physical units."""
+"""The given data: the vibrating system, the pattern of impacts, and physical units."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ class Oscillator:
     xi: float
     mu: float
     restitution: tuple[float, float]
-    #: Primary mass in physical units, where `from_dimensional` was told it.
+    #: Primary mass in physical units, if set by `from_dimensional`.
     M: float | None = field(default=None, repr=False, compare=False, kw_only=True)
-    #: Stiffness in physical units, where `from_dimensional` was told it.
+    #: Stiffness in physical units, if set by `from_dimensional`.
     K: float | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     def __init__(
@@ -116,7 +116,7 @@ class Oscillator:
         """
         M, K = _positive(M, "M"), _positive(K, "K")
         C, m = _positive(C, "C", zero=True), _positive(m, "m", zero=True)
-        # in 50 digits, and so the nearest float: a xi of 0.05 comes out as 0.05
+        # in 50 digits, so that the result is the nearest float: a xi of 0.05 gives exactly 0.05
         with localcontext() as context:
             context.prec = 50
             critical = 2 * (Decimal(K) * Decimal(M)).sqrt()
@@ -230,7 +230,7 @@ class Units:
 
 @dataclass(frozen=True)
 class Pattern:
-    """Which walls are hit, in which order, within how many load cycles.
+    """The walls that are hit, in their order, and the number of load cycles.
 
     Parameters
     ----------

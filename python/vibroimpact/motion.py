@@ -1,4 +1,4 @@
-"""The one noun that every solver returns: a periodic motion with impacts."""
+"""The type that every solver returns: a periodic motion with impacts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .status import VERDICT, raise_status
 
 __all__ = ["Motion", "Motions", "Sample"]
 
-#: Leading arguments of the core's procedures on a finished motion.
+#: The leading arguments of the core's procedures on a finished motion.
 _Array = NDArray[np.float64]
 _Flights = tuple[float, float, float, int, NDArray[np.int32], _Array, _Array, _Array, float, float]
 

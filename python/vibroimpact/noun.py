@@ -1,6 +1,7 @@
-"""What all results have in common: a frozen view of tables, and the ways out to files, pictures and libraries.
+"""The base class of all results: a read-only view of tables, with conversion to files, pictures and other
+libraries.
 
-This is the only file that looks up to formats and pictures; they know no study.
+This is the only file that uses formats and pictures; they do not depend on any study.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from .model import Oscillator
 from .tables import Result
 
 Self = TypeVar("Self", bound="Noun")
-#: The classes by their names, for what is read from files.
+#: The classes by their names, for results that are read from files.
 NOUNS: dict[str, type[Noun]] = {}
 
 
@@ -49,7 +50,7 @@ class Noun:
     case : str
         What was asked for, as a namelist.
     complete : bool
-        False if Ctrl-C cut it short; `cut` then tells how far it came.
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
     """
 
     __slots__ = ("_result",)
@@ -87,7 +88,7 @@ class Noun:
 
     @property
     def keys(self) -> dict[str, Any]:
-        """What was asked for, key by key."""
+        """The keys of the case and their values."""
         from .case import keys_of
 
         return keys_of(self.case)
@@ -99,7 +100,7 @@ class Noun:
         return Oscillator(keys["xi"], keys["mu"], tuple(np.atleast_1d(keys["restitution"])))
 
     def to_namelist(self) -> str:
-        """The case as a namelist, from which every door gives the same digits again."""
+        """The case as a namelist; the program, the command and Python compute the same digits from it."""
         return self.case
 
     def to_dict(self) -> dict[str, Any]:
@@ -110,7 +111,7 @@ class Noun:
 
     @classmethod
     def from_dict(cls: type[Self], data: dict[str, Any]) -> Self:
-        """The inverse of `to_dict`; what is wrong with the data is said by name."""
+        """The inverse of `to_dict`; errors name the faulty item of the data."""
         from .formats import record
 
         noun: Self = record.from_dict(cls, data)
@@ -124,14 +125,15 @@ class Noun:
 
     @classmethod
     def from_json(cls: type[Self], text: str) -> Self:
-        """The inverse of `to_json`: the same result to the last bit."""
+        """The inverse of `to_json`; the result has the same bits."""
         from .formats import record
 
         noun: Self = record.from_json(cls, text)
         return noun
 
     def to_xarray(self) -> Any:
-        """An xarray.Dataset with named dimensions; units and meaning of each variable (extra `data`)."""
+        """An xarray.Dataset with named dimensions, and with the unit and meaning of each variable (extra
+        `data`)."""
         from .formats import dataset
 
         return dataset.to_xarray(self)
@@ -143,7 +145,7 @@ class Noun:
         return rows.to_pandas(self)
 
     def save(self, path: str | Path) -> None:
-        """Write a file, whole or not at all; the extension sets the format.
+        """Write a file, completely or not at all; the extension sets the format.
 
         .json, .nc (netCDF, labelled as `to_xarray`; extra `data`) and .mat (a MATLAB struct; extra
         `matlab`) hold every bit, and `vibroimpact.load` reads them back. .csv holds the table that
@@ -154,7 +156,7 @@ class Noun:
         save.save(self, path)
 
     def _repr_html_(self) -> str:
-        """What Jupyter shows, with a small picture if matplotlib is there."""
+        """The representation in Jupyter, with a small picture if matplotlib is installed."""
         from .formats import html
 
         return html.html(self)

@@ -1,17 +1,17 @@
-"""A bar on the terminal for what takes longer than two seconds."""
+"""A progress bar on the terminal for computations longer than two seconds."""
 
 from __future__ import annotations
 
 import sys
 import time
 
-#: Seconds before the bar appears, and between two of its pictures.
+#: Seconds before the bar appears, and between two updates.
 PATIENCE, INTERVAL = 2.0, 0.2
 WIDTH = 30
 
 
 class Progress:
-    """A bar on standard error, if that is a terminal; `with` takes it away at the end."""
+    """A bar on standard error, if that is a terminal; used with `with`, it is removed at the end."""
 
     def __init__(self, label: str, wanted: bool | None = None) -> None:
         self.label = label
@@ -28,9 +28,10 @@ class Progress:
             print("\r" + " " * (len(self.label) + WIDTH + 70) + "\r", end="", file=sys.stderr)
 
     def show(self, share: float, note: str = "") -> None:
-        """Draw the bar for a share of the work between 0 and 1, with the time that is left at this pace.
+        """Draw the bar for a share of the work between 0 and 1, with the estimated remaining time.
 
-        The share falls where more work comes in sight: the time left is told anew then, the bar stays.
+        The share falls when more work becomes known: the remaining time is then estimated again, and the bar
+        stays.
         """
         now = time.monotonic()
         self.reached = max(self.reached, min(1.0, share))

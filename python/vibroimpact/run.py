@@ -1,4 +1,4 @@
-"""Run namelist files through the compiled reader and writer, the same that the batch program uses."""
+"""Run namelist files by the compiled reader and writer, which the batch program uses too."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ __all__ = ["RunLog", "run_namelists"]
 
 
 class RunLog(NamedTuple):
-    """What was said while namelist files ran.
+    """The messages of a run of namelist files.
 
     Attributes
     ----------
     lines : list of (bool, str)
-        Whether the line is a fault, and the line.
+        Whether the line reports an error, and the line.
     status : int
         0 done; 1 ran, but a motion failed or does not exist; 2 an input is wrong.
     results : list of Path
@@ -47,9 +47,9 @@ def run_namelists(
         Files with the groups &system, &motion, &simulate, &chart, &branch, &zone, &atlas,
         &lyapunov, &bifurcation, &response or &basins, &output (see inputs/README.md), or earlier results.
     folder : path
-        Made if it is not there.
+        Created if it does not exist.
     only : str, optional
-        The one kind of cases to run; a file without any is then an input that is wrong.
+        The kind of cases to run; a file without such a case is then a wrong input.
     progress : callable, optional
         Called a few times a second with the share done of the cases begun.
 
@@ -79,10 +79,10 @@ def run_namelists(
     if not files:
         raise ParameterError("paths = []: must name at least one file")
     kind = "" if only is None else checks.choice(only, "only", KINDS)
-    # a case takes at least 20 characters of namelist and says at most a few hundred
+    # a case takes at least 20 characters of namelist and gives messages of at most a few hundred characters
     size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
     room = 4096 + (len(files) + size // 20) * (800 + 4 * len(target) + max(map(len, files)))
-    # the core keeps it up to date while it runs: work done and work in sight
+    # progress counters, which the core updates while it runs
     tally = new_tally()
     arguments = (
         characters(b"\n".join(files)), characters(target), characters(kind.ljust(16).encode()), room, tally,

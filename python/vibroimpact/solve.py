@@ -267,7 +267,7 @@ def frequency_ratios(values: Any, m: int, xi: float) -> NDArray[np.float64]:
 
 
 def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A read-only array that no caller can change behind our back."""
+    """A read-only copy of an array, which a caller cannot change."""
     if array.flags.writeable:
         array = array.copy()
         array.flags.writeable = False

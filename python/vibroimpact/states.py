@@ -16,10 +16,10 @@ TWO_PI = 2 * math.pi
 NEEDED = ("t", "x", "x_dot", "z", "z_dot")
 EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
-#: A state: t, x, x_dot, z, z_dot, and what a `final_state` adds to go on without loss.
+#: Keys of a state: t, x, x_dot, z, z_dot, and those that a `final_state` adds to continue with the same bits.
 State = dict[str, Any]
 
-#: A moment of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
+#: A state of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
 Moment = tuple[NDArray[np.float64], NDArray[np.int32]]
 #: xi, mu, R1 and R2, r, load, clearance.
 System = tuple[float, float, tuple[float, float], float, float, float]
@@ -36,8 +36,8 @@ def later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
 def state_of(system: System, now: Moment, begun: Moment) -> State:
     """A moment as a dictionary.
 
-    `since` tells to whom and to what it belongs, and where its flight or rest began: a simulation of the
-    same system that starts from the unchanged state goes on from there, bit for bit.
+    `since` identifies the system and the state to which it belongs, and holds where the flight or rest began: a
+    simulation of the same system that starts from the unchanged state continues from there with the same bits.
     """
     cycle, phase, x, x_dot, z, z_dot, speed = now[0].tolist()
     side, resting, released = now[1].tolist()
@@ -52,7 +52,7 @@ def state_of(system: System, now: Moment, begun: Moment) -> State:
 
 
 def _belongs(system: System, state: Mapping[str, Any]) -> tuple[float, ...]:
-    """The numbers by which a state is recognised: of its system, then its own."""
+    """The numbers by which a state is recognised: those of its system, then those of the state."""
     xi, mu, walls, *rest = system
     return (xi, mu, *walls, *rest, *(state[name] for name in NEEDED + EXTRA))
 
@@ -74,7 +74,8 @@ def start_of(system: System, state: Mapping[str, Any] | None) -> tuple[Moment, M
 
 
 def told(state: Mapping[str, Any] | None) -> dict[str, float] | None:
-    """The keys by which a namelist tells where a simulation starts; None if it cannot, as after another one."""
+    """The namelist keys of the initial state; None if a namelist cannot express it, as after another
+    simulation."""
     if state is None:
         return dict.fromkeys(NEEDED, 0.0)
     if any(name in state for name in (*EXTRA, "since")):
@@ -113,7 +114,7 @@ def checked_state(state: Any, clearance: float) -> dict[str, float]:
 def _resume(
     given: Mapping[str, float], state: Mapping[str, Any], system: System
 ) -> tuple[Moment, Moment] | None:
-    """The moments of a `final_state`; None if its t is not that of the rest of it."""
+    """The moments of a `final_state`; None if its t does not agree with its other values."""
     r, clearance = system[3], system[5]
     ranges = {
         "cycle": (-(2.0**53), 2.0**53, True),
@@ -143,7 +144,7 @@ def _resume(
     labels = [int(given[name]) for name in ("side", "resting", "released")]
     y = given["z"] - given["x"]
     if labels[0] and abs(y - 0.5 * labels[0] * clearance) > 1e-9 * clearance:
-        labels, numbers[6] = [0, 0, 0], 0.0  # the wall is elsewhere now
+        labels, numbers[6] = [0, 0, 0], 0.0  # the wall is at another place now
     moment = (np.array(numbers), np.array(labels, dtype=np.int32))
     if known and tuple(since[:n]) == belongs:
         return moment, (np.array(since[n : n + 7]), np.array(since[n + 7 :], dtype=np.int32))

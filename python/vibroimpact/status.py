@@ -1,4 +1,4 @@
-"""What went wrong in a computation: the core's status codes, in words and as exceptions."""
+"""The core's status codes, in words and as exceptions."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from .errors import SingularError
 
 __all__ = ["status_text"]
 
-#: What the core's verdicts mean: 1, 0, and -1 for "not computed".
+#: The core's verdicts: 1, 0, and -1 for "not computed".
 VERDICT = {1: True, 0: False, -1: None}
-#: Codes that more than words follow from; those of the core's vi_status.
+#: Codes of the core's vi_status that are handled separately.
 NO_MOTION, MORE_EVENTS, NOT_COMPUTED = 7, 8, 12
 
 
 @functools.cache
 def status_text(code: int) -> str:
-    """What a status code of the core means."""
+    """The meaning of a status code of the core."""
     text, length = _core.status_text(code)
     return text[:length].tobytes().decode()
 
 
 def raise_status(code: int) -> None:
-    """Raise SingularError unless the code says that all went well."""
+    """Raise SingularError unless the code means success."""
     if code:
         raise SingularError(status_text(code))

@@ -1,4 +1,4 @@
-"""A result as named tables: arrays that show the memory of the core, or that were read from a file."""
+"""A result as named tables: arrays that share the memory of the core, or that were read from a file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STORED = {"real": "<f8", "complex": "<c16"}
 
 
 def text_of(function: Any, *arguments: Any, room: int = 16_384) -> str:
-    """A text that a function of the core writes into the room that it is given."""
+    """A text that a function of the core writes into a buffer."""
     text, length = function(*arguments, room)
     if length > room:
         text, length = function(*arguments, length)
@@ -33,7 +33,7 @@ def language() -> Any:
 
 
 class Handle:
-    """Owns a result of the core, which is freed with the last array that shows it."""
+    """Owns a result of the core, which is freed with the last array that shares its memory."""
 
     def __init__(self, number: int) -> None:
         self.number = number
@@ -41,7 +41,7 @@ class Handle:
 
 
 class Memory:
-    """Memory of a result as NumPy wants to see it: read-only, alive as long as an array shows it."""
+    """Memory of a result in NumPy's array interface: read-only, and valid as long as an array uses it."""
 
     def __init__(self, owner: Handle, address: int, shape: tuple[int, ...], stored: str) -> None:
         self.owner = owner
@@ -51,7 +51,7 @@ class Memory:
 
 
 def shown(owner: Handle, address: int, shape: tuple[int, ...], stored: str = "<i4") -> NDArray[Any]:
-    """An array of the core, not copied."""
+    """An array of the core, without copying."""
     if 0 in shape:
         empty: NDArray[Any] = np.empty(shape, stored)
         empty.flags.writeable = False
@@ -74,7 +74,7 @@ class Column:
     values: NDArray[Any]
 
     def decoded(self) -> NDArray[Any]:
-        """Words as texts, logical values as bool, verdicts as codes, numbers as they are."""
+        """Converts words to texts and logical values to bool; verdicts stay codes, and numbers are unchanged."""
         if self.kind == "word":
             texts: NDArray[Any] = np.array(("", *self.words))[self.values]
             return texts
@@ -91,7 +91,7 @@ def declared_column(told: dict[str, Any], words: tuple[str, ...], values: NDArra
 
 @cache
 def declared(study: str) -> dict[tuple[str, str], dict[str, Any]]:
-    """What a study declares of its columns, by table and name."""
+    """The declarations of the columns of a study, by table and name."""
     columns = language()["results"][study]["columns"]
     return {(item["table"], item["name"]): item for item in columns}
 
@@ -108,9 +108,9 @@ class Table:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Result:
-    """What a study gave: its case, what is to be said of it, and its tables.
+    """The result of a study: its case, notes and remarks, and tables.
 
-    `cut` tells how far it came if it was stopped, `row` names the table whose rows are those of the CSV.
+    `cut` says how far it got if it was stopped; `row` names the table whose rows are those of the CSV.
     """
 
     study: str
@@ -135,14 +135,15 @@ class Result:
                 yield table, table.columns[declared["name"]]
 
     def part(self, table: str, row: int, study: str, case: str, remark: str) -> Result:
-        """One row of a table with all rows that belong to it, as the result of another study: views, no copies."""
+        """One row of a table with all rows that belong to it, as the result of another study; the arrays are
+        views."""
         told = language()["results"][study]
         known = {(item["table"], item["name"]) for item in told["columns"]}
         rows = {table: slice(row, row + 1)}
         tables = {}
         for name, item in self.tables.items():
             if item.parent in rows and item.owners is not None:
-                # rows stand in the order of their owners
+                # rows are in the order of their owners
                 own = rows[item.parent]
                 first, last = np.searchsorted(item.owners, (own.start, own.stop)).tolist()
                 rows[name] = slice(first, last)

@@ -1,4 +1,4 @@
-"""What really happens: simulated trajectories with every impact, accumulation and rest."""
+"""Simulated trajectories with every impact, accumulation and rest."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .status import MORE_EVENTS, raise_status
 
 __all__ = ["State", "Trajectory", "simulate"]
 
-#: Events and load cycles that one call of the core finds at most: between calls Ctrl-C is heard.
+#: Largest numbers of events and of load cycles in a call of the core; Ctrl-C takes effect between calls.
 CHUNK, SPAN = 65_536, 1_000_000
 
 
@@ -40,7 +40,7 @@ class Trajectory(Result):
     initial_state, final_state : dict
         States at both ends; a final state continues bit for bit when given to `simulate`.
     request : dict or None
-        What was asked for, by the keys of a &simulate; None if a namelist cannot tell (see `to_namelist`).
+        The case by the keys of a &simulate; None if a namelist cannot express it (see `to_namelist`).
     complete : bool
         False if there are more than `max_events` events before the end of time.
     """
@@ -84,7 +84,7 @@ class Trajectory(Result):
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
     def plot(self, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
-        """Draw the last load cycles: time history, load, acceleration, phase portrait (extra `plot`).
+        """Draw time history, load, acceleration and phase portrait of the last load cycles (extra `plot`).
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ def simulate(
     max_events : int
         Events after which the trajectory ends, if there are more (`complete` is then False).
     progress : callable, optional
-        Called now and then with the share done and what is being done.
+        Called at intervals with the share done and the present task.
 
     Returns
     -------
@@ -226,7 +226,7 @@ def simulate(
     whole = discard + cycles or 1.0
 
     def tell(done: float) -> None:
-        """Load cycles that are done."""
+        """Reports the number of load cycles that are done."""
         if progress is not None:
             progress(done / whole, "simulation")
 
@@ -256,15 +256,15 @@ def _run(
 ) -> tuple[NDArray[Any], Moment, Moment, bool]:  # fmt: skip
     """Simulate some cycles in chunks.
 
-    `now` is the moment from which the cycles count, and `begun` where its flight or rest began; `tell` is told
-    how many are done.
+    `now` is the moment from which the cycles count, and `begun` the one at which its flight or rest began;
+    `tell` is called with the number of cycles done.
 
     Returns
     -------
     events : ndarray
         The events, if they are to be kept.
     now, begun
-        The same of the end.
+        These moments at the end.
     complete : bool
         Whether the end was reached.
     """

@@ -1,4 +1,4 @@
-"""What takes longer than a frame: computed in threads, of which only the newest piece of each kind counts."""
+"""Computations that take longer than a frame: in threads, where only the newest job of each kind counts."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ from .zones import COARSE, FINE, Family, compute, families
 
 __all__ = ["Background"]
 
-#: Seconds that the pointer has to rest before there is a fuller search where it is.
+#: Seconds that the pointer has to rest before a fuller search is made at its place.
 REST = 0.3
 #: Seconds that the browser has for drawing the coarse zones before finer work takes the processors.
 PAUSE = 0.1
-#: Seconds after which the search begins even if the zones are not there.
+#: Seconds after which the search begins even if the zones are not finished.
 PATIENCE = 10
-#: Seconds after which coarse zones give way to newer ones; those of a slider on its way are drawn till then.
+#: Seconds after which coarse zones are replaced by newer ones; while a slider moves they are drawn until then.
 GRACE = 2.0
 #: Seconds after which all coarse zones, or one fine zone, are given up.
 LIMITS = {COARSE: 30.0, FINE: 120.0}
 
 
 class Background:
-    """Zones, the fuller search at the point, the same where the pointer rests, and the diagram.
+    """Jobs for the zones, the fuller search at the point and where the pointer rests, and the diagram.
 
-    Each is asked for with a callable `show`, which is called with what is found when it is the page's turn,
-    if nothing newer has been asked for by then.
+    Each job gets a callable `show`, which is called with the result in the page's thread, unless a newer job
+    has been requested by then.
 
     Parameters
     ----------
     at_its_turn : callable
-        Does some work on the page when it is the page's turn: how a thread comes back.
+        Runs a function in the page's thread; the threads return their results by it.
     failed : callable
-        Called, at the page's turn, with the kind (as the methods are called) and what was raised.
+        Called in the page's thread with the kind of job (the name of the method) and the exception.
     """
 
     def __init__(
@@ -62,9 +62,9 @@ class Background:
     def zones(
         self, state: State, show: Callable[[dict[Family, Zone], Any, bool, str], None]
     ) -> None:
-        """All zones coarsely, which is shown at once; finely afterwards.
+        """All zones, coarsely first, which are shown at once, then finely.
 
-        Shown: zones, shapes, whether that was all, and what was given up, in words.
+        Arguments of `show`: zones, shapes, whether these are all, and what was given up, in words.
         """
         named = list(families(state.osc, state.patterns))
 
@@ -84,7 +84,7 @@ class Background:
                 zones = {family: zone for family, zone in every.items() if zone is not None}
                 shapes = zone_shapes(zones)
                 lacking = given_up(every.keys() - zones.keys(), COARSE)
-                # those of a slider on its way are shown too
+                # zones for a slider that still moves are shown too
                 self._later("zones", lambda: True, lambda: show(zones, shapes, False, lacking))
                 threading.Event().wait(PAUSE)
             finally:
@@ -108,10 +108,10 @@ class Background:
         self.coarse_zones.submit(coarsely)
 
     def motions(self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]) -> None:
-        """The fuller search at the point, beside what is known there."""
+        """The fuller search at the point, added to the motions known there."""
 
         def search(current: Current) -> None:
-            # zones first: they are what a slider is watched for
+            # zones first: a user who moves a slider watches them
             begin = time.monotonic()
             while time.monotonic() - begin < PATIENCE and not self.coarse_done.wait(0.05):
                 stop(current)
@@ -120,7 +120,7 @@ class Background:
         self.search.submit(search)
 
     def pointer(self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]) -> None:
-        """The fuller search where the pointer is, if it rests there."""
+        """The fuller search at the place of the pointer, if it rests there."""
 
         def search(current: Current) -> None:
             threading.Event().wait(REST)
@@ -129,7 +129,7 @@ class Background:
         self.rest.submit(search)
 
     def diagram(self, state: State, show: Callable[[Any], None]) -> None:
-        """The diagram along the line."""
+        """The bifurcation diagram along the line."""
 
         def sweep(current: Current) -> None:
             diagram = diagram_of(state, lambda *_: stop(current))
@@ -146,7 +146,7 @@ class Background:
         self._later(kind, current, lambda: show(found))
 
     def _later(self, kind: str, current: Current, work: Callable[[], None]) -> None:
-        """Come back when it is the page's turn, unless something newer is wanted by then."""
+        """Run a function in the page's thread, unless a newer job has been requested by then."""
 
         def turn() -> None:
             try:
@@ -159,11 +159,11 @@ class Background:
 
 
 class TooLong(Exception):  # noqa: N818 (no error)
-    """Raised in a search for zones that is given up."""
+    """Raised in a search for zones that takes too long."""
 
 
 def watch(current: Current, lines: int, grace: float = 0.0) -> Callable[..., None]:
-    """What ends a search for zones from within: something newer is wanted, or it takes too long."""
+    """A progress callback that ends a search for zones when a newer job waits or it takes too long."""
     begin = time.monotonic()
 
     def look(*_: object) -> None:
@@ -177,13 +177,13 @@ def watch(current: Current, lines: int, grace: float = 0.0) -> Callable[..., Non
 
 
 def given_up(families: Collection[Family], lines: int) -> str:
-    """What is not there, and why, in words."""
+    """The zones that were given up, and why, in words."""
     what = {COARSE: "not there", FINE: "only coarse"}[lines]
     names = ", ".join(sorted(family.name for family in families))
     return f"{names}: {what}, given up after {LIMITS[lines]:g} s" if names else ""
 
 
 def stop(current: Current) -> None:
-    """End a job that is not wanted any more."""
+    """End a job whose result is no longer needed."""
     if not current():
         raise Stale

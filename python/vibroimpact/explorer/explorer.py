@@ -1,4 +1,4 @@
-"""What the explorer knows and does, without a page."""
+"""The model of the explorer, without a page."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ __all__ = ["Explorer", "settles_on"]
 
 #: Values along the line of a bifurcation diagram.
 VALUES = 161
-#: A line this near to an axis, in parts of the window, runs along it.
+#: A line closer to an axis than this, as a share of the window, is made parallel to it.
 SNAP = 0.02
-#: What a change of the state touches.
+#: Fields of the state, grouped by the results that depend on them.
 SYSTEM = ("xi", "mu", "R1", "R2")
 POINT = ("r", "clearance")
 
@@ -39,11 +39,11 @@ class Explorer:
     ----------
     state : State
     shown : list of Shown
-        The motions at the point, as far as they are known.
+        The motions at the point that are known so far.
     zones : dict
-        Of each family, as they were last computed.
+        Of each family, the zone that was computed last.
     inside : dict
-        Those that the point lies in.
+        Those that contain the point.
 
     Examples
     --------
@@ -60,14 +60,14 @@ class Explorer:
     def __init__(self, state: State) -> None:
         self.state = state
         self.shown: list[Shown] = []
-        #: The oscillator, r and clearance that they were found at.
+        #: The oscillator, r and clearance at which they were found.
         self.shown_at: Any = None
         self.zones: dict[Family, Zone] = {}
         self.inside: dict[Family, Zone] = {}
         self.look()
 
     def look(self) -> None:
-        """Find the motions at the point, beside those known there."""
+        """Find the motions at the point, and add them to those known there."""
         state = self.state
         known = [item.motion for item in self.shown]
         place = (state.osc, state.r, state.clearance)
@@ -79,7 +79,7 @@ class Explorer:
         )
 
     def learn(self, found: list[Shown]) -> None:
-        """Take what a fuller search at the point has found, beside what has been added meanwhile."""
+        """Take over the result of a fuller search at the point, and keep what has been added meanwhile."""
         self.shown = ordered((item.motion for item in self.shown), found)
 
     def zones_at(self, state: State) -> dict[Family, Zone]:
@@ -117,7 +117,7 @@ class Explorer:
         return self.shown[self.index] if self.shown else None
 
     def restore(self) -> list[str]:
-        """Add the chosen motion of a link where no search has found it; what is wrong with it."""
+        """Add the chosen motion of a link, if no search has found it; returns what is wrong with it."""
         state = self.state
         if state.motion is None:
             return []
@@ -134,7 +134,7 @@ class Explorer:
         return []
 
     def change(self, state: State) -> None:
-        """Take another state; a chosen motion is followed to it."""
+        """Change to another state; the chosen motion is continued to it."""
         before, chosen = self.state, self.chosen
         moved = any(getattr(state, name) != getattr(before, name) for name in (*SYSTEM, *POINT))
         self.state = state
@@ -148,7 +148,7 @@ class Explorer:
             self.look()
 
     def _follow(self, motion: Motion) -> None:
-        """Choose the motion that another one leads to here, if it leads to any."""
+        """Choose the motion at the point to which another one can be continued, if there is one."""
         state = self.state
         try:
             near = exact(state.osc, state.r, state.clearance, motion)
@@ -172,7 +172,7 @@ class Explorer:
         self.change(replace(self.state, r=float(r), clearance=float(clearance)))
 
     def step(self, right: float, up: float) -> None:
-        """Move the point by parts of the window, within it."""
+        """Move the point by shares of the window, within the window."""
         (r0, r1), (d0, d1) = self.state.window
         r = min(max(self.state.r + right * (r1 - r0), r0), r1)
         clearance = min(max(self.state.clearance * (d1 / d0) ** up, d0), d1)
@@ -183,7 +183,7 @@ class Explorer:
         self.state = replace(self.state, motion=self.shown[index].recipe, show="motion")
 
     def let_run(self, run: Run) -> Trajectory:
-        """Simulate; an error leaves the state as it was."""
+        """Simulate; after an error the state is unchanged."""
         trajectory = simulate_run(replace(self.state, run=run))
         self.state = replace(self.state, run=run, show="run")
         return trajectory
@@ -196,7 +196,7 @@ class Explorer:
         return self.let_run(replace(run, z=run.x + place, z_dot=run.x_dot + y_dot))
 
     def start(self) -> Run:
-        """The run as it is set, or one from the chosen motion."""
+        """The simulation of the state, or one that starts from the chosen motion."""
         run = self.state.run or Run()
         chosen = self.chosen
         if self.state.run is None and chosen is not None:
@@ -204,7 +204,7 @@ class Explorer:
         return run
 
     def draw_line(self, ends: tuple[float, float, float, float]) -> None:
-        """Take a line for the diagram; one that nearly runs along an axis runs along it."""
+        """Set the line of the diagram; a line nearly parallel to an axis becomes parallel to it."""
         (r0, r1), (d0, d1) = self.state.window
         a, b, c, d = map(float, ends)
         b, d = min(max(b, d0), d1), min(max(d, d0), d1)
@@ -226,7 +226,7 @@ def simulate_run(state: State) -> Trajectory:
 
 
 def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:
-    """What comes of a simulation in the end, in words."""
+    """The motion on which a simulation settles, in words."""
     osc, r, clearance = trajectory.osc, trajectory.r, trajectory.clearance
     try:
         later = simulate(osc, r, clearance, 40, trajectory.final_state, discard=cycles)
@@ -243,7 +243,7 @@ def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:
 def diagram_of(
     state: State, progress: Callable[[float, str], None] | None = None
 ) -> BifurcationDiagram:
-    """The bifurcation diagram along the line of a state that has one; what `progress` raises ends it."""
+    """The bifurcation diagram along the line of a state that has one; an exception of `progress` ends it."""
     parameter, values, other = along(state)
     fixed: dict[str, Any] = {"clearance" if parameter == "r" else "r": other}
     return bifurcation_diagram(state.osc, parameter, values, progress=progress, **fixed)
@@ -254,7 +254,7 @@ def along(state: State) -> tuple[str, Any, Any]:
     assert state.line is not None
     a, b, c, d = state.line
     if a == c:
-        # even, as the diagram's axis is and as a namelist has them
+        # evenly spaced, as on the diagram's axis and in a namelist
         return "clearance", np.linspace(min(b, d), max(b, d), VALUES), a
     if a > c:
         a, b, c, d = c, d, a, b

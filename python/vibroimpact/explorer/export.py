@@ -1,4 +1,4 @@
-"""What is shown, as a namelist and as Python: both give the same digits again."""
+"""The contents of the page as a namelist and as Python; both reproduce the same digits."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def as_namelist(explorer: Explorer) -> str:
 
 
 def _diagram_lines(state: State) -> list[str]:
-    """The diagram last: a line at another r than the point's has a system of its own."""
+    """The diagram, as the last group: a line at another r than that of the point needs a &system of its own."""
     if state.line is None:
         return []
     parameter, values, other = along(state)

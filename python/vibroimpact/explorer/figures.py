@@ -1,6 +1,6 @@
 """The chart and the diagram (Bokeh), in the look of the other pictures, before anything is drawn.
 
-What `pictures` tells goes into models of these names in the browser, not through Python's copies of them.
+The data of `pictures` go directly into the models of these names in the browser, not into Python's copies of them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["dashes", "figures"]
 
 #: Colours darker than those of the plots where they are text or thin lines on white.
 GREY = "#595959"
-#: What tells the page's script of the pointer.
+#: JavaScript that reports the pointer to the page's script.
 TELL = (
     "window.vibroimpact && window.vibroimpact.pointer(name, cb_obj.event_name, cb_obj.x, cb_obj.y)"
 )
@@ -40,7 +40,7 @@ def dashes(kind: str) -> tuple[list[int], str]:
 
 
 def blank(name: str, events: tuple[str, ...] = (), **options: Any) -> Any:
-    """A figure without tools that fills its place on the page, and tells of the pointer."""
+    """A figure without tools that fills its place on the page, and reports the pointer."""
     plot = figure(
         name=f"{name}.plot", tools="", toolbar_location=None, sizing_mode="stretch_both", min_border=4,
         min_border_right=16, outline_line_color=None, background_fill_color="#FFFFFF", **options,
@@ -100,7 +100,7 @@ def zone_chart() -> Any:
     plot.text(
         "x", "y", "text", source=source("zones.labels", "x", "y", "text"), text_align="center",
         text_baseline="middle", text_font_size="12px", text_color="#222222", padding=2,
-        background_fill_color="#FFFFFF", background_fill_alpha=0.75,  # names stand on lines at times
+        background_fill_color="#FFFFFF", background_fill_alpha=0.75,  # names may lie on lines
     )  # fmt: skip
     line = source("zones.line", "x", "y")
     plot.line("x", "y", source=line, line_color="#222222", line_width=2, line_dash="2 3")

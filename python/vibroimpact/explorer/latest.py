@@ -1,4 +1,4 @@
-"""Work in a thread of which only the newest piece matters."""
+"""Jobs in a thread, of which only the newest one matters."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from functools import partial
 
 __all__ = ["Current", "Latest", "Stale"]
 
-#: Told to a job, so that it can end early: whether it still is the newest, and the interpreter does not end.
+#: Argument of a job, so that it can end early: whether it is still the newest and the interpreter goes on.
 Current = Callable[[], bool]
 
 
 class Stale(Exception):  # noqa: N818 (no error)
-    """Raised by a job that ends early since a newer one waits."""
+    """Raised by a job that ends early because a newer one waits."""
 
 
 class Latest:
-    """Runs the newest job; one that is handed in while another runs takes the place of any that waits.
+    """Runs the newest job; a job submitted while another one runs replaces the one that waits.
 
     Parameters
     ----------
     failed : callable
-        Told what a job raises, as long as it is the newest.
+        Called with the exception of a job, if it is still the newest.
     niceness : int
-        How much the jobs give way to others, where a thread can have a priority of its own (Linux).
+        Niceness of the jobs, where a thread can have a priority of its own (Linux).
 
     Examples
     --------
@@ -52,24 +52,24 @@ class Latest:
         self.running = False
 
     def submit(self, job: Callable[[Current], object]) -> None:
-        """Run a job as soon as the one that runs is done."""
+        """Run a job as soon as the running one is done."""
         with self.lock:
             self.number += 1
             self.waiting = job
             if self.running:
                 return
             self.running = True
-        # no daemon: one that an ending interpreter stops within C++, as numpy has, aborts the process
+        # no daemon: if the ending interpreter stops one within C++ code, as in numpy, the process aborts
         threading.Thread(target=self._run).start()
 
     def drop(self) -> None:
-        """The job that waits, if any, is not wanted any more, and the one that runs is told so."""
+        """Discard the waiting job, if any, and tell the running one that its result is no longer needed."""
         with self.lock:
             self.number += 1
             self.waiting = None
 
     def _run(self) -> None:
-        if sys.platform == "linux":  # elsewhere it would be the whole process
+        if sys.platform == "linux":  # on other systems this would change the whole process
             os.nice(self.niceness)
         while True:
             with self.lock:
@@ -91,5 +91,5 @@ class Latest:
 
 
 def _ending() -> bool:
-    """Whether the interpreter ends, and waits for its threads."""
+    """Whether the interpreter is ending and waits for its threads."""
     return not threading.main_thread().is_alive()

@@ -24,14 +24,14 @@ STEPS = 6
 
 
 class Shown(NamedTuple):
-    """A motion, and how to compute it again."""
+    """A motion, and how to recompute it."""
 
     motion: Motion
     recipe: Recipe
 
     @property
     def label(self) -> str:
-        """N/k, the sides, and whether it is its own mirror image."""
+        """The label N/k, the sides, and whether it is its own mirror image."""
         pattern = self.motion.pattern
         kind = ", symmetric" if is_symmetric(self.motion) else ""
         return f"{len(pattern)}/{pattern.cycles} {pattern.sides}{kind}"
@@ -62,7 +62,7 @@ def fuller(
     osc: Oscillator, r: float, clearance: float, kept: Iterable[Shown] = (),
     progress: Callable[[float, str], None] | None = None,
 ) -> list[Shown]:  # fmt: skip
-    """All that `find` finds with its usual limits, beside those known here; `progress` as there."""
+    """All motions that `find` finds with its usual limits, and those known here; `progress` as there."""
     return ordered(find(osc, r, clearance, progress=progress), kept)
 
 
@@ -88,7 +88,7 @@ def _order(shown: Shown) -> tuple[bool, int, int, str, float]:
 def _followed(
     osc: Oscillator, r: float, clearance: float, known: Iterable[Motion]
 ) -> Iterator[Motion]:
-    """Where motions at a point nearby lead."""
+    """The motions to which those of a nearby point can be continued."""
     for motion in known:
         try:
             near = exact(osc, r, clearance, motion)

@@ -46,7 +46,7 @@ class Bridge(JSComponent):  # type: ignore[misc]
     heard: Callable[[dict[str, Any]], None]
 
     def _process_bokeh_event(self, document: Any, event: Any) -> None:
-        # as panel does, but without its sign of being busy, which takes a quarter of a pointer's move
+        # as panel does, but without its busy indicator, which takes a quarter of the time of a pointer move
         with set_curdoc(document):
             self._process_event(event)
 
@@ -54,7 +54,7 @@ class Bridge(JSComponent):  # type: ignore[misc]
         self.heard(message)
 
     def tell(self, text: str, numbers: Any) -> None:
-        """Send a message: JSON, which Bokeh leaves as it is, and an array."""
+        """Send a message: JSON, which Bokeh passes on unchanged, and an array."""
         self._send_msg({"text": text, "numbers": numbers})
 
 
@@ -74,7 +74,7 @@ def boundary_legend() -> str:
 
 
 def page() -> Any:
-    """The page of a new session, in the state that its link holds."""
+    """The page of a new session, in the state of its link."""
     words = [
         (name, values[-1].decode("utf-8", "replace"))
         for name, values in pn.state.session_args.items() if not name.startswith("bokeh-")

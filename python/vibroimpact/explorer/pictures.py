@@ -1,6 +1,6 @@
-"""What changes in the chart and the diagram, as plain data: attributes of their models, by name.
+"""Changes of the chart and the diagram as plain data: attributes of their models, by name.
 
-The page's script puts all of it into the figures at once: one message, and one picture of each figure.
+The page's script applies all of them together: one message, and one redraw of each figure.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .shapes import labels
 
 __all__ = ["Changes", "diagram", "fit", "packed", "point", "zones"]
 
-#: New values of attributes of models, by the models' names in `figures`; of `sketches`, the whole of them.
+#: New values of attributes of models, by the models' names in `figures`; the figures of `sketches` are complete.
 Changes = dict[str, dict[str, Any]]
 
 
@@ -29,7 +29,8 @@ def point(
     rooms: dict[str, Any],
     window: Window,
 ) -> Changes:
-    """The chosen point, the line of the diagram or None, and the zones' names, which keep away from the point."""
+    """The chosen point, the line of the diagram or None, and the zones' names, which are placed away from the
+    point."""
     ends = ([], []) if line is None else (line[::2], line[1::2])
     changes: Changes = {
         "zones.point": {"data": {"x": [r], "y": [clearance]}},
@@ -45,7 +46,7 @@ def zones(shapes: dict[str, Any], window: Window) -> Changes:
     """Zones in a window."""
     (left, right), (low, high) = window
     return {
-        # a little more than the window: the last tick is a rounding error above it
+        # a little more than the window: the last tick may exceed it by rounding
         "zones.x": {"start": left, "end": right + 1e-9 * (right - left)},
         "zones.y": {"start": low, "end": high},
         "zones.ticks": {"ticks": decades(low, high)},
@@ -55,7 +56,7 @@ def zones(shapes: dict[str, Any], window: Window) -> Changes:
 
 
 def decades(low: float, high: float) -> list[float]:
-    """Ticks 1, 2, 5, 10, … between two numbers; even ones where that gives too few."""
+    """Ticks 1, 2, 5, 10, … between two numbers; evenly spaced ones where these are too few."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     ticks = [float(f"{digit}e{power}") for power in powers for digit in (1, 2, 5)]
     inside = [tick for tick in ticks if low <= tick <= high]
@@ -94,7 +95,7 @@ def fit(values: ArrayLike, room: float = 0.06) -> tuple[float, float]:
 
 
 def packed(message: dict[str, Any]) -> tuple[str, NDArray[np.float64]]:
-    """A message as JSON, and all its arrays in one; in the place of each stands `{"from": i, "to": j}`.
+    """A message as JSON, and all its arrays in one array; each is replaced by `{"from": i, "to": j}`.
 
     Examples
     --------

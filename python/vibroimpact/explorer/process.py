@@ -13,7 +13,7 @@ from typing import Any
 
 __all__ = ["SETTLED", "start", "visited"]
 
-#: Of the page's script: whether every question is answered and every thread is done.
+#: A condition for the page's script: every request is answered and every thread is done.
 SETTLED = "window.vibroimpact?.settled()"
 COMMAND = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
 

@@ -1,4 +1,4 @@
-"""How to compute a motion again, to the last bit: in a share link, in a namelist and in Python."""
+"""How to recompute a motion with the same bits: in a share link, in a namelist and in Python."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..trajectory import simulate
 
 __all__ = ["Recipe", "recipe_of", "start_of"]
 
-#: How a motion is computed, and how many numbers that takes (None: one an impact).
+#: How a motion is computed, and the number of numbers needed for it (None: one for each impact).
 KINDS = {"equispaced": 1, "phases": None, "state": len(NEEDED)}
 
 
@@ -31,10 +31,10 @@ class Recipe:
     ----------
     pattern : Pattern
     kind : {"equispaced", "phases", "state"}
-        One of the equispaced motions; the motion to which Newton's method leads from impact phases; or from
-        what follows a state.
+        One of the equispaced motions; or the motion that Newton's method finds from impact phases, or from the
+        motion that follows a state.
     numbers : tuple of float
-        Which of them; the phases; or t, x, x', z, z'.
+        The number of the equispaced motion; the phases; or t, x, x', z, z'.
 
     Examples
     --------
@@ -51,7 +51,7 @@ class Recipe:
     numbers: tuple[float, ...]
 
     def solve(self, osc: Oscillator, r: float, clearance: float) -> Motion:
-        """The motion; SingularError where there is none."""
+        """The motion; SingularError if there is none."""
         cycles = self.pattern.cycles
         if self.kind == "phases":
             return exact(osc, r, clearance, (list(self.numbers), self.pattern))
@@ -65,7 +65,7 @@ class Recipe:
 
     @property
     def text(self) -> str:
-        """As it stands in a share link."""
+        """The form in a share link."""
         numbers = ",".join(map(repr, self.numbers))
         return f"{self.pattern.sides}/{self.pattern.cycles}/{self.kind}/{numbers}"
 
@@ -94,9 +94,9 @@ class Recipe:
 
 
 def recipe_of(motion: Motion) -> tuple[Recipe, Motion] | None:
-    """A recipe for a motion and what it makes of it; None if none leads back to the motion.
+    """A recipe for a motion and the motion that it gives; None if no recipe reproduces the motion.
 
-    What is shown is what the recipe makes: the same bits as of whoever follows it.
+    The page shows the motion that the recipe gives, so a user of the recipe gets the same bits.
     """
     for recipe in _recipes(motion):
         try:

@@ -1,4 +1,4 @@
-"""The explorer's server: this machine only, and nothing from the network."""
+"""The explorer's server: reachable from this machine only, and using nothing from the network."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def panel() -> Any:
 
 
 def loopback(address: str) -> str:
-    """An address that only this machine reaches.
+    """An address that only this machine can reach.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def loopback(address: str) -> str:
 
 
 def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> None:
-    """Serve until an interrupt; `ready` is told the page's address.
+    """Serve until an interrupt; `ready` is called with the page's address.
 
     Raises
     ------
@@ -73,17 +73,17 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
     server = pn.serve(
         {"/": page}, port=port, address=number, show=False, start=False, verbose=False, loop=loop,
         title="vibroimpact explorer", websocket_origin=origins,
-        # pings find a page that is closing before its messages are read, which Bokeh takes for a fault
+        # a ping may reach a page that is closing before its messages are read, which Bokeh reports as an error
         keep_alive_milliseconds=0,
     )  # fmt: skip
     url = f"http://{host}:{port}/"
-    # handled by the loop, so that an interrupt never falls into the middle of a message
+    # handled by the event loop, so that an interrupt never occurs within a message
     for number_of in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_of, lambda *_: loop.add_callback_from_signal(loop.stop))
-    # a page that is closed while it is being told something is no fault
+    # it is no error if a page is closed while a message is being sent to it
     logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
     loop.asyncio_loop.set_exception_handler(_unless_closed)
-    # threads that compute give the interpreter back to the page after a millisecond
+    # computing threads release the interpreter to the page after a millisecond
     sys.setswitchinterval(1e-3)
     server.start()
     ready(url)
@@ -98,7 +98,7 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
 
 
 def _unless_closed(loop: Any, context: dict[str, Any]) -> None:
-    """Report an error that nobody took, unless it is that a page has been closed."""
+    """Report an error that was not handled, unless its cause is a closed page."""
     from tornado.websocket import WebSocketClosedError
 
     if not isinstance(context.get("exception"), WebSocketClosedError):
@@ -106,7 +106,7 @@ def _unless_closed(loop: Any, context: dict[str, Any]) -> None:
 
 
 def _free(address: str, port: int) -> int:
-    """The port, or any free one for 0; an error if it cannot be had."""
+    """The port, or any free one for 0; an error if it is not available."""
     family = socket.AF_INET6 if ":" in address else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -1,4 +1,4 @@
-"""One open page: what the browser asks goes to the explorer; what follows is told, with all that is drawn."""
+"""One open page: passes the browser's requests to the explorer, and sends texts and drawings back."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .state import Run, State, joined
 __all__ = ["Session"]
 
 SEARCHED = "All patterns of up to 6 impacts and 2 cycles were searched."
-#: What a thread was to do, and the text that then does not go on telling that it is at it.
+#: The error message for each kind of job, and the texts that then replace its progress message.
 TASKS: dict[str, tuple[str, dict[str, Any]]] = {
     "zones": ("the zones could not be computed", {"status": "not computed"}),
     "motions": ("the fuller search failed", {"searched": "Not all patterns were searched."}),
@@ -35,11 +35,11 @@ class Session:
     Parameters
     ----------
     query : str
-        Of the link.
+        Query of the link.
     tell : callable
-        Sends a message, as `packed` makes it, to the page's script.
+        Sends a message, in the form of `packed`, to the page's script.
     at_its_turn : callable
-        Does some work on the page when it is the page's turn: how a thread comes back.
+        Runs a function in the page's thread; the threads return their results by it.
     """
 
     def __init__(
@@ -55,12 +55,13 @@ class Session:
         self.background = Background(at_its_turn, self.failed)
         self.trajectory: Trajectory | None = None
         self.peeking, self.searched, self.ran = False, "", ""
-        #: Of threads that have failed since the last change.
+        #: Messages of threads that have failed since the last change.
         self.broken: dict[str, str] = {}
-        #: What changes in the figures with the next message.
+        #: Changes of the figures to be sent with the next message.
         self.changes: pictures.Changes = {}
         self.rooms: dict[str, Any] = {}
-        #: What the zones, the motions, the diagram, the point and the figures of the motion were made for.
+        #: The inputs for which the zones, the motions, the diagram, the point and the figures of the motion
+        #: were made.
         self.zones_of: Any = None
         self.motions_of: Any = None
         self.diagram_of: Any = None
@@ -70,12 +71,12 @@ class Session:
     # -- messages of the page
 
     def heard(self, message: dict[str, Any]) -> None:
-        """Answer a message, whatever comes of it."""
+        """Answer a message, also if it fails."""
         kind = message["kind"]
         self.peeking = kind == "peek"
         if not self.peeking:
             self.background.rest.drop()
-        steady = kind in ("peek", "unpeek")  # what is wrong stays until something changes
+        steady = kind in ("peek", "unpeek")  # an error message stays until something changes
         if not steady:
             self.broken.clear()
         number = {"number": message["number"]}
@@ -89,12 +90,12 @@ class Session:
             self.send({"fault": own_fault(error)} | number)
 
     def send(self, answer: dict[str, Any]) -> None:
-        """One message with all that is told and drawn."""
+        """Send one message with all texts and drawings."""
         changes, self.changes = self.changes, {}
         self.tell(*pictures.packed(answer | {"pictures": changes}))
 
     def failed(self, kind: str, error: Exception) -> None:
-        """A thread has raised something: it is told, and tried again with the next change."""
+        """A thread has raised an exception: report it; the job is repeated with the next change."""
         fault, answer = TASKS[kind]
         if kind != "rest":
             setattr(self, f"{kind}_of", None)
@@ -105,13 +106,13 @@ class Session:
         self.send({"fault": joined(self.broken.values()), **answer})
 
     def on_ready(self, _: dict[str, Any]) -> dict[str, Any]:
-        """The page is there."""
+        """The page is ready."""
         fault = ""
         if self.faults:
             fault = f"The link holds what is not allowed; the rest of it is restored. {joined(self.faults)}"
         answer = {**self.update(), "fault": fault}
         if self.faults:
-            del answer["query"]  # the address stays as it was given until something changes
+            del answer["query"]  # the address is kept as given until something changes
         return answer
 
     def on_set(self, message: dict[str, Any]) -> dict[str, Any]:
@@ -130,7 +131,7 @@ class Session:
         return self.update()
 
     def on_peek(self, message: dict[str, Any]) -> dict[str, Any]:
-        """The pointer is somewhere: show the motions there, without choosing the point."""
+        """The pointer has moved: show the motions at its place, without choosing the point."""
         there = replace(
             self.explorer.state, r=message["r"], clearance=message["clearance"], motion=None
         )
@@ -155,9 +156,9 @@ class Session:
         return self.summary()
 
     def on_choose(self, message: dict[str, Any]) -> dict[str, Any]:
-        """A motion of the table by its recipe, or the simulation above them.
+        """Choose a motion of the table by its recipe, or the simulation above them.
 
-        The table may have changed since the browser got it: a motion that has gone is not chosen, nor another.
+        The table may have changed since the browser received it: if the motion is no longer in it, none is chosen.
         """
         recipes = [item.recipe.text for item in self.explorer.shown]
         if message["motion"] is None:
@@ -167,32 +168,32 @@ class Session:
         return self.summary()
 
     def on_run(self, message: dict[str, Any]) -> dict[str, Any]:
-        """Let it run from the state in the fields."""
+        """Simulate from the state in the fields."""
         return self.runs(self.explorer.let_run(Run.read(message["words"])))
 
     def on_launch(self, message: dict[str, Any]) -> dict[str, Any]:
-        """Let it run from a place in the portrait."""
+        """Simulate from a place in the phase portrait."""
         return self.runs(self.explorer.launch(message["y"], message["y_dot"]))
 
     def runs(self, trajectory: Trajectory) -> dict[str, Any]:
-        """There is a simulation."""
+        """A simulation has been made."""
         self.trajectory, self.ran = trajectory, words.run_text(trajectory)
         return self.summary()
 
     def on_stop(self, _: dict[str, Any]) -> dict[str, Any]:
-        """No simulation any more."""
+        """Remove the simulation."""
         self.explorer.set({"run": "", "show": "motion"})
         self.trajectory, self.ran = None, ""
         return self.summary()
 
     def on_line(self, message: dict[str, Any]) -> dict[str, Any]:
-        """A line was drawn."""
+        """The line of the diagram was drawn."""
         a, b = message["from"], message["to"]
         self.explorer.draw_line((*a, *b))
         return self.update()
 
     def on_through(self, message: dict[str, Any]) -> dict[str, Any]:
-        """A line through the point, across the window or up."""
+        """Draw a line through the point, horizontally or vertically across the window."""
         state = self.explorer.state
         (r0, r1), (d0, d1) = state.window
         ends = (
@@ -203,19 +204,19 @@ class Session:
         return self.update()
 
     def on_erase(self, _: dict[str, Any]) -> dict[str, Any]:
-        """No line any more."""
+        """Remove the line."""
         self.explorer.set({"line": ""})
         return self.update()
 
     def on_export(self, message: dict[str, Any]) -> dict[str, Any]:
-        """What is shown, as text."""
+        """Export the contents of the page as text."""
         write = {"namelist": as_namelist, "python": as_python}[message["form"]]
         return {"export": write(self.explorer), "form": message["form"]}
 
     # -- what follows
 
     def update(self) -> dict[str, Any]:
-        """After a change of the state: compute what it takes, in threads, and tell what is known at once."""
+        """After a change of the state: start the computations in threads, and send what is known at once."""
         state = self.explorer.state
         busy = {}
         wanted = (state.osc, state.window, state.patterns)
@@ -235,7 +236,7 @@ class Session:
         return busy | self.summary()
 
     def simulate(self) -> None:
-        """The simulation at another point or of another system; an error shows beside its button."""
+        """Repeat the simulation for another point or system; an error is shown beside its button."""
         self.trajectory, self.ran = None, ""
         if self.explorer.state.run is not None:
             try:
@@ -250,7 +251,7 @@ class Session:
         """Draw zones that a thread has computed."""
         self.explorer.zones, self.rooms, self.marked = zones, shapes["rooms"], None
         self.changes |= pictures.zones(shapes, window)
-        self.explorer.look()  # the zones may know of motions that were not found
+        self.explorer.look()  # the zones may contain motions that were not found
         if not done:
             status = joined(filter(None, (given_up, "refining …")))
         else:
@@ -258,7 +259,7 @@ class Session:
         return {"zones": words.zones_legend(zones), "status": status, **self.summary()}
 
     def show_motions(self, found: list[Shown]) -> None:
-        """What the fuller search at the point has found."""
+        """Show the result of the fuller search at the point."""
         self.explorer.learn(found)
         self.searched = SEARCHED
         self.send(self.summary())
@@ -269,7 +270,7 @@ class Session:
         self.send({"diagram": words.diagram_text(diagram)})
 
     def summary(self) -> dict[str, Any]:
-        """The state, its link, the table and the texts; what changed in the figures is drawn."""
+        """Send the state, its link, the table and the texts; draw the changes of the figures."""
         explorer, state = self.explorer, self.explorer.state
         chosen = explorer.chosen
         running = state.show == "run" and self.trajectory is not None
@@ -299,7 +300,7 @@ class Session:
         }
 
     def draw_motion(self, motion: Motion | None, run: Trajectory | None = None) -> None:
-        """History, portrait and multipliers."""
+        """Draw history, portrait and multipliers."""
         if run is not None:
             self.changes |= sketches.history(run, (self.explorer.state.run or Run()).cycles)
         else:
@@ -308,6 +309,6 @@ class Session:
 
 
 def own_fault(error: Exception) -> str:
-    """An error that nobody expected, in words; the details go to the terminal."""
+    """The message for an unexpected error; the details are printed on the terminal."""
     logging.getLogger(__name__).error("a fault of the explorer's own", exc_info=error)
     return f"a fault of the explorer's own: {error!r}"

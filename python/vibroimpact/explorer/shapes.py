@@ -1,4 +1,4 @@
-"""The zones as a chart shows them: thinned polygons, boundary lines by type, and where their names go."""
+"""The zones as a chart shows them: thinned polygons, boundary lines by type, and the places of their names."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ __all__ = ["labels", "thinned", "zone_shapes"]
 _Array = NDArray[np.float64]
 #: Colours of the zones, those of an atlas.
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
-#: Patterns over the colours, which tell zones apart without them.
+#: Hatch patterns, by which the zones differ even without their colours.
 HATCHES = ("/", "\\", "-", "|", ".", "x", "+", "o")
-#: A vertex is kept after so much of the window or of a turn (radians).
+#: A vertex is kept after this share of the window, or after this change of direction (radians).
 STRIDE, TURN = 0.01, 0.05
-#: Width and height of a zone's name, in parts of the window.
+#: Width and height of a zone's name, as shares of the window.
 LABEL = (0.2, 0.06)
 
 
 def thinned(points: _Array, window: Window) -> _Array:
-    """The vertices (M, 2) of a curve that a screen can show: dense where it turns.
+    """The vertices (M, 2) of a curve that a screen can resolve: dense where the curve turns.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
 
 
 def label_room(loops: Sequence[_Array], window: Window) -> _Array:
-    """Room for a name around points of a zone with these loops, in names: 0 on its edge."""
+    """Room for a name around points of a zone with these loops, in sizes of a name: 0 on its boundary."""
     r, clearance = np.broadcast_arrays(*lattice(window))
     points = np.stack([r.ravel(), clearance.ravel()], axis=1)
     turns = np.sum([winding(ring, points) for ring in loops], axis=0)
@@ -87,14 +87,15 @@ def label_room(loops: Sequence[_Array], window: Window) -> _Array:
 
 
 def lattice(window: Window) -> tuple[_Array, _Array]:
-    """Where names can stand: r down, clearance along."""
+    """Possible places of names: r by rows, clearance by columns."""
     return np.linspace(*window[0], 61)[:, None], np.geomspace(*window[1], 101)[None, :]
 
 
 def labels(
     rooms: dict[str, _Array], window: Window, point: tuple[float, float]
 ) -> dict[str, list[Any]]:
-    """Each zone's name where it has the most room: within the window, off the chosen point and other names."""
+    """Each zone's name at the place with the most room: within the window, away from the chosen point and other
+    names."""
     r, clearance = lattice(window)
     edge = [
         round(0.65 * part * len(ends)) for part, ends in zip(LABEL, (r, clearance.T), strict=True)
@@ -120,7 +121,7 @@ def labels(
 
 
 def _reach(inside: NDArray[np.bool_], axis: int) -> NDArray[np.int64]:
-    """How far a zone goes on both ways along an axis, in steps of the lattice."""
+    """How far a zone extends in both directions along an axis, in steps of the lattice."""
 
     def behind(cells: NDArray[np.bool_]) -> NDArray[np.int64]:
         steps = np.arange(1, len(cells) + 1)[:, None]
@@ -132,17 +133,17 @@ def _reach(inside: NDArray[np.bool_], axis: int) -> NDArray[np.int64]:
 
 
 def color(i: int) -> str:
-    """Of the zone of that number."""
+    """Colour of the zone with that number."""
     return COLORS[i % len(COLORS)]
 
 
 def hatch(i: int) -> str:
-    """Pattern over the zone of that number (Bokeh's letter for it)."""
+    """Hatch pattern of the zone with that number (Bokeh's letter for it)."""
     return HATCHES[i % len(HATCHES)]
 
 
 def _polygons(rings: list[_Array]) -> list[list[_Array]]:
-    """Each ring that goes round a zone with its holes."""
+    """Each outer ring of a zone with its holes."""
     logs = [np.c_[ring[:, 0], np.log(ring[:, 1])] for ring in rings]
     sizes = [signed_area(ring) for ring in logs]
     polygons = {i: [ring] for i, ring in enumerate(rings) if sizes[i] > 0}

@@ -1,4 +1,5 @@
-"""The small figures, whole: axes and parts with their colours, as the page's script (sketch.js) draws them."""
+"""The small figures, complete: axes and parts with their colours, in the form that the page's script
+(sketch.js) draws."""
 
 from __future__ import annotations
 
@@ -45,7 +46,7 @@ def history(thing: Motion | Trajectory | None, cycles: float) -> Changes:
             "parts": [
                 {"band": [t, x - half, x + half], "color": style.PRIMARY, "alpha": 0.07},
                 *({"line": [t, x + offset], **wall} for offset in (half, -half)),
-                # thick and thin: told apart without colour
+                # thick and thin: distinguishable without colour
                 {"name": "x", "line": [t, x], "color": style.PRIMARY, "width": 3},
                 {"name": "z", "line": [t, h.sample.Z], **free},
                 {"marks": [h.event_cycles, h.events["x"] + side * half, marker.tolist()], **marks},

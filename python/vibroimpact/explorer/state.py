@@ -1,4 +1,4 @@
-"""The whole state of the explorer, and its form in a share link."""
+"""The complete state of the explorer, and its form in a share link."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Run", "State"]
 
 NUMBERS = ("xi", "mu", "R1", "R2", "r", "clearance")
 WINDOW = ("r_min", "r_max", "clearance_min", "clearance_max")
-#: Zones that are drawn at most.
+#: Largest number of zones drawn.
 MOST_PATTERNS = 12
 
 
@@ -26,7 +26,7 @@ MOST_PATTERNS = 12
 class Run:
     """A simulation: the state it starts from, the load cycles shown and those before them.
 
-    Numbers out of range are refused; that the state lies between the walls is seen when it runs.
+    Numbers out of range are refused; whether the state lies between the walls is checked by the simulation.
     """
 
     t: float = 0.0
@@ -52,7 +52,7 @@ class Run:
 
     @classmethod
     def read(cls, words: dict[str, str]) -> Run:
-        """From the text of each field; ParameterError names the one that is no number."""
+        """A run from the text of each field; ParameterError names a field that is no number."""
         return cls(**{item.name: _finite(words[item.name], item.name) for item in fields(cls)})
 
     @property
@@ -63,7 +63,7 @@ class Run:
 
 @dataclass(frozen=True)
 class State:
-    """Everything that the page shows follows from this.
+    """The state from which everything on the page follows.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class State:
     r_min, r_max, clearance_min, clearance_max : float
         The window of the zone chart.
     patterns : tuple of Pattern
-        Whose zones are drawn.
+        Patterns whose zones are drawn.
     motion : Recipe or None
         The chosen motion, or the first one in the table.
     run : Run or None
@@ -159,7 +159,7 @@ class State:
 
     @property
     def query(self) -> str:
-        """What differs from the state at the start, as the query of a link."""
+        """The differences from the initial state, as the query of a link."""
         start = State()
         words = {
             item.name: _text(getattr(self, item.name))
@@ -169,12 +169,12 @@ class State:
         return urlencode(words, safe="/,*")
 
     def changed(self, words: dict[str, str]) -> State:
-        """The state with some fields read from text; ParameterError if that is no state."""
+        """The state with some fields read from text; ParameterError if the result is not valid."""
         return replace(self, **{name: _value(name, text) for name, text in words.items()})
 
     @classmethod
     def read(cls, query: str) -> tuple[State, list[str]]:
-        """The state that a link holds, and what is wrong with it; the rest of it is kept."""
+        """The state of a link, and its faults; the valid fields are used."""
         state, faults = cls(), []
         words = dict(parse_qsl(query, keep_blank_values=True))
         good = {}
@@ -186,7 +186,7 @@ class State:
         try:
             return replace(state, **good), faults
         except VibroimpactError:
-            pass  # something does not go with the rest: one by one, ends of a window together
+            pass  # some fields do not fit together: set them one by one, the ends of a window together
         groups = [WINDOW[:2], WINDOW[2:], *((name,) for name in good if name not in WINDOW)]
         for group in groups:
             some = {name: good[name] for name in group if name in good}
@@ -198,7 +198,7 @@ class State:
 
 
 def _text(value: Any) -> str:
-    """A field as it stands in a link."""
+    """A field in the form of a link."""
     if isinstance(value, Recipe):
         return value.text
     if isinstance(value, Run):
@@ -211,12 +211,12 @@ def _text(value: Any) -> str:
 
 
 def number_text(value: float) -> str:
-    """All its digits, whole numbers without a point."""
+    """A number with all its digits; whole numbers without a decimal point."""
     return repr(float(value)).removesuffix(".0")
 
 
 def pattern_text(pattern: Pattern) -> str:
-    """Sides, and the load cycles if they are several."""
+    """The sides, and the load cycles if there are several."""
     return pattern.sides if pattern.cycles == 1 else f"{pattern.sides}/{pattern.cycles}"
 
 
@@ -271,5 +271,5 @@ def _finite(text: str, name: str) -> float:
 
 
 def joined(faults: Iterable[str]) -> str:
-    """One message of several."""
+    """Several messages joined to one."""
     return "; ".join(faults)

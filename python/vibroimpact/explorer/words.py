@@ -1,4 +1,4 @@
-"""What the page says: the table of motions, the point, the simulation and the diagram in words."""
+"""The texts of the page: the table of motions, the point, the simulation and the diagram in words."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def rows(shown: list[Shown], chosen: int) -> list[dict[str, Any]]:
 
 
 def place(r: float, clearance: float, shown: list[Shown], inside: Iterable[Family]) -> str:
-    """A point with its motions and the zones it lies in."""
+    """A point with its motions and the zones that contain it."""
     names = [family.name for family in inside]
     stable = sum(bool(item.motion.stable) for item in shown)
     within = f"in the zone{'s' * (len(names) > 1)} of {', '.join(names)}" if names else "in no zone"
@@ -43,7 +43,7 @@ def place(r: float, clearance: float, shown: list[Shown], inside: Iterable[Famil
 
 
 def fields(explorer: Explorer) -> dict[str, str]:
-    """What stands in the fields."""
+    """The contents of the fields."""
     state = explorer.state
     return (
         {name: number_text(getattr(state, name)) for name in (*NUMBERS, *WINDOW)}
@@ -53,7 +53,7 @@ def fields(explorer: Explorer) -> dict[str, str]:
 
 
 def run_text(trajectory: Trajectory) -> str:
-    """What comes of a simulation."""
+    """The outcome of a simulation."""
     kinds = trajectory.events["kind"].tolist()
     counts = [
         f"{n} {name}{'s' * (n != 1)}"
@@ -72,7 +72,7 @@ def diagram_text(diagram: BifurcationDiagram) -> str:
 
 
 def zones_legend(zones: Any) -> list[dict[str, str]]:
-    """Names, colours and patterns of the zones that are there."""
+    """Names, colours and hatch patterns of the zones that are drawn."""
     return [
         {"name": family.name, "color": color(i), "hatch": hatch(i)}
         for i, (family, zone) in enumerate(zones.items()) if zone

@@ -1,4 +1,4 @@
-"""The zones of the chart: which motions have one, coarse first and then fine."""
+"""The zones of the chart: the families of motions, and their zones, coarse first and then fine."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ GUESSES = {COARSE: 4, FINE: 12}
 
 
 class Family(NamedTuple):
-    """Motions that have one zone."""
+    """Motions that share one zone."""
 
     pattern: Pattern
     symmetric: bool | None
 
     @property
     def name(self) -> str:
-        """As it stands in the legend."""
+        """The name in the legend."""
         kind = {True: " symmetric", False: " unsymmetric", None: ""}[self.symmetric]
         return pattern_text(self.pattern) + kind
 
     @property
     def short(self) -> str:
-        """As it stands in the chart."""
+        """The name in the chart."""
         return self.name.replace("metric", ".")
 
 
 def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
-    """The families of some patterns: symmetric motions have a zone of their own, mirror images one together.
+    """The families of some patterns: symmetric motions have a zone of their own, mirror images share one.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
 
 @lru_cache(maxsize=500)
 def lines_of(zone: Zone) -> int:
-    """The lattice lines that a zone was asked for with: a large window gets more."""
+    """The number of lattice lines with which a zone was requested; a large window gets more."""
     return int(re.findall(r"\blines = (\d+)", zone.case)[0])
 
 
@@ -64,6 +64,6 @@ def compute(
     osc: Oscillator, family: Family, window: Window, lines: int,
     progress: Callable[[float, str], None] | None = None,
 ) -> Zone:  # fmt: skip
-    """The zone of a family; what `progress` raises ends the search for it."""
+    """The zone of a family; an exception of `progress` ends the search."""
     guesses = GUESSES[lines]
     return zone(osc, family.pattern, *window, family.symmetric, lines, guesses, progress=progress)

@@ -1,1 +1,1 @@
-"""Results as files and as objects of other libraries: code that knows tables, and no study."""
+"""Results as files and as objects of other libraries: code that handles tables, independent of any study."""

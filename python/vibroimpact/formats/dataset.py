@@ -1,4 +1,4 @@
-"""Results as xarray datasets: named dimensions; unit and meaning of each variable."""
+"""Results as xarray datasets, with named dimensions and the unit and meaning of each variable."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from ..tables import Result
 
 
 def to_xarray(noun: Any) -> Any:
-    """All tables as one dataset: a column named as its dimension is a coordinate.
+    """All tables as one dataset; a column with the name of its dimension is a coordinate.
 
-    A table that belongs to a parent has a variable with its name, the row of the parent of each row
-    ("indexed ragged arrays" of the CF conventions). A name that several tables have, or that is also that of a
-    dimension, carries that of its table.
+    A table with a parent has a variable of its own name, which gives for each row the row of the parent
+    ("indexed ragged arrays" of the CF conventions). A column name that occurs in several tables, or that is
+    also the name of a dimension, is extended by the name of its table.
     """
     result: Result = noun._result
     names = [column.name for _, column in result.columns()]
@@ -56,7 +56,7 @@ def to_xarray(noun: Any) -> Any:
 
 
 def common(noun: Any) -> dict[str, Any]:
-    """Attributes of every dataset: what it is, how it was asked for, and whether it is whole."""
+    """Attributes of every dataset: its kind, its case, and whether it is complete."""
     from .. import __version__
 
     osc = noun.osc

@@ -1,4 +1,4 @@
-"""Results as Jupyter shows them: what it is, what was found, and a small picture if matplotlib is there."""
+"""Results as Jupyter shows them: the kind of result, a summary, and a small picture if matplotlib is installed."""
 
 from __future__ import annotations
 

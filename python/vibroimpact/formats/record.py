@@ -1,4 +1,4 @@
-"""Results as plain values and JSON, and back: the same to the last bit."""
+"""Conversion of results to plain values and JSON, and back, with the same bits."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from ..errors import ParameterError
 from ..tables import STORED, Column, Result, Table, declared_column, language
 
-#: What a record has besides its tables, with the type of each.
+#: The fields of a record besides its tables, with their types.
 HEAD = {"case": str, "cut": str, "empty": bool, "remarks": list, "notes": list}
 
 
 def to_dict(noun: Any) -> dict[str, Any]:
-    """The case, what is to be said, and the tables with their columns."""
+    """The case, the notes and remarks, and the tables with their columns."""
     result: Result = noun._result
     tables: dict[str, dict[str, Any]] = {}
     for name, table in result.tables.items():
@@ -34,7 +34,7 @@ def to_dict(noun: Any) -> dict[str, Any]:
 
 
 def encoded(column: Column) -> Any:
-    """The values of a column; of words their texts, which says the same without a list of them."""
+    """The values of a column; words are given as texts, so that no list of them is needed."""
     if column.kind == "complex":
         pairs = np.stack([column.values.real, column.values.imag], axis=-1)
         return no_nan(pairs.tolist())
@@ -45,7 +45,7 @@ def encoded(column: Column) -> Any:
 
 
 def no_nan(item: Any) -> Any:
-    """NaN as None, and infinite numbers as texts: JSON has neither."""
+    """NaN replaced by None, and infinite numbers by texts: JSON has neither."""
     if isinstance(item, list):
         return [no_nan(inner) for inner in item]
     if math.isfinite(item):
@@ -99,7 +99,7 @@ def from_dict(kind: Any, data: Any) -> Any:
 
 
 def mapping(data: Any, name: str) -> dict[str, Any]:
-    """Data that must be an object of JSON."""
+    """Check that data are a JSON object."""
     if not isinstance(data, dict):
         raise ParameterError(f"{name} = {str(data)[:60]!r}: must be an object with names")
     return data

@@ -1,4 +1,5 @@
-"""The rows of a result: one table, with what it belongs to repeated, as the CSV has it."""
+"""The rows of a result as in the CSV: those of one table, with the values of the tables that it belongs to
+repeated."""
 
 from __future__ import annotations
 
@@ -10,12 +11,12 @@ from numpy.typing import NDArray
 from ..errors import MissingExtraError
 from ..tables import Column, Result
 
-#: What verdicts mean.
+#: The meaning of the codes of verdicts.
 VERDICTS = np.array([None, False, True], dtype=object)
 
 
 def rows(result: Result) -> dict[str, NDArray[Any]]:
-    """The listed columns by their names in the CSV, a value a row."""
+    """The listed columns by their names in the CSV, with one value for each row."""
     places = places_of(result, result.row)
     found: dict[str, NDArray[Any]] = {}
     for table, column in result.columns():
@@ -32,7 +33,7 @@ def rows(result: Result) -> dict[str, NDArray[Any]]:
 
 
 def cells(column: Column, values: NDArray[Any], label: str) -> dict[str, NDArray[Any]]:
-    """One column of the CSV, or two of a complex number."""
+    """One column of the CSV, or two columns of a complex number."""
     if column.kind == "complex":
         if "modulus" in label:
             return {label: np.hypot(values.real, values.imag)}
@@ -45,7 +46,7 @@ def cells(column: Column, values: NDArray[Any], label: str) -> dict[str, NDArray
 
 
 def listed(result: Result, found: dict[str, NDArray[Any]]) -> NDArray[np.bool_]:
-    """Which rows the CSV has: not the empty slots of a chart."""
+    """Which rows are in the CSV; the empty slots of a chart are not."""
     from ..status import NO_MOTION, NOT_COMPUTED
 
     size = next(iter(found.values())).size
@@ -55,7 +56,7 @@ def listed(result: Result, found: dict[str, NDArray[Any]]) -> NDArray[np.bool_]:
 
 
 def places_of(result: Result, name: str) -> dict[str, NDArray[np.intp]]:
-    """The row of each table that the rows of one belong to: by its parent, or by a dimension."""
+    """For each table, the row to which each row of one table belongs, by its parent or by a dimension."""
     table = result.tables[name]
     sizes = tuple(table.dims.values())
     own = np.arange(int(np.prod(sizes)))

@@ -1,4 +1,4 @@
-"""Files of results by their extension, and back."""
+"""Writes results to files, in the format of the extension."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..tables import STORED, Handle, Result
 
 
 def save(noun: Any, path: str | Path) -> None:
-    """Write a file, whole or not at all."""
+    """Write a file, completely or not at all."""
     place = Path(path)
     suffix = place.suffix.lower()
     if suffix not in WRITERS:
@@ -40,7 +40,7 @@ def write_csv(noun: Any, path: Path) -> None:
 
 
 def restored(result: Result) -> Handle:
-    """A result that is not in the core, put there: one that was read from a file."""
+    """A result that was read from a file, put into the core."""
     number, status = _core.new_result(np.frombuffer(result.case.encode(), "S1"))
     handle = Handle(number)
     if status:
@@ -63,7 +63,7 @@ def restored(result: Result) -> Handle:
 
 
 def characters(text: str) -> Any:
-    """A text as the core takes it."""
+    """A text in the form that the core takes."""
     return np.frombuffer(text.encode(), "S1")
 
 
@@ -76,7 +76,7 @@ def write_matlab(noun: Any, path: Path) -> None:
             key = column.name if names.count(column.name) == 1 else f"{name}_{column.name}"
             fields[key] = matlab.value_of(column.decoded())
         if table.owners is not None:
-            fields[f"{name}_{table.parent}"] = table.owners + 1  # as MATLAB counts
+            fields[f"{name}_{table.parent}"] = table.owners + 1  # MATLAB counts from 1
     matlab.write_struct(type(noun).__name__, fields, noun.to_json(), path)
 
 

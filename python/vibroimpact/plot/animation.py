@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMATS", "animate"]
 
-#: Endings of files, and what writes them.
+#: Extensions of files, and the writers for them.
 FORMATS = {"gif": "pillow", "mp4": "ffmpeg"}
-#: Pictures a second, seconds that a wall flashes, and the most pictures that fit in memory at ease.
+#: Frames per second, seconds for which a wall flashes, and the largest number of frames kept in memory.
 RATE, FLASH, MOST = 20, 0.25, 2000
 
 
@@ -37,7 +37,7 @@ def animate(
     cycles: float = 3.0,
     seconds: float = 3.0,
 ) -> Any:
-    """Animate the masses, and write that to a file.
+    """Animate the masses, and write the animation to a file.
 
     Parameters
     ----------
@@ -70,8 +70,8 @@ def animate(
         try:
             scene = _Scene(thing, h, axes)
             figure.draw_without_rendering()
-            figure.set_layout_engine("none")  # laid out once; each picture is faster for it
-            # the end is left out: of a whole number of periods it is the beginning again
+            figure.set_layout_engine("none")  # laid out once, which makes each frame faster
+            # the end is left out: after a whole number of periods it equals the beginning
             times = h.first + (h.last - h.first) * np.arange(n) / n
             if target is None:
                 from matplotlib.animation import FuncAnimation
@@ -87,10 +87,10 @@ def animate(
 
 
 def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer: str) -> None:
-    """Write the pictures, one drawing each (FuncAnimation.save draws three times)."""
+    """Write the frames, drawing each one once (FuncAnimation.save draws three times)."""
     from matplotlib.animation import writers
 
-    # the writer knows the format by the ending
+    # the writer chooses the format by the extension
     temporary = target.with_name(f"{target.stem}.{writer_name()}.part{target.suffix}")
     with style.pyplot().rc_context(_program(writer)):
         film = writers[writer](fps=RATE)
@@ -106,7 +106,7 @@ def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer
 
 
 def check_format(ending: str, label: str) -> str:
-    """The writer for an ending; an error where it is unknown or what writes it is missing."""
+    """The writer for an extension; an error if the extension is unknown or the writer is missing."""
     if ending not in FORMATS:
         raise ParameterError(f"{label}: must end with .{' or .'.join(FORMATS)}")
     style.pyplot()
@@ -130,7 +130,7 @@ def check_format(ending: str, label: str) -> str:
 
 
 def _program(writer: str) -> dict[str, str]:
-    """matplotlib's setting for the ffmpeg of imageio-ffmpeg, if the one that is set is not there."""
+    """matplotlib's setting for the ffmpeg of imageio-ffmpeg, if the configured program does not exist."""
     import matplotlib
 
     if writer == "ffmpeg" and not shutil.which(matplotlib.rcParams["animation.ffmpeg_path"]):
@@ -142,7 +142,7 @@ def _program(writer: str) -> dict[str, str]:
 
 
 def _writer(path: Any) -> tuple[Path, str]:
-    """The path, and the writer for its ending."""
+    """The path, and the writer for its extension."""
     if not isinstance(path, (str, os.PathLike)):
         raise ParameterTypeError(f"path = {path!r}: must be the name of a file")
     target = Path(path)
@@ -157,7 +157,7 @@ def _positive(value: Any, name: str) -> float:
 
 
 class Glow(NamedTuple):
-    """How bright each wall flashes (left, right), 0 to 1, and the side of rest or 0."""
+    """Brightness of the flash of each wall (left, right), 0 to 1, and the side of rest or 0."""
 
     left: float
     right: float
@@ -181,7 +181,7 @@ def glow(events: NDArray[Any], time: float, flash: float, resting: int = 0) -> G
 
 
 class _Scene:
-    """The artists of a picture, and how they stand at a time."""
+    """The artists of a frame, and their positions at a time."""
 
     def __init__(self, thing: Motion | Trajectory, h: History, axes: Any) -> None:
         from matplotlib.patches import Rectangle
@@ -191,8 +191,8 @@ class _Scene:
         ax, below = axes
         low, high = float(h.sample.X.min()), float(h.sample.X.max())
         span = high - low + 2 * h.half
-        # The inner faces stand half a width of the free mass beyond X +- d/2: it touches where |Y| = d/2,
-        # and the way that is open to it is the clearance, in the scale of the axis.
+        # The inner faces are half a width of the free mass beyond X +- d/2, so that it touches them where |Y| =
+        # d/2 and its free travel is the clearance, in the scale of the axis.
         self.width = 0.08 * span
         self.thick = 0.5 * self.width
         self.reach = h.half + 0.5 * self.width + self.thick
@@ -217,7 +217,7 @@ class _Scene:
         self.cursor = below.axvline(0, color="0.2", lw=0.8)
 
     def show(self, time: float) -> list[Any]:
-        """Move everything to where it is at a time."""
+        """Move all artists to their positions at a time."""
         thing, h = self.thing, self.h
         now = thing.sample(time)
         x, z = float(now.X), float(now.Z)
@@ -242,7 +242,7 @@ class _Scene:
 
 
 def _mix(first: str, second: str, share: float) -> tuple[float, ...]:
-    """A colour between two."""
+    """A mixture of two colours."""
     from matplotlib.colors import to_rgb
 
     return tuple((1 - share) * np.array(to_rgb(first)) + share * np.array(to_rgb(second)))

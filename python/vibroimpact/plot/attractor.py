@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from ..studies.lyapunov import Lyapunov
     from ..studies.response import Response
 
-#: Colour of each wall, and how its impacts are marked. Those of a sweep down are larger and open, and lie
-#: under those of the sweep up: a dot in a ring is an impact of both, and one alone is of one sweep alone.
+#: Colour of each wall, and the marks of its impacts. Those of a sweep down are larger and open, and lie under
+#: those of the sweep up: a dot in a ring is an impact of both sweeps, a dot or ring alone one of one sweep
+#: only.
 WALLS = {"R": style.PRIMARY, "L": style.FREE}
 MARKS = {
     ("R", False): {"marker": ".", "ms": 1.5}, ("L", False): {"marker": "x", "ms": 1.5},
@@ -42,7 +43,7 @@ QUANTITIES = {
 
 
 def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 3.0) -> Any:
-    """The given Axes, or those of a new figure with a line that tells of the system."""
+    """The given Axes, or those of a new figure with a line that identifies the system."""
     if ax is not None:
         return ax
     plt = style.pyplot()
@@ -80,7 +81,7 @@ def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
                 color=color, transform=ax.get_xaxis_transform(),
             )  # fmt: skip
             level += 0.04
-    if np.isneginf(values).any():  # nothing is left of a difference: open, at the lower edge
+    if np.isneginf(values).any():  # an exponent of -inf: an open mark at the lower edge
         ax.margins(y=0.15)
         ax.text(1.01, 0.0, r"$-\infty$", transform=ax.transAxes, va="bottom", fontsize=7)
     ax.axhline(0, color="0.6", lw=0.6)
@@ -129,7 +130,7 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
             )  # fmt: skip
     ax.set_xlabel(SYMBOLS[diagram.parameter])
     ax.set_ylabel(QUANTITIES[quantity])
-    # beside the windows, which are told above
+    # impacts outside the windows, which are labelled above
     ax.legend(
         markerscale=2,
         **style.ABOVE | {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "ncols": 1},
@@ -138,7 +139,7 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
 
 
 def draw_basins(basins: Basins, ax: Any = None) -> Any:
-    """The plane of initial states, a colour an attractor; grey is not decided."""
+    """The plane of initial states, one colour for each attractor; undecided states are grey."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 

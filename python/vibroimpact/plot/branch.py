@@ -44,7 +44,7 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
     good, stable = branch.admissible == 1, branch.stable == 1
     kinds = {"stable": good & stable, "unstable": good & ~stable, "inadmissible": ~good}
     for name, mask in kinds.items():
-        # a stretch between two points is of a kind if one of them is: curves do not break at changes
+        # a segment between two points is of a kind if one of them is, so that curves have no gaps at changes
         pairs = mask[:-1] & (mask[1:] | np.roll(mask, -1)[:-1])
         edges = pairs | (mask[1:] & ~good[:-1] & good[1:])
         shown = np.zeros(len(mask), dtype=bool)

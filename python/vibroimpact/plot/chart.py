@@ -79,7 +79,7 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
         ax.pcolormesh(*mesh, kind, cmap=shades, vmin=-0.5, vmax=3.5, rasterized=True)
         for number, _, hatch, _ in CLASSES:
             if hatch and (kind == number).any():
-                # both sides of each edge: the hatching ends where the coloured cells do
+                # both sides of each edge, so that the hatching ends where the coloured cells end
                 sides = (np.repeat(edges, 2)[1:-1] for edges in mesh)
                 there = (kind == number).repeat(2, axis=0).repeat(2, axis=1)
                 ax.contourf(*sides, there, levels=[0.5, 1.5], colors="none", hatches=[hatch])

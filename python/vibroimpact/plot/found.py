@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from ..found import Findings
     from ..motion import Motion
 
-#: Panels in a row; motions drawn at most.
+#: Panels in a row; largest number of motions drawn.
 COLUMNS, MOST = 3, 23
-#: Distance below which two multipliers share the place of their numbers.
+#: Distance below which the numbers of two multipliers stand together.
 NEAR = 0.1
 #: Name, colour and mark of the multipliers of a motion that is not stable, and of one that is.
 STABILITY = (
@@ -27,8 +27,8 @@ STABILITY = (
 def draw_found(found: Findings, ax: Any = None) -> Any:
     """A panel for each motion over its period, and a last one with the multipliers of all.
 
-    The motions are numbered as they are in a table; of very many the first ones are drawn. With `ax` the
-    multipliers alone are drawn.
+    The motions are numbered as in the table; if there are very many, the first ones are drawn. With `ax` only
+    the multipliers are drawn.
     """
     motions = found.motions[:MOST]
     if ax is not None:
@@ -78,13 +78,13 @@ def add_legend(figure: Any, panels: Any) -> None:
 def draw_multipliers(motions: list[Motion], ax: Any) -> None:
     """All multipliers beside the unit circle, the leading one of each motion with its number.
 
-    The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond. The numbers of motions whose
-    leading multipliers lie on one another stand together; of a complex pair it is the upper one.
+    The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond. The numbers of motions
+    whose leading multipliers coincide stand together; of a complex pair the upper one is numbered.
     """
     turn = np.linspace(0, 2 * np.pi, 201)
     ax.plot(np.cos(turn), np.sin(turn), color=style.LOAD, lw=0.7)
     leading: list[tuple[complex, list[int]]] = []
-    for number in range(len(motions), 0, -1):  # the stable ones, which are the first, on top
+    for number in range(len(motions), 0, -1):  # the stable motions, which come first, on top
         motion = motions[number - 1]
         points = drawn_at(motion.multipliers[np.isfinite(motion.multipliers)])
         label, colour, marker = STABILITY[motion.stable is True]
@@ -122,7 +122,7 @@ def draw_multipliers(motions: list[Motion], ax: Any) -> None:
 
 
 def drawn_at(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Where multipliers are drawn: those outside of the unit circle nearer to it."""
+    """The places at which multipliers are drawn: those outside of the unit circle are moved nearer to it."""
     modulus = np.abs(values)
     distance = np.where(modulus > 1, 1 + np.log10(np.maximum(modulus, 1)), modulus)
     return np.asarray(distance * np.exp(1j * np.angle(values)))

@@ -20,7 +20,7 @@ __all__ = ["KINDS", "History", "draw", "history"]
 
 
 class History(NamedTuple):
-    """What the panels draw: times in load cycles, the samples, and the events in the window."""
+    """The data of the panels: times in load cycles, the samples, and the events in the window."""
 
     cycles: NDArray[np.float64]
     sample: Sample
@@ -126,7 +126,7 @@ def history(thing: Motion | Trajectory, cycles: float) -> History:
     sample = thing.sample(times)
     free = sample.load - 2 * thing.osc.xi * sample.X_dot - sample.X
     half = 0.5 * thing.clearance
-    # at rest both masses have one velocity, to the last bit, and the gap is closed
+    # at rest both masses have exactly the same velocity, and the gap is closed
     together = (sample.X_dot == sample.Z_dot) & (np.abs(np.abs(sample.Y) - half) <= 1e-9 * half)
     acceleration = np.where(together, free / (1 + thing.osc.mu), free)
     return History(
@@ -136,7 +136,7 @@ def history(thing: Motion | Trajectory, cycles: float) -> History:
 
 
 def _draw_history(ax: Any, h: History) -> None:
-    """x with the walls that it carries, z between them, and the impacts."""
+    """x with the two walls that move with it, z between them, and the impacts."""
     ax.fill_between(
         h.cycles, h.sample.X - h.half, h.sample.X + h.half, color=style.PRIMARY, alpha=0.08, lw=0
     )

@@ -1,4 +1,5 @@
-"""One look for all pictures: colours that colour-blind readers tell apart, symbols and units on axes."""
+"""The common style of all figures: colours that colour-blind readers can distinguish, symbols and units on
+axes."""
 
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
-#: A legend above the axes, where it covers nothing, in the size of SETTINGS.
+#: A legend above the axes, where it covers nothing, in the font size of SETTINGS.
 ABOVE = {
     "loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3, "fontsize": 7, "frameon": False,
     "borderaxespad": 0.2, "columnspacing": 1.2, "handlelength": 2.6,
@@ -43,7 +44,7 @@ ABOVE = {
 
 
 def pyplot() -> Any:
-    """matplotlib's pyplot, or an error that says how to get it."""
+    """matplotlib's pyplot, or an error that says how to install it."""
     try:
         import matplotlib.pyplot as plt
     except ImportError:
@@ -57,7 +58,7 @@ def save(axes: Any, path: Path) -> Path:
     """Write the figure of some axes, in the format of the path's suffix, and close it."""
     figure = np.ravel(axes)[0].figure
     kind, content = path.suffix[1:], io.BytesIO()
-    # without dates and random names: the same bytes every time
+    # without dates and random names, so that each run writes the same bytes
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     with pyplot().rc_context({"svg.hashsalt": "vibroimpact"}):
         figure.savefig(content, format=kind, dpi=200, metadata=dates.get(kind))
@@ -67,13 +68,13 @@ def save(axes: Any, path: Path) -> Path:
 
 
 def identify(ax: Any, values: Mapping[str, Any], head: str = "") -> None:
-    """One small line above a figure: what is drawn, and the parameters that are the same everywhere."""
+    """A small line above a figure: what is drawn, and the parameters that are constant in it."""
     text = given(values)
     ax.figure.suptitle(f"{head}: {text}" if head else text, fontsize=7)
 
 
 def given(values: Mapping[str, Any]) -> str:
-    """Symbols and values; without parameters that vary or are None, and without a load of F0."""
+    """Symbols and values of parameters, except those that vary or are None, and a load of F0."""
     fixed = {
         name: float(np.ravel(value)[0])
         for name, value in values.items() if value is not None and np.ptp(value) == 0
@@ -88,7 +89,7 @@ def given(values: Mapping[str, Any]) -> str:
 
 
 def is_geometric(values: NDArray[np.float64]) -> bool:
-    """Whether the ratios of an axis are more even than its differences."""
+    """Whether the values of an axis are closer to a geometric than to an arithmetic sequence."""
     if values.size < 3 or values.min() <= 0 or np.ptp(values) == 0:
         return False
     steps, ratios = np.abs(np.diff(values)), np.abs(np.diff(np.log(values)))
@@ -96,7 +97,7 @@ def is_geometric(values: NDArray[np.float64]) -> bool:
 
 
 def log_scale(ax: Any, which: str) -> None:
-    """A logarithmic axis ("x" or "y") with plain numbers, between the powers of ten as many as fit."""
+    """A logarithmic axis ("x" or "y") with plain numbers, and as many ticks between the powers of ten as fit."""
     from matplotlib.ticker import FuncFormatter
 
     axis = getattr(ax, f"{which}axis")
@@ -108,7 +109,7 @@ def log_scale(ax: Any, which: str) -> None:
         return plain(value) if decades < 0.7 or f"{value:e}"[0] in shown else ""
 
     getattr(ax, f"set_{which}scale")("log")
-    axis.set_tick_params(which="minor", pad=5.0)  # all numbers in one row, though ticks differ
+    axis.set_tick_params(which="minor", pad=5.0)  # numbers in one row for ticks of both lengths
     axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
     axis.set_minor_formatter(FuncFormatter(minor))
 
@@ -123,5 +124,5 @@ def plain(value: float) -> str:
 
 
 def condition_name(kind: str) -> str:
-    """The name of a bifurcation as it is printed."""
+    """The printed name of a bifurcation."""
     return kind.replace("neimark_sacker", "Neimark–Sacker").replace("_", " ")

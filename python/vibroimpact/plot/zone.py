@@ -1,4 +1,4 @@
-"""Zones in the plane of frequency ratio and clearance, their boundaries told apart by line style."""
+"""Zones in the plane of frequency ratio and clearance, with boundaries distinguished by line style."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def draw_zone(
 ) -> Any:  # fmt: skip
     """Draw one zone: a light fill, the pieces of its boundary, and its name inside.
 
-    Of a boundary that another zone of the same figure has, too, and which `drawn` holds, nothing is drawn again:
-    the gaps of a dashed line would fill.
+    A boundary that another zone of the same figure shares, and that `drawn` contains, is not drawn again: the
+    gaps of a dashed line would be filled.
     """
     from ..studies.zone import default_label
 
@@ -84,7 +84,8 @@ def draw_zone(
 def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
     """Draw all zones of an atlas, each filled in a colour and named.
 
-    Hatched is where the motion without impacts exists; marks are the points of the survey that no zone explains.
+    The region where the motion without impacts exists is hatched; marks are the points of the survey that no
+    zone explains.
     """
     plt = style.pyplot()
     if ax is None:
@@ -146,7 +147,7 @@ def draw_survey(atlas: Atlas, ax: Any, inverse: bool) -> None:
 
 
 def scaled(zone: Zone, piece: Piece) -> NDArray[np.float64]:
-    """The vertices (n, 2) of a piece, the window being the unit square of r and log clearance."""
+    """The vertices (n, 2) of a piece, scaled so that the window is the unit square of r and log clearance."""
     r = (piece.r - zone.r[0]) / (zone.r[1] - zone.r[0])
     low, high = np.log(zone.clearance)
     return np.asarray(np.c_[r, (np.log(piece.clearance) - low) / (high - low)])
@@ -169,7 +170,7 @@ def covered(
 
 
 def draw_fill(zone: Zone, ax: Any, inverse: bool, color: str) -> None:
-    """Fill the zone; holes stay empty, since they go round the other way."""
+    """Fill the zone; holes stay empty, because they have the opposite direction."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 

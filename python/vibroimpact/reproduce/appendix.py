@@ -21,7 +21,7 @@ from .paper import MASRI, UNEQUAL
 
 #: The clearance d in the unit of length of Table 1.
 TABLE_1 = 37.0
-#: The corrections: where, what is printed, what it has to be.
+#: The corrections: the place, the printed form, and the correct form.
 CORRECTIONS = {
     "S5": ("S_5i in (A6), first term", "X'_ia/Omega", "Z'_ia/Omega"),
     "S11": ("S_11i in (A6), last term", "X'_ia/Omega", "Z'_ia/Omega"),
@@ -95,7 +95,8 @@ def largest(motion: Motion, corrected: Collection[str], clearance: float) -> flo
 
 
 def row(name: str, motion: Motion, corrected: Collection[str]) -> dict[str, Any]:
-    """How (A5)-(A7) with some corrections do for a motion, lengths in F0/K, and max|lambda| in Table 1's unit."""
+    """The errors of (A5)-(A7) with some corrections for a motion, lengths in F0/K, and max|lambda| in Table 1's
+    unit."""
     found = maps(motion, corrected)
     product = over_a_period(found)
     law = math.exp(-4 * math.pi * motion.osc.xi * motion.pattern.cycles / motion.r)
@@ -110,7 +111,7 @@ def row(name: str, motion: Motion, corrected: Collection[str]) -> dict[str, Any]
 
 
 def study() -> list[dict[str, Any]]:
-    """Each correction left out, all left out, none left out, for Table 1's third column and for Figure 9b."""
+    """The cases with one, all and no corrections left out, for Table 1's third column and for Figure 9b."""
     table1 = periodic(MASRI, 0.94, [0, 1.37 * math.pi], Pattern("RL"))
     three = exact(UNEQUAL, 0.9, 12.0, simulate(UNEQUAL, 0.9, 12.0, 8, discard=500))
     sets = [set(CORRECTIONS), *(set(CORRECTIONS) - {name} for name in CORRECTIONS), set()]

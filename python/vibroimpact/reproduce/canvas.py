@@ -1,4 +1,4 @@
-"""How the figures of zones are drawn and kept: zones as bands, experiments as bars, the numbers as a table."""
+"""Drawing and saving of the figures of zones: zones as bands, experiments as bars, the numbers as a table."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def sheet(columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any) 
 
 
 def legend(ax: Any, **options: Any) -> None:
-    """The names of what is drawn."""
+    """Draw the legend."""
     ax.legend(**{"frameon": False, "fontsize": 6.5, "handlelength": 1.4, **options})
 
 
@@ -41,7 +41,7 @@ def zone(
 ) -> None:  # fmt: skip
     """A zone as a band between its boundaries, over r; `inverse` draws F0/(dK).
 
-    Where all of its boundary was `traced` too, that is what is drawn.
+    If its whole boundary was `traced` too, the traced boundary is drawn.
     """
     colour, style_ = options.pop("color", KINDS[kind][0]), options.get("ls", "-")
     alpha = options.get("alpha", 0.22)
@@ -85,7 +85,7 @@ def bars(ax: Any, found: Sequence[Bar], kind: str, label: str = "") -> None:
 
 
 def letters(ax: Any, places: Mapping[str, tuple[float, float]]) -> None:
-    """Points (r, d K/F0) that another figure shows, with their letters there."""
+    """Mark points (r, d K/F0) that another figure shows, with their letters in that figure."""
     for name, (r, clearance) in places.items():
         ax.plot(r, 1 / clearance, "k.", ms=4)
         ax.annotate(name, (r, 1 / clearance), textcoords="offset points", xytext=(3, 2), fontsize=8)
@@ -101,7 +101,7 @@ def axes_of_zones(ax: Any, *, inverse: bool = True) -> None:
 def save(figure: Any, folder: Path, name: str) -> None:
     """Write a figure as PNG and SVG."""
     plt = style.pyplot()
-    # nothing in the file that changes from run to run
+    # nothing in the file may change from run to run
     with plt.rc_context({**style.SETTINGS, "svg.hashsalt": name}):
         for kind, date in (("png", {}), ("svg", {"metadata": {"Date": None}})):
             buffer = io.BytesIO()
@@ -111,7 +111,7 @@ def save(figure: Any, folder: Path, name: str) -> None:
 
 
 def inside(sweeps: list[dict[str, Any]], kind: str, strips: Sequence[Strip]) -> str:
-    """How many of the holds that ended on a kind lie in its zone, in words."""
+    """The number of holds that ended on a kind and lie in its zone, in words."""
     holds = [(s["r"], 1 / x["load"]) for s in sweeps for x in s["seen"] if x["kind"] == kind]
     good = sum(any(strip.contains(*hold) for strip in strips) for hold in holds)
     return f"{good} of {len(holds)} holds on {KINDS[kind][1]} lie in the zone"
@@ -140,7 +140,7 @@ STRIP_HEADER = ("zone", "piece", "r", "clearance_low", "clearance_high")
 
 
 def spectrum(count: int) -> list[Any]:
-    """Colours in order, from dark to light, that stay apart in grey."""
+    """Colours from dark to light that can be distinguished in grey."""
     from matplotlib import colormaps
 
     return list(colormaps["viridis"](np.linspace(0.0, 0.88, count)))

@@ -1,4 +1,4 @@
-"""How far the impacts reduce the motion of the primary mass at constant r: what Figure 10 plots."""
+"""The reduction of the motion of the primary mass by the impacts at constant r, which Figure 10 plots."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Curve(NamedTuple):
 
 
 def curve(osc: Oscillator, r: float, resolution: float = 1.0) -> Curve:
-    """Equispaced and unequispaced ones, by load."""
+    """Equispaced and unequispaced motions, in the order of the load."""
     second = np.linspace(0, 2 * np.pi, max(200, round(4000 * resolution)))[1:-1]
     pair = periodic_batch(osc, r, [np.zeros_like(second), second], Pattern("RL"))
     good = (pair.stable == 1) & (pair.admissible == 1)
@@ -37,7 +37,7 @@ def curve(osc: Oscillator, r: float, resolution: float = 1.0) -> Curve:
     if osc.restitution[0] == osc.restitution[1]:
         count = max(60, round(400 * resolution))
         zone = equispaced_zone(osc, np.array([r]), count)
-        # from edge to edge: the attenuation changes fast there
+        # from edge to edge of the zone, because the attenuation changes fast there
         gap = np.concatenate(
             [np.empty(0), *(np.geomspace(s.low[0], s.high[0], count) for s in zone)]
         )

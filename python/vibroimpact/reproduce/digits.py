@@ -1,8 +1,8 @@
-"""The upper boundary of Figure 6a to 40 digits, by a route of its own (extra `reproduce`: mpmath).
+"""The upper boundary of Figure 6a to 40 digits, by an independent method (extra `reproduce`: mpmath).
 
-There the equispaced motion loses its symmetry: two unequispaced motions, mirror images, part from it. So the
-boundary is the limit of the linear problem of two impacts as their durations become equal. It is even in the
-difference from pi, so that a difference of 1e-15 leaves an error of about 1e-30.
+There the equispaced motion loses its symmetry: two unequispaced motions, mirror images of each other, branch
+off. So the boundary is the limit of the linear problem of two impacts as their durations become equal. It is an
+even function of the difference from pi, so that a difference of 1e-15 gives an error of about 1e-30.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from ..errors import MissingExtraError
 from ..model import Oscillator
 
 DIGITS = 40
-#: From each impact to the other one.
+#: Phase from each impact to the other one.
 _TURNS = ((0, 1), (1, 0))
 
 
@@ -56,7 +56,7 @@ def upper_boundary(osc: Oscillator, r: float | str) -> Any:
             begin = i * second
             end, decay = begin + spans[i] * ratio, exp(-xi * spans[i])
             s, c = decay * sin(eta * spans[i]), decay * cos(eta * spans[i])
-            # the free part of the motion just after impact i, and what is left of it at impact j
+            # the free part of the motion just after impact i, and its value at impact j
             x, v = (
                 _row({i: 1, 2: -sin(begin), 3: -cos(begin)}),
                 _row({2: -ratio * cos(begin), 3: ratio * sin(begin)}),

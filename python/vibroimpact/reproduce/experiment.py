@@ -1,7 +1,7 @@
 """A numerical experiment in place of the paper's measured bars: the load is raised slowly, then lowered.
 
 As on the rig, the frequency is fixed, the load is held for two minutes at each level (2385 r load cycles), the
-motion carries over from level to level, and what the hold ends on is noted.
+motion carries over from level to level, and the motion at the end of each hold is recorded.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .paper import EQUAL, HOLD, LOADS, NATURAL_FREQUENCY, RATIOS, UNEQUAL, kind_
 RIGS = {"equal": EQUAL, "unequal": UNEQUAL}
 #: Load levels, in units of `scale`.
 LEVELS = 52
-#: Load cycles within which a motion has to repeat, and how well its phases (radians).
+#: Load cycles within which a motion has to repeat, and the tolerance of its phases (radians).
 MOST_CYCLES, TOLERANCE = 4, 1e-3
 
 
@@ -41,10 +41,10 @@ class Bar(NamedTuple):
 def sweep(
     osc: Oscillator, r: float, count: int = LEVELS, hold: float = HOLD
 ) -> list[dict[str, Any]]:
-    """What each hold ends on, load up then down.
+    """The motion at the end of each hold, with the load rising and then falling.
 
-    With the clearance as the unit of length the load amplitude is F0/(dK). If the free mass has come to stay
-    clear of the walls it is pushed, and the hold repeated.
+    With the clearance as the unit of length the load amplitude is F0/(dK). If the free mass stays clear of the
+    walls, it is given a velocity and the hold is repeated.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def sweep(
             run = simulate(osc, r, 1.0, cycles, state=state, load=load, discard=discard)
             if not run.events.size:
                 pushed = {name: run.final_state[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
-                # once across the gap in half a cycle
+                # a velocity that crosses the gap in half a cycle
                 pushed |= {"z": pushed["x"], "z_dot": pushed["x_dot"] + r / math.pi}
                 run = simulate(osc, r, 1.0, cycles, state=pushed, load=load, discard=discard)
             state = run.final_state
@@ -95,7 +95,7 @@ def _attenuation(run: Trajectory) -> float:
 
 
 def bars(sweeps: list[dict[str, Any]], kind: str) -> list[Bar]:
-    """Ranges of load over which successive holds ended on one kind; up and down are taken apart."""
+    """Ranges of load over which successive holds ended on one kind, separately for rising and falling load."""
     found: list[Bar] = []
     for one in sweeps:
         before = None
@@ -111,7 +111,7 @@ def bars(sweeps: list[dict[str, Any]], kind: str) -> list[Bar]:
 
 
 def seeds(sweeps: list[dict[str, Any]], osc: Oscillator) -> dict[str, list[Motion]]:
-    """The exact motions of one cycle that holds ended on, by pattern; mirror images are turned into one."""
+    """The exact motions of one cycle at the ends of holds, by pattern; of two mirror images one is kept."""
     found: dict[str, list[Motion]] = {}
     for one in sweeps:
         for item in one["seen"]:
@@ -127,18 +127,18 @@ def seeds(sweeps: list[dict[str, Any]], osc: Oscillator) -> dict[str, list[Motio
                         motion, standard(motion, mirrored=True), key=lambda m: m.pattern.sides
                     )
             except VibroimpactError:
-                continue  # on the brink of another kind
+                continue  # at the limit to another kind
             found.setdefault(motion.pattern.sides, []).append(motion)
     return found
 
 
 def path_of(folder: Path, rig: str, r: float) -> Path:
-    """Where the sweep of a rig at one frequency ratio is kept."""
+    """The path of the saved sweep of a rig at one frequency ratio."""
     return folder / "data" / f"sweep_{rig}_{r:.2f}.json"
 
 
 def run_sweep(folder: Path, rig: str, r: float, resolution: float = 1.0) -> list[Path]:
-    """Do one sweep and write it; a lower `resolution` takes fewer levels and shorter holds."""
+    """Compute one sweep and write it; a lower `resolution` takes fewer levels and shorter holds."""
     hold = HOLD * min(1.0, resolution)
     seen = sweep(RIGS[rig], r, max(6, round(LEVELS * resolution)), hold)
     path = path_of(folder, rig, r)

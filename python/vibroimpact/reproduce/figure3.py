@@ -14,7 +14,7 @@ from .paper import MASRI, ratios
 from .scan import Strip, equispaced_zone, pair_zone, traced_zone
 from .traced import compared, outline
 
-#: Where three impacts are looked for, at d K/F0 just below the zone of two.
+#: Frequency ratios at which motions with three impacts are searched, at d K/F0 just below the zone of two.
 LOOK = ((0.82, 7.0), (0.88, 10.0), (0.93, 23.0), (1.02, 20.0), (1.06, 10.0), (1.15, 4.5))
 
 

@@ -13,7 +13,8 @@ from .traced import compared, outline
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
-    """Zones of two and of three impacts, the latter traced from what the experiment ended on."""
+    """Zones of two and of three impacts, the latter traced from the motions at the ends of holds of the
+    experiment."""
     r = ratios(0.55, 1.5, resolution)
     threes = [x for x in seeds(read_sweeps(folder, "unequal"), UNEQUAL).items() if len(x[0]) == 3]
     plain = [motion for sides, motions in threes if "*" not in sides for motion in motions]

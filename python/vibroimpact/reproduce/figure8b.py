@@ -16,9 +16,10 @@ R, CLEARANCE = (0.55, 1.5), (0.4, 60.0)
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
-    """Zones of each pattern with rest that the experiment ended on; the paper had no theory for these.
+    """Zones of each pattern with rest found at the ends of holds of the experiment; the paper had no theory for
+    these.
 
-    The scan follows a motion from point to point, and stops a little before the ends that `zone` traces.
+    The scan continues a motion from point to point, and stops a little before the boundaries that `zone` traces.
     """
     found = seeds(read_sweeps(folder, "unequal"), UNEQUAL)
     r, count = ratios(*R, 0.7 * resolution), max(40, round(200 * resolution))

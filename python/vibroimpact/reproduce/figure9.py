@@ -11,7 +11,7 @@ from ..trajectory import simulate
 from . import canvas
 from .paper import UNEQUAL
 
-#: Panel: what the caption says, the pattern that this is, r and d K/F0 of the point chosen here.
+#: Panel: text of the caption, the corresponding pattern, r and d K/F0 of the point chosen here.
 PANELS = {
     "a": ("two impacts a cycle, one on steel and one on tape", "RL", 1.06, 20.0),
     "b": ("three impacts a cycle, one on steel and two on tape", "RLL", 0.90, 12.0),
@@ -21,7 +21,7 @@ PANELS = {
 
 
 def motions() -> dict[str, Motion]:
-    """The exact motion of each panel, from where a simulation settles."""
+    """The exact motion of each panel, from a settled simulation."""
     return {
         panel: exact(UNEQUAL, r, clearance, simulate(UNEQUAL, r, clearance, 8, discard=500))
         for panel, (_, _, r, clearance) in PANELS.items()
@@ -29,7 +29,7 @@ def motions() -> dict[str, Motion]:
 
 
 def there(motion: Motion, sides: str) -> bool:
-    """Whether a motion is stable and has a pattern, whichever letter comes first."""
+    """Whether a motion is stable and has a pattern, beginning with any letter."""
     letters = motion.pattern.letters
     turned = {"".join(letters[j:] + letters[:j]) for j in range(len(letters))}
     return sides in turned and motion.pattern.cycles == 1 and motion.stable is True

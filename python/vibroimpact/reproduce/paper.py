@@ -1,4 +1,4 @@
-"""The parameters of the paper's captions, and what its motions are called."""
+"""The parameters of the paper's captions, and its names of motions."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ MASRI = Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 SADEK = Oscillator(xi=0.004, mu=0.0484, restitution=0.6)
 EQUAL = Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 UNEQUAL = Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
-#: Figure 10b names its walls the other way round: the mirror image of Figure 8's.
+#: Figure 10b exchanges the names of the walls: it is the mirror image of Figure 8's.
 DAMPER = Oscillator(xi=0.0114, mu=0.028, restitution=(0.61, 0.75))
 
 #: The rig: natural frequency (Hz), and how long a motion had to last to count as stable (s).
 NATURAL_FREQUENCY, HOLD = 19.87, 120.0
 
 
-#: Colour of each kind of motion (Okabe and Ito's) and what a legend calls it.
+#: Colour of each kind of motion (Okabe and Ito's) and its name in a legend.
 KINDS = {
     "2e": ("#0072B2", "2 equispaced"),
     "2u": ("#D55E00", "2 unequispaced"),
@@ -40,12 +40,13 @@ LOADS = (0.04, 3.5)
 
 
 def scale(r: Any) -> Any:
-    """About how F0/(dK) of the zones depends on r; they are lowest near r = 0.975."""
+    """Approximate dependence of F0/(dK) of the zones on r; it is lowest near r = 0.975."""
     return np.hypot(np.square(r) - 0.95, 0.04)
 
 
 def ratios(low: float, high: float, resolution: float = 1.0) -> NDArray[np.float64]:
-    """Frequency ratios of a figure: even, denser about the dip of the zones, with those of the bars."""
+    """Frequency ratios of a figure: evenly spaced, denser near the minimum of the zones, and including those of
+    the bars."""
     count = max(9, round(110 * resolution))
     near = np.geomspace(0.002, 0.2, count // 3)
     even, bars = np.linspace(low, high, count), np.array(RATIOS)
@@ -55,14 +56,14 @@ def ratios(low: float, high: float, resolution: float = 1.0) -> NDArray[np.float
 
 
 def kind_of(sides: str, cycles: int, phases: Any = None, *, alike: bool = False) -> str:
-    """What the paper would call a motion: impacts a cycle, e or u for two on walls alike.
+    """The paper's name of a motion: impacts a cycle, and e or u for two impacts on walls alike.
 
     Motions over several cycles are called N/k, as in "N impacts/k cycles".
 
     Parameters
     ----------
     phases : sequence of two floats, optional
-        Impact phases, to tell equispaced from unequispaced where the walls are `alike`.
+        Impact phases, to distinguish equispaced from unequispaced motions if the walls are `alike`.
     """
     if "*" in sides:
         return "rest"

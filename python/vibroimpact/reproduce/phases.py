@@ -1,4 +1,4 @@
-"""Two impacts with given phases at constant r, stability ignored: what Figure 4 plots against each other."""
+"""Two impacts with given phases at constant r, stability ignored: the quantities of Figure 4."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def curves(resolution: float = 1.0) -> list[Curve]:
 
 
 def draw(ax: Any, found: list[Curve], column: str) -> None:
-    """A column of the curves against the ratio of durations; thin where a motion passes through a wall."""
+    """Draw a column of the curves against the ratio of durations; thin where a motion passes through a wall."""
     colours = canvas.spectrum(len(found))
     for one, colour in zip(found, colours, strict=True):
         values = getattr(one, column)
@@ -55,7 +55,7 @@ def draw(ax: Any, found: list[Curve], column: str) -> None:
 
 
 def mark(ax: Any, column: str, names: tuple[str, str]) -> None:
-    """The two points on r = 0.999 between which only the load changes."""
+    """Mark the two points on r = 0.999 between which only the load changes."""
     points = curve(0.999, np.array(POINTS))
     for value, ratio, name in zip(getattr(points, column), points.ratio, names, strict=True):
         ax.plot(value, ratio, "ko", ms=3, zorder=5)

@@ -1,7 +1,7 @@
-"""The paper's route for more than two impacts: phases read off a record, least squares, 3 % of residual.
+"""The paper's method for more than two impacts: phases read off a record, least squares, 3 % of residual.
 
-Exact motions are taken, their phases are misread by known amounts, and the overdetermined equations are solved:
-how often is the answer accepted, and how often is its verdict on stability wrong?
+The phases of exact motions are misread by known amounts and the overdetermined equations are solved. The study
+counts how often the solution is accepted, and how often its verdict on stability is wrong.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ RULES = (0.03, 0.015)
 
 
 def family(r: float, clearance: float, count: int) -> list[Motion]:
-    """Motions of one pattern at one r, from inside its zone on until it is well outside."""
+    """Motions of one pattern at one r, from inside its zone to well outside."""
     first = exact(EQUAL, r, clearance, simulate(EQUAL, r, clearance, 8, discard=800))
     found = [first]
     for factor in (1.004, 1 / 1.004):
@@ -47,7 +47,7 @@ def family(r: float, clearance: float, count: int) -> list[Motion]:
 
 
 def misread(motions: list[Motion], error: float, samples: int) -> dict[str, Any]:
-    """What least squares says of motions whose phases are misread."""
+    """The least-squares solutions for motions whose phases are misread."""
     random = np.random.default_rng(1983)
     accepted = dict.fromkeys(RULES, 0)
     wrong = dict.fromkeys(RULES, 0)

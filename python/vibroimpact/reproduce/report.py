@@ -1,4 +1,4 @@
-"""One page with everything: figures, statements, misprints, corrections and timings, nothing from outside."""
+"""One self-contained page with figures, statements, misprints, corrections and timings."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DOI = "10.1016/0022-460X(83)90438-8"
 
 
 def cells(row: Iterable[Any], tag: str = "td", numbers: int = 99) -> str:
-    """A row of a table; cells from column `numbers` on are set as numbers."""
+    """A row of a table; cells from column `numbers` on are formatted as numbers."""
     return "<tr>" + "".join(
         f"<{tag}{' class=n' if i >= numbers else ''}>{item}</{tag}>" for i, item in enumerate(row)
     ) + "</tr>"  # fmt: skip
@@ -43,7 +43,7 @@ def whole(text: str) -> str:
     return f'<span class="whole">{escape(text)}</span>'
 
 
-#: How names of the tables are set.
+#: The markup of names in the tables.
 SYMBOLS = (
     ("alpha", "α"), ("lambda", "λ"), ("Omega ", "Ω"), ("Omega", "Ω"), ("tau", "τ"), (" pi xi", "πξ"),
     ("/pi", "/π"), ("X'", "Ẋ"), ("Z'", "Ż"), ("R1^2 R2^2", "R₁²R₂²"),
@@ -51,7 +51,7 @@ SYMBOLS = (
 
 
 def pretty(text: str) -> str:
-    """A text with symbols and subscripts."""
+    """A text with its symbols and subscripts marked up."""
     text = escape(text, quote=False)
     for name, symbol in SYMBOLS:
         text = text.replace(name, symbol)
@@ -59,13 +59,13 @@ def pretty(text: str) -> str:
 
 
 def verdict(text: str) -> str:
-    """A verdict in its colour."""
+    """A verdict, marked up in its colour."""
     kind = text.split()[0].lower().rstrip(":")
     return f'<span class="{kind}">{escape(text)}</span>'
 
 
 def picture(folder: Path, name: str) -> str:
-    """A figure with its caption and what was said when it was made."""
+    """A figure with its caption and the messages of its computation."""
     title, text, wide = CAPTIONS[name]
     image = base64.b64encode((folder / f"{name}.svg").read_bytes()).decode()
     said = json.loads((folder / "data" / f".{name}.done").read_text(encoding="utf-8"))["said"]
@@ -78,7 +78,7 @@ def picture(folder: Path, name: str) -> str:
 
 
 def statements(folder: Path) -> str:
-    """The statements of the paper with what is found."""
+    """The statements of the paper and the findings."""
     rows = json.loads((folder / "data" / "statements.json").read_text(encoding="utf-8"))
     lines = [
         (whole(x["where"]), pretty(x["statement"]), pretty(x["found"]), verdict(x["verdict"]))
@@ -88,7 +88,7 @@ def statements(folder: Path) -> str:
 
 
 def table_1(folder: Path) -> str:
-    """Table 1, printed beside computed, and its misprints."""
+    """Table 1, with printed and computed values side by side, and its misprints."""
     with (folder / "table1.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     columns = list(dict.fromkeys(row["column"] for row in rows))
@@ -111,7 +111,7 @@ def table_1(folder: Path) -> str:
 
 
 def corrections(folder: Path) -> str:
-    """The three corrections of (A6), (A7), and what each of them does."""
+    """The three corrections of (A6), (A7), and the effect of each."""
     rows = json.loads((folder / "data" / "appendix.json").read_text(encoding="utf-8"))
     what = grid(
         ("Correction", "printed", "has to be"),
@@ -133,7 +133,7 @@ def corrections(folder: Path) -> str:
 
 
 def reading(folder: Path) -> str:
-    """How phases that are misread fare under the rule of 3 %."""
+    """The results for misread phases under the rule of 3 %."""
     rows = json.loads((folder / "data" / "reading.json").read_text(encoding="utf-8"))
     lines = [
         (whole(f"{len(x['sides'])} ({x['sides']}, r = {x['r']:g})"), f"{x['error']:g}", f"{x['milliseconds']:.2f}",
@@ -147,7 +147,7 @@ def reading(folder: Path) -> str:
 
 
 def timings(folder: Path) -> str:
-    """Seconds of processor of each task."""
+    """Processor time of each task."""
     parts = {f"holds of the rig with {rig} R": sum(seconds(folder, x) for x in names)
              for rig, names in SWEEPS.items()}  # fmt: skip
     parts |= {

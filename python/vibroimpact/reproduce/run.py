@@ -1,4 +1,5 @@
-"""Do the tasks that are wanted and not yet done, several at a time, with a bar that tells the time left."""
+"""Performs the requested tasks that are not yet done, several at a time, with a bar that shows the remaining
+time."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ from .tasks import NAMES, TASKS, Done, fingerprint, perform, recall, with_needs
 
 
 class Bar:
-    """A line on a terminal: how much is done, and about how long the rest takes."""
+    """A line on a terminal with the share done and the estimated remaining time."""
 
     def __init__(self, names: Iterable[str], stream: TextIO) -> None:
         self.left = {name: TASKS[name].weight for name in names}
@@ -28,7 +29,7 @@ class Bar:
         self.shown = bool(self.left) and stream.isatty()
 
     def draw(self) -> None:
-        """Draw the line anew."""
+        """Redraw the line."""
         if not self.shown:
             return
         share = 1 - sum(self.left.values()) / self.whole
@@ -40,7 +41,7 @@ class Bar:
         self.stream.flush()
 
     def clear(self) -> None:
-        """Take the line away."""
+        """Remove the line."""
         if self.shown:
             self.stream.write("\r\x1b[K")
             self.stream.flush()
@@ -54,7 +55,7 @@ def reproduce(
 ) -> int:
     """Recompute the named items (all, if none is named) and write them to a folder.
 
-    What is there already, made by this version from the same sources, is kept. Items run in processes of
+    Existing results of this version from the same sources are kept. Items run in processes of
     their own (started by "spawn": a script that calls this needs ``if __name__ == "__main__":``).
 
     Parameters
@@ -62,7 +63,7 @@ def reproduce(
     names : iterable of str
         Some of `NAMES`.
     folder : path
-        Made if it is not there.
+        Created if it does not exist.
     resolution : float
         Below 1 for coarser grids, fewer load levels and shorter holds.
     workers : int, optional
@@ -113,7 +114,8 @@ def reproduce(
 def _perform_all(
     missing: dict[str, str], folder: Path, resolution: float, workers: int, bar: Bar
 ) -> Iterator[tuple[str, Done | str]]:
-    """Do tasks as soon as what they need is there; a failure fails what needs it, and nothing else."""
+    """Perform tasks as soon as those they depend on are done; a failure affects only the tasks that depend on
+    it."""
     waiting = dict(missing)
     failed: set[str] = set()
 
@@ -151,7 +153,7 @@ def _perform_all(
                 yield settle(name, None)
         return
     context = multiprocessing.get_context("spawn")
-    # Ctrl-C is for this process: what is being done is finished, and what is finished is whole
+    # Ctrl-C is handled by this process: running tasks are finished, so that all written results are complete
     with ProcessPoolExecutor(workers, context, _ignore_interrupt) as pool:
         running: dict[Future[Done], str] = {}
         try:
@@ -179,12 +181,12 @@ def _perform_all(
 
 @contextlib.contextmanager
 def _interrupt_waits() -> Iterator[None]:
-    """Hold Ctrl-C back while a process is started, which inherits that: it is not yet ready to ignore it."""
+    """Block Ctrl-C while a process is started; the new process inherits this, as it cannot ignore it yet."""
     if threading.current_thread() is not threading.main_thread() or os.name != "posix":
         yield
         return
     came: list[int] = []
-    # the mask is for the new process: in this one a thread of a library may take the signal
+    # the mask is for the new process: in this process a thread of a library may receive the signal
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     handler = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
     try:

@@ -1,4 +1,4 @@
-"""Zones of stable motions by scanning: at each frequency ratio, the clearances where one is stable.
+"""Zones of stable motions by scanning: at each frequency ratio, the clearances at which a motion is stable.
 
 The equispaced motions have a closed form; two impacts with given phases are the paper's linear problem,
 which gives the clearance; more impacts (and rest) are continued by Newton's method from a motion that was
@@ -25,9 +25,9 @@ from .paper import LOADS, scale
 
 Array = NDArray[np.float64]
 Test = Callable[[Array, Array], NDArray[np.bool_]]
-#: Halvings of the step of a scan that close in on an edge.
+#: Number of bisections with which an edge is located within a step of a scan.
 HALVINGS = 30
-#: How far apart, relatively, two intervals at successive r may be to belong to one thin zone.
+#: Largest relative distance of two intervals at successive r that belong to one thin zone.
 ROOM = 0.02
 
 
@@ -77,16 +77,16 @@ def clearance(r: Any, p: Any) -> Any:
 def equispaced_zone(
     osc: Oscillator, r: Array, count: int = 200, precision: str = "double"
 ) -> list[Strip]:
-    """Where an equispaced motion is stable, from its closed form."""
+    """The zone of stable equispaced motions, from their closed form."""
     test = equispaced_verdict(osc, precision)
     rows, begins, ends = edges(lambda r, p: test(r, clearance(r, p)), r, grid(count))
     return join(r, rows, clearance(r[rows], begins), clearance(r[rows], ends))
 
 
 def pair_zone(osc: Oscillator, r: Array, count: int = 1200) -> list[Strip]:
-    """Where two unequispaced impacts a cycle are stable: all phases are tried, as in the paper."""
+    """The zone of two stable unequispaced impacts a cycle: all phases are tried, as in the paper."""
     pair = Pattern("RL")
-    # motions on walls alike come with their mirror image, whose second phase is 2 pi - alpha_2
+    # with equal walls each motion has a mirror image, whose second phase is 2 pi - alpha_2
     first = math.pi if osc.restitution[0] == osc.restitution[1] else 0.0
     step = (2 * math.pi - first) / count
     grid = (first + step * (np.arange(count) + 0.5)).astype(np.float64)
@@ -106,7 +106,7 @@ def pair_zone(osc: Oscillator, r: Array, count: int = 1200) -> list[Strip]:
 def traced_zone(
     osc: Oscillator, seeds: Iterable[Motion], r: Array, count: int = 240
 ) -> list[Strip]:
-    """Where the motions of the seeds' pattern are stable, spreading from the seeds over a grid."""
+    """The zone of stable motions of the seeds' pattern, continued from the seeds over a grid."""
     points = grid(count)
     seeds = list(seeds)
     sides = seeds[0].pattern.sides if seeds else ""
@@ -130,7 +130,7 @@ def traced_zone(
         guess, i, j, near = front.pop()
         if not (0 <= i < r.size and 0 <= j < count) or (i, j) in known:
             continue
-        # a guess from farther away is for thin zones, which may miss the same j in the next column
+        # a guess from farther away is needed for thin zones, which may not contain the same j in the next column
         motion = at(guess, i, points[j]) if near or (i, j) not in tried else None
         if motion is None and near and guess.pattern.has_rest and (i, j) not in tried:
             motion = at(
@@ -167,7 +167,8 @@ def traced_zone(
 
 
 def settled(motion: Motion, r: float, gap: float) -> Trajectory:
-    """Where a motion goes at other parameters: better than Newton's method for far steps of motions with rest."""
+    """The motion on which a simulation from a motion settles at other parameters; better than Newton's method
+    for large steps of motions with rest."""
     first = motion.events[0]
     side = 0.5 if first["side"] == "R" else -0.5
     unit = gap / motion.clearance
@@ -179,11 +180,11 @@ def settled(motion: Motion, r: float, gap: float) -> Trajectory:
 
 
 def edges(test: Test, r: Array, grid: Array) -> tuple[NDArray[np.intp], Array, Array]:
-    """Rows of r and ends of the runs of grid where a test holds, by bisection."""
+    """Rows of r and the ends of the intervals of the grid where a test holds, located by bisection."""
     good = test(np.repeat(r, grid.size), np.tile(grid, r.size)).reshape(r.size, grid.size)
     found = [(i, begin, end) for i in range(r.size) for begin, end in runs(good[i])]
     rows, begin, end = np.array(found, dtype=int).reshape(-1, 3).T
-    # a run that reaches the end of the grid stays there
+    # an interval that reaches the end of the grid ends there
     inner = np.concatenate([grid[begin], grid[end - 1]])
     outer = np.concatenate([grid[np.maximum(begin - 1, 0)], grid[np.minimum(end, grid.size - 1)]])
     at = np.concatenate([r[rows], r[rows]])
@@ -195,19 +196,20 @@ def edges(test: Test, r: Array, grid: Array) -> tuple[NDArray[np.intp], Array, A
 
 
 def runs(good: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Begin and end (one past) of the runs of True."""
+    """Beginning and end (one past) of each sequence of True."""
     change = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(np.int8)))
     return list(zip(change[::2].tolist(), change[1::2].tolist(), strict=True))
 
 
 def join(r: Array, rows: NDArray[np.intp], low: Array, high: Array) -> list[Strip]:
-    """Intervals at successive r that meet, one to one, as strips."""
-    # in these units the zones are about level
+    """Strips of intervals at successive r that overlap, each with at most one."""
+    # in these units the zones are about horizontal
     floor, roof = np.log(low * scale(r[rows])), np.log(high * scale(r[rows]))
     strips: list[list[int]] = []  # numbers of intervals
 
     def overlap(strip: list[int], k: int) -> float:
-        """How much of interval k the strip meets if it stays level, or moves on as one of its edges did."""
+        """The overlap of interval k with the strip, if the strip continues horizontally or as one of its edges
+        did."""
         last, before = strip[-1], strip[-2:][0]
         ahead = (r[rows[k]] - r[rows[last]]) / max(r[rows[last]] - r[rows[before]], 1e-300)
         moves = [0.0, *(ahead * (edge[last] - edge[before]) for edge in (floor, roof))]

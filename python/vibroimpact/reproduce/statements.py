@@ -1,4 +1,4 @@
-"""What the paper says about its figures, each statement against what is computed here."""
+"""The paper's statements about its figures, each compared with the computed results."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from .phases import POINTS, curve
 from .scan import Array, Strip, clearance, equispaced_verdict, equispaced_zone, grid, runs
 
 AGREES, DIFFERS, UNCHECKED = "agrees", "differs", "cannot be checked"
-#: Distances from r = 1 at which a spike is looked for.
+#: Distances from r = 1 at which a spike is searched.
 NEAR = (1e-3, 1e-5, 1e-7, 1e-9)
 
 
 class Row(NamedTuple):
-    """A statement about an item, what is found, and the verdict."""
+    """A statement about an item, the finding, and the verdict."""
 
     where: str
     statement: str
@@ -174,7 +174,7 @@ def multipliers() -> tuple[float, float, float]:
 
 
 def figures_6_to_8(folder: Path) -> list[Row]:
-    """The zones against the numerical experiment, sensitivity, and the scatter of R."""
+    """The zones compared with the numerical experiment, sensitivity, and the scatter of R."""
     rows = []
     for name, rig, kinds in (
         ("figure6a", "equal", {"2e": ["double"]}), ("figure6b", "equal", {"2u": ["2u"]}),
@@ -229,7 +229,7 @@ def figure_9(folder: Path) -> list[Row]:
     return rows
 
 
-#: What Section 4 says of Figure 10, in its words; they can be read in two ways.
+#: The statements of Section 4 on Figure 10 in its own words, which can be read in two ways.
 AMPLIFIED = "“amplifications always occur” for “a slight decrease in r” from 1 (Section 4)"
 
 
@@ -240,7 +240,7 @@ def last_amplified(r: Array, attenuation: Array) -> float:
 
 
 def figure_10(folder: Path) -> list[Row]:
-    """Where the damper is best, and what happens on both sides of it."""
+    """The frequency ratio at which the damper is best, and the behaviour on both sides of it."""
     r = np.arange(0.94, 1.0601, 0.002)
     best, rows = {}, []
     for name, osc in (("a", EQUAL), ("b", UNEQUAL)):

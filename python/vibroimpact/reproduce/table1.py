@@ -1,4 +1,4 @@
-"""Table 1: two equispaced motions and an unequispaced one, each entry against the printed one."""
+"""Table 1: two equispaced motions and an unequispaced one, each entry compared with the printed one."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MISPRINTS = {
 
 
 def motions() -> dict[str, Motion]:
-    """The motions of the three printed columns, and the exact one that belongs beside the third."""
+    """The motions of the three printed columns, and the exact motion that corresponds to the third."""
     first, second = equispaced(OSCILLATOR, R, CLEARANCE)
     third = periodic(OSCILLATOR, R, [0, 1.37 * math.pi], PAIR)
     # the paper kept alpha_2 = 1.37 pi, which needs d K/F0 = 38.22; d K/F0 falls with alpha_2, to
@@ -47,7 +47,7 @@ def motions() -> dict[str, Motion]:
 
 
 def entries(motion: Motion) -> dict[str, float | str]:
-    """The rows of the table for one motion, with d = 37 as the unit of length, as the paper has it."""
+    """The rows of the table for one motion, with d = 37 as the unit of length, as in the paper."""
     unit = CLEARANCE / motion.clearance
     rows: dict[str, float | str] = {
         "alpha_2/pi": motion.phases[1] / math.pi,
@@ -68,7 +68,7 @@ def entries(motion: Motion) -> dict[str, float | str]:
 
 
 def verdict(computed: float | str, printed: str, misprint: str | None) -> str:
-    """How a computed entry compares with a printed one; the paper truncates some and rounds others."""
+    """The comparison of a computed entry with a printed one; the paper truncates some and rounds others."""
     if isinstance(computed, str):
         agrees = computed == printed
         return "agrees" if agrees else "DIFFERS"

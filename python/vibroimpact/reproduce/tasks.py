@@ -1,4 +1,4 @@
-"""What there is to recompute: each task with what it needs, what it writes, and its fingerprint."""
+"""The tasks of the recomputation, each with its dependencies, its outputs, and its fingerprint."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from ..files import write_text
 from .experiment import RIGS
 from .paper import RATIOS
 
-#: What a user can name.
+#: The names that a user can give.
 NAMES = (
     "table1", "figure3", "figure4a", "figure4b", "figure6a", "figure6b", "figure7", "figure8a",
     "figure8b", "figure9", "figure10a", "figure10b", "report",
 )  # fmt: skip
-#: The sweeps of each rig, which bars and traced zones need.
+#: The sweeps of each rig, on which bars and traced zones depend.
 SWEEPS = {rig: tuple(f"sweep_{rig}_{r:.2f}" for r in RATIOS) for rig in RIGS}
 
 
 class Task(NamedTuple):
-    """Something to compute: module of this package, what has to be there first, what it writes.
+    """A computation: module of this package, dependencies, outputs.
 
-    `weight` is about how many seconds it takes, for the time left.
+    `weight` is its approximate time in seconds, for the estimate of the remaining time.
     """
 
     module: str
@@ -46,7 +46,7 @@ def _figure(name: str, weight: float, rig: str = "") -> Task:
     return Task(name, SWEEPS.get(rig, ()), outputs, weight)
 
 
-#: Every task by name, each after those that it needs.
+#: Every task by name, each after its dependencies.
 TASKS: dict[str, Task] = {
     name: Task("experiment", (), (f"data/{name}.json",), 0.7 if rig == "equal" else 1.5)
     for rig, names in reversed(SWEEPS.items())
@@ -73,7 +73,7 @@ TASKS["report"] = Task("report", tuple(TASKS), ("report.html",), 0.1)
 
 
 class Done(NamedTuple):
-    """A finished task: whether it agrees with the paper, what it said, and its seconds of processor."""
+    """A finished task: whether it agrees with the paper, its messages, and its processor time in seconds."""
 
     name: str
     agrees: bool
@@ -82,7 +82,7 @@ class Done(NamedTuple):
 
 
 def with_needs(names: Iterable[str]) -> list[str]:
-    """The named tasks and all that they need, in an order in which they can be done."""
+    """The named tasks and all their dependencies, in an order in which they can be performed."""
     wanted = set(names)
     for name in reversed(TASKS):
         if name in wanted:
@@ -98,7 +98,7 @@ def _digest(paths: Iterable[Path]) -> str:
 
 
 def _imports(module: str, seen: set[str]) -> set[str]:
-    """The modules of this folder that a module uses, itself among them."""
+    """The modules of this folder that a module uses, including itself."""
     if module not in seen:
         seen.add(module)
         source = (Path(__file__).parent / f"{module}.py").read_text(encoding="utf-8")
@@ -111,7 +111,8 @@ def _imports(module: str, seen: set[str]) -> set[str]:
 
 @cache
 def _sources(module: str) -> str:
-    """Digest of what a module's results depend on: its sources, those of the package, the compiled core."""
+    """Digest of everything on which a module's results depend: its sources, those of the package, the compiled
+    core."""
     here = Path(__file__).parent
     package = {path for path in here.parent.rglob("*.py") if path.parent != here}
     package.discard(here.parent / "command.py")  # computes nothing
@@ -122,7 +123,8 @@ def _sources(module: str) -> str:
 
 
 def fingerprint(name: str, resolution: float) -> str:
-    """Digest of all that decides what a task writes: version, sources, resolution, and what it needs."""
+    """Digest of everything on which the outputs of a task depend: version, sources, resolution, and
+    dependencies."""
     task = TASKS[name]
     parts = [name, version("vibroimpact"), _sources(task.module), repr(resolution)]
     parts += [fingerprint(need, resolution) for need in task.needs]
@@ -134,7 +136,7 @@ def _stamp(folder: Path, name: str) -> Path:
 
 
 def seconds(folder: Path, name: str) -> float:
-    """Seconds of processor that a finished task took."""
+    """Processor time of a finished task in seconds."""
     return float(json.loads(_stamp(folder, name).read_text(encoding="utf-8"))["seconds"])
 
 
@@ -151,7 +153,7 @@ def recall(folder: Path, name: str, print_: str) -> Done | None:
 
 
 def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
-    """Do one task, write its outputs, and last of all its stamp."""
+    """Perform one task, write its outputs, and finally its stamp."""
     begin = time.process_time()
     task, said = TASKS[name], io.StringIO()
     with contextlib.redirect_stdout(said):

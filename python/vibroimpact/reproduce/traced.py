@@ -1,4 +1,4 @@
-"""Boundaries traced as curves by `vibroimpact.zone`, beside the zones of `scan.py`: two routes, one zone."""
+"""Boundaries traced as curves by `vibroimpact.zone`, for comparison with the zones of `scan.py`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ def outline(
     symmetric: bool | None = None,
     clearance: tuple[float, float] | None = None,
 ) -> Any:
-    """The Zone of a pattern about a scanned one; None where `zone` is not there or has no such zones."""
+    """The Zone of a pattern in a window around a scanned one; None if `zone` is not available or finds no such
+    zone."""
     find_zone = getattr(vibroimpact, "zone", None)
     if find_zone is None or not strips:
         return None
@@ -36,9 +37,9 @@ def outline(
 
 
 def compared(found: Any, strips: Sequence[Strip]) -> str:
-    """How many points near the edges of a scan have the same verdict by the traced boundary, in words.
+    """The number of points near the edges of a scan that have the same verdict by the traced boundary, in words.
 
-    The ends of the scan in r lie on the edge of the window, and are left out; so is what lies outside it.
+    The ends of the scan in r lie on the edge of the window and are left out, as are points outside it.
     """
     if not found:
         return "no traced boundary"
@@ -57,7 +58,7 @@ def compared(found: Any, strips: Sequence[Strip]) -> str:
                 inside += [False, True, True, False]
     if not r:
         return f"too thin to compare ({kinds})"
-    # outside one strip may be inside another one
+    # a point outside one strip may be inside another one
     other = [any(s.contains(x, y) for s in strips) for x, y in zip(r, gap, strict=True)]
     known = np.array(inside, dtype=bool) | np.array(other, dtype=bool)
     same = int((found.contains(np.array(r), np.array(gap)) == known).sum())

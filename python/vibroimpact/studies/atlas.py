@@ -1,4 +1,4 @@
-"""An atlas: all zones of stable motions in a window, found without being told the patterns."""
+"""An atlas: all zones of stable motions in a window, for all patterns up to a size."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from .zone import NAMES, Zone, window
 __all__ = ["Atlas", "Attractor", "Survey", "WithoutImpacts", "atlas"]
 
 _Array = NDArray[np.float64]
-#: What can become of a point of a survey, in the order of the codes, which begin with 1.
+#: The possible outcomes of a point of a survey, in the order of their codes, which begin with 1.
 OUTCOMES = (
     "periodic", "beyond the limits", "without impacts", "chaotic", "not settled", "not confirmed",
     "event limit reached",
 )  # fmt: skip
 PERIODIC, BEYOND = 1, 2
-#: Keys that the zones of an atlas have from it.
+#: Keys that the zones of an atlas take from it.
 SHARED = ("r_min", "r_max", "clearance_min", "clearance_max", "lines", "guesses", "max_points")
 PART = (
     "a part of an atlas, which has seeds from its survey; the case searches for this pattern alone"
@@ -35,7 +35,7 @@ PART = (
 
 
 class Attractor(NamedTuple):
-    """A periodic motion that a simulation settled on."""
+    """A periodic motion on which a simulation settled."""
 
     r: float
     clearance: float
@@ -44,26 +44,27 @@ class Attractor(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Survey:
-    """What became of each point from which a simulation was left to settle.
+    """The outcome of each point at which a simulation was made until it settled.
 
     Attributes
     ----------
     r, clearance : ndarray (N,)
         The points.
     outcome : ndarray of int (N,)
-        What became of each:
+        Outcome of each point:
 
         1. periodic: a stable periodic motion within the limits of impacts and cycles, which Newton's method
            confirms;
         2. beyond the limits: a stable periodic motion with more impacts, or more load cycles (up to 16), which
            Newton's method confirms too;
-        3. without impacts: the free mass rests, and M, whose free vibration still decays, can no more reach it;
+        3. without impacts: the free mass is at rest, and M, whose free vibration still decays, can no longer
+        reach it;
         4. chaotic: the largest Lyapunov exponent is positive by more than four standard errors and 0.002 a load
            cycle; a chaotic transient that lasts longer than the simulation counts as chaos;
         5. not settled: none of these after four times the `settling` of the atlas: quasi-periodic motions, very
            slow transients, a free mass that drifts for a long time between two impacts;
         6. not confirmed: the simulation repeats itself, but Newton's method confirms no stable motion;
-        7. event limit reached: the simulation has too many events to be carried to its end.
+        7. event limit reached: the simulation has too many events to be completed.
     """
 
     r: _Array = field(default_factory=lambda: np.empty(0))
@@ -72,7 +73,7 @@ class Survey:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many points there are of each outcome; their sum is the number of points."""
+        """Number of points of each outcome; their sum is the number of points."""
         return {
             name: int(np.count_nonzero(self.outcome == code))
             for code, name in enumerate(OUTCOMES, start=1)
@@ -92,7 +93,7 @@ class Survey:
 
 @dataclass(frozen=True)
 class WithoutImpacts:
-    """Where in a window the free mass can rest in the slot and never be touched: d K/F0 > 2A.
+    """The part of a window where the free mass can be at rest in the slot without being touched: d K/F0 > 2A.
 
     Without impacts M moves as A sin(rt - lag), A = 1/sqrt((1 - r^2)^2 + (2 xi r)^2), and a free mass at rest
     stays where it is, at z = c. It is never touched if |c - x| < D/2 at all times, that is if |c| + A < D/2. Such
@@ -151,13 +152,13 @@ class Atlas(Noun, study="atlas"):
         that could not be closed); motions that are their own mirror image in a zone of their own.
         With R1 = R2 a pattern stands for its mirror image too, whose zone is the same.
     attractors : list of Attractor
-        What the survey by simulation settled on, within the limits of impacts and cycles.
+        The motions on which the survey by simulation settled, within the limits of impacts and cycles.
     unexplained : list of Attractor
         Those that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
     beyond : list of Attractor
-        Stable periodic motions beyond the limits that the survey met.
+        Stable periodic motions beyond the limits that the survey found.
     survey : Survey
-        Every point of the survey and what became of it.
+        Every point of the survey and its outcome.
     case : str
         What was asked for as a namelist (see `to_namelist`).
     """
@@ -224,18 +225,18 @@ class Atlas(Noun, study="atlas"):
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many points of the survey there are of each outcome (see `Survey`)."""
+        """Number of points of the survey of each outcome (see `Survey`)."""
         return self.survey.counts
 
     @property
     def without_impacts(self) -> WithoutImpacts:
-        """Where the motion without impacts exists: the free mass at rest, never touched."""
+        """The region where the motion without impacts exists: the free mass is at rest and never touched."""
         return WithoutImpacts(self.osc, self.r, self.clearance)
 
     def at(self, r: float, clearance: float) -> list[Zone]:
         """The zones that contain a point: the stable motions with impacts there.
 
-        Whether the motion without impacts exists there too is told by `without_impacts.contains`.
+        `without_impacts.contains` says whether the motion without impacts exists there too.
 
         Where an open boundary leaves a zone undecided, `Zone.contains` warns, and the zone is not in the list;
         attractors of the survey there are in `unexplained`.
@@ -274,13 +275,13 @@ class Atlas(Noun, study="atlas"):
 
 
 def turns(pattern: Pattern) -> list[str]:
-    """The sides from each letter on."""
+    """All rotations of a sequence of sides."""
     letters = pattern.letters
     return ["".join(letters[j:] + letters[:j]) for j in range(len(letters))]
 
 
 def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
-    """All sides that stand for a pattern: from each letter on and, with R1 = R2, mirrored."""
+    """All sequences of sides of a pattern: its rotations and, with R1 = R2, their mirror images."""
     names = set(turns(pattern))
     if osc.restitution[0] == osc.restitution[1]:
         names |= {name.translate(str.maketrans("RL", "LR")) for name in names}
@@ -288,12 +289,13 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
 
 
 def standard(pattern: Pattern, osc: Oscillator) -> Pattern:
-    """The same pattern from the letter on that all agree on."""
+    """The same pattern, beginning with the letter of the standard form."""
     return Pattern(max(names_of(pattern, osc)), pattern.cycles)
 
 
 def unexplained(osc: Oscillator, zones: list[Zone], attractors: list[Attractor]) -> list[Attractor]:
-    """Those attractors that lie in no zone of their pattern; a zone looks at all of its own at once."""
+    """The attractors that lie in no zone of their pattern; each zone tests all attractors of its pattern in one
+    call."""
     left = list(attractors)
     wanted = {pattern: names_of(pattern, osc) for pattern in {item.pattern for item in left}}
     for zone in zones:
@@ -328,10 +330,10 @@ def atlas(
 
     Patterns come from enumeration (all sequences of sides up to rotation, and up to the mirror image when
     R1 = R2) and, those with rest, from a survey by simulation over the window and from simulations at the nodes
-    of the zones' lattice. Each pattern's `zone` is traced; the surveyed attractors are seeds of it. Attractors
-    that lie in no zone of their pattern afterwards are sought once more on a finer lattice, and listed as
-    `unexplained` if that does not help.
-    Every point of the survey is counted by what became of it (`Atlas.counts`, see `Survey`).
+    of the zones' lattice. Each pattern's `zone` is traced; the surveyed attractors are seeds of it. If
+    attractors then lie in no zone of their pattern, that pattern is searched once more on a finer lattice;
+    attractors that still lie in no zone are listed as `unexplained`.
+    The points of the survey are counted by their outcomes (`Atlas.counts`, see `Survey`).
 
     Parameters
     ----------
@@ -341,15 +343,15 @@ def atlas(
     max_impacts, max_cycles : int
         Limits of the patterns, 2 to 8 letters and 1 to 4 cycles; an accumulation counts as one letter.
     survey : int
-        Points of the window at which simulations are let settle.
+        Points of the window at which simulations are made until they settle.
     settling : int
-        Load cycles simulated at each before its attractor is looked at.
+        Load cycles simulated at each before its attractor is examined.
     lines, guesses, max_points : int
         As in `zone`.
     threads : int, optional
-        Default: one for each processor. The answer does not depend on it.
+        Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called with the share done and what is being done.
+        Called with the share done and the present task.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Basins of attraction: to which attractor initial states go, and how safely."""
+"""Basins of attraction: the attractors to which initial states go, and the integrity of the basins."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["Axis", "BasinAttractor", "Basins", "basins"]
 _Array = NDArray[np.float64]
 #: Coordinates of a state; y = z - x.
 COORDINATES = ("t", "x", "x_dot", "y", "z_dot")
-#: The label of a state that was not looked at before the study was cut short.
+#: The label of a state that was not simulated because the study was stopped.
 NOT_REACHED = -2
 
 
@@ -34,7 +34,7 @@ class Axis(NamedTuple):
 
     @property
     def values(self) -> _Array:
-        """The places."""
+        """The values along the axis."""
         return spaced(self.low, self.high, self.n)
 
 
@@ -58,7 +58,7 @@ class Basins(Noun, study="basins"):
     fractions : ndarray
         Share of the states that go to each attractor; of those that were reached, if it was cut short.
     standard_error : ndarray
-        Of the fractions, as of as many independent states: an upper bound for those of a lattice.
+        Standard error of the fractions for independent states; an upper bound for states of a lattice.
     case : str
         What was asked for as a namelist.
     complete : bool
@@ -112,7 +112,7 @@ class Basins(Noun, study="basins"):
 
     @property
     def reached(self) -> int:
-        """Number of states that were looked at: all, unless it was cut short."""
+        """Number of states that were simulated: all, unless the study was stopped."""
         return int((self.labels != NOT_REACHED).sum())
 
     @property
@@ -127,19 +127,20 @@ class Basins(Noun, study="basins"):
 
     @property
     def uncertainty_exponent(self) -> float:
-        """a in: a share ~ eps**a of states is uncertain if the state is known to eps.
+        """The exponent a: a share ~ eps**a of the states is uncertain if states are known to eps.
 
-        1 for smooth boundaries; near 0 for fractal ones, where knowing the state better hardly helps. The
+        It is 1 for smooth boundaries and near 0 for fractal ones, where a more accurate state hardly helps. The
         boundary in the plane has dimension 2 - a. NaN if there is no boundary.
         """
         self._need_plane("uncertainty_exponent")
         return float(self._run("uncertainty_exponent"))
 
     def integrity(self, attractor: int) -> tuple[float, tuple[float, float]]:
-        """Radius and centre of the largest disc of the plane inside a basin, the axes being equal measures.
+        """Radius and centre of the largest disc of the plane inside a basin, with equal scales on both axes.
 
-        The radius is to the nearest state with another end, or to the edge of the plane: at least what is
-        told but for one cell. For a damper: how far a state may be off and still come to that motion.
+        The radius is the distance to the nearest state with another end, or to the edge of the plane; the true
+        radius is at least this less one cell. For a damper it is the largest disturbance of the state after
+        which the motion is still reached.
         """
         self._need_plane("integrity")
         columns = self._result.tables["attractors"].columns
@@ -148,11 +149,12 @@ class Basins(Noun, study="basins"):
         return float(columns["disc_radius"].values[attractor]), (first, second)
 
     def _run(self, name: str) -> NDArray[Any]:
-        """A number of the whole."""
+        """A value of the table of the run."""
         return self._result.tables["run"].columns[name].values
 
     def _need_plane(self, name: str) -> None:
-        """An error if there is no plane, or only a part: what was not reached would count as going elsewhere."""
+        """An error if there is no plane, or only a part of it: states that were not reached would count as
+        going elsewhere."""
         if "first" not in self._result.tables:
             raise ParameterError(
                 f"plane = None: must be one for {name}; these states are random or a list"
@@ -163,7 +165,7 @@ class Basins(Noun, study="basins"):
             )
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the plane, a colour an attractor, and the impacts of the attractors (extra `plot`)."""
+        """Draw the plane, one colour for each attractor, and the impacts of the attractors (extra `plot`)."""
         from ..plot.attractor import draw_basins
 
         return draw_basins(self, ax)
@@ -195,12 +197,12 @@ def basins(
     """To which attractor each of many initial states goes.
 
     First a few of the states are simulated until they settle, and Newton's method makes the periodic motions
-    exact. Around events of each the largest ball, in a norm in which the derivative over a period
-    contracts, is found that the map itself contracts too, tried on 1024 states spread over it; half its
-    radius is taken. A state is decided as soon as its trajectory has an event in such a neighbourhood. What
-    is not decided after `cycles` load cycles is looked at again: it may be on a motion that was not known,
-    which then counts as known, or on an attractor that is not periodic, which its largest Lyapunov exponent
-    tells apart.
+    exact. Around the events of each motion a ball is determined, in a norm in which the derivative over a
+    period contracts: the largest one that the map itself contracts too, tested on 1024 states spread over it;
+    half its radius is used. A state is decided as soon as its trajectory has an event in such a neighbourhood.
+    A state that is not decided after `cycles` load cycles is examined again: it may be on an unknown periodic
+    motion, which is then added, or on an attractor that is not periodic, whose kind follows from its largest
+    Lyapunov exponent.
 
     Parameters
     ----------
@@ -213,20 +215,20 @@ def basins(
         uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is the amplitude of the
         motion without impacts, but at least half the clearance and at most three times the clearance.
     fixed : mapping, optional
-        The coordinates that are no axes of the plane; 0 by default.
+        The coordinates that are not axes of the plane; 0 by default.
     cycles : int
         Load cycles in which a state should be decided.
     probes : int
         States simulated first.
     max_cycles : int
-        Longest period that is looked for, in load cycles.
+        Longest period that is considered, in load cycles.
     seed : int
-        Of random states, from 0 to 2**31 - 1. A state depends on the seed and its place alone: more states
-        begin with those of fewer.
+        Of random states, from 0 to 2**31 - 1. A state depends only on the seed and its number, so a larger set
+        of states begins with the smaller one.
     threads : int, optional
-        Default: one for each processor. The answer does not depend on it.
+        Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done.
+        Called a few times a second with the share done and the present task.
 
     Returns
     -------
@@ -295,7 +297,7 @@ def _plane_keys(plane: Any) -> dict[str, Any]:
 
 
 def _fixed_keys(fixed: Mapping[str, float] | None) -> dict[str, Any]:
-    """The keys of the coordinates that are no axes."""
+    """The keys of the coordinates that are not axes."""
     for name in fixed or {}:
         checks.choice(name, "fixed", COORDINATES)
     return dict(fixed or {})

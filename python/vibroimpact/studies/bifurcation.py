@@ -25,7 +25,7 @@ COLUMNS = ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_a
 
 
 class PeriodicWindow(NamedTuple):
-    """A stretch of a run over which the motion keeps its label N/k.
+    """A range of successive values of a run over which the motion keeps its label N/k.
 
     N impacts (an accumulation counts as one) in k load cycles.
     """
@@ -37,26 +37,26 @@ class PeriodicWindow(NamedTuple):
 
 
 class BifurcationDiagram(Noun, study="bifurcation"):
-    """What simulations settle on along a parameter.
+    """The motions on which simulations settle along a parameter.
 
     Attributes
     ----------
     osc : Oscillator
     parameter : str
     values : ndarray (n,)
-        Of the parameter, rising.
+        Values of the parameter, rising.
     r, clearance : float or ndarray (n,)
         The one that is not swept.
     load : float
     runs : list of str
         "up", "down", or "state 1", ...: the first index of the arrays below.
     cycles, letters, impacts, rests : ndarray (runs, n) of int
-        Load cycles k of the period, 0 if there is none up to the longest one looked for; letters N,
-        impacts and rests in it.
+        Load cycles k of the period, 0 if there is none up to the longest one considered; letters N, impacts and
+        rests in it.
     x_min, x_max : ndarray (runs, n)
         Extreme positions of the primary mass.
     labels : ndarray (runs, n) of str
-        N/k of each run and value; "" where no period was seen, "0/k" without impacts.
+        N/k of each run and value; "" where no period was found, "0/k" without impacts.
     status : ndarray (runs, n) of int
         0 done; see `status_text`.
     points : structured ndarray
@@ -94,7 +94,7 @@ class BifurcationDiagram(Noun, study="bifurcation"):
         return self._beside("clearance")
 
     def _beside(self, name: str) -> float | _Array:
-        """A number or one for each value; of the parameter the first value."""
+        """A number, or one for each value; for the parameter itself the first value."""
         keys = self.keys
         value = self.values[0] if keys["parameter"] == name else keys[name]
         return np.array(value) if isinstance(value, list) else float(value)
@@ -133,20 +133,20 @@ class BifurcationDiagram(Noun, study="bifurcation"):
 
     @property
     def windows(self) -> list[PeriodicWindow]:
-        """The stretches with one label, run by run.
+        """The windows with one label, run by run.
 
-        Of a diagram that was cut short, those beside values that were not reached are left out: where they end
-        is not known.
+        In a diagram that was stopped early, those next to values that were not reached are left out, because
+        their ends are not known.
         """
         return self._stretches(cut=False)
 
     @property
     def cut_windows(self) -> list[PeriodicWindow]:
-        """The stretches beside values that were not reached: they may go on there."""
+        """The windows next to values that were not reached, where they may continue."""
         return self._stretches(cut=True)
 
     def _stretches(self, cut: bool) -> list[PeriodicWindow]:
-        """The stretches with one label that have a neighbour that was not reached, or the others."""
+        """The windows with one label that have a neighbour that was not reached, or the other windows."""
         columns = self._result.tables["windows"].columns
         keep = columns["cut"].decoded() == cut
         fields = (columns[name].decoded()[keep].tolist() for name in PeriodicWindow._fields)
@@ -154,10 +154,10 @@ class BifurcationDiagram(Noun, study="bifurcation"):
 
     @property
     def coexisting(self) -> NDArray[np.bool_]:
-        """Where the runs ended on different motions (n): hysteresis, or several attractors.
+        """Whether the runs ended on different motions at each value (n): hysteresis, or several attractors.
 
-        Labels and max |x| are compared, so that a motion and its mirror image count as one; nothing is where a
-        run was cut short.
+        Labels and max |x| are compared, so that a motion and its mirror image count as one; False where a run
+        was stopped early.
         """
         reach = np.maximum(-self.x_min, self.x_max)
         different: NDArray[np.bool_] = np.ptp(reach, axis=0) > 1e-3 * reach.max(axis=0)
@@ -176,7 +176,7 @@ class BifurcationDiagram(Noun, study="bifurcation"):
         return np.asarray(self.points[quantity])
 
     def plot(self, ax: Any = None, quantity: str = "x") -> Any:
-        """Draw the impacts: colour and marker tell the wall, a line on top the windows N/k.
+        """Draw the impacts, with colour and marker by wall, and the windows N/k as a line on top.
 
         Parameters
         ----------
@@ -217,11 +217,11 @@ def bifurcation_diagram(
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram:
-    """The impacts that simulations settle on, along a parameter.
+    """The impacts of the motions on which simulations settle, along a parameter.
 
     Sweeps carry the state from value to value, so that a motion is followed to the end of its stability:
     where the sweeps up and down differ there is hysteresis. With "states" each value starts anew from many
-    initial states, which shows attractors that no sweep comes to.
+    initial states, which shows attractors that no sweep reaches.
 
     Parameters
     ----------
@@ -237,18 +237,18 @@ def bifurcation_diagram(
     states : int
         Initial states of "states", spread evenly.
     state : mapping, optional
-        Where sweeps start, as in `simulate`; by default a state with plenty of motion.
+        State at the start of sweeps, as in `simulate`; by default a state with large velocities.
     load : float
     settling : int
-        Load cycles simulated at each value before.
+        Load cycles of the transient at each value.
     keep : int
-        Load cycles looked at; periods of up to half of them are seen.
+        Load cycles examined; periods of up to half of them are detected.
     points : int
         Impacts kept of each run and value.
     threads : int, optional
-        Default: one for each processor. The answer does not depend on it.
+        Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done.
+        Called a few times a second with the share done and the present task.
 
     Returns
     -------
@@ -258,11 +258,12 @@ def bifurcation_diagram(
     ------
     StudyInterrupted
         After Ctrl-C, with what was finished as its attribute `result`:
-        values that a run did not come to have no impacts there.
+        values that a run did not reach have no impacts.
 
     Examples
     --------
-    The sweep up keeps to the two-impact motion far longer than the sweep down takes to find it:
+    The sweep up stays on the two-impact motion up to a much larger clearance than that at which the sweep down
+    reaches it:
 
     >>> import numpy as np, vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)

@@ -1,4 +1,4 @@
-"""The attractors of a point, as the core finds them, with their exact motions."""
+"""The attractors at a point, as the core finds them, with their exact motions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .basins import Basins
 
 _Array = NDArray[np.float64]
-#: Load cycles after which the core tells a largest Lyapunov exponent from 0, and those before it.
+#: Load cycles from which the core computes the largest Lyapunov exponent, and those before them.
 EXPONENT_CYCLES, EXPONENT_DISCARD = 4000, 500
 
 
@@ -34,19 +34,19 @@ class BasinAttractor:
         "periodic", "rest" (periodic, with accumulation and rest), "quasi-periodic", "chaotic", "no impacts",
         or "periodic?" where a simulation repeats itself but no stable exact motion was found.
     name : str
-        Sides and load cycles, as "RL/1", or the kind; a number tells those of one name apart.
+        Sides and load cycles, as "RL/1", or the kind; equal names get a number.
     motion : Motion or None
         The exact motion.
     state : dict
         A state on it.
     lyapunov : Lyapunov or None
-        Exponents of what is not periodic.
+        Exponents of an attractor that is not periodic.
     radius, contraction : float
-        Of the largest neighbourhood that decides, in its own norm, and by what the derivative over a period
-        contracts in that norm; 0 and 1 if there is none.
+        Radius of the largest neighbourhood used to decide, in its own norm, and the contraction of the
+        derivative over a period in that norm; 0 and 1 if there is none.
     growth : float
-        Greatest modulus of a multiplier of what is periodic, as the simulation has it; largest exponent per load
-        cycle of what is not; NaN of what is neither.
+        Of a periodic attractor the largest modulus of a multiplier, from the simulation; of another one the
+        largest exponent per load cycle; NaN if neither exists.
     """
 
     kind: str
@@ -81,7 +81,7 @@ def attractors_of(basins: Basins) -> list[BasinAttractor]:
 
 
 def as_state(values: _Array, clearance: float) -> dict[str, float]:
-    """A state of the core as a mapping, between the walls but for what rounding is allowed."""
+    """A state of the core as a mapping, with the free mass between the walls within the allowed rounding."""
     t, x, x_dot, z, z_dot = values.tolist()
     half = 0.5 * clearance
     if abs(z - x) > half * (1 + 1e-9):
@@ -92,7 +92,7 @@ def as_state(values: _Array, clearance: float) -> dict[str, float]:
 def motion_at(
     osc: Oscillator, r: float, clearance: float, load: float, end: _Array, cycles: int
 ) -> Motion | None:
-    """The exact stable motion of a period of some load cycles that an end is on, or None."""
+    """The exact stable motion with a period of some load cycles on which a final state is, or None."""
     run = simulate(osc, r, clearance, 2 * cycles + 3, state=as_state(end, clearance), load=load)
     try:
         motion = exact(osc, r, clearance, run, load=load)

@@ -33,7 +33,7 @@ def can_be_symmetric(osc: Oscillator, pattern: Pattern) -> bool:
 
 
 def check_symmetric(symmetric: Any, osc: Oscillator, pattern: Pattern) -> None:
-    """Error unless it is a choice of motions, and one that the pattern has."""
+    """An error unless the value is a valid choice of motions, and the pattern has such motions."""
     if symmetric not in (None, True, False):
         raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
     if symmetric and not can_be_symmetric(osc, pattern):
@@ -52,8 +52,8 @@ def is_symmetric(motion: Motion) -> bool:
 def type_name(kind: int, index: int, symmetric: bool, mirrored: bool) -> str:
     """The field's name for a condition of the core that is zero.
 
-    `symmetric` tells that the family is one of symmetric motions, `mirrored` that the first way in which a
-    member can repeat itself is as its own mirror image.
+    `symmetric`: the family consists of symmetric motions; `mirrored`: the first way in which a member can
+    repeat itself is as its own mirror image.
     """
     name, _ = _core.condition_text(kind, index, 0, symmetric, mirrored)
     return name.tobytes().decode().strip()

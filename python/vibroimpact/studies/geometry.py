@@ -17,5 +17,5 @@ def signed_area(ring: _Array) -> float:
 
 
 def winding(ring: _Array, points: _Array) -> NDArray[np.int64]:
-    """How often a polygon of (r, D) goes round points (M, 2), counter-clockwise in the plane (r, log D)."""
+    """Winding numbers of a polygon of (r, D) around points (M, 2), counter-clockwise in the plane (r, log D)."""
     return _core.winding(ring.T, points.T).astype(np.int64)

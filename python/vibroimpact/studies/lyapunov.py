@@ -26,8 +26,8 @@ class Lyapunov(Noun, study="lyapunov"):
     changes of the state grow along the trajectory, in four independent directions. That section has no
     direction along the flow, so the exponent 0 that a flow has besides is not among them; they are also
     the four exponents of the map over one load cycle. Of a periodic motion they are the logarithms of
-    the moduli of its multipliers over the period. Impacts that accumulate and end in rest extinguish two
-    directions: their exponents are -inf.
+    the moduli of its multipliers over the period. Impacts that accumulate and end in rest reduce two directions
+    to zero: their exponents are -inf.
 
     Attributes
     ----------
@@ -123,7 +123,8 @@ def lyapunov(
 
     Four directions are carried from event to event by the exact derivatives ([P_i] from impact to impact)
     and made orthonormal after each. The averages have a weight that rises from 0 and falls to 0 smoothly, so
-    that what is periodic or quasi-periodic converges faster than any power of the time. Batches of the load
+    that averages over periodic and quasi-periodic motions converge faster than any power of the time. Batches
+    of the load
     cycles, averaged in the same way, give the standard error. One more batch, before the others, lets the
     directions settle.
 
@@ -138,13 +139,13 @@ def lyapunov(
         As in `simulate`; the default is rest in the middle.
     load : float
     discard : int
-        Load cycles simulated before.
+        Load cycles of the transient.
     batches : int
         2 to 1000.
     threads : int, optional
-        Default: one for each processor. The answer does not depend on it.
+        Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done.
+        Called a few times a second with the share done and the present task.
 
     Returns
     -------
@@ -195,14 +196,14 @@ def lyapunov(
 
 
 def with_exponents(found: Lyapunov) -> Lyapunov:
-    """What was found, unless it is a single point that has no exponents."""
+    """The result; an error if it is a single point without exponents."""
     if not found.r.ndim and found.status:
         raise SingularError(found._result.notes[0][1])
     return found
 
 
 def points_of(r: _Array, clearance: _Array) -> tuple[dict[str, Any], float | None]:
-    """The keys that tell the points, and r of the system: of one point, a line along one of both, or a list."""
+    """The keys of the points, and r of the system: one point, a line along r or clearance, or a list."""
     if r.ndim == 0:
         return {"clearance": float(clearance)}, float(r)
     if np.ptp(clearance) == 0 and (line := door.swept(r, "r")):

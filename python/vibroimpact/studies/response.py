@@ -1,4 +1,4 @@
-"""The response of the primary mass along the frequency, over all attractors that coexist."""
+"""The response of the primary mass along the frequency, over all coexisting attractors."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Response(Noun, study="response"):
     r, clearance : ndarray (n,)
     load : float
     attenuation : ndarray (n, states)
-        max|X|/A of what each initial state settles on; NaN where it failed.
+        max|X|/A of the motion on which each initial state settles; NaN where it failed.
     lowest, highest : ndarray (n,)
         The least and the greatest of these over the attractors at each r.
     cycles, letters : ndarray (n, states) of int
-        Load cycles of the period (0: none was seen), and letters in it.
+        Load cycles of the period (0: none was found), and letters in it.
     impacts, rests : ndarray (n, states) of int
         Impacts and rests in a period, or in the cycles kept.
     status : ndarray (n, states) of int
@@ -80,9 +80,10 @@ def response(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response:
-    """max|X|/A along r for a load or a clearance, over all attractors that initial states come to.
+    """max|X|/A along r for a load or a clearance, over all attractors that initial states reach.
 
-    A is the amplitude without impacts, so that below 1 the impacts help. The extreme positions are those of
+    A is the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme
+    positions are those of
     the closed form over the period, or over the cycles kept where there is none.
 
     Parameters
@@ -96,13 +97,13 @@ def response(
     load : float
         Load amplitude f > 0; 1 where lengths are in F0/K.
     settling : int
-        Load cycles simulated before.
+        Load cycles of the transient.
     keep : int
-        Load cycles looked at.
+        Load cycles examined.
     threads : int, optional
-        Default: one for each processor. The answer does not depend on it.
+        Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done.
+        Called a few times a second with the share done and the present task.
 
     Returns
     -------
@@ -114,7 +115,7 @@ def response(
         The parameter, its value and what it must be.
     StudyInterrupted
         After Ctrl-C, with what was finished as its attribute `result`:
-        the frequency ratios at which all states came to their end.
+        the frequency ratios at which all states were completed.
 
     Examples
     --------

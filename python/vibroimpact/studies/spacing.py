@@ -1,4 +1,4 @@
-"""Values along an axis, spaced as namelists space them."""
+"""Values along an axis, spaced in the same way as by namelists."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ..errors import ParameterError
 __all__ = ["spaced"]
 
 _Array = NDArray[np.float64]
-#: As namelists call them, and as the core does.
+#: Names of the spacings in namelists, in the order of the core's codes.
 SPACINGS = ("linear", "geometric")
 
 
 def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
-    """Numbers from low to high, both included, to the last bit those of a namelist.
+    """Numbers from low to high, both included, with the same bits as those of a namelist.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
 
     Examples
     --------
-    A line along the clearance, which is as well told in ratios, and its case as a namelist:
+    A line along the clearance with equal ratios, and its case as a namelist:
 
     >>> import vibroimpact as vi
     >>> vi.spaced(2.0, 32.0, 5, "geometric")
@@ -56,7 +56,7 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
 
 
 def spacing_of(values: _Array) -> str | None:
-    """How values are spaced, to the last bit; None if no namelist can tell."""
+    """The spacing that reproduces the bits of values; None if no namelist can express them."""
     if values.size < 2 or not values[0] < values[-1]:
         return None
     for name in SPACINGS if values[0] > 0 else SPACINGS[:1]:

@@ -15,8 +15,8 @@ from ..newton import newton
 from ..states import TWO_PI
 from .conditions import is_symmetric
 
-#: How far from the point, relatively, a new motion is looked for along the parameter of the branch, and with
-#: which size of the change.
+#: Relative distances from the point along the parameter of the branch at which a new motion is searched, and
+#: the sizes of the initial change.
 OFFSETS = (1e-4, 1e-3, 5e-3, 2e-2)
 SIZES = (0.003, 0.01, 0.03, 0.1)
 
@@ -38,7 +38,8 @@ def critical_change(motion: Motion, multiplier: float) -> NDArray[np.float64]:
 
 
 def beside(motion: Motion, parameter: str, offset: float) -> tuple[Oscillator, float, float]:
-    """Oscillator, r and clearance where one parameter differs relatively (a small one: by 0.01 offset)."""
+    """Oscillator, r and clearance with one parameter changed relatively (a small one: by 0.01 times the
+    offset)."""
     right, left = motion.osc.restitution
     value = {
         "r": motion.r, "clearance": motion.clearance, "xi": motion.osc.xi, "mu": motion.osc.mu,
@@ -55,7 +56,7 @@ def search(
     motion: Motion, pattern: Pattern, x: NDArray[np.float64], theta: NDArray[np.float64],
     change: NDArray[np.float64], parameter: str,
 ) -> list[Motion]:  # fmt: skip
-    """The first motion of a pattern, away from the one that (x, theta) is, beside the point."""
+    """The first motion of a pattern near the point that differs from the motion (x, theta)."""
     for offset in OFFSETS:
         for sign in (1, -1):
             for size in SIZES:
@@ -74,7 +75,7 @@ def search(
 
 
 def perturbed(motion: Motion, multiplier: float, parameter: str) -> list[Motion]:
-    """The pair of motions that a symmetric one becomes at a pitchfork."""
+    """The pair of motions that branch off from a symmetric one at a pitchfork."""
     change = critical_change(motion, multiplier)
     theta = motion.phases + motion.tau
     found = search(motion, motion.pattern, motion.X, theta, change, parameter)
@@ -105,7 +106,7 @@ def doubled(motion: Motion, parameter: str) -> list[Motion]:
 
 
 def extra_impact(motion: Motion, flight: int, side: str, parameter: str) -> list[Motion]:
-    """The motions with one impact more that begin where the flight after an impact touches a wall.
+    """The motions with an additional impact that begin where the flight after an impact touches a wall.
 
     A symmetric motion touches the other wall half a period later: a motion with both impacts begins too.
     """
@@ -119,7 +120,7 @@ def extra_impact(motion: Motion, flight: int, side: str, parameter: str) -> list
 
 
 def with_impacts(motion: Motion, touches: list[tuple[int, str]], parameter: str) -> list[Motion]:
-    """The motion with an impact more in each of some flights that touch a wall, beside the point."""
+    """The motion near the point with an additional impact in each of some flights that touch a wall."""
     sides, phases, x = list(motion.pattern.sides), motion.phases, motion.X
     for flight, side in sorted(touches, reverse=True):
         touch = moment_of_touch(motion, flight, side)
@@ -144,7 +145,7 @@ def with_impacts(motion: Motion, touches: list[tuple[int, str]], parameter: str)
 
 
 def moment_of_touch(motion: Motion, flight: int, side: str) -> float | None:
-    """When the flight after an impact is nearest to a wall, if that is inside the flight."""
+    """The time at which the flight after an impact is nearest to a wall, if that is inside the flight."""
     ends = np.r_[motion.phases, TWO_PI * motion.pattern.cycles]
     times = np.linspace(ends[flight], ends[flight + 1], 4001)[1:-1] / motion.r
     y = (1 if side == "R" else -1) * motion.sample(times).Y

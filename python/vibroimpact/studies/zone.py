@@ -45,7 +45,7 @@ class Piece:
         x_i/D and theta_i = alpha_i + tau of the motion at each vertex; of a motion with rest (1, M) the
         velocity over D and the load phase at the last release.
     loop : int
-        The loop of `Zone.loops` that the piece belongs to; -1 of an open boundary, which is no loop.
+        The loop of `Zone.loops` to which the piece belongs; -1 for an open boundary.
     detail : str
         Of grazing: which flight touches which wall; of window: which edge.
     symmetric : bool
@@ -83,9 +83,9 @@ class ZoneSearch:
     steps : int
         Steps along the lattice lines on all sheets.
     untraced : int
-        Places on a boundary from which it could not be followed.
+        Number of places on a boundary from which it could not be followed.
     lines : (int, int)
-        Lattice lines of constant r and of constant d K/F0: what lies between them, touching none, can
+        Lattice lines of constant r and of constant d K/F0: parts of a zone between them that touch no line may
         have been missed.
     open_seeds : list of (float, float)
         r and d K/F0 of the seeds that are stable, admissible and inside the window, but around which no
@@ -100,7 +100,7 @@ class ZoneSearch:
 
 
 class Zone(Noun, study="zone"):
-    """Where a pattern's motions are stable and admissible, in a window of the plane (r, d K/F0).
+    """The region of a window of the plane (r, d K/F0) where a pattern's motions are stable and admissible.
 
     Attributes
     ----------
@@ -114,9 +114,9 @@ class Zone(Noun, study="zone"):
         Closed rings of (r, clearance), counter-clockwise around a zone and clockwise around a hole, so
         fine that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
     closed : bool
-        Whether every boundary that was met could be followed until it closes, and closes around every seed.
-        What is known of one that could not is in `open_boundary`. It says nothing of zones that were not met:
-        see `search`.
+        Whether every boundary that was found could be closed, and every seed is enclosed. The known parts of a
+        boundary that could not be closed are in `open_boundary`. Nothing is said about zones that were not
+        found: see `search`.
     search : ZoneSearch
     case : str
         What was asked for as a namelist; of a zone of an atlas, the search for its pattern alone.
@@ -180,14 +180,14 @@ class Zone(Noun, study="zone"):
         return ZoneSearch(motions, steps, untraced, (along_r, along_clearance), seeds)
 
     def _one(self, name: str) -> Any:
-        """What is known of the whole search."""
+        """A value of the table of the search."""
         return self._result.tables["sheets"].columns[name].values[0]
 
     def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
         """Whether there is a stable, admissible motion of the pattern at points.
 
-        Only closed loops count. Where an open boundary leaves the answer open (`undecided`), it is False, with
-        an `OpenBoundaryWarning`.
+        Only closed loops count. Where an open boundary leaves it undecided (`undecided`), the result is False,
+        with an `OpenBoundaryWarning`.
 
         Parameters
         ----------
@@ -202,14 +202,14 @@ class Zone(Noun, study="zone"):
         return self._counted(r, clearance) > 0
 
     def count(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.int64]:
-        """How many stable, admissible motions of the pattern there are; mirror images count once.
+        """Number of stable, admissible motions of the pattern at points; mirror images count once.
 
-        At least so many where an open boundary leaves it open, with an `OpenBoundaryWarning`.
+        A lower bound where an open boundary leaves it undecided, with an `OpenBoundaryWarning`.
         """
         return self._counted(r, clearance)
 
     def _counted(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.int64]:
-        """What `count` gives, and a warning to the caller of what calls this."""
+        """The result of `count`; a warning refers to the caller of the calling method."""
         if not self.closed and (number := int(np.sum(self.undecided(r, clearance)))):
             warnings.warn(
                 f"{self!r}: whether it contains {number} of the points is not decided, since a boundary could "
@@ -220,7 +220,7 @@ class Zone(Noun, study="zone"):
         return self._turns(r, clearance)
 
     def _turns(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.int64]:
-        """How often the closed loops go round points."""
+        """Winding numbers of the closed loops around points."""
         r, clearance = places(r, clearance)
         points = np.stack([r.ravel(), clearance.ravel()], axis=1)
         total = np.zeros(len(points), dtype=np.int64)
@@ -230,15 +230,15 @@ class Zone(Noun, study="zone"):
 
     @property
     def open_boundary(self) -> list[Piece]:
-        """The pieces of boundaries that could not be followed until they close."""
+        """The pieces of boundaries that could not be closed."""
         return [piece for piece in self.boundary if piece.loop < 0]
 
     def undecided(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
-        """Whether an open boundary leaves it undecided if there is a stable, admissible motion at points.
+        """Whether an open boundary leaves it undecided whether there is a stable, admissible motion at points.
 
-        So it is at points of the window in no closed loop whose line of constant r or of constant d K/F0 meets
-        an open piece or a seed around which nothing closed; everywhere in no closed loop if no part of the
-        open boundary is known.
+        This is so at points of the window in no closed loop whose line of constant r or of constant d K/F0
+        meets an open piece or a seed that is not enclosed. If no part of the open boundary is known, it is so
+        everywhere outside closed loops.
 
         Parameters
         ----------
@@ -273,7 +273,7 @@ class Zone(Noun, study="zone"):
         return bool(self.loops)
 
     def plot(self, ax: Any = None, inverse: bool = False, label: str | None = None) -> Any:
-        """Draw the zone with its boundary pieces told apart by line style and colour.
+        """Draw the zone with its boundary pieces distinguished by line style and colour.
 
         Parameters
         ----------
@@ -302,7 +302,7 @@ class Zone(Noun, study="zone"):
 
 
 def runs(table: Table, parents: int | None = None) -> list[slice]:
-    """The rows of a table by their owners, which are in order."""
+    """The rows of a table grouped by their owners, which are in order."""
     owners = table.owners
     assert owners is not None
     number = (int(owners[-1]) + 1 if owners.size else 0) if parents is None else parents
@@ -345,11 +345,11 @@ def span(values: Any, name: str) -> dict[str, float]:
     return {f"{name}_min": low, f"{name}_max": high}
 
 
-#: What the caller calls the keys of a window.
+#: The caller's names of the keys of a window.
 NAMES = {
     "r_min": "r[0]", "r_max": "r[1]", "clearance_min": "clearance[0]", "clearance_max": "clearance[1]",
 }  # fmt: skip
-#: What it calls which motions are meant.
+#: The caller's names of the choices of motions.
 WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 
@@ -367,15 +367,15 @@ def zone(
 ) -> Zone:
     """The zones of stable, admissible motions of a pattern, as closed curves of named pieces.
 
-    Motions of a pattern with rest are followed by the same means. Where a rest vanishes, the accumulation of
-    impacts just fails to be completed before the acceleration that closes the gap changes its sign; that end is
-    exact to about 1e-10.
+    Motions of a pattern with rest are continued in the same way. Where a rest vanishes, the accumulation of
+    impacts just fails to complete before the acceleration that closes the gap changes its sign; that boundary
+    is accurate to about 1e-10.
 
-    Motions are searched at some nodes of a lattice over the window, and the lattice lines are followed on
-    every sheet of motions that they lie on. Where a line enters or leaves a zone, the boundary is traced by
+    Motions are searched at some nodes of a lattice over the window, and the lattice lines are followed on every
+    sheet of motions on which they lie. Where a line enters or leaves a zone, the boundary is traced by
     pseudo-arclength continuation of the motion together with the one condition that is zero there (fold,
     flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an edge of the window); where another condition
-    gets zero there is a corner and the boundary goes on along that one.
+    becomes zero there is a corner, and the boundary is followed along that one.
 
     Parameters
     ----------
@@ -388,20 +388,21 @@ def zone(
         Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
         impacts), only others (False), or both (None).
     lines : int
-        Lattice lines each way over a window like that of the 1983 charts (r 0.8 to 1.2, and a factor 100 in
+        Lattice lines in each direction over a window like that of the 1983 charts (r 0.8 to 1.2, and a factor
+        100 in
         d K/F0), 5 to 129; a larger window gets more of them, in proportion to the logarithm of d K/F0 and to
         asinh(10 (r - 1)); at least 33 are taken for a pattern with rest. Parts of a zone that touch no line can
         be missed: more lines see more.
     guesses : int
-        Guesses for motions at every second node each way; a quarter of it at the others.
+        Guesses for motions at every second node in each direction; a quarter of this number at the others.
     seeds : sequence of Motion
-        Motions of the pattern that are known to be there, for sheets that the search could miss. The lines of
+        Known motions of the pattern, for sheets that the search could miss. The lines of
         constant r and of constant d K/F0 through each are followed, and every boundary that they meet is traced:
-        the zone contains each that is stable, admissible and inside the window, or `search.open_seeds` has it.
+        each seed that is stable, admissible and inside the window is in the zone or in `search.open_seeds`.
     max_points : int
         Most vertices of a loop.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done; what it raises ends the search.
+        Called a few times a second with the share done and the present task; an exception of it ends the search.
 
     Returns
     -------
@@ -437,7 +438,7 @@ def zone(
 
 
 def seed_list(pattern: Pattern, seeds: Sequence[Motion]) -> list[float]:
-    """Seeds as the key has them: r, D, x_i/D, theta_i of each."""
+    """Seeds in the form of the key: r, D, x_i/D, theta_i of each."""
     numbers: list[float] = []
     for i, motion in enumerate(seeds):
         checks.instance(motion, f"seeds[{i}]", Motion)
