@@ -1,5 +1,5 @@
-!> The door for C: only what turns arguments of C into those of vi_door, and back. What each
-!! procedure means stands in vibroimpact.h.
+!> The interface for C: converts arguments of C to those of vi_door, and back. vibroimpact.h
+!! documents each procedure.
 module vi_c_door
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
       c_int32_t, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
@@ -21,10 +21,10 @@ module vi_c_door
       c_put_reals, c_put_wholes, c_put_words, c_run, c_say, c_status, c_table, c_text, c_version, &
       c_word, c_write
 
-   !> Threads at most.
+   !> Largest number of threads.
    integer, parameter :: most_threads = 1024
 
-   !> As struct vibroimpact_table of the header.
+   !> The struct vibroimpact_table of the header.
    type, bind(c), public :: c_table_type
       character(kind=c_char) :: name(17)
       character(kind=c_char) :: dims(17, 3)
@@ -35,7 +35,7 @@ module vi_c_door
       type(c_ptr) :: owners
    end type c_table_type
 
-   !> As struct vibroimpact_column of the header.
+   !> The struct vibroimpact_column of the header.
    type, bind(c), public :: c_column_type
       character(kind=c_char) :: table(17)
       character(kind=c_char) :: name(25)
@@ -55,11 +55,11 @@ module vi_c_door
    end type c_column_type
 
    interface
-      !> Letters of a text of C.
+      !> Number of characters of a text of C.
       pure integer(c_size_t) function strlen(text) bind(c)
          import :: c_ptr, c_size_t
          implicit none (type, external)
-         !> Ends with a null character.
+         !> A text that ends with a null character.
          type(c_ptr), value, intent(in) :: text
       end function strlen
    end interface
@@ -71,9 +71,9 @@ contains
       bind(c, name='vibroimpact_run')
       !> The namelist.
       type(c_ptr), value, intent(in) :: text
-      !> Threads; 0 for as many as there are.
+      !> Number of OpenMP threads; 0 for all that are available.
       integer(c_int), value, intent(in) :: threads
-      !> Three numbers as of vi_tally, or null.
+      !> Three progress counters, see vi_tally, or null.
       integer(c_int), intent(inout), optional :: tally(3)
       !> The result.
       integer(c_int64_t), intent(inout), optional :: handle
@@ -142,11 +142,11 @@ contains
       bind(c, name='vibroimpact_text')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> Which, as of vi_tell.
+      !> Kind of text, one of the codes of vi_tell.
       integer(c_int), value, intent(in) :: what
-      !> Where it goes.
+      !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
-      !> Bytes there.
+      !> Number of bytes of the buffer.
       integer(c_size_t), value, intent(in) :: room
       character(:), allocatable :: letters
 
@@ -159,11 +159,11 @@ contains
       bind(c, name='vibroimpact_write')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> Of the file.
+      !> Path of the file.
       type(c_ptr), value, intent(in) :: path
       !> Where a message goes.
       type(c_ptr), value, intent(in) :: out
-      !> Bytes there.
+      !> Number of bytes of the buffer.
       integer(c_size_t), value, intent(in) :: room
       type(result_type), pointer :: result
       character(:), allocatable :: letters, message
@@ -193,7 +193,7 @@ contains
       bind(c, name='vibroimpact_table')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> From 0.
+      !> Place of the table or column, from 0.
       integer(c_int), value, intent(in) :: place
       !> The table.
       type(c_table_type), intent(inout), optional :: told
@@ -207,11 +207,11 @@ contains
       status = done
    end function c_table
 
-   !> What C is told of a table.
+   !> Fills the struct of a table.
    subroutine tell_table(table, told)
       !> The table.
       type(table_type), intent(in), target :: table
-      !> What is told.
+      !> The struct of C that is filled.
       type(c_table_type), intent(inout) :: told
       integer :: i
 
@@ -232,7 +232,7 @@ contains
       bind(c, name='vibroimpact_column')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> From 0.
+      !> Place of the table or column, from 0.
       integer(c_int), value, intent(in) :: place
       !> The column.
       type(c_column_type), intent(inout), optional :: told
@@ -251,9 +251,9 @@ contains
       bind(c, name='vibroimpact_find')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> Of the column.
+      !> Name of the table.
       type(c_ptr), value, intent(in) :: table
-      !> Of the column.
+      !> Name of the column.
       type(c_ptr), value, intent(in) :: name
       !> The column.
       type(c_column_type), intent(inout), optional :: told
@@ -268,15 +268,15 @@ contains
       status = c_column(handle, result%place(table_name, column_name) - 1, told)
    end function c_find
 
-   !> What C is told of a column.
+   !> Fills the struct of a column.
    subroutine tell_column(result, filled, place, told)
       !> The result.
       type(result_type), intent(in) :: result
       !> The column.
       type(filled_type), intent(in), target :: filled
-      !> Of the column, from 0.
+      !> Place of the column, from 0.
       integer, intent(in) :: place
-      !> What is told.
+      !> The struct of C that is filled.
       type(c_column_type), intent(inout) :: told
       integer :: own
 
@@ -316,11 +316,11 @@ contains
       integer(c_int64_t), value, intent(in) :: handle
       !> Place of the column, from 0.
       integer(c_int), value, intent(in) :: column
-      !> As the column holds it, from 1.
+      !> Number of the word in the column, from 1.
       integer(c_int), value, intent(in) :: code
-      !> Where it goes.
+      !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
-      !> Bytes there.
+      !> Number of bytes of the buffer.
       integer(c_size_t), value, intent(in) :: room
       character(:), allocatable :: letters
 
@@ -334,17 +334,17 @@ contains
       result(status) bind(c, name='vibroimpact_open')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> Of the table.
+      !> Name of the table.
       type(c_ptr), value, intent(in) :: name
       !> Names of dimensions with blanks between.
       type(c_ptr), value, intent(in) :: dims
-      !> How many.
+      !> Number of dimensions.
       integer(c_int), value, intent(in) :: n_dims
-      !> Their sizes.
+      !> Sizes of the dimensions.
       type(c_ptr), value, intent(in) :: sizes
       !> Name of the parent, or null.
       type(c_ptr), value, intent(in) :: parent
-      !> How many owners.
+      !> Number of owners.
       integer(c_int), value, intent(in) :: n_owners
       !> Row of the parent, from 1, of each row.
       type(c_ptr), value, intent(in) :: owners
@@ -370,9 +370,9 @@ contains
       bind(c, name='vibroimpact_put_reals')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> Of the column.
+      !> Name of the table.
       type(c_ptr), value, intent(in) :: table
-      !> Of the column.
+      !> Name of the column.
       type(c_ptr), value, intent(in) :: name
       !> How many.
       integer(c_int), value, intent(in) :: n
@@ -398,9 +398,9 @@ contains
       bind(c, name='vibroimpact_put_wholes')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> Of the column.
+      !> Name of the table.
       type(c_ptr), value, intent(in) :: table
-      !> Of the column.
+      !> Name of the column.
       type(c_ptr), value, intent(in) :: name
       !> How many.
       integer(c_int), value, intent(in) :: n
@@ -415,9 +415,9 @@ contains
       bind(c, name='vibroimpact_put_words')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> Of the column.
+      !> Name of the table.
       type(c_ptr), value, intent(in) :: table
-      !> Of the column.
+      !> Name of the column.
       type(c_ptr), value, intent(in) :: name
       !> How many.
       integer(c_int), value, intent(in) :: n
@@ -441,14 +441,14 @@ contains
       status = merge(done, wrong, good)
    end function c_put_words
 
-   !> Says what there is to say of a result that was filled from outside.
+   !> Sets the remarks of a result that was filled by the caller, and how far it got.
    integer(c_int) function c_say(handle, cut, remarks) result(status) &
       bind(c, name='vibroimpact_say')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> How far it came, or null.
+      !> How far it got, or null.
       type(c_ptr), value, intent(in) :: cut
-      !> Lines with a line feed behind each, or null.
+      !> Lines, each ended by a line feed, or null.
       type(c_ptr), value, intent(in) :: remarks
       character(:), allocatable :: how_far, lines
 
@@ -462,9 +462,9 @@ contains
 
    !> The language of namelists and the columns of all results as JSON.
    integer(c_size_t) function c_describe(out, room) result(n) bind(c, name='vibroimpact_describe')
-      !> Where it goes.
+      !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
-      !> Bytes there.
+      !> Number of bytes of the buffer.
       integer(c_size_t), value, intent(in) :: room
       type(line_type), allocatable :: lines(:)
 
@@ -474,9 +474,9 @@ contains
 
    !> The version of the library.
    integer(c_size_t) function c_version(out, room) result(n) bind(c, name='vibroimpact_version')
-      !> Where it goes.
+      !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
-      !> Bytes there.
+      !> Number of bytes of the buffer.
       integer(c_size_t), value, intent(in) :: room
 
       call give(version, out, room, n)
@@ -494,7 +494,7 @@ contains
    subroutine find_result(handle, result)
       !> The result.
       integer(c_int64_t), intent(in) :: handle
-      !> With its tables.
+      !> The result with its tables.
       type(result_type), pointer, intent(out) :: result
 
       result => null()
@@ -503,11 +503,11 @@ contains
 
    !> Whole numbers of C; of a null pointer an empty array, which the caller has to free.
    subroutine wholes_at(address, n, values)
-      !> Of the first.
+      !> Address of the first number.
       type(c_ptr), intent(in) :: address
       !> How many.
       integer(c_int), intent(in) :: n
-      !> All of them.
+      !> The numbers.
       integer(c_int), pointer, intent(out) :: values(:)
 
       if (c_associated(address)) then
@@ -519,7 +519,7 @@ contains
 
    !> A text of C; empty of a null pointer.
    subroutine take(pointer, text)
-      !> Ends with a null character.
+      !> A text that ends with a null character, or a null pointer.
       type(c_ptr), intent(in) :: pointer
       !> The text.
       character(:), allocatable, intent(out) :: text
@@ -536,13 +536,13 @@ contains
       end do
    end subroutine take
 
-   !> Gives a text to C: as much of it as there is room for, and a null character behind it.
+   !> Copies a text to C: as much of it as there is room for, followed by a null character.
    subroutine give(text, out, room, n)
       !> The text.
       character(*), intent(in) :: text
-      !> Where it goes, or null.
+      !> Buffer for the text, or null.
       type(c_ptr), intent(in) :: out
-      !> Bytes there; huge ones look negative here.
+      !> Number of bytes of the buffer; huge numbers look negative here.
       integer(c_size_t), intent(in) :: room
       !> Bytes of the whole text, without the null character.
       integer(c_size_t), intent(out) :: n
@@ -560,11 +560,11 @@ contains
       letters(kept + 1) = c_null_char
    end subroutine give
 
-   !> A name for a field of a struct.
+   !> Copies a name to a field of a struct.
    pure subroutine put_name(name, field)
-      !> With blanks behind it.
+      !> The name, padded with blanks.
       character(*), intent(in) :: name
-      !> One longer, which is for the null character.
+      !> The field, one character longer for the null character.
       character(kind=c_char), intent(inout) :: field(:)
       integer :: i
 

@@ -1,4 +1,4 @@
-!> A text that grows without being copied each time.
+!> A text to which parts are appended without copying it each time.
 module vi_buffer
    implicit none (type, external)
    private
@@ -6,9 +6,9 @@ module vi_buffer
    public :: add, add_quoted
 
    type, public :: buffer_type
-      !> The text, with room behind it.
+      !> The text, followed by free room.
       character(:), allocatable :: text
-      !> Letters of the text.
+      !> Number of characters of the text.
       integer :: n = 0
    end type buffer_type
 
@@ -18,7 +18,7 @@ contains
    pure subroutine add(buffer, text)
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
-      !> What is added.
+      !> The text to add.
       character(*), intent(in) :: text
       character(:), allocatable :: longer
 

@@ -1,4 +1,4 @@
-!> A case: what one computation needs, as the groups of a namelist say it.
+!> A case: the input of one computation, from the groups of a namelist.
 module vi_case
    use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
@@ -11,7 +11,7 @@ module vi_case
 
    public :: check_output, check_system, echo
 
-   !> A case with what its groups say, and what was left out filled in.
+   !> A case with the values of its groups, defaults included.
    type, public :: case_type
       !> Of the result, and where it was given, for messages.
       character(:), allocatable :: name
@@ -43,14 +43,14 @@ module vi_case
       key_type('format', a_word, default='''csv''', words='csv table both', &
       meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
 
-   !> Letters of the name of a result.
+   !> Largest number of characters of the name of a result.
    integer, parameter, public :: longest_name = 100
    character(*), parameter, public :: name_letters = &
       'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.'
 
 contains
 
-   !> Checks what of &system depends on several keys, or on the studies that follow.
+   !> Checks conditions of &system that depend on several keys, or on the studies that follow.
    pure subroutine check_system(system, needs_r)
       !> The group.
       type(values_type), intent(inout) :: system
@@ -82,7 +82,7 @@ contains
          index(name, '.') == 1) call output%refuse('name')
    end subroutine check_output
 
-   !> The complete case as a namelist, each line behind `#`.
+   !> The complete case as a namelist, each line after `#`.
    pure subroutine echo(case, lines)
       !> The case.
       type(case_type), intent(in) :: case

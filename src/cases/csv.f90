@@ -1,5 +1,5 @@
-!> A result as CSV: a header that is the case and the remarks, then one row for each row of one
-!! table, with the columns of the tables that it belongs to repeated.
+!> A result as CSV: a header with the case and the remarks, then one row for each row of one table,
+!! with the values of the tables to which it belongs repeated.
 module vi_csv
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use vi_buffer, only: add, buffer_type
@@ -15,7 +15,7 @@ module vi_csv
 
 contains
 
-   !> What stands above the rows; the last line names the columns.
+   !> The header; its last line names the columns.
    pure subroutine csv_header(result, lines)
       !> The result.
       type(result_type), intent(in) :: result
@@ -61,7 +61,7 @@ contains
 
    !> A name with the place within the row.
    pure function numbered(label, j) result(text)
-      !> With # for the place, if it has one.
+      !> The name, with # where the place is to be put.
       character(*), intent(in) :: label
       !> The place.
       integer, intent(in) :: j
@@ -73,7 +73,7 @@ contains
       if (i > 0) text = label(:i - 1)//whole(j)//label(i + 1:)
    end function numbered
 
-   !> Rows that there may be at most.
+   !> Largest possible number of rows.
    pure integer function row_count(result) result(n)
       !> The result.
       type(result_type), intent(in) :: result
@@ -84,8 +84,9 @@ contains
       if (place > 0) n = rows_of(result%tables(place))
    end function row_count
 
-   !> Whether each cell of the rows has a value: true of what a study gives, and to be asked of what
-   !! was filled from outside.
+   !> Whether each cell of the rows has a value. This is always so for the result of a study; a
+   !! result
+   !! that was filled by a caller has to be checked.
    pure logical function has_rows(result)
       !> The result.
       type(result_type), intent(in) :: result
@@ -109,11 +110,11 @@ contains
       end do
    end function has_rows
 
-   !> Some rows as one text, with a line feed behind each.
+   !> Some rows as one text, with a line feed after each.
    pure subroutine csv_rows(result, first, last, text)
       !> The result.
       type(result_type), intent(in) :: result
-      !> Which.
+      !> First and last row.
       integer, intent(in) :: first, last
       !> The rows.
       character(:), allocatable, intent(out) :: text
@@ -144,13 +145,14 @@ contains
    !> The row of each table that a row of one belongs to: by its parent, or by one of its
    !! dimensions.
    pure recursive subroutine find_rows(tables, place, row, rows)
-      !> Of the result.
+      !> Tables of the result.
       type(table_type), intent(in) :: tables(:)
-      !> Of the table.
+      !> Place of the table.
       integer, intent(in) :: place
-      !> Its row.
+      !> Row of that table.
       integer, intent(in) :: row
-      !> Of all tables; those that it does not belong to are left alone.
+      !> (tables) In and out: the row of each table; tables to which it does not belong are not
+      !! changed.
       integer, intent(inout) :: rows(:)
       integer :: rest, i, j
 
@@ -171,7 +173,7 @@ contains
       end associate
    end subroutine find_rows
 
-   !> Adds the cells of one column, each behind a comma.
+   !> Adds the cells of one column, each after a comma.
    pure subroutine add_cells(filled, row, buffer)
       !> The column.
       type(filled_type), intent(in) :: filled
@@ -206,9 +208,11 @@ contains
       end do
    end subroutine add_cells
 
-   !> Adds a number with all its digits (17) behind a comma; what is not finite as Python reads it.
+   !> Adds a number with all its digits (17) after a comma; numbers that are not finite are written
+   !! as
+   !! Python reads them.
    pure subroutine add_number(value, buffer)
-      !> Any.
+      !> A number.
       real(wp), intent(in) :: value
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer

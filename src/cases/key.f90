@@ -10,11 +10,11 @@ module vi_key
 
    public :: describe_key, place_of
 
-   !> What a value is.
+   !> Kinds of values.
    integer, parameter, public :: a_number = 1, a_whole = 2, a_word = 3
    !> No bound on one side.
    real(wp), parameter, public :: unbounded = huge(1.0_wp)
-   !> Letters of what a key takes, at most.
+   !> Largest number of characters of a description of what a key takes.
    integer, parameter :: longest = 240
 
    type, public :: key_type
@@ -23,27 +23,29 @@ module vi_key
       integer :: kind = a_number
       !> Values in its list, at least and at most.
       integer :: least = 1, most = 1
-      !> As a user would write it; empty if there is none: the key must then be given, unless it
-      !! `may_miss` or another one stands in for it.
+      !> The default as a user writes it; empty if there is none: the key must then be given, unless
+      !! it
+      !! `may_miss` or another key is given in its place.
       character(40) :: default = ''
       logical :: may_miss = .false.
       !> The range of a number, or of each in a list; `above` and `below` leave out its ends.
       real(wp) :: low = -unbounded, high = unbounded
       logical :: above = .false., below = .false.
-      !> The words that it takes, with blanks between them; empty if the study checks the word.
+      !> The words that it takes, separated by blanks; empty if the study checks the word.
       character(60) :: words = ''
-      !> What it takes, if type, range and words do not say it.
+      !> Description of what it takes, if type, range and words are not enough.
       character(longest) :: takes = ''
       !> Another key that may be given in its place, but not beside it.
       character(24) :: or = ''
       !> A key whose value must be below this one's.
       character(24) :: over = ''
-      !> A key, or 'key=word', without which this one is left out; and those, with blanks between,
-      !! with which it is.
+      !> A key, or 'key=word', without which this key must be left out; and keys, separated by
+      !! blanks,
+      !! with which it must be left out.
       character(32) :: only = '', never = ''
-      !> What the message adds to that; behind an = what it says instead.
+      !> Text that the message adds to that, or, after an =, that replaces it.
       character(80) :: why = ''
-      !> The key that it stands for, in another unit: values are multiplied by `factor`.
+      !> The key that this one gives in another unit: values are multiplied by `factor`.
       character(24) :: is = ''
       real(wp) :: factor = 1
       !> The option of a command that gives it, if it is not named as the key is; one that several
@@ -56,7 +58,7 @@ module vi_key
 
 contains
 
-   !> Place of a key in a table; 0 if it has none of this name.
+   !> Place of a key in a table; 0 if there is no key of this name.
    pure integer function place_of(keys, name) result(place)
       !> The table.
       type(key_type), intent(in) :: keys(:)
@@ -72,9 +74,9 @@ contains
    pure subroutine describe_key(keys, place, text)
       !> The table of its group.
       type(key_type), intent(in) :: keys(:)
-      !> Of the key.
+      !> Place of the key in its table.
       integer, intent(in) :: place
-      !> What must be written behind 'must be'.
+      !> The text that follows 'must be' in a message.
       character(:), allocatable, intent(out) :: text
       integer :: i
 
@@ -117,9 +119,9 @@ contains
 
    !> Words in quotes: 'linear' or 'geometric'.
    pure subroutine list_words(words, text)
-      !> With blanks between them.
+      !> Words separated by blanks.
       character(*), intent(in) :: words
-      !> With commas, and 'or' before the last.
+      !> The words, separated by commas, with 'or' before the last one.
       character(:), allocatable, intent(out) :: text
       integer :: first, last
 

@@ -11,7 +11,7 @@ contains
    !> The lines of a text, which may end with a line feed, a carriage return, or the two together; a
    !! byte order mark is no text.
    pure subroutine split_lines(text, lines)
-      !> As it stands in a file.
+      !> The content of a file.
       character(*), intent(in) :: text
       !> Its lines.
       type(line_type), allocatable, intent(out) :: lines(:)

@@ -1,7 +1,7 @@
 !> Values of a namelist: numbers and words as they are written.
 !!
-!! The compiler's own namelist input also takes what nobody means to write (`1+2`, half a list, the
-!! name of a variable as the end of one); what is taken here is what the description says.
+!! The compiler's own namelist input accepts text that is certainly a mistake (`1+2`, half a list, a
+!! list that ends with the name of a variable). Here only the documented forms are accepted.
 module vi_parse
    use vi_kinds, only: wp
    use vi_text, only: line_type
@@ -16,7 +16,7 @@ contains
 
    !> Numbers with commas or blanks between them, and repeats such as 2*0.75.
    pure subroutine parse_numbers(text, whole, most, values, good)
-      !> As written.
+      !> The text as written in the file.
       character(*), intent(in) :: text
       !> Whether whole numbers are wanted.
       logical, intent(in) :: whole
@@ -24,7 +24,7 @@ contains
       integer, intent(in) :: most
       !> The numbers; those that were read before the fault, if there is one.
       real(wp), allocatable, intent(out) :: values(:)
-      !> False if anything else stands there, or too many.
+      !> False if the text contains anything else, or too many values.
       logical, intent(out) :: good
       real(wp), allocatable :: buffer(:)
       real(wp) :: value, times
@@ -119,7 +119,7 @@ contains
 
    !> The place behind the digits that start at a place.
    pure integer function skip(text, from) result(i)
-      !> Any.
+      !> A text.
       character(*), intent(in) :: text
       !> Where to start; may be behind the end.
       integer, intent(in) :: from
@@ -133,13 +133,13 @@ contains
 
    !> Words in quotes, with commas or blanks between them; a doubled quote stands for one.
    pure subroutine parse_words(text, most, words, good)
-      !> As written.
+      !> The text as written in the file.
       character(*), intent(in) :: text
       !> Words at most.
       integer, intent(in) :: most
       !> The words, without blanks behind them.
       type(line_type), allocatable, intent(out) :: words(:)
-      !> False if anything else stands there, or too many.
+      !> False if the text contains anything else, or too many values.
       logical, intent(out) :: good
       character(len(text)) :: word
       type(line_type) :: found(most)

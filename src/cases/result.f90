@@ -1,9 +1,9 @@
-!> A result: named tables of columns, what is to be said of it, and what could not be had.
+!> A result: named tables of columns, remarks, and notes on what was found and what failed.
 !!
 !! A study declares its columns as a constant table, opens the tables that it fills, and puts the
-!! columns into them. All formats are written from that, by code that knows no study. Tables are
-!! relational: a row of a child table names the row of its parent, and a column that depends on one
-!! dimension alone stands in a table of that dimension.
+!! columns into them. All formats are written from these by code that is independent of the study.
+!! Tables are relational: a row of a child table gives the row of its parent, and a column that
+!! depends on one dimension alone is in a table of that dimension.
 module vi_result
    use vi_kinds, only: wp
    use vi_text, only: append, line_type, split
@@ -12,8 +12,8 @@ module vi_result
 
    public :: rows_of, start_result
 
-   !> What a value is: a number, a whole number, a word (its place in a list of words), a verdict
-   !! as in vi_motion, 1 for true and 0 for false, or a complex number.
+   !> Kinds of values: a number, a whole number, a word (its place in a list of words), a verdict as
+   !! in vi_motion, 1 for true and 0 for false, or a complex number.
    integer, parameter, public :: reals = 1, wholes = 2, words = 3, verdicts = 4, truths = 5, &
       complexes = 6
 
@@ -21,7 +21,7 @@ module vi_result
    character(8), parameter, public :: column_kinds(complexes) = [character(8) :: 'real', 'whole', &
       'word', 'verdict', 'truth', 'complex']
 
-   !> A column as a study declares it; its place in the declaration is its place in the CSV.
+   !> The declaration of a column; the order of the declarations is that of the CSV.
    type, public :: column_type
       character(16) :: table = ''
       character(24) :: name = ''
@@ -30,7 +30,7 @@ module vi_result
       character(16) :: each = ''
       character(16) :: unit = ''
       character(160) :: meaning = ''
-      !> Of a column of words, with commas between; empty if the study gives them while it runs.
+      !> The words of a column of words, separated by commas; empty if the study sets them later.
       character(160) :: words = ''
       !> Whether it is in the CSV, and its name there, if another: = is that of the dimension of its
       !! table, # is the place within the row, and a complex number has two columns, the real and
@@ -47,7 +47,7 @@ module vi_result
       !> Dimensions, the first varies first; a table without any has one row.
       character(16) :: dims(3) = ''
       integer :: n_dims = 0, sizes(3) = 1
-      !> Place of the table that it is a child of, and the row there of each row here.
+      !> Place of its parent table, and the row of the parent of each row.
       integer :: parent = 0
       integer, allocatable :: owners(:)
    end type table_type
@@ -64,18 +64,18 @@ module vi_result
       real(wp), allocatable :: x(:)
       !> All else.
       integer, allocatable :: k(:)
-      !> What the places of words mean.
+      !> The words, by their places.
       type(line_type), allocatable :: words(:)
    end type filled_type
 
-   !> A line for people: a fault, or what was found.
+   !> A line for the user: a fault, or a finding.
    type, public :: note_type
       logical :: fault = .false.
       character(:), allocatable :: text
    end type note_type
 
    type, public :: result_type
-      !> The complete case as a namelist, each line behind `#`.
+      !> The complete case as a namelist, each line after `#`.
       type(line_type), allocatable :: case(:)
       !> Remarks for the header of a file.
       type(line_type), allocatable :: remarks(:)
@@ -84,9 +84,9 @@ module vi_result
       type(filled_type), allocatable :: columns(:)
       !> Name of the table whose rows are those of the CSV.
       character(16) :: row = ''
-      !> Whether nothing was found that a file could hold.
+      !> Whether there is nothing to write to a file.
       logical :: empty = .false.
-      !> How far it came, if it was stopped before its end; else empty.
+      !> How far the study got, if it was stopped before its end; otherwise empty.
       character(:), allocatable :: cut
    contains
       procedure :: fail, get_reals, get_wholes, open, place, put_codes, put_complexes, &
@@ -100,7 +100,7 @@ contains
    pure subroutine start_result(case, columns, row, result)
       !> The echo of the case.
       type(line_type), intent(in) :: case(:)
-      !> As the study declares them.
+      !> The columns as the study declares them.
       type(column_type), intent(in) :: columns(:)
       !> The table whose rows are those of the CSV.
       character(*), intent(in) :: row
@@ -123,7 +123,7 @@ contains
    pure subroutine split_words(text, separator, list)
       !> Words.
       character(*), intent(in) :: text
-      !> What stands between them.
+      !> The character between two words.
       character, intent(in) :: separator
       !> Each.
       type(line_type), allocatable, intent(out) :: list(:)
@@ -139,15 +139,15 @@ contains
    pure subroutine open(result, name, dims, sizes, parent, owners)
       !> The result.
       class(result_type), intent(inout) :: result
-      !> Of the table.
+      !> Name of the table.
       character(*), intent(in) :: name
-      !> Names of its dimensions with blanks between, the one that varies first at first.
+      !> Names of its dimensions, separated by blanks, the one that varies fastest first.
       character(*), intent(in) :: dims
-      !> Their sizes.
+      !> Sizes of the dimensions.
       integer, intent(in) :: sizes(:)
-      !> The table whose rows own those of this one, which is open already.
+      !> The parent table, which is open already.
       character(*), intent(in), optional :: parent
-      !> The row there of each row here.
+      !> The row of the parent of each row.
       integer, intent(in), optional :: owners(:)
       type(table_type), allocatable :: longer(:)
       type(line_type), allocatable :: list(:)
@@ -174,11 +174,11 @@ contains
    pure subroutine find(result, table, name, values, i)
       !> The result.
       type(result_type), intent(inout) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
-      !> How many it gets, of each row `inner` ones.
+      !> Number of values, `inner` for each row.
       integer, intent(in) :: values
-      !> Its place.
+      !> Place of the column.
       integer, intent(out) :: i
 
       i = result%place(table, name)
@@ -193,7 +193,7 @@ contains
    pure integer function place(result, table, name)
       !> The result.
       class(result_type), intent(in) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
 
       do place = size(result%columns), 1, -1
@@ -204,7 +204,7 @@ contains
 
    !> Rows of a table.
    pure integer function rows_of(table) result(rows)
-      !> Any.
+      !> A table.
       type(table_type), intent(in) :: table
 
       rows = product(table%sizes)
@@ -214,7 +214,7 @@ contains
    pure subroutine put_reals(result, table, name, values)
       !> The result.
       class(result_type), intent(inout) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row.
       real(wp), intent(in) :: values(:)
@@ -228,7 +228,7 @@ contains
    pure subroutine put_complexes(result, table, name, values)
       !> The result.
       class(result_type), intent(inout) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row.
       complex(wp), intent(in) :: values(:)
@@ -244,7 +244,7 @@ contains
    pure subroutine put_wholes(result, table, name, values)
       !> The result.
       class(result_type), intent(inout) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row.
       integer, intent(in) :: values(:)
@@ -258,7 +258,7 @@ contains
    pure subroutine put_codes(result, table, name, codes, list)
       !> The result.
       class(result_type), intent(inout) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row; 0 for no word.
       integer, intent(in) :: codes(:)
@@ -275,7 +275,7 @@ contains
    pure subroutine put_text(result, table, name, lines)
       !> The result.
       class(result_type), intent(inout) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row.
       type(line_type), intent(in) :: lines(:)
@@ -300,7 +300,7 @@ contains
    pure subroutine get_reals(result, table, name, values)
       !> The result.
       class(result_type), intent(in) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> A copy of them; of complex ones real and imaginary parts one after the other.
       real(wp), allocatable, intent(out) :: values(:)
@@ -312,7 +312,7 @@ contains
    pure subroutine get_wholes(result, table, name, values)
       !> The result.
       class(result_type), intent(in) :: result
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> A copy of them.
       integer, allocatable, intent(out) :: values(:)
@@ -340,7 +340,7 @@ contains
       call add_note(result, .false., text)
    end subroutine say
 
-   !> Adds a line on what failed or is not there.
+   !> Adds a line on what failed or does not exist.
    pure subroutine fail(result, text)
       !> The result.
       class(result_type), intent(inout) :: result

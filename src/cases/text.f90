@@ -53,7 +53,7 @@ contains
 
    !> The text with tabs replaced by blanks.
    pure function detab(text) result(clean)
-      !> Any.
+      !> A text.
       character(*), intent(in) :: text
       character(len(text)) :: clean
       integer :: i
@@ -108,7 +108,7 @@ contains
 
    !> The text in lower case (ASCII).
    pure function lower(text) result(lowered)
-      !> Any.
+      !> A text.
       character(*), intent(in) :: text
       character(len(text)) :: lowered
       integer :: i

@@ -1,8 +1,7 @@
 !> The values of one namelist group: read by the table of its keys, checked, complete.
 !!
-!! The first fault is kept, with its line; what follows it is not looked at by the reader, and a
-!! study
-!! may go on to check: its faults come second.
+!! The first fault is kept, with its line. The reader does not read the text after it. A study may
+!! still make its checks; their faults do not replace the first one.
 module vi_values
    use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, place_of
    use vi_kinds, only: wp
@@ -14,9 +13,9 @@ module vi_values
 
    public :: read_values
 
-   !> What a key has.
+   !> The value of a key.
    type :: value_type
-      !> Whether it has a value, be it the default; and whether it stands in the file.
+      !> Whether it has a value, which may be the default; and whether it is given in the file.
       logical :: there = .false., given = .false.
       !> Numbers, or words.
       real(wp), allocatable :: numbers(:)
@@ -28,7 +27,7 @@ module vi_values
    type, public :: values_type
       !> Name of the group.
       character(:), allocatable :: name
-      !> Where the group begins; 0 if it is not in the file.
+      !> Line at which the group begins; 0 if it is not in the file.
       integer :: line = 0
       !> The first fault, empty if there is none, and its line.
       character(:), allocatable :: fault
@@ -45,13 +44,13 @@ contains
 
    !> Reads a group; without one, all keys have their defaults.
    pure subroutine read_values(name, keys, group, values)
-      !> Of the group.
+      !> Name of the group.
       character(*), intent(in) :: name
       !> The table of its keys.
       type(key_type), intent(in) :: keys(:)
-      !> As it stands in the file.
+      !> The group as read from the file.
       type(group_type), intent(in), optional :: group
-      !> What it says, or its first fault.
+      !> The values of the group, or its first fault.
       type(values_type), intent(out) :: values
       integer :: i
 
@@ -139,13 +138,13 @@ contains
       end associate
    end subroutine assign
 
-   !> Makes room for a list.
+   !> Extends the list of a key.
    pure subroutine make_room(value, n, kind)
-      !> What the key has so far.
+      !> In and out: the value of the key so far.
       type(value_type), intent(inout) :: value
       !> Length that the list is about to have, at least.
       integer, intent(in) :: n
-      !> Of the key.
+      !> Kind of the value of the key.
       integer, intent(in) :: kind
       integer, allocatable :: origin(:)
       real(wp), allocatable :: numbers(:)
@@ -165,15 +164,15 @@ contains
       end if
    end subroutine make_room
 
-   !> What a text means for a key.
+   !> Converts the text of a value for a key.
    pure subroutine interpret(key, text, numbers, words, good)
       !> The key.
       type(key_type), intent(in) :: key
-      !> As written.
+      !> The text as written in the file.
       character(*), intent(in) :: text
-      !> Of a number or a list of numbers.
+      !> The value of a number or list of numbers.
       real(wp), allocatable, intent(out) :: numbers(:)
-      !> Of a word or a list of words, spelled as the key has them.
+      !> The value of a word or list of words, spelled as the key has them.
       type(line_type), allocatable, intent(out) :: words(:)
       !> Whether the key takes it.
       logical, intent(out) :: good
@@ -194,7 +193,7 @@ contains
 
    !> Finds a word among those that a key takes, whatever its case.
    pure subroutine match_word(words, text, good)
-      !> With blanks between them.
+      !> Words separated by blanks.
       character(*), intent(in) :: words
       !> The word; spelled as in `words` if it is one of them.
       character(:), allocatable, intent(inout) :: text
@@ -207,11 +206,11 @@ contains
       if (good) text = words(at:at + len(text) - 1)
    end subroutine match_word
 
-   !> A list has no gaps, and is long enough.
+   !> Checks that a list has no gaps and is long enough.
    pure subroutine check_list(values, place)
       !> The group.
       type(values_type), intent(inout) :: values
-      !> Of the key.
+      !> Place of the key in its table.
       integer, intent(in) :: place
       integer :: n
 
@@ -229,11 +228,11 @@ contains
       end associate
    end subroutine check_list
 
-   !> A key is given where it must be, and only where it may be.
+   !> Checks that a key is given if it has to be, and only if it may be.
    pure subroutine check_company(values, place)
       !> The group.
       type(values_type), intent(inout) :: values
-      !> Of the key.
+      !> Place of the key in its table.
       integer, intent(in) :: place
       character(:), allocatable :: why
       logical :: missing
@@ -258,7 +257,7 @@ contains
       end associate
    end subroutine check_company
 
-   !> Why a key must be left out, as the message goes on; empty if it may be there.
+   !> The reason why a key must be left out, as the end of a message; empty if it may be given.
    pure subroutine find_reason(values, key, why)
       !> The group.
       type(values_type), intent(in) :: values
@@ -307,7 +306,7 @@ contains
       end if
    end function holds
 
-   !> A condition as it would stand in a file: key = 'word', or key.
+   !> A condition in the form of a file: key = 'word', or key.
    pure function condition(text) result(words)
       !> 'key=word' or 'key'.
       character(*), intent(in) :: text
@@ -319,7 +318,7 @@ contains
       if (equals > 0) words = text(:equals - 1)//' = '''//trim(text(equals + 1:))//''''
    end function condition
 
-   !> Puts keys in another unit into those that they stand for.
+   !> Converts keys in another unit to the keys that they give.
    pure subroutine resolve_units(values)
       !> The group.
       type(values_type), intent(inout) :: values
@@ -334,7 +333,7 @@ contains
       end do
    end subroutine resolve_units
 
-   !> One key is above another.
+   !> Checks the keys whose values must be above those of others.
    pure subroutine check_order(values)
       !> The group.
       type(values_type), intent(inout) :: values
@@ -358,13 +357,13 @@ contains
       end do
    end subroutine check_order
 
-   !> Keeps a fault of an assignment, if it is the first.
+   !> Records a fault of an assignment, if it is the first one.
    pure subroutine blame(values, item, why)
       !> The group.
       type(values_type), intent(inout) :: values
       !> The assignment.
       type(assignment_type), intent(in) :: item
-      !> What is wrong, or what must be.
+      !> The fault, or the requirement.
       character(*), intent(in) :: why
 
       if (len(values%fault) > 0) return
@@ -372,13 +371,13 @@ contains
       values%fault_line = item%line
    end subroutine blame
 
-   !> The value of a key is wrong, or it is missing: keeps the message, if it is the first.
+   !> Records that the value of a key is wrong or missing, if it is the first fault.
    pure subroutine refuse(values, name, why)
       !> The group.
       class(values_type), intent(inout) :: values
       !> The key.
       character(*), intent(in) :: name
-      !> What must hold beyond what the key takes.
+      !> A requirement in addition to those of the table of keys.
       character(*), intent(in), optional :: why
       character(:), allocatable :: text
       integer :: place, i
@@ -398,13 +397,13 @@ contains
       values%fault_line = values%line
    end subroutine refuse
 
-   !> A key must not stand in the group: keeps the message, if it is the first, and if it does.
+   !> Records that a key must not be given, if it is, and if it is the first fault.
    pure subroutine forbid(values, name, why)
       !> The group.
       class(values_type), intent(inout) :: values
       !> The key.
       character(*), intent(in) :: name
-      !> How 'must be left out' goes on, such as ' beside states' or ': it is an axis'.
+      !> The text after 'must be left out', such as ' beside states' or ': it is an axis'.
       character(*), intent(in) :: why
       integer :: i
 
@@ -433,7 +432,7 @@ contains
    pure subroutine list_keys(keys, text)
       !> The table.
       type(key_type), intent(in) :: keys(:)
-      !> With commas.
+      !> The names, separated by commas.
       character(:), allocatable, intent(out) :: text
       integer :: i
 
@@ -443,7 +442,7 @@ contains
       end do
    end subroutine list_keys
 
-   !> Whether a key stands in the file.
+   !> Whether a key is given in the file.
    pure logical function given(values, name)
       !> The group.
       class(values_type), intent(in) :: values
@@ -521,13 +520,13 @@ contains
       whole_numbers = nint(values%numbers(name))
    end function whole_numbers
 
-   !> A word of a key, with blanks behind it; blank if the key has none.
+   !> A word of a key, padded with blanks; blank if the key has none.
    pure function word(values, name, i)
       !> The group.
       class(values_type), intent(in) :: values
       !> The key.
       character(*), intent(in) :: name
-      !> Which of several; the first unless given.
+      !> Number of the word, if the key has several; 1 by default.
       integer, intent(in), optional :: i
       character(24) :: word
       integer :: which
@@ -550,13 +549,13 @@ contains
       words = values%values(place_of(values%keys, name))%words(1)%text
    end subroutine text
 
-   !> Gives a key numbers, which is how a study completes what was left out.
+   !> Sets the numbers of a key; a study completes keys that were left out by this.
    pure subroutine set(values, name, numbers)
       !> The group.
       class(values_type), intent(inout) :: values
       !> The key.
       character(*), intent(in) :: name
-      !> Its numbers.
+      !> The numbers of the key.
       real(wp), intent(in) :: numbers(:)
 
       associate (value => values%values(place_of(values%keys, name)))
@@ -565,13 +564,13 @@ contains
       end associate
    end subroutine set
 
-   !> Gives a key a word.
+   !> Sets the word of a key.
    pure subroutine set_word(values, name, word)
       !> The group.
       class(values_type), intent(inout) :: values
       !> The key.
       character(*), intent(in) :: name
-      !> Its word.
+      !> The word of the key.
       character(*), intent(in) :: word
 
       associate (value => values%values(place_of(values%keys, name)))
@@ -582,7 +581,7 @@ contains
       end associate
    end subroutine set_word
 
-   !> Takes a key's value away.
+   !> Removes the value of a key.
    pure subroutine drop(values, name)
       !> The group.
       class(values_type), intent(inout) :: values
@@ -592,7 +591,7 @@ contains
       values%values(place_of(values%keys, name))%there = .false.
    end subroutine drop
 
-   !> The group with all that it has, behind `#`: the form in which it can be read again.
+   !> The group with all its values, each line after `#`, in a form that can be read again.
    pure subroutine echo(values, lines)
       !> The group.
       class(values_type), intent(in) :: values

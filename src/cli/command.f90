@@ -120,7 +120,7 @@ contains
    subroutine tell(lines, status)
       !> The lines.
       type(line_type), intent(in) :: lines(:)
-      !> Of the program.
+      !> Exit status of the program.
       integer, intent(out) :: status
       logical :: printed
       integer :: i
@@ -136,7 +136,7 @@ contains
    subroutine tell_keys(name, status)
       !> The group, with its & or without.
       character(*), intent(in) :: name
-      !> Of the program.
+      !> Exit status of the program.
       integer, intent(out) :: status
       type(line_type), allocatable :: lines(:)
       character(:), allocatable :: group, list

@@ -190,7 +190,7 @@ contains
    subroutine add_text(file, text)
       !> The file.
       type(new_file_type), intent(inout) :: file
-      !> With its line feeds.
+      !> The text, including its line feeds.
       character(*), intent(in) :: text
       character(300) :: reason
       integer :: status

@@ -19,7 +19,7 @@ contains
    pure subroutine print_motions(case, result, lines)
       !> The case.
       type(case_type), intent(in) :: case
-      !> Of a &motion.
+      !> Result of a &motion.
       type(result_type), intent(in) :: result
       !> The printout.
       type(line_type), allocatable, intent(out) :: lines(:)
@@ -51,7 +51,7 @@ contains
    pure subroutine print_motion(case, result, i, verdicts, lines)
       !> The case.
       type(case_type), intent(in) :: case
-      !> Of a &motion.
+      !> Result of a &motion.
       type(result_type), intent(in) :: result
       !> Number of the motion.
       integer, intent(in) :: i
@@ -91,7 +91,7 @@ contains
 
       !> A number of the motion.
       pure real(wp) function one(name)
-         !> Of the column.
+         !> Name of the column.
          character(*), intent(in) :: name
 
          associate (column => result%columns(result%place('motions', name)))
@@ -101,7 +101,7 @@ contains
 
       !> The numbers of its impacts.
       pure function each(name) result(values)
-         !> Of the column.
+         !> Name of the column.
          character(*), intent(in) :: name
          real(wp), allocatable :: values(:)
          type(filled_type) :: column

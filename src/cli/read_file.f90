@@ -123,7 +123,7 @@ contains
 
    !> Why the last call of the C library failed.
    subroutine explain(message)
-      !> In the words of the operating system.
+      !> Message of the operating system.
       character(:), allocatable, intent(out) :: message
       character(200) :: text
 

@@ -43,9 +43,9 @@ contains
 
    !> The keys of all groups and the columns of all results for programs, as JSON.
    pure subroutine describe_all(lines)
-      !> An object of two: `groups` holds a list of keys for each group, `results` for each study
-      !! the
-      !! table whose rows are those of the CSV, and a list of columns.
+      !> An object with two members: `groups` holds a list of keys for each group, `results` for
+      !! each
+      !! study the table whose rows are those of the CSV, and a list of columns.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(key_type), allocatable :: keys(:)
       type(column_type), allocatable :: columns(:)
@@ -96,7 +96,7 @@ contains
    pure subroutine describe_json(keys, place, text)
       !> The table of its group.
       type(key_type), intent(in) :: keys(:)
-      !> Of the key.
+      !> Place of the key in its table.
       integer, intent(in) :: place
       !> The object.
       character(:), allocatable, intent(out) :: text
@@ -138,7 +138,7 @@ contains
 
    !> A text as a JSON string; no text of the tables holds a double quote or a backslash.
    pure function quoted(text) result(string)
-      !> Blanks behind it are left out.
+      !> A text; trailing blanks are left out.
       character(*), intent(in) :: text
       character(len_trim(text) + 2) :: string
 
@@ -149,7 +149,7 @@ contains
    pure function bound(value, key) result(text)
       !> The end.
       real(wp), intent(in) :: value
-      !> Whose it is.
+      !> The key of this range.
       type(key_type), intent(in) :: key
       character(merge(4, len_trim(number_text(value, key%kind == a_whole)), abs(value) &
          >= unbounded)) :: text
@@ -160,7 +160,7 @@ contains
 
    !> A logical value as JSON has it.
    pure function truth(value) result(word)
-      !> Either.
+      !> A logical value.
       logical, intent(in) :: value
       character(merge(4, 5, value)) :: word
 

@@ -1,8 +1,8 @@
-!> The one door for other languages: a case comes in as the text of a namelist, and its result goes
-!! out as tables behind a handle.
+!> The interface for other languages: a case is passed as the text of a namelist, and its result is
+!! returned as tables that are accessed by a handle.
 !!
 !! A handle is the address of a holder on the heap: there is no list of handles, no lock and no
-!! global state, so that threads need not know of each other. Who asked for it frees it, once.
+!! global state, so that threads are independent of each other. The caller frees it, once.
 module vi_door
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int64_t, c_intptr_t, c_loc, &
       c_null_ptr, c_ptr
@@ -21,16 +21,16 @@ module vi_door
    public :: bare_text, describe_result, fault_of, fill_reals, fill_wholes, free_result, &
       list_cases, name_after, new_result, open_table, result_of, run_text, say_of, set_fault
 
-   !> Of the whole: done; ran, but something failed or is not there; the case is wrong.
+   !> Status of a result: done; ran, but something failed or does not exist; the case is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
-   !> Of a handle that is none: 0, or one that was freed.
+   !> Status of an invalid handle: 0, or one that was freed.
    integer, parameter, public :: no_result = 3
-   !> What a handle's memory begins with, which catches most of those that were freed.
+   !> The number at the start of a holder's memory, by which most freed handles are detected.
    integer(c_int64_t), parameter :: mark = 8387236825288893542_c_int64_t
 
    type :: holder_type
       integer(c_int64_t) :: mark = 0
-      !> What is wrong with the case; empty if nothing is.
+      !> The fault of the case; empty if there is none.
       character(:), allocatable :: message
       !> Line of the text where that is; 0 if it has none.
       integer :: line = 0
@@ -39,7 +39,7 @@ module vi_door
       type(result_type) :: result
    end type holder_type
 
-   !> What `list_cases` tells of each case of a text.
+   !> The columns of `list_cases`.
    type(column_type), parameter :: case_columns(*) = [ &
       column_type('cases', 'name', words, meaning='name of the result'), &
       column_type('cases', 'study', words, meaning='name of the group that asks for the result'), &
@@ -111,13 +111,13 @@ contains
       holder%status = status
    end subroutine list_cases
 
-   !> A holder on the heap with the cases of a text, or with what is wrong with them.
+   !> A holder on the heap with the cases of a text, or with the fault of the text.
    subroutine new_holder(text, holder, cases)
       !> The namelist.
       character(*), intent(in) :: text
       !> Without a result.
       type(holder_type), pointer, intent(out) :: holder
-      !> Of the text.
+      !> The cases of the text.
       type(case_type), allocatable, intent(out) :: cases(:)
       type(line_type), allocatable :: lines(:)
 
@@ -127,20 +127,20 @@ contains
       call parse_cases(lines, '', cases, holder%message, holder%line)
    end subroutine new_holder
 
-   !> Makes a fault of a number of cases that is not one.
+   !> Sets a fault if the text does not hold exactly one case.
    subroutine take_one(holder, cases)
-      !> With the faults of the text.
+      !> In: the holder of the text. Out: with a fault if it does not hold one case.
       type(holder_type), intent(inout) :: holder
-      !> Of the text.
+      !> The cases of the text.
       type(case_type), intent(in) :: cases(:)
 
       if (len(holder%message) == 0 .and. size(cases) /= 1) holder%message = &
          'the text holds '//whole(size(cases))//' cases; must hold one'
    end subroutine take_one
 
-   !> A case without the `#` in front of its lines, and without what is no part of the namelist.
+   !> A case without the leading `#` of its lines, and without text that is no part of the namelist.
    pure subroutine bare_text(lines, text)
-      !> As `echo` gives it.
+      !> The case, as from `echo`.
       type(line_type), intent(in) :: lines(:)
       !> A namelist, with a line feed behind each line.
       character(:), allocatable, intent(out) :: text
@@ -155,7 +155,7 @@ contains
       if (buffer%n > 0) text = buffer%text(:buffer%n)
    end subroutine bare_text
 
-   !> A result without tables, for values that were computed before: those of a file.
+   !> A result without tables, to be filled with values computed earlier, such as those of a file.
    subroutine new_result(text, handle, status)
       !> The namelist of its case.
       character(*), intent(in) :: text
@@ -182,11 +182,11 @@ contains
 
    !> Opens a table of a result.
    subroutine open_table(handle, name, dims, sizes, parent, owners)
-      !> As `new_result` gave it.
+      !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
       !> Of the table, and its dimensions with blanks between, the one that varies first at first.
       character(*), intent(in) :: name, dims
-      !> Their sizes.
+      !> Sizes of the dimensions.
       integer, intent(in) :: sizes(:)
       !> The table that it is a child of; empty if of none.
       character(*), intent(in) :: parent
@@ -205,9 +205,9 @@ contains
 
    !> Fills a column of numbers; one that is not declared is left out.
    subroutine fill_reals(handle, table, name, values)
-      !> As `new_result` gave it.
+      !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row; of complex ones real and imaginary parts one after the other.
       real(wp), intent(in) :: values(:)
@@ -227,13 +227,13 @@ contains
 
    !> Fills a column of all else; one that is not declared is left out.
    subroutine fill_wholes(handle, table, name, values, words)
-      !> As `new_result` gave it.
+      !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row; of words their places.
       integer, intent(in) :: values(:)
-      !> With line feeds between; empty if the column has none.
+      !> Words separated by line feeds; empty if the column has none.
       character(*), intent(in) :: words
       type(result_type), pointer :: result
 
@@ -247,13 +247,13 @@ contains
       end if
    end subroutine fill_wholes
 
-   !> What is to be said of a result that is filled from outside.
+   !> Sets the remarks of a result that is filled by a caller, and how far it got.
    subroutine say_of(handle, cut, remarks)
-      !> As `new_result` gave it.
+      !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
       !> How far it came, if it was stopped before its end; else empty.
       character(*), intent(in) :: cut
-      !> With a line feed behind each.
+      !> Lines, each ended by a line feed.
       character(*), intent(in) :: remarks
       type(result_type), pointer :: result
       type(line_type), allocatable :: lines(:)
@@ -268,11 +268,11 @@ contains
       end do
    end subroutine say_of
 
-   !> Gives the case of a result the name of the file that it is about to be written to.
+   !> Sets the name of the case of a result to that of the file to which it will be written.
    subroutine name_after(result, path)
       !> The result.
       type(result_type), intent(inout) :: result
-      !> Of the file.
+      !> Path of the file.
       character(*), intent(in) :: path
       character(*), parameter :: start = '#   name = '
       character(:), allocatable :: name
@@ -286,16 +286,16 @@ contains
 
    !> The address that a pointer of C holds.
    pure integer(c_int64_t) function address_of(pointer) result(address)
-      !> Any.
+      !> A pointer of C.
       type(c_ptr), intent(in) :: pointer
 
       address = 0
       if (c_associated(pointer)) address = int(transfer(pointer, 0_c_intptr_t), c_int64_t)
    end function address_of
 
-   !> The holder of a handle; null if it is none.
+   !> The holder of a handle; null if the handle is invalid.
    function holder_of(handle) result(holder)
-      !> As `run_text` gave it.
+      !> Handle from `run_text` or `new_result`.
       integer(c_int64_t), intent(in) :: handle
       type(holder_type), pointer :: holder
 
@@ -307,7 +307,7 @@ contains
 
    !> The result behind a handle; null if there is none.
    function result_of(handle) result(result)
-      !> As `run_text` gave it.
+      !> Handle from `run_text` or `new_result`.
       integer(c_int64_t), intent(in) :: handle
       type(result_type), pointer :: result
       type(holder_type), pointer :: holder
@@ -317,9 +317,9 @@ contains
       if (associated(holder)) result => holder%result
    end function result_of
 
-   !> Status of a result, and what is wrong with its case.
+   !> Status of a result, and the fault of its case.
    subroutine fault_of(handle, status, message, line)
-      !> As `run_text` gave it.
+      !> Handle from `run_text` or `new_result`.
       integer(c_int64_t), intent(in) :: handle
       !> `done`, `failed`, `wrong` or `no_result`.
       integer, intent(out) :: status
@@ -339,11 +339,11 @@ contains
       message = holder%message
    end subroutine fault_of
 
-   !> Says what is wrong with what a result was to be filled with.
+   !> Records a fault of the values with which a result was to be filled.
    subroutine set_fault(handle, message)
-      !> As `new_result` gave it.
+      !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
-      !> What is wrong.
+      !> Out: the fault.
       character(*), intent(in) :: message
       type(holder_type), pointer :: holder
 
@@ -351,9 +351,9 @@ contains
       if (associated(holder)) holder%message = message
    end subroutine set_fault
 
-   !> Frees a result; no array that shows its memory may be used from then on.
+   !> Frees a result; arrays that share its memory must not be used afterwards.
    subroutine free_result(handle)
-      !> As `run_text` gave it; another is left alone.
+      !> Handle from `run_text` or `new_result`; any other number is ignored.
       integer(c_int64_t), intent(in) :: handle
       type(holder_type), pointer :: holder
 
@@ -363,10 +363,10 @@ contains
       deallocate (holder)
    end subroutine free_result
 
-   !> What a result holds, as JSON: message, case, remarks, notes, tables, and columns with the
+   !> The contents of a result as JSON: message, case, remarks, notes, tables, and columns with the
    !! addresses of their values.
    subroutine describe_result(handle, text)
-      !> As `run_text` gave it.
+      !> Handle from `run_text` or `new_result`.
       integer(c_int64_t), intent(in) :: handle
       !> An object; empty if there is no result.
       character(:), allocatable, intent(out) :: text
@@ -416,9 +416,9 @@ contains
    pure subroutine add_lines(buffer, name, lines)
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
-      !> Of the list.
+      !> Name of the list.
       character(*), intent(in) :: name
-      !> What is listed.
+      !> The items of the list.
       type(line_type), intent(in) :: lines(:)
       integer :: i
 
@@ -434,9 +434,9 @@ contains
    subroutine add_table(buffer, tables, place)
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
-      !> All of the result.
+      !> All tables of the result.
       type(table_type), intent(in), target :: tables(:)
-      !> Of the table.
+      !> Place of the table.
       integer, intent(in) :: place
       integer :: i
 
@@ -458,7 +458,7 @@ contains
       call add(buffer, '}')
    end subroutine add_table
 
-   !> Adds a column as an object: what its declaration does not say.
+   !> Adds a column as an object with the items that are not in its declaration.
    subroutine add_column(buffer, filled)
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer

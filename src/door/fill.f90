@@ -1,5 +1,5 @@
-!> Fills a result from outside, with what is given checked first: what a study puts into a result
-!! fits, what a program in another language hands over need not.
+!> Fills a result with values of a caller, after checking them: the values of a study always fit,
+!! those of a program in another language may not.
 module vi_fill
    use, intrinsic :: iso_c_binding, only: c_int64_t
    use vi_door, only: fill_reals, fill_wholes, open_table, result_of, set_fault
@@ -13,9 +13,9 @@ module vi_fill
 
 contains
 
-   !> Whether there is a result behind a handle that can be filled.
+   !> Whether a handle refers to a result that can be filled.
    logical function is_open_for(handle)
-      !> As `new_result` gave it.
+      !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
       type(result_type), pointer :: result
 
@@ -24,13 +24,13 @@ contains
       if (is_open_for) is_open_for = allocated(result%tables)
    end function is_open_for
 
-   !> Opens a table; a fault is said in the result.
+   !> Opens a table; a fault is recorded in the result.
    subroutine put_table(handle, name, dims, sizes, parent, owners, good)
-      !> Of a result that is open.
+      !> Handle of a result that can be filled.
       integer(c_int64_t), intent(in) :: handle
       !> Of the table, and its dimensions with blanks between, the one that varies first at first.
       character(*), intent(in) :: name, dims
-      !> Their sizes.
+      !> Sizes of the dimensions.
       integer, intent(in) :: sizes(:)
       !> The table that it is a child of; empty if of none.
       character(*), intent(in) :: parent
@@ -76,7 +76,7 @@ contains
 
    !> Rows of a table of these sizes; -1 if there is none.
    pure integer function rows_in(sizes) result(rows)
-      !> Of its dimensions.
+      !> Sizes of its dimensions.
       integer, intent(in) :: sizes(:)
       integer :: i
 
@@ -94,11 +94,11 @@ contains
       end do
    end function rows_in
 
-   !> Fills a column of numbers or of complex numbers; a fault is said in the result.
+   !> Fills a column of numbers or of complex numbers; a fault is recorded in the result.
    subroutine put_reals(handle, table, name, values, good)
-      !> Of a result that is open.
+      !> Handle of a result that can be filled.
       integer(c_int64_t), intent(in) :: handle
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row; of complex ones real and imaginary parts one after the other.
       real(wp), intent(in) :: values(:)
@@ -109,11 +109,11 @@ contains
       if (good) call fill_reals(handle, table, name, values)
    end subroutine put_reals
 
-   !> Fills a column of all else; a fault is said in the result.
+   !> Fills a column of any other kind; a fault is recorded in the result.
    subroutine put_wholes(handle, table, name, values, list, good)
-      !> Of a result that is open.
+      !> Handle of a result that can be filled.
       integer(c_int64_t), intent(in) :: handle
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row; of words their places, 0 for none.
       integer, intent(in) :: values(:)
@@ -147,13 +147,13 @@ contains
       end if
    end subroutine put_wholes
 
-   !> Whether a column is there, takes such values, and gets whole rows.
+   !> Whether a column exists, takes such values, and gets complete rows.
    subroutine check(handle, table, name, n, are_reals, good)
-      !> Of a result that is open.
+      !> Handle of a result that can be filled.
       integer(c_int64_t), intent(in) :: handle
-      !> Of the column.
+      !> Names of the table and of the column.
       character(*), intent(in) :: table, name
-      !> How many values.
+      !> Number of values.
       integer, intent(in) :: n
       !> Whether they are floating-point numbers.
       logical, intent(in) :: are_reals

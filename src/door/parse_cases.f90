@@ -1,8 +1,8 @@
 !> The cases of a namelist, checked.
 !!
-!! Each group but `&system` and `&output` makes a case. It uses the `&system` before it, and the
-!! `&output` that follows it, if one does. A `&branch` starts from the `&motion` before it; a
-!! `&motion` with a `&branch` right behind it is this start and nothing else.
+!! Each group except `&system` and `&output` makes a case. It uses the `&system` before it, and the
+!! `&output` after it, if there is one. A `&branch` starts from the `&motion` before it; a `&motion`
+!! that is followed directly by a `&branch` is only this start and no case of its own.
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_letters, &
       output_keys, system_keys
@@ -20,11 +20,11 @@ module vi_parse_cases
 
 contains
 
-   !> All cases of a namelist; at the first fault `message` says file, line, key and remedy.
+   !> All cases of a namelist; `message` names file, line, key and remedy of the first fault.
    subroutine parse_cases(lines, path, cases, message, fault_line)
       !> The namelist.
       type(line_type), intent(in) :: lines(:)
-      !> The file that it stands in; empty if it stands in none.
+      !> The file of the namelist; empty if there is none.
       character(*), intent(in) :: path
       !> Its cases, in order.
       type(case_type), allocatable, intent(out) :: cases(:)
@@ -70,13 +70,14 @@ contains
       if (len(path) > 0) message = place(path, line)//message
    end subroutine parse_cases
 
-   !> The names of all groups come first: a wrong one changes what the other groups mean.
+   !> Checks the names of all groups first, because a wrong name changes the meaning of other
+   !! groups.
    pure subroutine check_names(groups, line, message)
-      !> All of the file.
+      !> All groups of the file.
       type(group_type), intent(in) :: groups(:)
-      !> Of the fault.
+      !> Out: line of the fault; not changed if there is none.
       integer, intent(inout) :: line
-      !> What is wrong.
+      !> Out: the fault.
       character(:), allocatable, intent(inout) :: message
       integer :: i
 
@@ -94,11 +95,11 @@ contains
    pure subroutine take_system(groups, system, line, message)
       !> The group, and all after it.
       type(group_type), intent(in) :: groups(:)
-      !> Its values.
+      !> The values of the group.
       type(values_type), intent(out) :: system
-      !> Of the fault.
+      !> Out: line of the fault; not changed if there is none.
       integer, intent(inout) :: line
-      !> What is wrong; empty if nothing is.
+      !> Out: the fault; empty if there is none.
       character(:), allocatable, intent(inout) :: message
 
       if (.not. ends_in_case(groups(2:min(2, size(groups))))) then
@@ -110,7 +111,7 @@ contains
       call pass_on(system, line, message)
    end subroutine take_system
 
-   !> Whether a case of this system has one frequency ratio, and not its own.
+   !> Whether a case of this system uses the frequency ratio of &system.
    pure logical function needs_r(groups)
       !> All that follows the system.
       type(group_type), intent(in) :: groups(:)
@@ -144,7 +145,7 @@ contains
 
    !> Reads and checks the groups of one case.
    subroutine take_case(groups, i, system, case, line, message)
-      !> All of the file.
+      !> All groups of the file.
       type(group_type), intent(in) :: groups(:)
       !> Place of the group that asks for the result.
       integer, intent(in) :: i
@@ -152,9 +153,9 @@ contains
       type(values_type), intent(in) :: system
       !> The case.
       type(case_type), intent(inout) :: case
-      !> Of the fault.
+      !> Out: line of the fault; not changed if there is none.
       integer, intent(inout) :: line
-      !> What is wrong; empty if nothing is.
+      !> Out: the fault; empty if there is none.
       character(:), allocatable, intent(inout) :: message
       type(key_type), allocatable :: keys(:)
       integer :: j
@@ -193,9 +194,9 @@ contains
       integer, intent(in) :: number, total
       !> The case.
       type(case_type), intent(inout) :: case
-      !> Of the fault.
+      !> Out: line of the fault; not changed if there is none.
       integer, intent(inout) :: line
-      !> What is wrong; empty if nothing is.
+      !> Out: the fault; empty if there is none.
       character(:), allocatable, intent(inout) :: message
       character(:), allocatable :: name
       logical :: follows
@@ -222,11 +223,11 @@ contains
       call case%output%text('name', case%name)
    end subroutine take_output
 
-   !> Hands on the fault of a group.
+   !> Passes on the fault of a group.
    pure subroutine pass_on(values, line, message)
       !> The group.
       type(values_type), intent(in) :: values
-      !> Of the fault; kept if there is none.
+      !> Out: line of the fault; not changed if there is none.
       integer, intent(inout) :: line
       !> The fault.
       character(:), allocatable, intent(inout) :: message
@@ -244,7 +245,7 @@ contains
       if (size(groups) > 0) ends_in_case = any(groups(size(groups))%name == study_names)
    end function ends_in_case
 
-   !> Whether a group is a case: not a &motion that is but the start of a &branch.
+   !> Whether a group is a case; a &motion that is only the start of a &branch is not.
    pure logical function is_case(groups)
       !> The group, and all after it.
       type(group_type), intent(in) :: groups(:)
@@ -253,7 +254,7 @@ contains
       if (groups(1)%name == 'motion' .and. size(groups) > 1) is_case = groups(2)%name /= 'branch'
    end function is_case
 
-   !> The studies for messages, without one: '&motion, &simulate or ...'.
+   !> The names of all studies but one, for messages: '&motion, &simulate or ...'.
    pure function list_studies(without) result(text)
       !> Name of the one that is left out.
       character(*), intent(in) :: without
@@ -262,7 +263,7 @@ contains
       text = padded_list(without)
    end function list_studies
 
-   !> The same with blanks behind it.
+   !> As `list_studies`, padded with blanks.
    pure function padded_list(without) result(text)
       !> Name of the one that is left out.
       character(*), intent(in) :: without
@@ -281,7 +282,7 @@ contains
       end do
    end function padded_list
 
-   !> Where a fault is.
+   !> The place of a fault: file and line.
    pure function place(path, line) result(text)
       !> The file.
       character(*), intent(in) :: path

@@ -1,4 +1,4 @@
-!> What is to be said of a result, as texts.
+!> Texts of a result.
 module vi_tell
    use, intrinsic :: iso_c_binding, only: c_int64_t
    use vi_buffer, only: add, buffer_type
@@ -11,9 +11,11 @@ module vi_tell
 
    public :: tell, tell_word
 
-   !> What is asked for: what is wrong with the case; the complete case as a namelist; lines on what
-   !! was found; lines on what failed or is not there; remarks of the header of files; how far it
-   !! came if it was stopped; the CSV; all of it but the values, as JSON.
+   !> Kinds of texts: the fault of the case; the complete case as a namelist; lines on what was
+   !! found;
+   !! lines on what failed or does not exist; remarks of the header of files; how far it got if it
+   !! was
+   !! stopped; the CSV; the result without its values as JSON.
    integer, parameter, public :: tell_message = 0, tell_case = 1, tell_notes = 2, tell_faults = 3, &
       tell_remarks = 4, tell_cut = 5, tell_csv = 6, tell_json = 7
 
@@ -21,11 +23,11 @@ contains
 
    !> A text; empty if there is none.
    subroutine tell(handle, what, text)
-      !> As vi_door gave it.
+      !> Handle of a result, from vi_door.
       integer(c_int64_t), intent(in) :: handle
       !> One of the above.
       integer, intent(in) :: what
-      !> The text; of several lines each has a line feed behind it.
+      !> The text; each of several lines ends with a line feed.
       character(:), allocatable, intent(out) :: text
       type(result_type), pointer :: result
       type(buffer_type) :: buffer
@@ -82,7 +84,7 @@ contains
 
    !> A word of a column of words; empty if there is none.
    subroutine tell_word(handle, column, code, text)
-      !> As vi_door gave it.
+      !> Handle of a result, from vi_door.
       integer(c_int64_t), intent(in) :: handle
       !> Place of the column, from 1.
       integer, intent(in) :: column

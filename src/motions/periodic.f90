@@ -72,7 +72,7 @@ contains
 
    !> Whether this is an equispaced pair with equal restitution, which leaves A free (rank 3).
    !!
-   !! Rounding hides the missing rank from the factors, so the reason for it is looked for.
+   !! Rounding hides the missing rank in the factors, so its cause is tested instead.
    pure logical function free_amplitude(motion)
       !> With phases, pattern and restitution.
       type(motion_type), intent(in) :: motion

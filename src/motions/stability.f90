@@ -76,7 +76,7 @@ contains
    !!
    !! Crossing the unit circle there is a fold or pitchfork, a flip, a Neimark-Sacker bifurcation.
    pure function leading_kind(lambda) result(kind)
-      !> By falling modulus.
+      !> (4) The multipliers by falling modulus.
       complex(wp), intent(in) :: lambda(:)
       character(8) :: kind
 

@@ -193,7 +193,7 @@ contains
       type(atlas_request_type), intent(in) :: request
       !> In: with its sheets. Out: with the attractors `sighted`.
       type(atlas_type), intent(inout) :: atlas
-      !> As of `simulate_nodes`.
+      !> (simulations, r, D) as of `simulate_nodes`.
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
       !> Progress counters, see vi_tally; read to stop.
       integer, intent(inout), optional :: tally(3)
@@ -234,7 +234,7 @@ contains
       type(atlas_request_type), intent(in) :: request
       !> Its sheets.
       type(atlas_type), intent(in) :: atlas
-      !> As of `simulate_nodes`.
+      !> (simulations, r, D) as of `simulate_nodes`.
       type(release_type), intent(in) :: releases(:, :, :)
       !> The patterns.
       type(sight_type), allocatable, intent(out) :: sights(:)
@@ -301,7 +301,7 @@ contains
       logical, intent(in) :: wanted(:)
       !> Times as many lattice lines.
       integer, intent(in) :: finer
-      !> As of `simulate_nodes`, with as many lines.
+      !> (simulations, r, D) as of `simulate_nodes`, for the same number of lines.
       type(release_type), intent(in) :: releases(:, :, :)
       !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)

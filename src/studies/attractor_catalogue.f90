@@ -27,7 +27,7 @@ module vi_attractor_catalogue
    !> The attractors known so far, and the settings of the search.
    type, public :: catalogue_type
       type(drive_type) :: drive
-      !> Longest period that is looked for, in load cycles; threads.
+      !> Longest period considered, in load cycles; number of OpenMP threads.
       integer :: max_cycles = 16, threads = 1
       integer :: n = 0
       type(known_type), allocatable :: known(:)

@@ -38,7 +38,7 @@ contains
    !> The exponent a with which the share of pairs with different ends grows as distance**a; NaN if
    !! there is no boundary.
    pure real(wp) function uncertainty_exponent(pairs) result(a)
-      !> As of `uncertain_pairs`.
+      !> (2, distances) as from `uncertain_pairs`.
       real(wp), intent(in) :: pairs(:, :)
       real(wp), allocatable :: x(:), y(:)
 
@@ -60,7 +60,7 @@ contains
       real(wp), intent(in) :: cells(2)
       !> Radius of the disc, in the unit of `cells`.
       real(wp), intent(out) :: radius
-      !> Of its centre, along both.
+      !> Place of its centre along both dimensions.
       integer, intent(out) :: place(2)
       real(wp) :: squares(size(labels, 1), 0:size(labels, 2) + 1), steps(2)
       integer :: i, j, up, down

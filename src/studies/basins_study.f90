@@ -301,9 +301,9 @@ contains
       type(case_type), intent(in) :: case
       !> The attractors.
       type(catalogue_type), intent(in) :: catalogue
-      !> Of them.
+      !> Names of the attractors.
       type(line_type), intent(in) :: names(:)
-      !> Of the states.
+      !> (states) Number of the attractor of each state.
       integer, intent(in) :: labels(:)
       !> The result.
       type(result_type), intent(inout) :: result

@@ -249,9 +249,9 @@ contains
 
    !> Puts the impacts of all runs and values into the result.
    pure subroutine put_impacts(found, result)
-      !> What the runs settle on.
+      !> The motions on which the runs settle.
       type(diagram_type), intent(in) :: found
-      !> With the tables of runs and values.
+      !> In: with the tables of runs and values. Out: with the impacts.
       type(result_type), intent(inout) :: result
       integer, allocatable :: owners(:), sides(:)
       real(wp), allocatable :: impacts(:, :)
@@ -278,18 +278,19 @@ contains
       end do
    end subroutine put_impacts
 
-   !> Puts the ranges of values over which each run has one period into the result, and remarks
-   !! them: first those of which the ends are known, then those beside what was not reached.
+   !> Puts the ranges of values over which each run has one period into the result, with remarks:
+   !! first
+   !! the ranges whose ends are known, then those next to values that were not reached.
    pure subroutine put_windows(values, directions, found, result, windows)
-      !> Of the parameter.
+      !> Values of the parameter.
       real(wp), intent(in) :: values(:)
-      !> Of the runs.
+      !> Direction of each run: 1 up, -1 down, 0 anew at each value.
       integer, intent(in) :: directions(:)
-      !> What the runs settle on.
+      !> The motions on which the runs settle.
       type(diagram_type), intent(in) :: found
       !> The result.
       type(result_type), intent(inout) :: result
-      !> How many there are with known ends.
+      !> Number of ranges with known ends.
       integer, intent(out) :: windows
       type(line_type), allocatable :: runs(:), labels(:)
       integer, allocatable :: all_first(:), all_last(:), cut(:)

@@ -25,14 +25,14 @@ module vi_branch
    !> A step as short as this is not repeated in search of hidden special points.
    real(wp), parameter :: least_step = 1.0e-6_wp
 
-   !> One way along a family, from its start.
+   !> A branch in one direction along a family, from its start.
    type, public :: branch_type
       !> Points (2n + 1, m) in order along the branch; the start is number `start`.
       real(wp), allocatable :: points(:, :)
       !> The condition that is zero at a special point; kind 0 at the others.
       type(condition_type), allocatable :: special(:)
       integer :: n = 0
-      !> Why this way came to its end.
+      !> The reason why it ends: one of the codes above.
       integer :: reason = end_full
    end type branch_type
 

@@ -111,7 +111,7 @@ contains
    subroutine check_list(case, place)
       !> With `list` in its study.
       type(case_type), intent(inout) :: case
-      !> Of the parameter.
+      !> Place of the parameter in `parameters`.
       integer, intent(in) :: place
 
       associate (values => case%study%numbers('list'))
@@ -127,9 +127,9 @@ contains
 
    !> Whether a value is in the range of a parameter.
    pure logical function in_range(value, place)
-      !> Any.
+      !> A number.
       real(wp), intent(in) :: value
-      !> Of the parameter.
+      !> Place of the parameter in `parameters`.
       integer, intent(in) :: place
 
       in_range = value >= ranges(place)%low .and. value <= ranges(place)%high
@@ -138,9 +138,9 @@ contains
 
    !> The ends of the range of a parameter, and the range in words, with blanks behind it.
    pure subroutine parameter_range(place, low, high, text)
-      !> Of the parameter.
+      !> Place of the parameter in `parameters`.
       integer, intent(in) :: place
-      !> What it may be at least and at most.
+      !> Least and greatest allowed value.
       real(wp), intent(out) :: low, high
       !> Such as 0 <= xi < 1.
       character(40), intent(out) :: text
@@ -154,7 +154,7 @@ contains
 
    !> Whether each number is above the one before.
    pure logical function rise(values)
-      !> Any.
+      !> Some numbers.
       real(wp), intent(in) :: values(:)
 
       rise = all(values(2:) > values(:size(values) - 1))
@@ -186,7 +186,7 @@ contains
    pure subroutine parameter_place(name, place, tied)
       !> One of `parameters`.
       character(*), intent(in) :: name
-      !> As the core counts them.
+      !> Place of the parameter in the core.
       integer, intent(out) :: place
       !> Whether both walls change.
       logical, intent(out) :: tied
@@ -246,7 +246,7 @@ contains
       type(values_type), intent(inout) :: study
       !> The key that the message names.
       character(*), intent(in) :: key
-      !> What is multiplied.
+      !> The factors.
       integer, intent(in) :: factors(:)
       !> The limit in words.
       character(*), intent(in) :: words

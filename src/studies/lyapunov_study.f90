@@ -114,7 +114,7 @@ contains
       end associate
    end subroutine check_points
 
-   !> How many points there are.
+   !> Number of points.
    pure integer function count_points(case) result(n)
       !> The case.
       type(case_type), intent(in) :: case
@@ -148,7 +148,7 @@ contains
 
    !> One number for each point, or one for all.
    pure subroutine spread_out(given, values)
-      !> As the case has them.
+      !> The numbers of the case: one, or one for each point.
       real(wp), intent(in) :: given(:)
       !> At each point.
       real(wp), intent(out) :: values(:)
@@ -188,7 +188,7 @@ contains
             s%whole_number('discard'), s%whole_number('cycles')/batches, batches, threads, &
             exponents, deviations, dimensions, counts, errors, status, tally)
       end associate
-      ! the points that a stop left whole
+      ! only the points that were completed before a stop
       done = pack([(j, j=1, n)], status /= stat%not_computed)
       if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'
       allocate (cycle_times, source=spread(two_pi/r(done), 1, 4))
@@ -224,7 +224,7 @@ contains
    pure subroutine open_points(case, n, result)
       !> The case.
       type(case_type), intent(in) :: case
-      !> Points that were come to.
+      !> Number of points that were computed.
       integer, intent(in) :: n
       !> The result.
       type(result_type), intent(inout) :: result

@@ -90,7 +90,7 @@ contains
       end if
    end function r_values
 
-   !> The key that gives the clearance, or its inverse, with blanks behind it.
+   !> The key that gives the clearance or its inverse, padded with blanks.
    pure function clearance_name(case) result(name)
       !> The case.
       type(case_type), intent(in) :: case
@@ -114,7 +114,7 @@ contains
       if (case%study%has('inverse_clearance')) clearance = 1/clearance
    end function clearance_values
 
-   !> Finds max|X|/A over the attractors at each frequency ratio, and its least and greatest.
+   !> Finds max|X|/A of the attractors at each frequency ratio, and its least and greatest value.
    subroutine run_response(case, threads, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -136,7 +136,7 @@ contains
       call respond(case%osc, r, clearance, case%study%number('load'), &
          case%study%whole_number('settling'), case%study%whole_number('keep'), threads, &
          attenuation, envelope, periods, status, tally)
-      ! the points that a stop left whole
+      ! only the points that were completed before a stop
       done = pack([(i, i=1, n)], all(status /= stat%not_computed, 1))
       if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'
       call result%open('points', 'r', [size(done)])

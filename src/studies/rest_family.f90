@@ -64,7 +64,7 @@ module vi_rest_family
       !! after its impacts) plus the share of its duration.
       integer, allocatable :: touched(:)
       real(wp), allocatable :: touched_at(:)
-      !> Whether all accumulations come to an end.
+      !> Whether all accumulations are completed, so that the rest of this type is defined.
       logical :: right = .false.
    end type rest_period_type
 
@@ -288,7 +288,7 @@ contains
       type(drive_type), intent(in) :: drive
       !> Wall of the impact: +1 right, -1 left.
       integer, intent(in) :: side
-      !> Which unknown the phase is.
+      !> Number of the unknown that is this phase.
       integer, intent(in) :: column
       !> Load phase of the impact (rad).
       real(wp), intent(in) :: phase

@@ -23,7 +23,7 @@ module vi_search
    integer, parameter :: most_iterations = 40
    !> Load phase of a flight so short that no iteration with one was seen to succeed.
    real(wp), parameter :: shortest_flight = 1.0e-4_wp
-   !> Load phase between impacts that are not told apart.
+   !> Impacts closer than this in load phase count as simultaneous.
    real(wp), parameter :: at_once = 1.0e-6_wp
 
 contains

@@ -50,7 +50,8 @@ contains
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Guesses for Newton's method; a family with rest is looked for from few initial states.
+      !> Guesses for Newton's method; a family with rest is searched from a few initial states
+      !! instead.
       integer, intent(in) :: guesses
       !> Guesses of the sequence to leave out, at neighbouring points others each time.
       integer, intent(in) :: skip
@@ -133,7 +134,7 @@ contains
       real(wp), intent(in) :: c(:)
       !> (simulations) Out: the last releases of each; none if it failed.
       type(release_type), intent(out) :: releases(:)
-      !> Letters and load cycles of the longest period looked for at the end; none if absent.
+      !> Letters and load cycles of the longest period searched at the end; no search if absent.
       integer, intent(in), optional :: longest(2)
       integer, parameter :: chunk = 4000
       type(drive_type) :: drive
@@ -163,7 +164,7 @@ contains
 
    !> The state that one of some simulations begins with.
    pure function initial_state_of(k, n, clearance) result(state)
-      !> Which simulation, of how many.
+      !> Number of the simulation, and number of simulations.
       integer, intent(in) :: k, n
       !> Clearance D = d K/F0.
       real(wp), intent(in) :: clearance

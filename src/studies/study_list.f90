@@ -59,7 +59,7 @@ contains
 
    !> Checks what depends on several keys.
    subroutine check_study(case)
-      !> With its groups read; complete on return, or with a fault in one of them.
+      !> In: with its groups read. Out: complete, or with a fault in one of them.
       type(case_type), intent(inout) :: case
 
       select case (case%study%name)
@@ -90,7 +90,7 @@ contains
    pure subroutine list_columns_of(name, columns, row)
       !> One of `study_names`.
       character(*), intent(in) :: name
-      !> As it declares them.
+      !> The columns as the study declares them.
       type(column_type), allocatable, intent(out) :: columns(:)
       !> The table whose rows are those of the CSV.
       character(16), intent(out) :: row
@@ -135,7 +135,7 @@ contains
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> What was found, and what was not.
+      !> The result, with notes on what failed.
       type(result_type), intent(out) :: result
       !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)

@@ -147,7 +147,7 @@ contains
       type(state_type), intent(in) :: state
       !> Load cycles of the transient.
       integer, intent(in) :: settling
-      !> As of `survey`.
+      !> Limits of the motions kept.
       integer, intent(in) :: most_letters, most_cycles
       !> In: the point (r, clearance). Out: the outcome.
       type(attractor_type), intent(inout) :: attractor

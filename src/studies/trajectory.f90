@@ -199,9 +199,9 @@ contains
    pure subroutine extreme_positions(drive, starts, resting, last, x_min, x_max, complete)
       !> The driven system.
       type(drive_type), intent(in) :: drive
-      !> As in `sample_segments`.
+      !> Start of each segment, as in `sample_segments`.
       real(wp), intent(in) :: starts(:, :)
-      !> As in `sample_segments`.
+      !> Wall of the rest in each segment, as in `sample_segments`.
       integer, intent(in) :: resting(:)
       !> Time of the end of the last segment.
       real(wp), intent(in) :: last

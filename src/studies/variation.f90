@@ -157,7 +157,7 @@ contains
       type(moment_type), intent(in) :: from
       !> Duration of the flight in 1/omega, and its changes.
       real(wp), intent(in) :: time, longer(columns)
-      !> Of the wall of the impact.
+      !> Coefficient of restitution of the wall of the impact.
       real(wp), intent(in) :: restitution
       !> In: just after the event that begins the flight. Out: just after the impact.
       type(variation_type), intent(inout) :: change
@@ -195,7 +195,7 @@ contains
    pure subroutine strike(r, flow, k, longer, x, x_dot, by_r, state, before)
       !> Frequency ratio.
       real(wp), intent(in) :: r
-      !> Of the flight.
+      !> The effect of the flight on small changes.
       type(flow_type), intent(in) :: flow
       !> The `shares`.
       real(wp), intent(in) :: k(4)

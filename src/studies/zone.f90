@@ -250,7 +250,7 @@ contains
    subroutine simulate_nodes(request, longest, threads, releases, places, tally)
       !> What is asked for; its window and lattice.
       type(zone_request_type), intent(in) :: request
-      !> Letters and load cycles of the longest period that is looked for at the end.
+      !> Letters and load cycles of the longest period searched at the end of a simulation.
       integer, intent(in) :: longest(2)
       !> Number of OpenMP threads; each column of nodes is a task.
       integer, intent(in) :: threads

@@ -93,7 +93,7 @@ contains
    subroutine zone_pieces(request, seeds, families, found, tally)
       !> What is asked for; `symmetric` is not read.
       type(zone_request_type), intent(in) :: request
-      !> As of `find_zone`.
+      !> Known motions, as in `find_zone`.
       real(wp), intent(in) :: seeds(:, :)
       !> Whether symmetric motions and whether others are wanted.
       logical, intent(in) :: families(2)
@@ -155,7 +155,7 @@ contains
       type(zone_type), intent(in) :: zone
       !> Place of the loop.
       integer, intent(in) :: j
-      !> What was asked for.
+      !> What is asked for.
       type(zone_request_type), intent(in) :: request
       !> The rings before it.
       type(pieces_type), intent(inout) :: found

@@ -171,7 +171,7 @@ contains
    pure subroutine put_open_seeds(case, is_open, result)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Of the seeds.
+      !> Whether each seed is in no closed loop.
       logical, intent(in) :: is_open(:)
       !> The result.
       type(result_type), intent(inout) :: result
