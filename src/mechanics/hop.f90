@@ -29,7 +29,7 @@ contains
       integer, intent(in) :: side
       !> Departure speed > 0 relative to that wall (omega F0/K).
       real(wp), intent(in) :: speed
-      !> Distance between the walls (F0/K).
+      !> Distance from this wall to the other one (F0/K), which the hop must not reach.
       real(wp), intent(in) :: clearance
       !> Time of the next contact with the same wall (1/omega after the start); 0 if the flight is
       !! not proved to be a hop.

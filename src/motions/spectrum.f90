@@ -35,7 +35,7 @@ contains
    pure subroutine multiplier_sums(o, spectrum)
       !> The orbit.
       type(orbit_type), intent(in) :: o
-      !> The normalised sums; not set where `regular` is false.
+      !> The normalised sums; they mean nothing where `regular` is false.
       type(spectrum_type), intent(out) :: spectrum
       type(minors_type) :: factors(o%n)
       real(wp) :: parts(4, 4, most_impacts), p(4, 4), length
