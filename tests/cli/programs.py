@@ -61,6 +61,14 @@ WORDS = {True: "true", False: "false", None: "unknown"}
 BREAKDOWN = ("Fortran runtime", "Backtrace", "Sanitizer", "runtime error", "SIG", "Traceback")
 
 
+def kinds():
+    """The kinds of cases, each with the namelist to start from."""
+    from vibroimpact.case import KINDS
+    from vibroimpact.commands.init import template
+
+    return {kind: template(kind, f"{kind}.nml") for kind in KINDS}
+
+
 #: A line that names a file that was written.
 WRITTEN = re.compile(
     rb"^[\w.-]+: (.+\.(?:csv|txt|json|nc|mat|png|svg|pdf|gif|mp4))\n", re.MULTILINE

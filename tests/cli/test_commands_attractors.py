@@ -14,11 +14,11 @@ from programs import (
     column,
     contents,
     find_command,
+    kinds,
     on_terminal,
     rows,
     write,
 )
-from vibroimpact.commands.init import kinds
 
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 SYSTEM = ["--xi", "0.0114", "--mu", "0.028", "--restitution", "0.75"]
@@ -87,7 +87,7 @@ def test_options_are_a_namelist(name, options, keys, tool):
 
 def test_windows_are_printed_and_a_quantity_is_drawn(tool):
     """Those of the function; --quantity draws another picture of the same table, beside files too."""
-    write(tool.cwd / "case.nml", kinds()["bifurcation"].replace("low = 60", "low = 50"))
+    write(tool.cwd / "case.nml", kinds()["bifurcation"])
     done = tool("bifurcation", "case.nml", "--plot", "svg", "-o", "x")
     assert (done.status, done.err) == (0, b"")
     (result,) = vi.read_namelist(tool.cwd / "case.nml")[0].run()

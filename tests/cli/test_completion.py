@@ -5,8 +5,8 @@ import subprocess
 
 import pytest
 from programs import ROOT, Runner, find_command
+from vibroimpact.case import KINDS
 from vibroimpact.commands import FORMATS, NAMES
-from vibroimpact.commands.init import kinds
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ TYPED = [
     ("vibroimpact find --plot ", {"png", "svg", "pdf"}),
     ("vibroimpact bifurcation --spacing ", {"linear", "geometric"}),
     ("vibroimpact plot --format ", {"png", "svg", "pdf"}),
-    ("vibroimpact init ", {*kinds()}),
+    ("vibroimpact init ", {*KINDS}),
     ("vibroimpact reproduce tab", {"table1"}),
     ("vibroimpact run inputs/table1", {"inputs/table1.nml", "inputs/table1_single.nml"}),
 ]

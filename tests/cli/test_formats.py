@@ -11,9 +11,8 @@ import sys
 import numpy as np
 import pytest
 import vibroimpact as vi
-from programs import WRITTEN, Runner, contents, find_command, write
+from programs import WRITTEN, Runner, contents, find_command, kinds, write
 from vibroimpact.command import main
-from vibroimpact.commands.init import kinds
 
 SUFFIX = {"json": "json", "netcdf": "nc", "matlab": "mat"}
 SYSTEM = ["--xi", "0.0114", "--mu", "0.028", "--restitution", "0.75"]
@@ -39,7 +38,7 @@ def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
         pytest.importorskip(library)
     monkeypatch.chdir(tool.cwd)
     # what an atlas knows of forms it has from its zones: a small one, and one form
-    path = write(tool.cwd / "case.nml", kinds()[kind].replace("survey = 40", "survey = 9"))
+    path = write(tool.cwd / "case.nml", kinds()[kind].replace("survey = 20", "survey = 9"))
     (case,) = vi.read_namelist(path)
     wanted = case.run()
     assert main(["run", "case.nml", "-o", "csv"]) == 0

@@ -18,4 +18,4 @@ EXAMPLE = (
     "--max-impacts 3 --survey 20 -o results"
 )
 
-arguments, run = command("atlas")
+arguments, request, run = command("atlas")

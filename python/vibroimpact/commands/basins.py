@@ -28,7 +28,7 @@ def details(result: Any) -> list[str]:
 
 
 PLANE = "two of x, x_dot, y (that is z - x), z_dot, t with their first and last value and how many"
-arguments, run_cases = command("basins", details, plane={"help": PLANE})
+arguments, request, run_cases = command("basins", details, plane={"help": PLANE})
 
 
 def run(options: argparse.Namespace) -> int:

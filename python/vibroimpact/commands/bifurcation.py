@@ -28,7 +28,7 @@ def details(result: Any) -> list[str]:
     ]
 
 
-add_keys, run = command("bifurcation", details)
+add_keys, request, run = command("bifurcation", details)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -6,7 +6,7 @@ import argparse
 
 from ..errors import ParameterError
 from .cases import run_kind
-from .study import Option, add_study, options_of, request_of
+from .study import Option, Request, add_study, options_of, request_of
 
 HELP = "follow motions along a parameter"
 DESCRIPTION = """Follow exact motions along a parameter, through folds, for the &branch cases of namelist
@@ -33,8 +33,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_study(parser, known())
 
 
-def run(options: argparse.Namespace) -> int:
-    """Follow the branches, write and draw them."""
+def request(options: argparse.Namespace) -> Request:
+    """The case that the options name."""
     guessed = options.phases_over_pi is not None or options.phases is not None
     if options.sides is not None and not guessed:
         raise ParameterError(
@@ -48,4 +48,9 @@ def run(options: argparse.Namespace) -> int:
             "--phases-over-pi; without them the equispaced motions are followed"
         )
     start = {"kind": "exact" if guessed else "equispaced"}
-    return run_kind(options, request_of(options, "branch", known(), motion=start))
+    return request_of(options, "branch", known(), motion=start)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Follow the branches, write and draw them."""
+    return run_kind(options, request(options))

@@ -15,4 +15,4 @@ EXAMPLE = (
     "--clearance 5 100 16 --spacing geometric --symmetric yes -o results"
 )
 
-arguments, run = command("chart")
+arguments, request, run = command("chart")

@@ -3,34 +3,122 @@
 from __future__ import annotations
 
 import argparse
-from importlib.resources import files
+import re
+import shlex
+import textwrap
+from collections.abc import Iterator, Mapping
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
+from ..case import KINDS
 from ..errors import ParameterError
 from ..files import write_text
+from ..interchange.namelist import Groups
+from ..tables import language
+from .study import unit_and_range
 
 HELP = "write a commented namelist to start from"
 DESCRIPTION = """Write NAME.nml, a namelist of one kind of case with every key explained, which runs as it
 is. A file that is there is kept."""
 EXAMPLE = "vibroimpact init zone"
 
-TEMPLATES = files("vibroimpact") / "templates"
+#: Of each &motion, what it is and the keys to start from; of studies the commands have both.
+SYSTEM = {"xi": 0.005, "mu": 0.042, "restitution": 0.75, "r": 0.94}
+PHASES = {"sides": "RL", "phases_over_pi": [0, 1.37]}
+MOTIONS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+    "periodic": ("compute the motion whose impacts have given load phases", PHASES),
+    "equispaced": (
+        "compute the symmetric motions of two impacts half a period apart",
+        {"clearance": 37},
+    ),
+    "exact": (
+        "compute an exact motion from phases that are about right",
+        {"clearance": 37, **PHASES},
+    ),
+}
+#: How a file begins, and how it ends.
+HEAD = """! {title}.
+! Run it:   vibroimpact run {file} -o results     (or, without Python, vibroimpact-batch)
+! Draw it:  vibroimpact plot {file} -o results
+! Lengths are in F0/K, time in 1/omega, angles in radians. What is commented out shows its default,
+! or has a colon where it is not given by default or does not go with the other keys.
+"""
 
 
-def kinds() -> dict[str, str]:
-    """The kinds of cases, each with the namelist to start from."""
-    found = {
-        Path(item.name).stem: item.read_text(encoding="utf-8")
-        for item in TEMPLATES.iterdir() if item.name.endswith(".nml")
-    }  # fmt: skip
-    return dict(sorted(found.items()))
+def example(kind: str) -> tuple[str, Groups]:
+    """What a kind of case does, and the groups to start from: those of the example of its command."""
+    if kind in MOTIONS:
+        title, keys = MOTIONS[kind]
+        return title, {"system": SYSTEM, "motion": {"kind": kind, **keys}}
+    from ..command import parser_of
+
+    module = import_module(f".{kind}", __package__)
+    options = parser_of(kind).parse_args(shlex.split(module.EXAMPLE)[2:])
+    return module.HELP, module.request(options).groups
+
+
+def template(kind: str, file: str) -> str:
+    """The namelist to start from."""
+    title, groups = example(kind)
+    lines = [HEAD.format(title=title[0].upper() + title[1:], file=file)]
+    for group, values in {**groups, "output": {}}.items():
+        given = {name: value for name, value in values.items() if value is not None}
+        lines += [f"&{group}", *key_lines(group, given), "/\n"]
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def key_lines(group: str, given: Mapping[str, Any]) -> Iterator[str]:
+    """Each key of a group: its value, or commented out its default, and what it means.
+
+    Behind the name of a key that has no default, or that is wrong beside those that are given, stands a colon.
+    """
+    keys = language()["groups"][group]
+    known = {key["name"]: key["default"] for key in keys} | {
+        name: shown(x) for name, x in given.items()
+    }
+
+    def holds(condition: str) -> bool:
+        name, equals, word = condition.partition("=")
+        return known[name].strip("'") == word if equals else name in given
+
+    for key in keys:
+        name = key["name"]
+        about = unit_and_range(key, name)
+        if key["words"]:
+            about.append(", ".join(map(repr, key["words"].split())))
+        elif not about and "finite" not in key["takes"]:
+            about.append(re.sub(r", and \w+ below \w+$", "", key["takes"]))
+        wrong = (
+            (key["only"] and not holds(key["only"])) or any(map(holds, key["never"].split()))
+            or key["or"] in given or any(name in x for x in given.values() if isinstance(x, list))
+        )  # fmt: skip
+        if name in given:
+            line = f"  {name} = {known[name]}"
+            about += [f"default: {key['default']}"] * bool(key["default"])
+        elif group == "system":
+            continue
+        else:
+            plain = key["default"] and not wrong
+            line = f"  ! {name} = {key['default']}" if plain else f"  ! {name}:"
+        text = key["meaning"] + (f" ({'; '.join(about)})" if about else "")
+        yield textwrap.fill(
+            text, 110, initial_indent=f"{line:<34} ! ", subsequent_indent=f"{'':<34} !   ",
+            break_long_words=False, break_on_hyphens=False,
+        )  # fmt: skip
+
+
+def shown(value: Any) -> str:
+    """A value as a person writes it."""
+    if isinstance(value, list):
+        return ", ".join(map(shown, value))
+    return repr(value) if isinstance(value, str) else f"{value:g}"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The kind and the file, or --list."""
-    known = kinds()
     parser.add_argument(
-        "name", nargs="?", metavar="NAME", choices=known, help=f"one of {', '.join(known)}"
+        "name", nargs="?", metavar="NAME", choices=KINDS, help=f"one of {', '.join(KINDS)}"
     )
     parser.add_argument("-o", dest="file", metavar="FILE.nml", help="the file (default: NAME.nml)")
     parser.add_argument("--list", action="store_true", help="tell what each kind of case is")
@@ -39,15 +127,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write it, or list what there is."""
-    known = kinds()
     if options.list:
-        for name, text in known.items():
-            title = text.partition("\n")[0].removeprefix("! ")
+        for name in KINDS:
+            title = example(name)[0]
             print(f"{name:<12} {title}")
             options.record.add(name, title)
         return 0
     if options.name is None:
-        raise ParameterError(f"NAME: must be given, one of {', '.join(known)}; or --list")
+        raise ParameterError(f"NAME: must be given, one of {', '.join(KINDS)}; or --list")
     path = Path(options.file or f"{options.name}.nml")
     if path.exists() and not options.force:
         raise ParameterError(f"{path}: is there already; must be another file, or --force")
@@ -55,7 +142,7 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError(
             f"-o {path}: there is no folder {path.parent}; must be in one that is there"
         )
-    write_text(path, known[options.name].replace(f"{options.name}.nml", str(path)))
+    write_text(path, template(options.name, str(path)))
     options.record.files.append(str(path))
     print(f"{path}: run it by `vibroimpact run {path} -o results`")
     return 0

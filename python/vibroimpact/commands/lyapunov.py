@@ -8,7 +8,7 @@ from typing import Any
 from ..errors import ParameterError
 from ..tables import language
 from .cases import run_kind
-from .study import Option, add_study, options_of, request_of, shown
+from .study import Option, Request, add_study, options_of, request_of, shown
 
 HELP = "compute all Lyapunov exponents at a point or along a line"
 DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a
@@ -34,8 +34,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_study(parser, options_of("lyapunov"), **own)
 
 
-def run(options: argparse.Namespace) -> int:
-    """Compute, print, write and draw them."""
+def request(options: argparse.Namespace) -> Request:
+    """The case that the options name."""
     known = options_of("lyapunov")
     line: dict[str, str] = {}
     for name in LINES:
@@ -50,7 +50,12 @@ def run(options: argparse.Namespace) -> int:
         keys = language()["groups"]["lyapunov"]
         known[name] = Option(name, [("lyapunov", key) for key in keys if key["name"] in SPAN])
         line = {"parameter": name}
-    status = run_kind(options, request_of(options, "lyapunov", known, lyapunov=line), details)
+    return request_of(options, "lyapunov", known, lyapunov=line)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compute, print, write and draw them."""
+    status = run_kind(options, request(options), details)
     named = options.files or options.state
     if not named and any(": no exponents" in line for line in options.record.faults):
         options.record.fault(

@@ -15,4 +15,4 @@ EXAMPLE = (
     "--inverse-clearance .03 --states 6 -o results"
 )
 
-arguments, run = command("response")
+arguments, request, run = command("response")

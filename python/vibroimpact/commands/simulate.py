@@ -17,7 +17,7 @@ EXAMPLE = (
     "--state 3.5 0 0 -2 --plot -o results"
 )
 
-add_keys, run = command("simulate")
+add_keys, request, run = command("simulate")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

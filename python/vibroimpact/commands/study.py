@@ -104,15 +104,18 @@ def metavar(key: Mapping[str, Any], with_others: bool) -> str:
 def explained(option: Option) -> str:
     """Meaning, unit, range and default."""
     keys = [key for _, key in option.keys]
-    about = [f"in {keys[0]['unit']}"] * (len(keys) == 1 and keys[0]["unit"] != "")
-    if len(keys) == 1 and (
-        words := re.fullmatch(r"a (?:whole )?number with (.*)", keys[0]["takes"])
-    ):
-        about.append(re.sub(rf"\b{keys[0]['name']}\b", option.metavars[0], words[1]))
+    about = unit_and_range(keys[0], option.metavars[0]) if len(keys) == 1 else []
     defaults = dict.fromkeys(key["default"].strip("'") for key in keys if key["default"])
     about += [f"default: {', '.join(defaults)}"] * bool(defaults)
     text = TEXTS.get(option.name) or ", ".join(key["meaning"] for key in keys)
     return (text + (f" ({'; '.join(about)})" if about else "")).replace("%", "%%")
+
+
+def unit_and_range(key: Mapping[str, Any], word: str) -> list[str]:
+    """What there is of them; `word` stands for the value."""
+    found = re.match(r"a (?:whole )?number with ([^,]*)", key["takes"])
+    unit = [f"in {key['unit']}"] * (key["unit"] != "")
+    return unit + ([re.sub(rf"\b{key['name']}\b", word, found[1])] if found else [])
 
 
 def options_of(
@@ -150,22 +153,6 @@ def add_study(
     add_forms(parser)
 
 
-def command(
-    study: str, details: Callable[[Any], list[str]] | None = None, **own: Mapping[str, Any]
-) -> tuple[Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int]]:
-    """`arguments` and `run` of a command whose options are the keys of a study, and nothing else."""
-
-    def arguments(parser: argparse.ArgumentParser) -> None:
-        add_study(parser, options_of(study), **own)
-
-    def run(options: argparse.Namespace) -> int:
-        from .cases import run_kind
-
-        return run_kind(options, request_of(options, study, options_of(study)), details)
-
-    return arguments, run
-
-
 class Request(NamedTuple):
     """What a command asks for if it is given options and no files.
 
@@ -197,6 +184,29 @@ def request_of(
     for group, keys in more.items():
         groups[group] |= keys
     return Request(study, groups, [*known.values()])
+
+
+def command(
+    study: str, details: Callable[[Any], list[str]] | None = None, **own: Mapping[str, Any]
+) -> tuple[
+    Callable[[argparse.ArgumentParser], None],
+    Callable[[argparse.Namespace], Request],
+    Callable[[argparse.Namespace], int],
+]:
+    """`arguments`, `request` and `run` of a command whose options are the keys of a study."""
+
+    def arguments(parser: argparse.ArgumentParser) -> None:
+        add_study(parser, options_of(study), **own)
+
+    def request(options: argparse.Namespace) -> Request:
+        return request_of(options, study, options_of(study))
+
+    def run(options: argparse.Namespace) -> int:
+        from .cases import run_kind
+
+        return run_kind(options, request(options), details)
+
+    return arguments, request, run
 
 
 def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case], list[str]]:

@@ -10,8 +10,8 @@ for the &zone cases of namelist files or for the one that the options name. The 
 are written to DIR/NAME.csv, one row a vertex with the type of its piece, or in another
 form; with --plot a picture stands beside them. NAME is "zone" for the case of the options."""
 EXAMPLE = (
-    "vibroimpact zone --xi .0114 --mu .028 --restitution .75 --sides RL --r 0.8 1.2 --clearance 2 200 "
-    "-o results"
+    "vibroimpact zone --xi .0114 --mu .028 --restitution .75 --sides RL --symmetric yes --r 0.8 1.2 "
+    "--clearance 2 200 -o results"
 )
 
-arguments, run = command("zone")
+arguments, request, run = command("zone")
