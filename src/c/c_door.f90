@@ -161,7 +161,7 @@ contains
       integer(c_int64_t), value, intent(in) :: handle
       !> Path of the file.
       type(c_ptr), value, intent(in) :: path
-      !> Where a message goes.
+      !> Buffer for a message.
       type(c_ptr), value, intent(in) :: out
       !> Number of bytes of the buffer.
       integer(c_size_t), value, intent(in) :: room
@@ -374,7 +374,7 @@ contains
       type(c_ptr), value, intent(in) :: table
       !> Name of the column.
       type(c_ptr), value, intent(in) :: name
-      !> How many.
+      !> Number of values.
       integer(c_int), value, intent(in) :: n
       !> Row by row.
       real(c_double), intent(in), optional :: values(n)
@@ -402,7 +402,7 @@ contains
       type(c_ptr), value, intent(in) :: table
       !> Name of the column.
       type(c_ptr), value, intent(in) :: name
-      !> How many.
+      !> Number of values.
       integer(c_int), value, intent(in) :: n
       !> Row by row.
       integer(c_int), intent(in), optional :: values(n)
@@ -419,7 +419,7 @@ contains
       type(c_ptr), value, intent(in) :: table
       !> Name of the column.
       type(c_ptr), value, intent(in) :: name
-      !> How many.
+      !> Number of values.
       integer(c_int), value, intent(in) :: n
       !> Place of the word of each row, from 1; 0 for none.
       integer(c_int), intent(in), optional :: codes(n)
@@ -505,7 +505,7 @@ contains
    subroutine wholes_at(address, n, values)
       !> Address of the first number.
       type(c_ptr), intent(in) :: address
-      !> How many.
+      !> Number of values.
       integer(c_int), intent(in) :: n
       !> The numbers.
       integer(c_int), pointer, intent(out) :: values(:)

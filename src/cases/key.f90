@@ -70,7 +70,7 @@ contains
       end do
    end function place_of
 
-   !> What a key takes, in words: 'a number with 0 <= xi < 1'.
+   !> Describes the values that a key takes: 'a number with 0 <= xi < 1'.
    pure subroutine describe_key(keys, place, text)
       !> The table of its group.
       type(key_type), intent(in) :: keys(:)

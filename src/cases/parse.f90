@@ -121,7 +121,7 @@ contains
    pure integer function skip(text, from) result(i)
       !> A text.
       character(*), intent(in) :: text
-      !> Where to start; may be behind the end.
+      !> Position at which to start; may be after the end.
       integer, intent(in) :: from
 
       i = from
@@ -190,7 +190,7 @@ contains
 
    !> The part of a list that a subscript means: (2) is one place, (2:5) and (2:) are several.
    pure subroutine parse_subscript(text, most, first, last, good)
-      !> What stands behind the name of the key, without blanks; empty for the whole list.
+      !> The text after the name of the key, without blanks; empty for the whole list.
       character(*), intent(in) :: text
       !> Values that the list may have.
       integer, intent(in) :: most

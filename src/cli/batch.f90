@@ -62,7 +62,7 @@ contains
    subroutine run_case(case, folder, log, written, tally)
       !> Checked.
       type(case_type), intent(in) :: case
-      !> Where results go.
+      !> Folder of the results.
       character(*), intent(in) :: folder
       !> In and out: messages are added.
       type(log_type), intent(inout) :: log

@@ -251,7 +251,7 @@ contains
    subroutine say_of(handle, cut, remarks)
       !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
-      !> How far it came, if it was stopped before its end; else empty.
+      !> How far the study got, if it was stopped before its end; otherwise empty.
       character(*), intent(in) :: cut
       !> Lines, each ended by a line feed.
       character(*), intent(in) :: remarks

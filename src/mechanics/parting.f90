@@ -12,7 +12,7 @@ module vi_parting
 
    public :: leaves_together, parting
 
-   !> What rounding of the motion may do to a derivative, relative to the amplitude of its parts.
+   !> Error that rounding of the motion may cause in a derivative, over the amplitude of its parts.
    real(wp), parameter :: noise = 1.0e4_wp*epsilon(1.0_wp)
 
    !> Answers of `parting`.

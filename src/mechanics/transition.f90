@@ -1,4 +1,4 @@
-!> What all flights of a run have in common: tables that advance the two parts of x in time.
+!> Tables that advance the two parts of x in time, common to all flights of a run.
 !!
 !! Both are linear in the moment they start from: the free part is u(t) times its position plus v(t)
 !! times its velocity, the forced part turns by cos(r t), sin(r t). These four functions are kept at

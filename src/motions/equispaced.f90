@@ -15,7 +15,7 @@ module vi_equispaced
 
    public :: new_line, solve_equispaced, symmetric_pair
 
-   !> What depends on the frequency ratio alone: the line, for clearance 1.
+   !> The line, for clearance 1: all data that depend on the frequency ratio alone.
    type, public :: line_type
       !> Unit normal of the line in the plane (A cos(tau), A sin(tau)), its distance from the origin
       !! over the clearance, and the radius A of the circle.

@@ -101,7 +101,7 @@ contains
       is_prime = all([(mod(m, i) /= 0, i=2, m - 1)])
    end function is_prime
 
-   !> How far an orbit is from repeating itself: a distance in (u, theta).
+   !> The distance in (u, theta) of an orbit from its image under a repetition.
    pure real(wp) function kinship(family, repetition, unknowns) result(distance)
       !> The family of the orbit.
       type(family_type), intent(in) :: family

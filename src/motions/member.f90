@@ -20,7 +20,7 @@ module vi_member
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
-   !> What the members of a family of motions have in common.
+   !> The data that the members of a family of motions have in common.
    type, public :: family_type
       !> Sides of the impacts: all of them, or the first half of a symmetric motion.
       integer, allocatable :: sides(:)

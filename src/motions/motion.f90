@@ -22,8 +22,8 @@ module vi_motion
       real(wp) :: r = 0, clearance = 0
       !> Coefficient of restitution R_i and phase alpha_i (alpha_1 = 0) of each impact.
       real(wp), allocatable :: restitution(:), phases(:)
-      !> What follows from the phases alone: their sines and cosines, the phase from each impact to
-      !> the next, and the coefficients C_1i, C_2i of (9), (10) of that flight.
+      !> Quantities that follow from the phases alone: their sines and cosines, the phase from each
+      !! impact to the next, and the coefficients C_1i, C_2i of (9), (10) of that flight.
       real(wp), allocatable :: sine(:), cosine(:), length(:), c1(:), c2(:)
       !> Positions of both masses, and their velocities just before and after each impact.
       real(wp), allocatable, dimension(:) :: x, z, x_dot_before, x_dot_after, z_dot_before, &

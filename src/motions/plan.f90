@@ -1,4 +1,5 @@
-!> What many points of one batch have in common, for the procedures that compute them side by side.
+!> The data that all points of a batch have in common, for the procedures that compute them side by
+!! side.
 module vi_plan
    use vi_kinds, only: wp
    implicit none (type, external)

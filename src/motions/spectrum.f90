@@ -87,7 +87,7 @@ contains
       is_large = maxval(abs(p)) > large
    end function is_large
 
-   !> How fast the masses approach each other before the impact that ends flight i.
+   !> Approach speed of the masses before the impact that ends flight i.
    pure real(wp) function approach(o, i)
       !> The orbit.
       type(orbit_type), intent(in) :: o
@@ -214,7 +214,7 @@ contains
       end associate
    end function is_neutral_saddle
 
-   !> How many multipliers lie outside the unit circle; of one or two that lie on it, none counts.
+   !> Number of multipliers outside the unit circle; one or two that lie on it do not count.
    pure integer function outside_circle(spectrum, kind) result(outside)
       !> The normalised sums.
       type(spectrum_type), intent(in) :: spectrum
@@ -244,7 +244,7 @@ contains
       outside = zeros_outside(c(0:n))
    end function outside_circle
 
-   !> How many zeros of a polynomial lie outside the unit circle, by Schur and Cohn's recursion.
+   !> Number of zeros of a polynomial outside the unit circle, by Schur and Cohn's recursion.
    pure integer function zeros_outside(coefficients) result(outside)
       !> Highest power first.
       real(wp), intent(in) :: coefficients(:)

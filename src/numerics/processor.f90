@@ -1,4 +1,4 @@
-!> What this processor can do.
+!> Capabilities of this processor.
 module vi_processor
    use, intrinsic :: iso_c_binding, only: c_int
    !$ use omp_lib, only: omp_get_max_threads

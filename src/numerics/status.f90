@@ -1,4 +1,4 @@
-!> What can go wrong in a computation: one integer code each, and one text for each code.
+!> Status codes of computations: one integer and one text for each kind of failure.
 !!
 !! The core never prints and never stops. A procedure that can fail returns one of these codes; a
 !! point of a chart that failed keeps its code and NaN, and the rest of the chart goes on.

@@ -56,7 +56,7 @@ module vi_atlas_study
       column_type('points', 'explained', truths, listed=.false., &
       meaning='whether it lies in a zone of its pattern')]
 
-   !> Where the motion without impacts exists, in closed form: D > 2A.
+   !> The region where the motion without impacts exists, in closed form: D > 2A.
    character(*), parameter :: without_impacts = 'without impacts, the free mass at rest: where &
       &clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)'
 
@@ -70,7 +70,7 @@ contains
       call check_window(case)
    end subroutine check_atlas
 
-   !> What is asked of the search.
+   !> The request for the search.
    pure function atlas_request(case, threads) result(request)
       !> The case, checked.
       type(case_type), intent(in) :: case

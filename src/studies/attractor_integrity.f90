@@ -1,5 +1,6 @@
-!> How safe a plane of initial states is: pairs of states with different ends, and the largest disc
-!! inside a basin. In the core the second axis of a plane is the first dimension of its labels.
+!> Integrity of the basins in a plane of initial states: pairs of states with different ends, and
+!! the
+!! largest disc inside a basin. The second axis of a plane is the first dimension of its labels.
 module vi_attractor_integrity
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64

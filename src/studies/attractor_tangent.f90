@@ -1,4 +1,4 @@
-!> How small changes of the state grow from one event of a simulation to the next.
+!> The growth of small changes of the state from one event of a simulation to the next.
 !!
 !! The state of an event is (x, x', z', alpha) just after it, the free mass being on a wall and
 !! alpha the load phase. From impact to impact the derivative is [P_i]. An accumulation of impacts

@@ -159,7 +159,7 @@ contains
       end if
    end subroutine check_list
 
-   !> How far the free mass may be from the middle.
+   !> Largest distance of the free mass from the middle.
    pure real(wp) function reach(study)
       !> The group.
       type(values_type), intent(in) :: study

@@ -16,7 +16,7 @@ module vi_common_keys
    real(wp), parameter :: least_r = 1.0e-6_wp, most_r = 1.0e6_wp, least_gap = 1.0e-12_wp, &
       most_gap = 1.0e12_wp
 
-   !> What a study can vary, in the order of the core, with the ranges.
+   !> The parameters that a study can vary, in the order of the core, with their ranges.
    character(11), parameter, public :: parameters(7) = [character(11) :: 'r', 'clearance', 'xi', &
       'mu', 'R1', 'R2', 'restitution']
    type(key_type), parameter :: ranges(7) = [ &
@@ -207,8 +207,9 @@ contains
          &without damping)')
    end subroutine check_window
 
-   !> How far the free mass may be from the middle, with room for the rounding of a state that was
-   !! computed.
+   !> Largest distance of the free mass from the middle, with a margin for the rounding of a
+   !! computed
+   !! state.
    pure real(wp) function half_gap(clearance)
       !> The clearance.
       real(wp), intent(in) :: clearance

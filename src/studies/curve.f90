@@ -30,7 +30,7 @@ module vi_curve
    end type correction_type
 
    integer, parameter :: most_iterations = 8
-   !> What rounding leaves of an equation, relative to its coefficients.
+   !> Residual due to rounding, relative to the coefficients of an equation.
    real(wp), parameter :: rounding = 1.0e-13_wp
    !> A residual that makes Newton's method fail: the period has other letters.
    real(wp), parameter :: at_fault = huge(1.0_wp)

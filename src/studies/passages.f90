@@ -43,7 +43,7 @@ module vi_passages
       real(wp), allocatable :: unknowns(:)
    end type birth_type
 
-   !> What is known of a pattern at a point.
+   !> The known motions of a pattern at a point, and the lines through them.
    type, public :: lines_type
       private
       type(pattern_type) :: pattern

@@ -121,7 +121,7 @@ contains
 
    !> The generalised golden ratio of n phases: the root of x**n = 1 + x.
    pure real(wp) function golden_ratio(n) result(golden)
-      !> How many.
+      !> Number of phases.
       integer, intent(in) :: n
       integer :: j
 

@@ -341,7 +341,7 @@ contains
       type(oscillation_type), intent(in) :: o
       !> State at the start.
       real(wp), intent(in) :: x, x_dot
-      !> What moves, over the primary mass, and the damping ratio of the primary mass alone.
+      !> Moving mass over the primary mass, and the damping ratio of the primary mass alone.
       real(wp), intent(in) :: mass, xi
       !> Duration (1/omega).
       real(wp), intent(in) :: time

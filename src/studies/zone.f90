@@ -346,7 +346,7 @@ contains
    pure subroutine plant(net, from, unknowns, place, planted)
       !> In and out: the node is added.
       type(net_type), intent(inout) :: net
-      !> Where in the window it comes from.
+      !> Place in the window at which it is known.
       real(wp), intent(in) :: from(2)
       !> Unknowns of the motion.
       real(wp), intent(in) :: unknowns(:)

@@ -72,7 +72,7 @@ module vi_zone_pieces
       real(wp), allocatable :: points(:, :)
    end type ring_type
 
-   !> What was found.
+   !> All pieces and rings of a search, and its counts.
    type, public :: pieces_type
       type(piece_type), allocatable :: pieces(:)
       !> Pieces, loops that are closed, motions found on the lattice.
@@ -128,7 +128,7 @@ contains
    pure subroutine add_pieces(zone, request, mirrored, found)
       !> The zones of one family.
       type(zone_type), intent(in) :: zone
-      !> What was asked for: its window, and whether motions are their own mirror images.
+      !> The request: its window, and whether the motions are their own mirror images.
       type(zone_request_type), intent(in) :: request
       !> Whether these motions are not symmetric while others of the pattern are.
       logical, intent(in) :: mirrored

@@ -88,7 +88,7 @@ contains
       pattern = starred_pattern(letters, study%whole_number('cycles'))
    end function zone_pattern
 
-   !> What is asked of the search.
+   !> The request for the search.
    pure function zone_request(case) result(request)
       !> The case, checked.
       type(case_type), intent(in) :: case

@@ -98,7 +98,7 @@ class Explorer:
 
     @property
     def index(self) -> int:
-        """Which of the motions is the chosen one; -1 if there is none."""
+        """Number of the chosen motion; -1 if there is none."""
         recipe, state = self.state.motion, self.state
         if recipe is None or not self.shown:
             return 0 if self.shown else -1

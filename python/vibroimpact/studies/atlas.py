@@ -160,7 +160,7 @@ class Atlas(Noun, study="atlas"):
     survey : Survey
         Every point of the survey and its outcome.
     case : str
-        What was asked for as a namelist (see `to_namelist`).
+        The case as a namelist (see `to_namelist`).
     """
 
     __slots__ = ("__dict__",)

@@ -60,9 +60,9 @@ class Basins(Noun, study="basins"):
     standard_error : ndarray
         Standard error of the fractions for independent states; an upper bound for states of a lattice.
     case : str
-        What was asked for as a namelist.
+        The case as a namelist.
     complete : bool
-        False if Ctrl-C cut it short; `cut` then tells how far it came.
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
     """
 
     __slots__ = ("_attractors",)

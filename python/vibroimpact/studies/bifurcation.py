@@ -63,9 +63,9 @@ class BifurcationDiagram(Noun, study="bifurcation"):
         The impacts kept: ``run`` and ``index`` (of the value), ``side`` ("R", "L"), ``phase``, ``x``,
         ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
     case : str
-        What was asked for as a namelist.
+        The case as a namelist.
     complete : bool
-        False if Ctrl-C cut it short; `cut` then tells how far it came.
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
     """
 
     __slots__ = ("_points",)

@@ -60,6 +60,7 @@ def type_name(kind: int, index: int, symmetric: bool, mirrored: bool) -> str:
 
 
 def detail_text(kind: int, index: int, side: int) -> str:
-    """Which flight touches which wall, which impact has no approach, which bound was met; or nothing."""
+    """Details of a condition: the flight and the wall of a touch, the impact without approach, or the bound;
+    may be empty."""
     _, detail = _core.condition_text(kind, index, side, False, False)
     return detail.tobytes().decode().strip()

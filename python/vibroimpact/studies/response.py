@@ -32,9 +32,9 @@ class Response(Noun, study="response"):
     status : ndarray (n, states) of int
         0 done; see `status_text`.
     case : str
-        What was asked for as a namelist.
+        The case as a namelist.
     complete : bool
-        False if Ctrl-C cut it short; `cut` then tells how far it came.
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
     """
 
     __slots__ = ()

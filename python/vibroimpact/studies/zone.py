@@ -119,7 +119,7 @@ class Zone(Noun, study="zone"):
         found: see `search`.
     search : ZoneSearch
     case : str
-        What was asked for as a namelist; of a zone of an atlas, the search for its pattern alone.
+        The case as a namelist; of a zone of an atlas, the search for its pattern alone.
     """
 
     __slots__ = ("__dict__",)
