@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 import shlex
 import textwrap
 from collections.abc import Iterator, Mapping
@@ -16,7 +15,7 @@ from ..errors import ParameterError
 from ..files import write_text
 from ..interchange.namelist import Groups
 from ..tables import language
-from .study import unit_and_range
+from .study import takes
 
 HELP = "write a commented namelist to start from"
 DESCRIPTION = """Write NAME.nml, a namelist of one kind of case with every key explained, which runs as it
@@ -84,11 +83,7 @@ def key_lines(group: str, given: Mapping[str, Any]) -> Iterator[str]:
 
     for key in keys:
         name = key["name"]
-        about = unit_and_range(key, name)
-        if key["words"]:
-            about.append(", ".join(map(repr, key["words"].split())))
-        elif not about and "finite" not in key["takes"]:
-            about.append(re.sub(r", and \w+ below \w+$", "", key["takes"]))
+        about = takes(key)
         wrong = (
             (key["only"] and not holds(key["only"])) or any(map(holds, key["never"].split()))
             or key["or"] in given or any(name in x for x in given.values() if isinstance(x, list))

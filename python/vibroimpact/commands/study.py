@@ -25,7 +25,7 @@ from . import add_files, add_forms
 ENDS = {"min": "LOW", "max": "HIGH", "points": "N", "axes": "NAME"}
 #: What the help says of an option in place of the meanings of its keys.
 TEXTS = {"state": "displacement and velocity of the primary mass, then of the free mass"}
-#: What argparse makes of a value, by the kind of its key.
+#: The type of a value, by the kind of its key.
 TYPES: Mapping[str, Callable[[str], Any]] = {"number": float, "whole": int, "word": str}
 
 
@@ -116,6 +116,16 @@ def unit_and_range(key: Mapping[str, Any], word: str) -> list[str]:
     found = re.match(r"a (?:whole )?number with ([^,]*)", key["takes"])
     unit = [f"in {key['unit']}"] * (key["unit"] != "")
     return unit + ([re.sub(rf"\b{key['name']}\b", word, found[1])] if found else [])
+
+
+def takes(key: Mapping[str, Any]) -> list[str]:
+    """Unit and range, the words that it takes, or what else the core says of it."""
+    about = unit_and_range(key, key["name"])
+    if key["words"]:
+        about.append(", ".join(map(repr, key["words"].split())))
+    elif not re.match("a (whole |finite )?number( with|$)", key["takes"]):
+        about.append(re.sub(r", and \w+ below \w+$", "", key["takes"]))
+    return about
 
 
 def options_of(
