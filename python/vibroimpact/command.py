@@ -32,6 +32,18 @@ WITHOUT_UNITS = ("explore", "reproduce", "init", "doctor", "bench", "completion"
 WITHOUT_FILES = ("explore", "init", "doctor", "bench", "completion")
 
 
+#: A negative number in any notation.
+NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$|-(inf|infinity|nan)$", re.IGNORECASE)
+
+
+class Version(argparse.Action):
+    """Prints the version; that of argparse ignores a full disk."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> NoReturn:
+        print(f"vibroimpact {version('vibroimpact')}")
+        parser.exit()
+
+
 class Parser(argparse.ArgumentParser):
     """A parser that reports errors in the same form as the rest of the program, also to scripts."""
 
@@ -40,17 +52,18 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        # also -1e-3 and -inf are values, not options
-        self._negative_number_matcher = re.compile(
-            r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$|-(inf|infinity|nan)$", re.IGNORECASE
-        )
         self.register("type", int, whole)
         self.register("type", float, number)
 
-    def _print_message(self, message: str, file: SupportsWrite[str] | None = None) -> None:
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As in the base class; also -1e-3 and -inf are values, not options: a blank before each makes them so."""
+        return super().parse_known_args(
+            [f" {word}" if NEGATIVE.match(word) else word for word in args], namespace
+        )
+
+    def print_help(self, file: SupportsWrite[str] | None = None) -> None:
         """As in the base class, but without ignoring a full disk."""
-        if message:
-            (file or sys.stderr).write(message)
+        print(self.format_help(), end="", file=file)
 
     def error(self, message: str) -> NoReturn:
         """Report an error, and end."""
@@ -69,7 +82,7 @@ def whole(text: str) -> int:
     try:
         return int(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text}: must be a whole number") from None
+        raise argparse.ArgumentTypeError(f"{text.strip()}: must be a whole number") from None
 
 
 def number(text: str) -> float:
@@ -77,16 +90,19 @@ def number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text}: must be a number") from None
+        raise argparse.ArgumentTypeError(f"{text.strip()}: must be a number") from None
 
 
 def parsers() -> tuple[Parser, dict[str, Parser]]:
     """The argument parser, and that of each subcommand."""
-    return main_parser(), {name: parser_of(name) for name in NAMES}
+    parser, each = main_parser()
+    for name in NAMES:
+        fill(each[name], name)
+    return parser, each
 
 
-def main_parser() -> Parser:
-    """The parser that knows the names of the subcommands, and not their arguments."""
+def main_parser() -> tuple[Parser, dict[str, Parser]]:
+    """The argument parser, and that of each subcommand, as yet without its arguments."""
     parser = Parser(
         prog="vibroimpact",
         description="Stable periodic motions of a vibrating system in which a free mass hits its walls.",
@@ -94,28 +110,31 @@ def main_parser() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "--version", action="version", version=f"vibroimpact {version('vibroimpact')}"
+        "--version", action=Version, nargs=0, help="show the version of the program, and exit"
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for name in NAMES:
-        commands.add_parser(name, help=module_of(name).HELP)
-    return parser
+    each = {name: commands.add_parser(name, help=module_of(name).HELP) for name in NAMES}
+    return parser, each
 
 
 def parser_of(name: str) -> Parser:
     """The parser of a subcommand."""
+    parser = Parser(prog=f"vibroimpact {name}")
+    fill(parser, name)
+    return parser
+
+
+def fill(parser: Parser, name: str) -> None:
+    """Give the parser of a subcommand its texts and arguments."""
     module = module_of(name)
-    parser = Parser(
-        prog=f"vibroimpact {name}", description=module.DESCRIPTION,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="\n\n".join([
-            f"example: {module.EXAMPLE}", *[UNITS] * (name not in WITHOUT_UNITS),
-            "\n".join([EXIT_STATUS, *[INTERRUPT] * (name not in WITHOUT_FILES)]),
-        ]),
-    )  # fmt: skip
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.description = module.DESCRIPTION
+    parser.epilog = "\n\n".join([
+        f"example: {module.EXAMPLE}", *[UNITS] * (name not in WITHOUT_UNITS),
+        "\n".join([EXIT_STATUS, *[INTERRUPT] * (name not in WITHOUT_FILES)]),
+    ])  # fmt: skip
     module.arguments(parser)
     add_common(parser)
-    return parser
 
 
 def module_of(name: str) -> Any:
@@ -127,7 +146,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of the command; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     name = words[0] if words else ""
-    parser = parser_of(name) if name in NAMES else main_parser()
+    parser = parser_of(name) if name in NAMES else main_parser()[0]
     if not words:
         parser.print_help(sys.stderr)
         return 2

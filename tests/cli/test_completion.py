@@ -2,10 +2,12 @@
 
 import shutil
 import subprocess
+import sys
 
 import pytest
 from programs import ROOT, Runner, find_command
 from vibroimpact.case import KINDS
+from vibroimpact.command import main
 from vibroimpact.commands import FORMATS, NAMES
 
 
@@ -54,7 +56,7 @@ def test_bash(typed, wanted, script):
     path = script("bash")
     words = typed.split(" ")
     array = " ".join(f"'{word}'" for word in words)
-    code = f"source {path}; COMP_WORDS=({array}); COMP_CWORD={len(words) - 1}; _vibroimpact; "
+    code = f"source {path}; COMP_WORDS=({array}); COMP_CWORD={len(words) - 1}; _shtab_vibroimpact; "
     code += 'echo "${COMPREPLY[@]}"'
     found = answer(["bash", "-c", code], ROOT)
     assert found - {"--help", "--version"} == wanted
@@ -63,7 +65,7 @@ def test_bash(typed, wanted, script):
 def test_bash_takes_a_file_with_a_blank_as_one(script, tmp_path):
     """Its name is one word."""
     (tmp_path / "two words.nml").touch()
-    code = f"source {script('bash')}; COMP_WORDS=(vibroimpact run tw); COMP_CWORD=2; _vibroimpact; "
+    code = f"source {script('bash')}; COMP_WORDS=(vibroimpact run tw); COMP_CWORD=2; _shtab_vibroimpact; "
     code += 'printf "%s|" "${COMPREPLY[@]}"'
     done = subprocess.run(
         ["bash", "-c", code], capture_output=True, text=True, cwd=tmp_path, check=True
@@ -89,7 +91,7 @@ def test_fish(typed, wanted, script):
 def test_zsh_takes_it(script):
     """The script is sourced without a fault, and the command is bound to it."""
     path = script("zsh")
-    code = f"autoload -Uz compinit && compinit -D -u; source {path}; echo ${{_comps[vibroimpact]}}"
+    code = f'autoload -Uz compinit && compinit -D -u; eval "$(cat {path})"; echo ${{_comps[vibroimpact]}}'
     assert "vibroimpact" in " ".join(answer(["zsh", "-f", "-c", code], ROOT))
 
 
@@ -109,3 +111,11 @@ def test_every_command_and_option_is_there(script):
                 "quiet",
             ):
                 assert word in text
+
+
+def test_missing_library(monkeypatch, capsys):
+    """One line says what to install; status 1, and nothing is printed."""
+    monkeypatch.setitem(sys.modules, "shtab", None)
+    assert main(["completion", "bash"]) == 1
+    said = "completion in a shell needs shtab: pip install 'vibroimpact[completion]'"
+    assert capsys.readouterr() == ("", f"vibroimpact completion: {said}\n")

@@ -28,6 +28,7 @@ EXAMPLE = "vibroimpact doctor"
 
 #: What each extra is for; those for developers are not looked at.
 PURPOSES = {
+    "completion": "completion in a shell (`vibroimpact completion`)",
     "data": "labelled tables (chart, to_xarray, to_pandas) and netCDF files",
     "explorer": "the explorer in a browser (`vibroimpact explore`)",
     "film": "MP4 films, where the program ffmpeg is missing",

@@ -78,12 +78,13 @@ class Option(NamedTuple):
         return text
 
     def how(self) -> dict[str, Any]:
-        """What argparse is told of it."""
+        """The arguments of `add_argument`."""
         key = self.keys[0][1]
         told: dict[str, Any] = {"help": explained(self), "metavar": self.metavars[0]}
         if len(self.keys) > 1:
             return told | {
                 "nargs": len(self.keys) * key["most"],
+                "type": str.strip,
                 "metavar": self.metavars * key["most"],
             }
         if key["words"]:
