@@ -107,8 +107,9 @@ contains
       associate (key => keys(place))
          text = '  {"name": '//quoted(key%name)//', "kind": '//quoted(kinds(key%kind))// &
             ', "least": '//whole(key%least)//', "most": '//whole(key%most)
-         if (key%kind /= a_word) text = text//', "low": '//bound(key%low, key)//', "high": '// &
-            bound(key%high, key)//', "above": '//truth(key%above)//', "below": '//truth(key%below)
+         if (key%kind /= a_word) text = text//', "low": '//trim(bound(key%low, key))// &
+            ', "high": '//trim(bound(key%high, key))//', "above": '//truth(key%above)// &
+            ', "below": '//truth(key%below)
          text = &
             text//', "may_miss": '//truth(key%may_miss)//', "default": '//quoted(key%default)// &
             ', "words": '//quoted(key%words)//', "takes": '//quoted(takes)//', "or": '// &
@@ -145,14 +146,13 @@ contains
       string = '"'//trim(text)//'"'
    end function quoted
 
-   !> An end of a range; null if there is none.
+   !> An end of a range, with blanks behind it; null if there is none.
    pure function bound(value, key) result(text)
       !> The end.
       real(wp), intent(in) :: value
       !> The key of this range.
       type(key_type), intent(in) :: key
-      character(merge(4, len_trim(number_text(value, key%kind == a_whole)), abs(value) &
-         >= unbounded)) :: text
+      character(24) :: text
 
       text = 'null'
       if (abs(value) < unbounded) text = number_text(value, key%kind == a_whole)

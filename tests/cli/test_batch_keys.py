@@ -12,6 +12,7 @@ import sys
 import pytest
 import vibroimpact as vi
 from programs import ROOT, SYSTEM, find_batch
+from vibroimpact import checks
 from vibroimpact.command import parser_of
 from vibroimpact.commands import Record, cases
 from vibroimpact.commands.study import read_cases
@@ -173,6 +174,24 @@ def test_python_has_the_same_defaults(group):
         compared += 1
         assert default.strip("'") == str(parameter.default) or float(default) == parameter.default
     assert compared >= 2, group
+
+
+#: The group that declares each range that calls on arrays check by themselves, and its key.
+RANGES = {
+    "acceptance": ("motion", "acceptance"), "load": ("simulate", "load"), "clearance": ("simulate", "clearance"),
+    "cycles_simulated": ("simulate", "cycles"), "longest_step": ("branch", "longest_step"),
+}  # fmt: skip
+
+
+def test_calls_on_arrays_have_the_same_ranges():
+    """They check numbers without the tables, which is faster."""
+    for name, (low, high, closed) in checks.RANGES.items():
+        key = key_of(*RANGES.get(name, ("system", name)))
+        assert (low, high, closed) == (key["low"], key["high"], not key["below"])
+        assert not key["above"]
+    assert key_of("motion", "cycles")["high"] == checks.MAX_CYCLES
+    assert key_of("motion", "phases")["most"] == checks.MAX_IMPACTS
+    assert key_of("basins", "states")["high"] == checks.MOST_NUMBERS
 
 
 @pytest.mark.parametrize("group", CALLS)
