@@ -30,6 +30,8 @@ contains
 
    !> `consistent` from the residual, the multipliers, and `stable` from them.
    pure subroutine assess_linear(motion, acceptance)
+      !> In: a motion of the linear equations. Out: with its multipliers (NaN if there are none) and
+      !! verdicts.
       type(motion_type), intent(inout) :: motion
       !> Largest relative residual of (26), (30) that counts as consistent.
       real(wp), intent(in) :: acceptance
@@ -102,6 +104,7 @@ contains
    !! leave an impact together (R = 0) must part: the gap's acceleration tells, and where rounding
    !! hides its sign the verdict is `unknown`.
    pure subroutine assess_flights(motion)
+      !> In: a complete motion. Out: with `admissible`, x_min and x_max.
       type(motion_type), intent(inout) :: motion
       type(flight_type) :: flight
       real(wp) :: lowest, highest, begin
@@ -139,6 +142,7 @@ contains
 
    !> `consistent` from the relative residual of (26), (30).
    elemental integer function consistency(residual, acceptance)
+      !> Relative residual, and the largest one that counts as consistent.
       real(wp), intent(in) :: residual, acceptance
 
       consistency = verdict(residual <= acceptance)
@@ -146,6 +150,7 @@ contains
 
    !> `stable` from the modulus of the leading multiplier.
    elemental integer function stability(largest)
+      !> Modulus of the leading multiplier.
       real(wp), intent(in) :: largest
 
       stability = unknown
@@ -158,6 +163,7 @@ contains
    !! accumulation of many impacts costs digits: the entries are right to about 1e-10 of the
    !! largest.
    pure integer function plane_stability(j) result(stable)
+      !> Derivative of the map of the plane.
       real(wp), intent(in) :: j(2, 2)
       real(wp) :: trace, determinant, conditions(3), doubt
 
@@ -172,13 +178,16 @@ contains
 
    !> `admissible` from whether all conditions hold, as far as the flights were examined.
    elemental integer function admission(holds, complete)
+      !> Whether the conditions hold, and whether all flights could be examined.
       logical, intent(in) :: holds, complete
 
       admission = no
       if (holds) admission = merge(yes, unknown, complete)
    end function admission
 
+   !> `yes` or `no`.
    elemental integer function verdict(condition)
+      !> Whether the condition holds.
       logical, intent(in) :: condition
 
       verdict = merge(yes, no, condition)

@@ -20,15 +20,15 @@ module vi_exact
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
-   !> A Newton step (of positions by the clearance, of phases) below which rounding may be reached,
-   !! one after which nothing is left to gain, and residuals, over lengths, that are rounding.
+   !> Size of a Newton step (of positions over the clearance, of phases) below which rounding may be
+   !! reached, size of a step that is negligible, and relative residuals that are due to rounding.
    real(wp), parameter :: small = max(1.0e-7_wp, 100*epsilon(1.0_wp)), &
       negligible = 4000*epsilon(1.0_wp), at_rounding = 200*epsilon(1.0_wp)
 
    !> Relative residual up to which an exact motion counts as consistent.
    real(wp), parameter, public :: exact_acceptance = 1.0e-9_wp
 
-   !> What is given of an exact motion.
+   !> The given data of an exact motion.
    type, public :: setting_type
       type(oscillator_type) :: osc
       real(wp) :: r = 1, load = 1, clearance = 1
@@ -44,6 +44,7 @@ contains
    !! small, with one that is no shorter than the one before. Near a singular Jacobian, beside a
    !! fold or a pitchfork, steps shrink slowly at first, and rounding moves the unknowns far.
    pure subroutine solve_exact(setting, x, theta, most, known, motion, iterations)
+      !> Given data of the motion.
       type(setting_type), intent(in) :: setting
       !> In: guess of x_i and theta_i (N). Out: the last iterate.
       real(wp), intent(inout) :: x(:), theta(:)
@@ -51,7 +52,9 @@ contains
       integer, intent(in) :: most
       !> Motions already known (2N, m), in the unknowns (x, theta): they repel the iteration.
       real(wp), intent(in) :: known(:, :)
+      !> Out: the motion without verdicts, or its status; its arrays are reused.
       type(motion_type), intent(inout) :: motion
+      !> Number of Newton steps made.
       integer, intent(out) :: iterations
       real(wp), allocatable :: jacobian(:, :), step(:), unknowns(:), best(:)
       real(wp) :: size_step, size_before, residual, least, share, scale
@@ -107,6 +110,7 @@ contains
 
    !> Residuals E_i of all flights, position then velocity, and their derivatives.
    pure subroutine newton_equations(setting, unknowns, residual, jacobian)
+      !> Given data of the motion.
       type(setting_type), intent(in) :: setting
       !> x_i, theta_i (2N)
       real(wp), intent(in) :: unknowns(:)
@@ -167,8 +171,12 @@ contains
    !> Derivatives of x and x' after a time: by x and x' at the start (S_1..S_4 of (A6)), and by the
    !> phase of the forced motion.
    pure subroutine transfer(flight, t, s, forced)
+      !> The flight.
       type(flight_type), intent(in) :: flight
+      !> Time after its start (1/omega).
       real(wp), intent(in) :: t
+      !> S_1 .. S_4: derivatives of x, x by x, x', of x', x' by x, x' at the start; derivatives of x
+      !! and x' by the phase (rad).
       real(wp), intent(out) :: s(4), forced(2)
       real(wp) :: h, c1, c2, start(2), finish(2)
 
@@ -228,8 +236,11 @@ contains
 
    !> The motion, without verdicts, of unknowns that solve the equations.
    pure subroutine member(setting, x, theta, motion)
+      !> Given data of the motion.
       type(setting_type), intent(in) :: setting
+      !> (N) Positions x_i (F0/K) and theta_i = alpha_i + tau (rad) that solve the equations.
       real(wp), intent(in) :: x(:), theta(:)
+      !> Out: the motion without verdicts, or its status; its arrays are reused.
       type(motion_type), intent(inout) :: motion
 
       call start_motion(motion, setting%osc, setting%r, setting%pattern, setting%restitution, &
@@ -239,8 +250,12 @@ contains
 
    !> Writes a converged solution into a motion.
    pure subroutine finish(setting, x, theta, motion)
+      !> Given data of the motion.
       type(setting_type), intent(in) :: setting
+      !> (N) Positions x_i (F0/K) and theta_i = alpha_i + tau (rad).
       real(wp), intent(in) :: x(:), theta(:)
+      !> In: as `start_motion` leaves it. Out: complete; status `stat%no_convergence` if the
+      !! residual is too large.
       type(motion_type), intent(inout) :: motion
       real(wp) :: residual(2*size(x)), unused(2*size(x), 2*size(x))
       real(wp) :: time(size(x))

@@ -1,7 +1,8 @@
-!> How far two sets of unknowns (x_i, theta_i) of one pattern are apart, as motions.
+!> Distances between motions of one pattern, given by their unknowns (x_i, theta_i).
 !!
-!! A motion can be written in several ways: from any impact on that leaves the pattern as it is, and
-!! with whole load cycles added to all theta_i.
+!! The same motion has several sets of unknowns: it can begin with any impact that leaves the
+!! pattern
+!! unchanged, and whole load cycles can be added to all theta_i.
 module vi_likeness
    use vi_kinds, only: wp
    use vi_oscillator, only: gain, oscillator_type
@@ -12,7 +13,7 @@ module vi_likeness
    public :: allows_symmetry, distance, is_repeated, is_symmetric, length_scale, &
       shortest_repetition
 
-   !> Motions nearer than this are one motion.
+   !> Motions with a smaller distance than this are the same.
    real(wp), parameter, public :: same = 1.0e-6_wp
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -20,7 +21,9 @@ contains
 
    !> The scale of positions: the clearance, or the amplitude without impacts if that is larger.
    elemental real(wp) function length_scale(osc, r, clearance)
+      !> Oscillator; xi is read.
       type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, and clearance (F0/K).
       real(wp), intent(in) :: r, clearance
 
       length_scale = max(clearance, min(gain(osc%xi, r), huge(1.0_wp)))
@@ -28,7 +31,9 @@ contains
 
    !> Whether a motion of a pattern can be its own mirror image half a period later.
    pure logical function allows_symmetry(osc, pattern)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
 
       allows_symmetry = modulo(pattern%cycles, 2) == 1 .and. &
@@ -36,12 +41,15 @@ contains
          all(cshift(pattern%sides, size(pattern%sides)/2) == -pattern%sides)
    end function allows_symmetry
 
-   !> The least distance over all ways to write the other motion: the largest difference of any
-   !! x_i over a scale, or of any theta_i.
+   !> The least distance over all sets of unknowns of the other motion: the largest difference of
+   !! any
+   !! x_i, over a scale, or of any theta_i (rad).
    pure real(wp) function distance(pattern, scale, one, other)
+      !> Pattern of both.
       type(pattern_type), intent(in) :: pattern
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
-      !> (2N) each
+      !> (2N) x_i and theta_i of each.
       real(wp), intent(in) :: one(:), other(:)
       integer :: j
 
@@ -51,9 +59,11 @@ contains
       end do
    end function distance
 
-   !> Whether a motion is a shorter one written several times over.
+   !> Whether a motion consists of several periods of a shorter one.
    pure logical function is_repeated(pattern, scale, unknowns)
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
+      !> Unit of positions, as `length_scale`; x_i and theta_i (2N).
       real(wp), intent(in) :: scale, unknowns(:)
       integer :: j
 
@@ -64,11 +74,13 @@ contains
       end do
    end function is_repeated
 
-   !> After how many impacts a motion repeats itself first: all of them, unless it is a shorter one
-   !! written several times over.
+   !> Number of impacts after which a motion first repeats itself: all of them, unless it consists
+   !! of
+   !! several periods of a shorter one.
    pure integer function shortest_repetition(pattern, scale, unknowns) result(impacts)
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
-      !> Of positions, as `length_scale`; x_i and theta_i (2N).
+      !> Unit of positions, as `length_scale`; x_i and theta_i (2N).
       real(wp), intent(in) :: scale, unknowns(:)
       integer :: j, n
 
@@ -82,7 +94,9 @@ contains
 
    !> Whether a motion is its own mirror image: x -> -x, R <-> L, half a load cycle later.
    pure logical function is_symmetric(pattern, scale, unknowns)
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
+      !> Unit of positions, as `length_scale`; x_i and theta_i (2N).
       real(wp), intent(in) :: scale, unknowns(:)
       integer :: j
 
@@ -93,11 +107,14 @@ contains
       end do
    end function is_symmetric
 
-   !> The distance of a motion from another one (mirror = 1), or from its mirror image (-1), that is
-   !! counted from its impact j + 1 on.
+   !> The distance of a motion from another one, or from its mirror image, whose impacts are counted
+   !! from number j + 1 on; huge if the sides differ.
    pure real(wp) function turned_distance(pattern, scale, one, other, j, mirror) result(distance)
+      !> Pattern of both.
       type(pattern_type), intent(in) :: pattern
+      !> Unit of positions, as `length_scale`; x_i and theta_i (2N) of each.
       real(wp), intent(in) :: scale, one(:), other(:)
+      !> Number of impacts left out; +1 for the other motion, -1 for its mirror image.
       integer, intent(in) :: j, mirror
       real(wp) :: gap, shift
       integer :: i, k, n
