@@ -20,24 +20,29 @@ module vi_branch_of
       real(wp), allocatable :: parameters(:, :), phases(:, :), impacts(:, :, :), scalars(:, :)
       complex(wp), allocatable :: multipliers(:, :)
       integer, allocatable :: verdicts(:, :), codes(:), special(:, :)
-      !> Why it ends, at its first and at its last point.
+      !> The reasons why it ends, at its first and at its last point, as of vi_branch.
       integer :: reasons(2) = 0
       integer :: status = stat%ok
    end type points_type
 
 contains
 
-   !> Follows a motion both ways along a parameter.
+   !> Follows a motion in both directions along a parameter.
    subroutine branch_of(motion, parameter, tied, bounds, longest, most, points, tally)
+      !> The motion at the start, exact.
       type(motion_type), intent(in) :: motion
-      !> Its place in the core; `tied`: R2 follows R1.
+      !> Place of the parameter in the core (`by_r` .. `by_left`).
       integer, intent(in) :: parameter
+      !> Whether R2 always equals R1.
       logical, intent(in) :: tied
+      !> Lowest and highest value of the parameter (clearance, not its logarithm), and the longest
+      !! step, the bounds being 0 and 1.
       real(wp), intent(in) :: bounds(2), longest
-      !> Most points each way.
+      !> Largest number of points in each direction.
       integer, intent(in) :: most
+      !> The branch.
       type(points_type), intent(out) :: points
-      !> As of vi_tally; who calls has it in sight.
+      !> Progress counters, see vi_tally; the caller has added the work to those known.
       integer, intent(inout), optional :: tally(3)
       type(branch_request_type) :: request
       integer :: n, room
@@ -63,6 +68,7 @@ contains
 
    !> Whether a motion is its own mirror image half a period later, to 1e-6.
    pure logical function is_symmetric(motion)
+      !> The motion.
       type(motion_type), intent(in) :: motion
       real(wp), parameter :: pi = acos(-1.0_wp), near = 1.0e-6_wp
       integer :: half

@@ -70,7 +70,7 @@ contains
 
    !> Checks the &motion that a branch starts from.
    subroutine check_branch_start(case, line)
-      !> With `start`, which keeps the fault.
+      !> A case with a `start`, in which a fault is recorded.
       type(case_type), intent(inout) :: case
       !> Of the group &branch.
       integer, intent(in) :: line
@@ -89,7 +89,7 @@ contains
       end if
    end subroutine check_branch_start
 
-   !> Keeps a fault of the start.
+   !> Records a fault of the start.
    pure subroutine blame(start, text, line)
       !> The group.
       type(values_type), intent(inout) :: start
@@ -135,7 +135,7 @@ contains
       end if
    end subroutine check_branch
 
-   !> Where the parameter starts: at least and at most.
+   !> The least and the greatest value of the parameter at the start.
    function start_value(case, place) result(value)
       !> With `start`.
       type(case_type), intent(in) :: case
@@ -171,9 +171,9 @@ contains
    subroutine run_branch(case, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(motion_type), allocatable :: motions(:)
       type(points_type), allocatable :: branches(:)
@@ -193,7 +193,7 @@ contains
             call refine(start%clearance, start)
          end if
          if (start%status /= stat%ok) then
-            ! that there is neither of a pair is said once
+            ! if neither of a pair exists, this is reported once
             if (i == 1 .or. any(motions%status == stat%ok)) then
                call result%fail(status_text(start%status))
             end if
@@ -286,7 +286,9 @@ contains
 
    !> The type of a special point; blank for another point.
    pure function special_name(branch, k) result(name)
+      !> The branch.
       type(points_type), intent(in) :: branch
+      !> Number of the point.
       integer, intent(in) :: k
       character(name_length) :: name
 
@@ -295,16 +297,18 @@ contains
          branch%special(2, k), branch%symmetric, branch%mirrored)
    end function special_name
 
-   !> Why a branch ends.
+   !> The reason why a branch ends, in words.
    pure function end_text(reason) result(text)
+      !> One of the codes of vi_branch.
       integer, intent(in) :: reason
       character(len_trim(padded_end(reason))) :: text
 
       text = padded_end(reason)
    end function end_text
 
-   !> The same with blanks behind it.
+   !> As `end_text`, padded with blanks.
    pure function padded_end(reason) result(text)
+      !> One of the codes of vi_branch.
       integer, intent(in) :: reason
       character(40) :: text
 
@@ -326,7 +330,9 @@ contains
 
    !> Points, special points and ends in words.
    pure subroutine summarize(branch, text)
+      !> The branch.
       type(points_type), intent(in) :: branch
+      !> Numbers of points and of special points, and the ends.
       character(:), allocatable, intent(out) :: text
       character(14), parameter :: names(6) = [character(14) :: 'fold', 'pitchfork', 'flip', &
          'neimark_sacker', 'grazing', 'zero_approach']

@@ -18,19 +18,19 @@ module vi_branch_table
 
    public :: branch_arrays
 
-   !> What one branch counts in a tally of work, and the part of it that is to follow it both ways:
-   !! the motions at its points take the rest of the time.
+   !> Units of work of one branch in the progress counters, and the part of them for following it in
+   !! both directions; the motions at its points take the rest.
    integer, parameter, public :: branch_work = 1000
    integer, parameter :: follow_work = 300
 
-   !> What to follow: the motion (x_i/D and theta_i) at parameters c, and along which parameter.
+   !> The motion to follow (x_i/D and theta_i) at parameters c, and the parameter that changes.
    type, public :: branch_request_type
       type(pattern_type) :: pattern
       logical :: symmetric = .false.
       !> r, log(D), xi, mu, R1, R2
       real(wp) :: c(n_parameters) = 0
       integer :: parameter = by_clearance
-      !> R2 follows R1.
+      !> Whether R2 always equals R1.
       logical :: tied = .false.
       real(wp) :: bounds(2) = 0
       !> Longest step: of the parameter over its range, and of the unknowns.
@@ -39,25 +39,30 @@ module vi_branch_table
 
 contains
 
-   !> Follows a branch both ways; the points are in order along it.
+   !> Follows a branch in both directions; the points are in order along it.
    subroutine branch_arrays(request, unknowns, parameters, phases, impacts, scalars, multipliers, &
       verdicts, codes, special, n, reasons, status, tally)
+      !> What to follow.
       type(branch_request_type), intent(in) :: request
-      !> (2N)
+      !> (2N) x_i/D and theta_i at the start.
       real(wp), intent(in) :: unknowns(:)
       !> (6, room): r, D, xi, mu, R1, R2.
       real(wp), intent(out) :: parameters(:, :)
-      !> As in vi_points.
+      !> (N, room), (N, 6, room), (6, room) as in vi_points.
       real(wp), intent(out) :: phases(:, :), impacts(:, :, :), scalars(:, :)
+      !> (4, room) By falling modulus.
       complex(wp), intent(out) :: multipliers(:, :)
+      !> (3, room) consistent, admissible, stable; (room) codes of vi_status.
       integer, intent(out) :: verdicts(:, :), codes(:)
       !> (3, room): kind of the condition that is zero (0: none), its index, its side.
       integer, intent(out) :: special(:, :)
+      !> Number of points; 0 if the start is a singular point.
       integer, intent(out) :: n
-      !> Why the branch ends, at its first and at its last point.
+      !> The reasons why it ends, at its first and at its last point, as of vi_branch.
       integer, intent(out) :: reasons(2)
+      !> `stat%ok`, or `stat%no_motion` if the pattern has no such family.
       integer, intent(out) :: status
-      !> As of vi_tally; who calls has it in sight.
+      !> Progress counters, see vi_tally; the caller has added the work to those known.
       integer, intent(inout), optional :: tally(3)
       type(curve_type) :: curve
       type(condition_type), allocatable :: conditions(:)
@@ -100,17 +105,24 @@ contains
       call tell_share(1.0_wp, branch_work, told, tally)
    end subroutine branch_arrays
 
-   !> The points of a branch both ways from its start; none if the start is a singular point.
+   !> The points of a branch in both directions from its start; none if the start is a singular
+   !! point.
    subroutine follow_both(curve, stride, start, most, points, conditions, reasons, tally)
+      !> The curve of motions, with edges at the bounds of the parameter.
       type(curve_type), intent(in) :: curve
+      !> Limits on steps.
       type(stride_type), intent(in) :: stride
+      !> The point at the start.
       real(wp), intent(in) :: start(:)
-      !> Points each way.
+      !> Largest number of points in each direction.
       integer, intent(in) :: most
+      !> (size of a point, n) The points in order.
       real(wp), allocatable, intent(out) :: points(:, :)
-      !> Those that are zero at the points.
+      !> (n) The condition that is zero at each point; kind 0 if none.
       type(condition_type), allocatable, intent(out) :: conditions(:)
+      !> The reasons why it ends, at its first and at its last point.
       integer, intent(out) :: reasons(2)
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(branch_type) :: half(2)
       integer :: i, n, told, work(2)
@@ -137,13 +149,20 @@ contains
    !> One point of a branch as a motion in arrays.
    pure subroutine write_point(request, curve, point, condition, parameters, phases, impacts, &
       scalars, multipliers, verdicts, code)
+      !> What is followed.
       type(branch_request_type), intent(in) :: request
+      !> The curve of motions.
       type(curve_type), intent(in) :: curve
+      !> A point of it.
       real(wp), intent(in) :: point(:)
-      !> The condition that is zero there, if any: on a bound the parameter is the bound.
+      !> The condition that is zero there, if any; on a bound the parameter is set to the bound
+      !! exactly.
       type(condition_type), intent(in) :: condition
+      !> (6) r, D, xi, mu, R1, R2; (N), (N, 6), (6) as in vi_points.
       real(wp), intent(out) :: parameters(:), phases(:), impacts(:, :), scalars(:)
+      !> (4) By falling modulus.
       complex(wp), intent(out) :: multipliers(:)
+      !> (3) consistent, admissible, stable; a code of vi_status.
       integer, intent(out) :: verdicts(:), code
       type(setting_type) :: setting
       real(wp) :: whole(2*size(request%pattern%sides)), c(n_parameters)
@@ -166,10 +185,15 @@ contains
 
    !> The curve and the start on it.
    pure subroutine make_curve(request, unknowns, curve, start, status)
+      !> What to follow.
       type(branch_request_type), intent(in) :: request
+      !> (2N) x_i/D and theta_i at the start.
       real(wp), intent(in) :: unknowns(:)
+      !> The curve; its parameter is 0 and 1 at the bounds.
       type(curve_type), intent(out) :: curve
+      !> The point at the start.
       real(wp), allocatable, intent(out) :: start(:)
+      !> `stat%ok`, or `stat%no_motion` if the pattern has no such family.
       integer, intent(out) :: status
       real(wp) :: low, high
       logical :: possible, equal

@@ -1,8 +1,8 @@
 !> Charts: the motions of one pattern on a grid of frequency ratios and clearances.
 !!
 !! Results have a column for each r, and in it a place for each clearance and each slot. Every
-!! column or point is one task that writes to its own place: the answer is the same to the last bit
-!! for any number of threads.
+!! column or point is one task that writes to its own place, so the results have the same bits for
+!! any number of threads.
 module vi_chart
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_equispaced_row, only: new_row, row_pairs, row_type, summary_type
@@ -30,13 +30,15 @@ contains
    !> Both equispaced motions at every point of a grid; a slot holds one of them throughout.
    subroutine equispaced_chart(osc, r, clearance, cycles, with_multipliers, threads, scalars, &
       multipliers, verdicts, status, tally)
-      !> Its two coefficients of restitution are equal, and `cycles` is odd.
+      !> Oscillator with equal coefficients of restitution.
       type(oscillator_type), intent(in) :: osc
-      !> (n), (m)
+      !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
+      !> Load cycles k in a period, odd.
       integer, intent(in) :: cycles
       !> Whether the multipliers are wanted, or only the verdict on them; they cost the most.
       logical, intent(in) :: with_multipliers
+      !> Number of OpenMP threads.
       integer, intent(in) :: threads
       !> (4, 2, m, n): x_1, tau, x_min, x_max
       real(wp), intent(out) :: scalars(:, :, :, :)
@@ -44,9 +46,9 @@ contains
       complex(wp), intent(out) :: multipliers(:, :, :, :)
       !> (3, 2, m, n): consistent, admissible, stable
       integer, intent(out) :: verdicts(:, :, :, :)
-      !> (2, m, n)
+      !> (2, m, n) Codes of vi_status.
       integer, intent(out) :: status(:, :, :)
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(row_type) :: row
       type(summary_type), allocatable :: pairs(:, :)
@@ -71,20 +73,24 @@ contains
       !$omp end parallel do
    end subroutine equispaced_chart
 
-   !> The exact motions of a pattern at every point of a grid, by a flood from some of its points.
+   !> The exact motions of a pattern at every point of a grid, continued from some of its points.
    subroutine exact_chart(setting, r, clearance, points, guesses, symmetry, threads, phases, &
       impacts, scalars, multipliers, verdicts, status, found, tally)
-      !> Its r and clearance do not matter.
+      !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
-      !> (n), (m)
+      !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
-      !> As in `seed_flood`.
+      !> (2, p) points of the search, guesses at each, which motions, and OpenMP threads, as in
+      !! `seed_flood`.
       integer, intent(in) :: points(:, :), guesses, symmetry, threads
-      !> As in `finish_chart`.
+      !> (N, room, m, n), (N, 6, room, m, n), (6, room, m, n) as in vi_points; NaN in empty slots.
       real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
+      !> (4, room, m, n) By falling modulus; NaN in empty slots.
       complex(wp), intent(out) :: multipliers(:, :, :, :)
+      !> (3, room, m, n); (room, m, n) codes of vi_status, `stat%no_motion` in empty slots; (m, n)
+      !! motions found, those without a slot included.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :), found(:, :)
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: unknowns(:, :, :, :)
       integer, allocatable :: marks(:, :, :, :), counts(:, :, :)
@@ -117,19 +123,25 @@ contains
          phases, impacts, scalars, multipliers, verdicts, status)
    end subroutine exact_chart
 
-   !> The motions of a flood in their slots.
+   !> Puts the motions found into slots, and computes them once more with their verdicts.
    subroutine finish_chart(setting, r, clearance, threads, unknowns, ranks, found, phases, &
       impacts, scalars, multipliers, verdicts, status)
+      !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
+      !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
+      !> Number of OpenMP threads.
       integer, intent(in) :: threads
-      !> State of the flood: (2N, keep, m, n), (keep, m, n), and (m, n) motions found.
+      !> (2N, keep, m, n) x_i (F0/K) and theta_i (rad) of the motions found.
       real(wp), intent(in) :: unknowns(:, :, :, :)
+      !> (keep, m, n) ranks of the motions, as in vi_flood; (m, n) number of motions at each point.
       integer, intent(in) :: ranks(:, :, :), found(:, :)
       !> (N, room, m, n), (N, 6, room, m, n), (6, room, m, n), (4, room, m, n): as in vi_points
       real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
+      !> (4, room, m, n) By falling modulus; NaN in empty slots.
       complex(wp), intent(out) :: multipliers(:, :, :, :)
-      !> (3, room, m, n), (room, m, n)
+      !> (3, room, m, n) consistent, admissible, stable; (room, m, n) codes of vi_status,
+      !! `stat%no_motion` in empty slots.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :)
       integer :: slots(size(ranks, 1), size(ranks, 2), size(ranks, 3))
       type(setting_type) :: here
@@ -168,9 +180,13 @@ contains
 
    !> Writes one motion into its place.
    pure subroutine store(summary, scalars, multipliers, verdicts, status)
+      !> The motion, or its status.
       type(summary_type), intent(in) :: summary
+      !> (4) x_1, tau, x_min, x_max; NaN if the motion does not exist.
       real(wp), intent(out) :: scalars(:)
+      !> (4) By falling modulus; NaN if the motion does not exist.
       complex(wp), intent(out) :: multipliers(:)
+      !> (3) consistent, admissible, stable; a code of vi_status.
       integer, intent(out) :: verdicts(:), status
       real(wp) :: nan
 

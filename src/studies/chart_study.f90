@@ -121,9 +121,9 @@ contains
    subroutine run_chart(case, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(map_type) :: map
       type(pattern_type) :: pattern

@@ -1,9 +1,11 @@
-!> Every periodic motion at a point that a systematic search finds, stable and unstable.
+!> A systematic search for the periodic motions at a point, stable and unstable.
 !!
-!! For each pattern of sides Newton's method starts from guesses, and what it finds is followed
+!! For each pattern of sides Newton's method starts from guesses, and the motions found are
+!! continued
 !! along the lines of constant r and of constant D through the point. Newton's method on the return
-!! map of releases adds motions with rest. Simulations from a spread of initial states add what they
-!! settle on, whatever its number of impacts and load cycles.
+!! map of releases adds motions with rest. Simulations from initial states that are spread evenly
+!! add
+!! the motions on which they settle, with any number of impacts and load cycles.
 module vi_find
    use vi_drive, only: drive_type
    use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored, new_found, &
@@ -24,35 +26,36 @@ module vi_find
 
    public :: find_motions
 
-   !> What a search counts in a tally of work, and the parts of it.
+   !> Units of work of a search in the progress counters, and its parts.
    integer, parameter, public :: all_work = 1000000
    integer, parameter :: pattern_work = 900000, release_work = 50000, state_work = 50000
-   !> Events that a period with rest may have while it is searched for; motions that one simulation
-   !! may lead to.
+   !> Largest number of events of a period with rest in the search, and of motions to which one
+   !! simulation may lead.
    integer, parameter :: few_events = 200, most_a_state = 4
 
-   !> Where to search, and how hard.
+   !> What to search, and the effort.
    type, public :: find_request_type
       type(drive_type) :: drive
       !> Limits of the patterns that are searched.
       integer :: max_impacts = 6, max_cycles = 2
-      !> Guesses for each pattern; initial states simulated, and load cycles before an attractor is
-      !! looked for; releases for each wall and number of cycles; threads.
+      !> Guesses for each pattern; initial states simulated, and load cycles of the transient;
+      !! releases
+      !! for each wall and number of cycles; OpenMP threads.
       integer :: guesses = 96, states = 24, settling = 600, releases = 32, threads = 1
    end type find_request_type
 
-   !> What was found, and how.
+   !> The motions found, and counts of the search.
    type, public :: findings_type
       integer :: n = 0
       type(found_type), allocatable :: motions(:)
       !> Patterns searched; Newton iterations started from guesses; solutions that would pass
       !! through a wall; releases that Newton's method was started from.
       integer :: patterns = 0, guesses = 0, inadmissible = 0, releases = 0
-      !> States by what becomes of them, as in vi_settled_motion.
+      !> Number of states of each outcome, as in vi_settled_motion.
       integer :: outcomes(n_outcomes) = 0
    end type findings_type
 
-   !> What one task has found.
+   !> The motions that one task has found.
    type :: batch_type
       type(found_type), allocatable :: motions(:)
       integer :: n = 0, tried = 0, inadmissible = 0, outcome = 0
@@ -60,11 +63,13 @@ module vi_find
 
 contains
 
-   !> All motions at a point; the answer does not depend on the number of threads.
+   !> All motions at a point; the result does not depend on the number of threads.
    subroutine find_motions(request, findings, tally)
+      !> What is asked for.
       type(find_request_type), intent(in) :: request
+      !> The motions found.
       type(findings_type), intent(out) :: findings
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp) :: scale
 
@@ -81,9 +86,13 @@ contains
 
    !> Adds the motions of all patterns without rest.
    subroutine from_patterns(request, scale, findings, tally)
+      !> What is asked for.
       type(find_request_type), intent(in) :: request
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
+      !> In and out: motions are added.
       type(findings_type), intent(inout) :: findings
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(pattern_type), allocatable :: patterns(:)
       type(lines_type), allocatable :: lines(:)
@@ -124,10 +133,15 @@ contains
       end do
    end subroutine from_patterns
 
-   !> Follows the lines that begin where other patterns graze, and those that begin on them.
+   !> Follows the lines that begin where motions of other patterns graze, and the lines that begin
+   !! on
+   !! those.
    subroutine follow_births(request, patterns, lines)
+      !> What is asked for.
       type(find_request_type), intent(in) :: request
+      !> All patterns searched.
       type(pattern_type), intent(in) :: patterns(:)
+      !> (as `patterns`) In and out: the lines of each pattern.
       type(lines_type), intent(inout) :: lines(:)
       integer, parameter :: rounds = 3
       type(birth_type), allocatable :: births(:)
@@ -159,8 +173,9 @@ contains
       end do
    end subroutine follow_births
 
-   !> Where a pattern is in a list; 0 if it is not there.
+   !> Place of a pattern in a list; 0 if it is not in it.
    pure integer function place_of(pattern, patterns) result(place)
+      !> The pattern, and the list.
       type(pattern_type), intent(in) :: pattern, patterns(:)
 
       do place = size(patterns), 1, -1
@@ -172,10 +187,13 @@ contains
 
    !> The admissible motions among those of one pattern.
    pure subroutine keep_admissible(drive, pattern, unknowns, batch)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The pattern.
       type(pattern_type), intent(in) :: pattern
       !> x_i/D and theta_i of each (2N, m).
       real(wp), intent(in) :: unknowns(:, :)
+      !> Out: the admissible motions, and the number of the others.
       type(batch_type), intent(inout) :: batch
       type(found_type) :: found
       integer :: i, n
@@ -196,9 +214,13 @@ contains
 
    !> Adds the motions with rest to which Newton's method leads from releases.
    subroutine from_releases(request, scale, findings, tally)
+      !> What is asked for.
       type(find_request_type), intent(in) :: request
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
+      !> In and out: motions are added.
       type(findings_type), intent(inout) :: findings
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(batch_type), allocatable :: batches(:)
       integer :: i, n, cycles, side, told
@@ -226,11 +248,15 @@ contains
       call tell_share(1.0_wp, release_work, told, tally)
    end subroutine from_releases
 
-   !> Adds the motions that simulations settle on.
+   !> Adds the motions on which simulations settle.
    subroutine from_states(request, scale, findings, tally)
+      !> What is asked for.
       type(find_request_type), intent(in) :: request
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
+      !> In and out: motions are added.
       type(findings_type), intent(inout) :: findings
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       type(batch_type), allocatable :: batches(:)
       integer :: i
@@ -255,17 +281,23 @@ contains
       end do
    end subroutine from_states
 
+   !> Whether both walls have the same coefficient of restitution.
    pure logical function walls_alike(drive)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
 
       walls_alike = abs(drive%osc%restitution(1) - drive%osc%restitution(2)) <= 0
    end function walls_alike
 
-   !> Adds what is not there yet, with mirror images where the walls are alike.
+   !> Adds the motions that are not known yet, with their mirror images if the walls are alike.
    pure subroutine add_batch(drive, batch, scale, findings)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
+      !> The motions of one task.
       type(batch_type), intent(in) :: batch
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
+      !> In and out: motions are added.
       type(findings_type), intent(inout) :: findings
       type(found_type) :: once
       integer :: i
@@ -277,9 +309,13 @@ contains
       end do
    end subroutine add_batch
 
+   !> Adds a motion in standard form, if it is not known yet.
    pure subroutine add(motion, scale, findings)
+      !> The motion.
       type(found_type), intent(in) :: motion
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
+      !> In and out: the motion is added.
       type(findings_type), intent(inout) :: findings
       type(found_type), allocatable :: more(:)
       integer :: i
@@ -296,10 +332,12 @@ contains
       findings%motions(findings%n) = motion
    end subroutine add
 
-   !> Solves once more for each motion as it is written now, with its verdicts; what is lost on the
-   !! edge of convergence is left out.
+   !> Computes each motion once more in its standard form, with its verdicts; motions that do not
+   !! converge then are left out.
    subroutine verify(request, findings)
+      !> What is asked for.
       type(find_request_type), intent(in) :: request
+      !> In and out: the motions.
       type(findings_type), intent(inout) :: findings
       type(found_type) :: again
       integer :: i, n

@@ -91,7 +91,7 @@ module vi_motion_study
       column_type('motions', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
 
-   !> What is known of a motion.
+   !> The data of a group &motion.
    type, public :: motion_request_type
       !> 'periodic', 'equispaced' or 'exact'.
       character(24) :: kind = ''
@@ -140,7 +140,7 @@ contains
          'impact')//' are in sides')
    end subroutine check_motion
 
-   !> The phases begin with 0 and increase within the period.
+   !> Checks that the phases begin with 0 and increase within the period.
    subroutine check_phases(values, n)
       !> The group.
       type(values_type), intent(inout) :: values
@@ -168,13 +168,13 @@ contains
       end if
    end subroutine check_phases
 
-   !> What a checked group says of its motion.
+   !> Converts a checked group to the data of its motion.
    pure subroutine motion_request(osc, values, request)
       !> The system.
       type(oscillator_type), intent(in) :: osc
       !> The group.
       type(values_type), intent(in) :: values
-      !> The same as numbers.
+      !> The data of the motion.
       type(motion_request_type), intent(out) :: request
       character(:), allocatable :: letters
 
@@ -200,7 +200,7 @@ contains
 
    !> The motions of a group: two of the equispaced kind, else one.
    subroutine find_motions(case, values, motions)
-      !> With the system.
+      !> The case with its system.
       type(case_type), intent(in) :: case
       !> The group &motion, checked.
       type(values_type), intent(in) :: values
@@ -240,7 +240,7 @@ contains
    subroutine run_motion(case, result)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
       type(motion_type), allocatable :: motions(:)
       character(:), allocatable :: text
@@ -329,7 +329,9 @@ contains
 
    !> The verdicts of a motion in words.
    pure subroutine describe_verdicts(motion, text)
+      !> The motion.
       type(motion_type), intent(in) :: motion
+      !> Its verdicts, and the modulus of its leading multiplier.
       character(:), allocatable, intent(out) :: text
 
       text = said(motion%consistent, 'consistent')//', '//said(motion%admissible, 'admissible') &
@@ -343,8 +345,11 @@ contains
       end if
    end subroutine describe_verdicts
 
+   !> A verdict in words.
    pure function said(verdict, word) result(text)
+      !> `yes`, `no` or `unknown`.
       integer, intent(in) :: verdict
+      !> The adjective.
       character(*), intent(in) :: word
       character(len(word) + merge(0, merge(1, 4, verdict == unknown), verdict == yes)) :: text
 

@@ -32,16 +32,19 @@ module vi_rest_motion
 
 contains
 
-   !> From one release on a wall to the release k load cycles later.
+   !> The map from one release on a wall to the release k load cycles later.
    pure subroutine return_map(drive, side, cycles, start, finish, events, n, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The wall, +1 or -1, and the load cycles k.
       integer, intent(in) :: side, cycles
-      !> (phase, v) at the release; `finish` has the phase less 2 pi k.
+      !> (phase, v) at the first release.
       real(wp), intent(in) :: start(2)
+      !> (phase less 2 pi k, v) at that release.
       real(wp), intent(out) :: finish(2)
       !> Events of the period, the last one the release; room for one more period is needed.
       type(event_type), intent(inout) :: events(:)
+      !> Number of events of the period; 0 if there is no release near its end.
       integer, intent(out) :: n
       !> `stat%ok`, or `stat%no_motion` if there is no release near that time.
       integer, intent(out) :: status
@@ -51,7 +54,7 @@ contains
 
       finish = 0
       n = 0
-      ! most releases come back at once: what is farther ahead than one that is found is not nearer
+      ! most periods end close to their start: a search farther ahead finds no nearer release
       horizon = 0.1_wp
       do while (n == 0)
          state = release_state(drive, side, start)
@@ -75,6 +78,7 @@ contains
 
    !> The state at a release. The phase may lie a little outside [0, 2 pi).
    pure function release_state(drive, side, start) result(state)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The wall, +1 or -1.
       integer, intent(in) :: side
@@ -105,6 +109,7 @@ contains
       type(motion_type), intent(out) :: motion
       !> Events of the period (n of them), the last one the release.
       type(event_type), intent(inout) :: events(:)
+      !> Number of events of the period.
       integer, intent(out) :: n
       !> Newton steps in all, and times that letters are held.
       integer, parameter :: most = 40, most_rounds = 4
@@ -181,9 +186,8 @@ contains
       if (abs(pair(2)) > abs(pair(1))) pair = pair([2, 1])
    end subroutine plane_multipliers
 
-   !> By how much the modulus of the leading multiplier may be wrong by rounding of the unknowns, of
-   !! which the worst change is taken forward and backward, as in vi_doubt; huge where nothing is
-   !! certain.
+   !> Largest error of the modulus of the leading multiplier by rounding of the unknowns. As in
+   !! vi_doubt, their worst change is applied forward and backward; huge where nothing is certain.
    pure real(wp) function modulus_doubt(family, unknowns, c, period, leading) result(doubt)
       !> The letters.
       type(rest_family_type), intent(in) :: family
@@ -221,7 +225,7 @@ contains
       if (.not. regular) doubt = huge(1.0_wp)
    end function modulus_doubt
 
-   !> The periodic motion with rest near a release, with all that is to be told of it.
+   !> The periodic motion with rest near a release, complete with its events.
    pure subroutine find_rest_motion(drive, side, cycles, guess, room, motion, events)
       !> The system.
       type(drive_type), intent(in) :: drive
@@ -294,22 +298,28 @@ contains
       times = times - times(1)
    end function event_times
 
-   !> A simulated period: where it ends, its events, letters and unknowns.
+   !> Simulates a period: the state at its end, its events, letters and unknowns.
    pure subroutine simulate_period(drive, side, cycles, point, image, residual, events, n, family, &
       unknowns, status)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> The wall, +1 or -1, and the load cycles k.
       integer, intent(in) :: side, cycles
-      !> (phase, v) at the release, and at the release k load cycles later.
+      !> (phase, v) at the release.
       real(wp), intent(in) :: point(2)
+      !> (phase less 2 pi k, v) at the release k load cycles later.
       real(wp), intent(out) :: image(2)
       !> Greatest change of phase and v/D.
       real(wp), intent(out) :: residual
+      !> Out: events 1 to n of the period, the last one the release.
       type(event_type), intent(inout) :: events(:)
+      !> Number of events of the period; 0 if there is no such release.
       integer, intent(out) :: n
+      !> Letters of the period.
       type(rest_family_type), intent(out) :: family
+      !> As of vi_rest_family: phase and asinh(v/D) at the release, phases of the first impacts.
       real(wp), allocatable, intent(out) :: unknowns(:)
-      !> `stat%ok`, `stat%no_motion`, or what the simulation says.
+      !> `stat%ok`, `stat%no_motion`, or the status of the simulation.
       integer, intent(out) :: status
       logical :: good
 
@@ -322,13 +332,16 @@ contains
       if (.not. good) status = stat%no_motion
    end subroutine simulate_period
 
-   !> Newton's method along given letters.
+   !> Newton's method for the motion of given letters.
    pure subroutine hold_letters(family, c, unknowns, good)
+      !> The letters.
       type(rest_family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Those of vi_rest_family; as they were if it does not converge.
+      !> In: a guess, as of vi_rest_family. Out: the motion; not changed if the iteration does not
+      !! converge.
       real(wp), intent(inout) :: unknowns(:)
+      !> Whether it converged.
       logical, intent(out) :: good
       integer, parameter :: most = 12
       type(rest_period_type) :: period
@@ -352,21 +365,24 @@ contains
          moved = maxval(abs(step))
          if (.not. moved < 0.3_wp) return
          here = here + step
-         ! the steps have come down to rounding
+         ! the steps are at rounding
          good = moved < 1.0e-14_wp .or. (moved < 1.0e-9_wp .and. moved > 0.3_wp*before)
          if (good) exit
       end do
       if (good) unknowns = here
    end subroutine hold_letters
 
-   !> The family whose letters the events of a period from a release to a release are, and the
-   !! unknowns that go with them.
+   !> The family and the unknowns of a period from one release to the next, from its events.
    pure subroutine read_period(events, cycles, start, family, unknowns, good)
+      !> (n) Events of the period, from just after the first release to the last one.
       type(event_type), intent(in) :: events(:)
+      !> Load cycles of the period.
       integer, intent(in) :: cycles
       !> Phase and asinh(v/D) at the first release.
       real(wp), intent(in) :: start(2)
+      !> Letters in the order of the events.
       type(rest_family_type), intent(out) :: family
+      !> As of vi_rest_family: the release, and the phases of the first impacts.
       real(wp), allocatable, intent(out) :: unknowns(:)
       !> False if the last letter is none with rest, if a rest begins without an impact, or if
       !! there are too many letters.

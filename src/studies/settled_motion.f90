@@ -1,8 +1,9 @@
-!> The periodic motion that a state settles on, as Newton's method confirms it.
+!> The periodic motion on which a state settles, confirmed by Newton's method.
 !!
-!! That a simulation repeats itself for two periods is no proof: near a fold, or between bursts of
-!! intermittent chaos, it does so for long. A state counts as settled only where Newton's method,
-!! begun at its last period, leads to a motion right there that is admissible and stable.
+!! A simulation that repeats itself for two periods is no proof: near a fold, or between bursts of
+!! intermittent chaos, it does so for a long time. A state counts as settled only if Newton's
+!! method,
+!! started from its last period, leads to an admissible, stable motion near that period.
 module vi_settled_motion
    use vi_drive, only: drive_type, event_type, initial_state, state_type, two_pi
    use vi_event_letters, only: last_of_period, mismatch, read_window, reading_type, total_phase
@@ -17,38 +18,46 @@ module vi_settled_motion
 
    public :: settle_on
 
-   !> What becomes of a state: a confirmed motion; one that is confirmed but not stable (or not
-   !! admissible, or where that is unknown); repeats itself, but Newton's method leads to no motion
-   !! there; does not repeat itself; no impacts are left; the simulation could not go on.
+   !> Outcomes of a state: a confirmed motion; one that is confirmed but not stable (or not
+   !! admissible,
+   !! or where that is unknown); a simulation that repeats itself, but Newton's method leads to no
+   !! motion near it; one that does not repeat itself; no impacts occur any more; the simulation
+   !! could
+   !! not be completed.
    integer, parameter, public :: settled = 1, not_stable = 2, unconfirmed = 3, wandering = 4, &
       no_impacts = 5, unfinished = 6
    integer, parameter, public :: n_outcomes = 6
 
-   !> Longest period that is looked for, in load cycles, and most letters that it may have.
+   !> Longest period considered, in load cycles, and its largest number of letters.
    integer, parameter :: longest = 16, most_letters = 100
    !> Events kept of the end of a simulation, and of a period with rest.
    integer, parameter :: room = 40000, rest_room = 20000
-   !> Events of a simulation at most.
+   !> Largest number of events of a simulation.
    integer, parameter :: most_events = 100000000
-   !> How far apart impacts may be from period to period, how much nearer in a longer period that
-   !! is tried after a shorter one, and how far Newton's method may lead away.
+   !> Largest difference of impact phases (rad) from period to period; the factor by which it must
+   !! be
+   !! smaller for a longer period that is tried after a shorter one; and the largest distance (rad,
+   !! or
+   !! over the scale) of Newton's solution from the simulation.
    real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp, near = 0.1_wp
 
 contains
 
-   !> Simulates a state, and confirms what it settles on.
+   !> Simulates a state, and confirms the motion on which it settles.
    pure subroutine settle_on(drive, start, settling, scale, outcome, found, n_found)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
-      !> Load cycles simulated before a period is looked for.
+      !> Load cycles of the transient.
       integer, intent(in) :: settling
-      !> Of positions, as `length_scale`.
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
-      !> One of the above.
+      !> One of the outcomes above.
       integer, intent(out) :: outcome
-      !> The motions that Newton's method led to, the one settled on last.
+      !> The admissible motions to which Newton's method led, the one settled on last.
       type(found_type), intent(out) :: found(:)
+      !> Number of motions in `found`.
       integer, intent(out) :: n_found
       type(state_type) :: state
       type(event_type), allocatable :: events(:)
@@ -100,14 +109,19 @@ contains
 
    !> Newton's method from the last period of a simulation.
    pure subroutine confirm(drive, events, reading, cycles, scale, motion, nearby)
+      !> The driven system.
       type(drive_type), intent(in) :: drive
-      !> Up to the end of the period.
+      !> Events up to the end of the period.
       type(event_type), intent(in) :: events(:)
+      !> Letters of the last period among these events.
       type(reading_type), intent(in) :: reading
+      !> Load cycles of the period.
       integer, intent(in) :: cycles
+      !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
+      !> The motion to which Newton's method leads, or its status.
       type(found_type), intent(out) :: motion
-      !> Whether the motion is where the simulation is.
+      !> Whether the motion is near the simulation.
       logical, intent(out) :: nearby
       real(wp) :: x(reading%n), theta(reading%n)
       integer :: n

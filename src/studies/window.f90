@@ -1,4 +1,4 @@
-!> A chart over a window of the plane, by whichever way its pattern allows.
+!> A chart over a window of the plane, by the method that its pattern allows.
 module vi_window
    !$ use omp_lib, only: omp_get_max_threads
    use vi_chart, only: equispaced_chart, exact_chart
@@ -39,6 +39,7 @@ contains
 
    !> The frequency ratios of the grid.
    pure function r_axis(window) result(axis)
+      !> The grid.
       type(window_type), intent(in) :: window
       real(wp) :: axis(window%r_points)
 
@@ -47,6 +48,7 @@ contains
 
    !> The clearances of the grid.
    pure function clearance_axis(window) result(axis)
+      !> The grid.
       type(window_type), intent(in) :: window
       real(wp) :: axis(window%clearance_points)
 
@@ -55,8 +57,11 @@ contains
 
    !> Numbers with equal ratios or equal differences, both ends included.
    pure function spaced(low, high, n, geometric) result(axis)
+      !> The ends, above 0 for equal ratios.
       real(wp), intent(in) :: low, high
+      !> How many, at least 2.
       integer, intent(in) :: n
+      !> Whether the ratios are equal, instead of the differences.
       logical, intent(in) :: geometric
       real(wp) :: axis(n)
 
@@ -71,7 +76,9 @@ contains
 
    !> Numbers with equal differences, both ends included.
    pure function even(low, high, n) result(axis)
+      !> The ends.
       real(wp), intent(in) :: low, high
+      !> How many, at least 2.
       integer, intent(in) :: n
       real(wp) :: axis(n)
       integer :: i
@@ -82,11 +89,15 @@ contains
 
    !> All motions of a pattern in a window: the equispaced pair first, if it is wanted.
    subroutine chart_window(osc, pattern, window, map, tally)
+      !> Oscillator.
       type(oscillator_type), intent(in) :: osc
+      !> Sides of the impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
+      !> The grid, and how it is searched.
       type(window_type), intent(in) :: window
+      !> The motions: the equispaced pair in slots 1 and 2, if it is wanted, then exact motions.
       type(map_type), intent(out) :: map
-      !> As of vi_tally.
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       integer :: pair, room, kind, threads
       logical :: closed_form
@@ -108,12 +119,19 @@ contains
          pair, kind, threads, map, tally)
    end subroutine chart_window
 
+   !> Computes the equispaced pair in slots 1 and 2.
    subroutine add_pair(osc, pattern, window, threads, map, tally)
+      !> Oscillator with equal coefficients of restitution.
       type(oscillator_type), intent(in) :: osc
+      !> The pattern; its load cycles are read.
       type(pattern_type), intent(in) :: pattern
+      !> The grid.
       type(window_type), intent(in) :: window
+      !> Number of OpenMP threads.
       integer, intent(in) :: threads
+      !> In and out: slots 1 and 2 are set.
       type(map_type), intent(inout) :: map
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: scalars(:, :, :, :)
       complex(wp), allocatable :: multipliers(:, :, :, :)
@@ -128,11 +146,18 @@ contains
       map%x_max(:2, :, :) = scalars(4, :, :, :)
    end subroutine add_pair
 
+   !> Computes exact motions in the other slots.
    subroutine add_exact(setting, window, pair, kind, threads, map, tally)
+      !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
+      !> The grid, and how it is searched.
       type(window_type), intent(in) :: window
+      !> Slots before these; 1 for symmetric motions only, -1 for others only, 0 for both; OpenMP
+      !! threads.
       integer, intent(in) :: pair, kind, threads
+      !> In and out: the slots after `pair` are set.
       type(map_type), intent(inout) :: map
+      !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
       complex(wp), allocatable :: multipliers(:, :, :, :)
@@ -161,6 +186,7 @@ contains
 
    !> At most `most` indices spread evenly over 1..n, both ends included (one alone: the middle).
    pure function spread_indices(n, most) result(indices)
+      !> Last index, and largest number of indices.
       integer, intent(in) :: n, most
       integer, allocatable :: indices(:)
       integer :: i, steps
