@@ -143,22 +143,6 @@ subroutine status_text(code, text, length)
    length = len_trim(line)
 end subroutine status_text
 
-!> The type of a condition that is zero, and its detail, with blanks after them.
-subroutine condition_text(kind, place, side, symmetric, mirrored, name, detail)
-   use, intrinsic :: iso_c_binding, only: c_char, c_int
-   use vi_condition_names, only: condition_detail, condition_name
-   implicit none (type, external)
-   integer(c_int), intent(in) :: kind, place, side, symmetric, mirrored
-   character(kind=c_char), intent(out) :: name(16), detail(32)
-   character(16) :: word
-   character(32) :: words
-
-   word = condition_name(kind, place, symmetric /= 0, mirrored /= 0)
-   words = condition_detail(kind, place, side)
-   name = transfer(word, name)
-   detail = transfer(words, detail)
-end subroutine condition_text
-
 !> Runs namelist files; `paths` are separated by line feeds, and so are the lines of `text`.
 !!
 !! The first character of a line tells what it is: '-' news, '!' a fault, '>' a table that was
@@ -716,37 +700,6 @@ subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_ev
    call run(oscillator_type(xi, mu, walls), r, load, clearance, cycles, most_events, threads, &
       end_states, end_contacts, counts, status)
 end subroutine simulate_bundle
-
-!> A branch of exact motions along a parameter, both ways from one of them.
-!!
-!! `c` and the rows of `parameters` are r, D, xi, mu, R1, R2; of `special`: kind of the condition
-!! that is zero (0: none), index, side.
-subroutine branch(n, c, parameter, tied, bounds, cycles, sides, symmetric, x, theta, longest, &
-   room, tally, parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, &
-   n_points, reasons, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
-   use vi_branch_table, only: branch_arrays, branch_request_type, branch_work
-   use vi_pattern, only: pattern_type
-   use vi_tally, only: add_sight
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: n, parameter, tied, cycles, sides(n), symmetric, room
-   real(c_double), intent(in) :: c(6), bounds(2), x(n), theta(n), longest
-   integer(c_int), intent(inout) :: tally(3)
-   real(c_double), intent(out) :: parameters(6, room), phases(n, room), impacts(n, 6, room), &
-      scalars(6, room)
-   complex(c_double_complex), intent(out) :: multipliers(4, room)
-   integer(c_int), intent(out) :: verdicts(3, room), codes(room), special(3, room), n_points, &
-      reasons(2), status
-   real(c_double) :: log_c(6)
-
-   log_c = c
-   log_c(2) = log(c(2))
-   call add_sight(branch_work, tally)
-   call branch_arrays(branch_request_type(pattern_type(sides, cycles), symmetric /= 0, log_c, &
-      parameter, tied /= 0, bounds, longest), [x/c(2), theta], parameters, phases, impacts, &
-      scalars, multipliers, verdicts, codes, special, n_points, reasons, status, tally)
-end subroutine branch
 
 !> Both equispaced motions at each (clearance, r) of a grid; rows as in vi_chart.
 subroutine equispaced_chart(m, n, xi, mu, walls, r, clearance, cycles, with_multipliers, threads, &

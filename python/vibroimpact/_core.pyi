@@ -14,40 +14,6 @@ _Bytes: TypeAlias = NDArray[np.bytes_]
 __f2py_numpy_version__: str
 
 @type_check_only
-class _Branch(Protocol):
-    # parameters, phases, impacts, scalars, multipliers, verdicts, codes, special, n_points, reasons, status
-    def __call__(
-        self,
-        c: ArrayLike,
-        parameter: int,
-        tied: int,
-        bounds: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        symmetric: int,
-        x: ArrayLike,
-        theta: ArrayLike,
-        longest: float,
-        room: int,
-        tally: _Integer,
-        n: int = ...,
-    ) -> tuple[
-        _Real, _Real, _Real, _Real, _Complex, _Integer, _Integer, _Integer, int, _Integer, int
-    ]: ...
-
-@type_check_only
-class _ConditionText(Protocol):
-    # name, detail
-    def __call__(
-        self,
-        kind: int,
-        place: int,
-        side: int,
-        symmetric: int,
-        mirrored: int,
-    ) -> tuple[_Bytes, _Bytes]: ...
-
-@type_check_only
 class _DescribeLanguage(Protocol):
     # text, length
     def __call__(
@@ -598,8 +564,6 @@ class _WriteResult(Protocol):
         n: int = ...,
     ) -> _Bytes: ...
 
-branch: _Branch
-condition_text: _ConditionText
 describe_language: _DescribeLanguage
 describe_result: _DescribeResult
 equispaced: _Equispaced

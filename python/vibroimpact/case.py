@@ -13,16 +13,15 @@ from numpy.typing import NDArray
 from . import _core, door
 from .chart import chart, chart_arrays
 from .chart_arrays import ChartArrays
-from .errors import ParameterError, SingularError, StudyInterrupted
+from .errors import ParameterError
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .newton import exact
 from .solve import equispaced, periodic
-from .status import NO_MOTION, status_text
 from .studies.atlas import Atlas
 from .studies.basins import Basins
 from .studies.bifurcation import BifurcationDiagram
-from .studies.branch import Branch, branch
+from .studies.branch import Branches
 from .studies.lyapunov import Lyapunov, with_exponents
 from .studies.response import Response
 from .studies.spacing import spaced
@@ -83,7 +82,7 @@ class Case(NamedTuple):
         if self.kind in ("periodic", "equispaced", "exact"):
             return list(self.motions())
         if self.kind == "branch":
-            return self.branches(progress)
+            return list(self.branches(progress))
         return [self.chart()]
 
     def to_namelist(self) -> str:
@@ -106,41 +105,9 @@ class Case(NamedTuple):
             motion = exact(self.osc, self.r, keys["clearance"], motion)
         return [motion]
 
-    def branches(
-        self, progress: Callable[[float, str], None] | None = None, lost: list[str] | None = None
-    ) -> list[Branch]:
-        """The branches that a &branch case asks for, one for each of its motions that can be followed.
-
-        Why others cannot is added to the list `lost`. After Ctrl-C the `result` of `StudyInterrupted` is the list
-        of the branches so far.
-        """
-        keys = self.keys
-        found: list[Branch] = []
-        reasons = [] if lost is None else lost
-        motions = self.motions()
-        if self.motion_kind == "equispaced" and len(motions) < 2:
-            reasons.append(status_text(NO_MOTION))
-        for i, motion in enumerate(motions):
-
-            def tell(share: float, what: str, done: int = i) -> None:
-                if progress is not None:
-                    progress((done + share) / len(motions), what)
-
-            try:
-                start = motion
-                if self.motion_kind != "exact":
-                    start = exact(self.osc, self.r, motion.clearance, motion)
-                found.append(
-                    branch(
-                        start, keys["parameter"], (keys["low"], keys["high"]), keys["longest_step"],
-                        keys["max_points"], tell if progress is not None else None,
-                    )
-                )  # fmt: skip
-            except SingularError as error:
-                reasons.append(str(error))
-            except StudyInterrupted as stop:
-                raise StudyInterrupted([*found, stop.result]) from None
-        return found
+    def branches(self, progress: Callable[[float, str], None] | None = None) -> Branches:
+        """The branches that a &branch case asks for, one for each of its motions that can be followed."""
+        return door.run_text(Branches, self.text, progress=progress)
 
     def chart(self) -> Any:
         """The dataset of a chart that a &chart case asks for."""

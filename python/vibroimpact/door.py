@@ -26,7 +26,7 @@ Found = TypeVar("Found")
 def run(
     noun: Callable[[Result], Found], osc: Oscillator, keys: Mapping[str, Any], r: float | None = None,
     threads: int | None = None, progress: Progress | None = None,
-    parameters: Mapping[str, str] | None = None,
+    parameters: Mapping[str, str] | None = None, start: Mapping[str, Any] | None = None,
 ) -> Found:  # fmt: skip
     """Runs a study in the core and returns its result object.
 
@@ -38,6 +38,8 @@ def run(
         Keys of the group; None for a key that is left out. `r` is that of &system.
     parameters : mapping, optional
         The caller's names of keys and words of the core, where they differ.
+    start : mapping, optional
+        Keys of the &motion that the study starts from.
 
     Raises
     ------
@@ -50,7 +52,8 @@ def run(
     checks.instance(osc, "osc", Oscillator)
     names = parameters or {}
     values = {key: plain(study, key, value, names.get(key, key)) for key, value in keys.items()}
-    text = namelist.case(osc, r, **{study: values})
+    before = {} if start is None else {"motion": start}
+    text = namelist.case(osc, r, **before, **{study: values})
     try:
         return run_text(noun, text, threads, progress)
     except ParameterError as error:

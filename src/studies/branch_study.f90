@@ -9,13 +9,14 @@ module vi_branch_study
       parameter_words, &
       parameters, resonance
    use vi_condition_names, only: condition_detail, condition_name, name_length
+   use vi_frame, only: edge, grazing, repetition
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_motion_study, only: check_motion, find_motions, motion_request, motion_request_type
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi, most_impacts
    use vi_periodic, only: linear_system_type
-   use vi_result, only: column_type, complexes, result_type, verdicts, wholes, words
+   use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
    use vi_status, only: stat, status_text
    use vi_tally, only: add_sight, add_work
    use vi_text, only: line_type, shown, whole
@@ -39,6 +40,19 @@ module vi_branch_study
 
    type(column_type), parameter, public :: branch_columns(*) = [ &
       column_type('branches', 'branch', wholes, meaning='number of the branch'), &
+      column_type('branches', 'symmetric', truths, listed=.false., &
+      meaning='whether its motions are their own mirror images half a period later'), &
+      column_type('branches', 'first_end', words, listed=.false., &
+      meaning='why it ends at its first point'), &
+      column_type('branches', 'last_end', words, listed=.false., &
+      meaning='why it ends at its last point'), &
+      column_type('branches', 'start_clearance', unit='F0/K', listed=.false., &
+      meaning='clearance of the motion that it starts from'), &
+      column_type('branches', 'start_tau', unit='rad', listed=.false., meaning='tau of it'), &
+      column_type('branches', 'start_phases', each='impact', unit='rad', listed=.false., &
+      meaning='load phases of its impacts'), &
+      column_type('branches', 'start_X', each='impact', unit='F0/K', listed=.false., &
+      meaning='displacements of the primary mass at its impacts'), &
       column_type('points', 'point', wholes, meaning='number of the point along it'), &
       column_type('points', 'r', meaning='frequency ratio'), &
       column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
@@ -63,8 +77,23 @@ module vi_branch_study
       meaning='load phases of the impacts, from the first one'), &
       column_type('points', 'X', each='impact', label='X_#', unit='F0/K', &
       meaning='displacements of the primary mass at the impacts'), &
+      column_type('points', 'Z', each='impact', unit='F0/K', listed=.false., &
+      meaning='displacements of the free mass at the impacts'), &
+      column_type('points', 'X_dot_before', each='impact', unit='omega F0/K', listed=.false., &
+      meaning='velocities of the primary mass before the impacts'), &
+      column_type('points', 'X_dot_after', each='impact', unit='omega F0/K', listed=.false., &
+      meaning='velocities of the primary mass after them'), &
+      column_type('points', 'Z_dot_before', each='impact', unit='omega F0/K', listed=.false., &
+      meaning='velocities of the free mass before them'), &
+      column_type('points', 'Z_dot_after', each='impact', unit='omega F0/K', listed=.false., &
+      meaning='velocities of the free mass after them'), &
       column_type('points', 'special', words, meaning='type of a special point'), &
-      column_type('points', 'detail', words, meaning='which impact, flight or bound')]
+      column_type('points', 'detail', words, meaning='which impact, flight or bound'), &
+      column_type('points', 'special_impact', wholes, listed=.false., &
+      meaning='number of the impact without approach speed, or before the touching flight; 0: &
+      &none'), &
+      column_type('points', 'special_side', words, words='R,L', listed=.false., &
+      meaning='wall that is touched at a grazing')]
 
 contains
 
@@ -177,6 +206,7 @@ contains
       integer, intent(inout), optional :: tally(3)
       type(motion_type), allocatable :: motions(:)
       type(points_type), allocatable :: branches(:)
+      type(motion_type), allocatable :: starts(:)
       type(motion_type) :: start
       character(:), allocatable :: text
       integer :: i, n, place
@@ -184,7 +214,7 @@ contains
 
       call find_motions(case, case%start, motions)
       call parameter_place(trim(parameter_of(case)), place, tied)
-      allocate (branches(size(motions)))
+      allocate (branches(size(motions)), starts(size(motions)))
       n = 0
       call add_sight(branch_work*size(motions), tally)
       do i = 1, size(motions)
@@ -204,6 +234,7 @@ contains
          call branch_of(start, place, tied, [case%study%number('low'), case%study%number('high')], &
             case%study%number('longest_step'), case%study%whole_number('max_points'), &
             branches(n), tally)
+         starts(n) = start
          if (branches(n)%n > 0) cycle
          call result%fail( &
             'the branch cannot be followed from this motion: it is at a singular point')
@@ -211,7 +242,10 @@ contains
       end do
       result%empty = n == 0
       if (n == 0) return
+      call put_starts(branches(:n), starts(:n), result)
       call put_points(branches(:n), result)
+      if (any([(any(branches(i)%reasons == end_stopped), i=1, n)])) &
+         call describe_cut(branches(:n), case%study%word('parameter'), place, result)
       do i = 1, n
          call result%remark('branch '//whole(i)//': first end: '//end_text( &
             branches(i)%reasons(1))//'; last end: '//end_text(branches(i)%reasons(2)))
@@ -225,6 +259,49 @@ contains
       end do
    end subroutine run_branch
 
+   !> Puts what is told of each branch as a whole.
+   pure subroutine put_starts(branches, starts, result)
+      !> With points.
+      type(points_type), intent(in) :: branches(:)
+      !> The motion that each starts from.
+      type(motion_type), intent(in) :: starts(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      type(line_type) :: first(size(branches)), last(size(branches))
+      integer :: i, n
+
+      n = size(branches)
+      do i = 1, n
+         first(i)%text = end_text(branches(i)%reasons(1))
+         last(i)%text = end_text(branches(i)%reasons(2))
+      end do
+      call result%open('branches', 'branch', [n])
+      call result%put('branches', 'branch', [(i, i=1, n)])
+      call result%put('branches', 'symmetric', merge(1, 0, branches%symmetric))
+      call result%put_text('branches', 'first_end', first)
+      call result%put_text('branches', 'last_end', last)
+      call result%put('branches', 'start_clearance', starts%clearance)
+      call result%put('branches', 'start_tau', starts%tau)
+      call result%put('branches', 'start_phases', [(starts(i)%phases, i=1, n)])
+      call result%put('branches', 'start_X', [(starts(i)%x, i=1, n)])
+   end subroutine put_starts
+
+   !> Says how far the last branch came that was stopped.
+   pure subroutine describe_cut(branches, name, place, result)
+      !> With points.
+      type(points_type), intent(in) :: branches(:)
+      !> Of the parameter, and its place in the core.
+      character(*), intent(in) :: name
+      integer, intent(in) :: place
+      !> The result.
+      type(result_type), intent(inout) :: result
+
+      associate (last => branches(size(branches)))
+         result%cut = trim(name)//' from '//shown(minval(last%parameters(place, :last%n)), &
+            'g0.6')//' to '//shown(maxval(last%parameters(place, :last%n)), 'g0.6')//' was reached'
+      end associate
+   end subroutine describe_cut
+
    !> Puts the points of all branches into the result, in order along each.
    pure subroutine put_points(branches, result)
       !> With points.
@@ -233,17 +310,21 @@ contains
       type(result_type), intent(inout) :: result
       type(line_type), allocatable :: special(:), detail(:)
       integer, allocatable :: owners(:), numbers(:), flags(:, :)
-      real(wp), allocatable :: parameters(:, :), scalars(:, :), phases(:, :), x(:, :)
+      integer, allocatable :: touched(:), walls(:)
+      real(wp), allocatable :: parameters(:, :), scalars(:, :), phases(:, :), of_impacts(:, :, :)
       complex(wp), allocatable :: multipliers(:, :)
       character(*), parameter :: parameter_names(6) = [character(9) :: 'r', 'clearance', 'xi', &
          'mu', 'R1', 'R2'], scalar_names(2:6) = [character(8) :: 'A', 'tau', 'residual', 'x_min', &
-         'x_max'], verdict_names(3) = [character(10) :: 'consistent', 'admissible', 'stable']
-      integer :: i, k, n, impacts
+         'x_max'], impact_names(6) = [character(12) :: 'X', 'Z', 'X_dot_before', 'X_dot_after', &
+         'Z_dot_before', 'Z_dot_after'], verdict_names(3) = [character(10) :: 'consistent', &
+         'admissible', 'stable']
+      integer :: i, j, k, n, impacts
 
       n = sum(branches%n)
       impacts = size(branches(1)%phases, 1)
       allocate (special(n), detail(n), owners(n), numbers(n), flags(3, n), parameters(6, n), &
-         scalars(6, n), phases(impacts, n), x(impacts, n), multipliers(4, n))
+         scalars(6, n), phases(impacts, n), of_impacts(impacts, n, 6), multipliers(4, n), &
+         touched(n), walls(n))
       n = 0
       do i = 1, size(branches)
          associate (branch => branches(i), m => branches(i)%n)
@@ -253,7 +334,10 @@ contains
             parameters(:, n + 1:n + m) = branch%parameters(:, :m)
             scalars(:, n + 1:n + m) = branch%scalars(:, :m)
             phases(:, n + 1:n + m) = branch%phases(:, :m)
-            x(:, n + 1:n + m) = branch%impacts(:, 1, :m)
+            do j = 1, 6
+               of_impacts(:, n + 1:n + m, j) = branch%impacts(:, j, :m)
+            end do
+            call locate_special(branch, touched(n + 1:n + m), walls(n + 1:n + m))
             multipliers(:, n + 1:n + m) = branch%multipliers(:, :m)
             do k = 1, m
                special(n + k)%text = trim(special_name(branch, k))
@@ -263,8 +347,6 @@ contains
             n = n + m
          end associate
       end do
-      call result%open('branches', 'branch', [size(branches)])
-      call result%put('branches', 'branch', [(i, i=1, size(branches))])
       call result%open('points', 'point', [n], 'branches', owners)
       call result%put('points', 'point', numbers)
       do i = 1, 6
@@ -279,10 +361,33 @@ contains
       end do
       call result%put('points', 'attenuation', max(-scalars(5, :), scalars(6, :))/scalars(2, :))
       call result%put('points', 'phases', [phases])
-      call result%put('points', 'X', [x])
+      do i = 1, 6
+         call result%put('points', trim(impact_names(i)), [of_impacts(:, :, i)])
+      end do
+      call result%put('points', 'special_impact', touched)
+      call result%put('points', 'special_side', walls)
       call result%put_text('points', 'special', special)
       call result%put_text('points', 'detail', detail)
    end subroutine put_points
+
+   !> Which impact and which wall each special point is about; 0 where none.
+   pure subroutine locate_special(branch, impact, wall)
+      !> With points.
+      type(points_type), intent(in) :: branch
+      !> (n) number of the impact, and 1 or 2 for the right or left wall.
+      integer, intent(out) :: impact(:), wall(:)
+      integer :: family
+
+      ! an index above the family's own impacts counts conditions that no impact has
+      family = size(branch%phases, 1)
+      if (branch%symmetric) family = family/2
+      associate (kind => branch%special(1, :branch%n), place => branch%special(2, :branch%n), &
+         side => branch%special(3, :branch%n))
+         impact = merge(place, 0, kind /= 0 .and. kind /= edge .and. kind /= repetition .and. &
+            place <= family)
+         wall = merge(merge(1, 2, side > 0), 0, kind == grazing)
+      end associate
+   end subroutine locate_special
 
    !> The type of a special point; blank for another point.
    pure function special_name(branch, k) result(name)

@@ -2,11 +2,11 @@
 module vi_motion_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use vi_case, only: case_type
-   use vi_chain, only: equispaced_chain, exact_chain, periodic_chain
+   use vi_chain, only: equispaced_chain, exact_chain, periodic_chain, refine
    use vi_common_keys, only: cycles_key
    use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
-   use vi_motion, only: motion_type, unknown, yes
+   use vi_motion, only: motion_type, start_motion, unknown, yes
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_letters
    use vi_periodic, only: linear_system_type
@@ -42,6 +42,12 @@ module vi_motion_study
       takes='one number an impact, increasing from 0 to below 2 cycles', is='phases', &
       factor=pi, unit='pi rad', &
       meaning='load phases of the impacts in units of pi, from the first one'), &
+      key_type('positions', most=most_impacts, only='kind=exact', may_miss=.true., &
+      unit='F0/K', takes='one number an impact, each with |x| <= 1e12', &
+      meaning='guessed displacements of the primary mass at the impacts; else equations (26), &
+      &(30) give them'), &
+      key_type('tau', low=-1.0e6_wp, high=1.0e6_wp, only='positions', may_miss=.true., &
+      unit='rad', meaning='guessed phase of equation (4)'), &
       key_type('impact_restitution', most=most_impacts, low=0.0_wp, high=1.0_wp, &
       never=equispaced, why=known, may_miss=.true., &
       takes='one number an impact, each with 0 <= R <= 1', &
@@ -98,6 +104,9 @@ module vi_motion_study
       type(pattern_type) :: pattern
       !> Load phases and coefficients of restitution (n).
       real(wp), allocatable :: phases(:), restitution(:)
+      !> Of a guess that is a whole motion: displacements at the impacts (n), else (0), and tau.
+      real(wp), allocatable :: positions(:)
+      real(wp) :: tau = 0
       real(wp) :: clearance = 0, acceptance = 0
       logical :: single = .false.
    end type motion_request_type
@@ -134,6 +143,12 @@ contains
       if (values%is('kind', 'exact') .and. values%is('precision', 'single')) call values%refuse( &
          'precision', 'and ''double'' for kind = ''exact''')
       call check_phases(values, n)
+      if (values%has('positions')) then
+         given = size(values%numbers('positions'))
+         if (given /= n) call values%refuse('positions', counted(n, 'impact')//' are in sides')
+         if (any(abs(values%numbers('positions')) > 1.0e12_wp)) call values%refuse('positions')
+         if (.not. values%has('tau')) call values%refuse('positions', 'and needs tau beside it')
+      end if
       if (.not. values%has('impact_restitution')) return
       given = size(values%numbers('impact_restitution'))
       if (given /= n) call values%refuse('impact_restitution', counted(n, &
@@ -193,6 +208,11 @@ contains
          request%restitution = default_restitution(request%pattern%sides, osc%restitution(1), &
             osc%restitution(2))
       end if
+      allocate (request%positions(0))
+      if (values%has('positions')) then
+         request%positions = values%numbers('positions')
+         request%tau = values%number('tau')
+      end if
       if (values%has('clearance')) request%clearance = values%number('clearance')
       if (values%has('acceptance')) request%acceptance = values%number('acceptance')
       request%single = values%is('precision', 'single')
@@ -222,8 +242,12 @@ contains
                   system, motions)
             end if
          case ('exact')
-            call exact_chain(osc, r, w%clearance, w%pattern, w%restitution, w%phases, system, &
-               motions(1))
+            if (size(w%positions) > 0) then
+               call solve_near(osc, r, w, motions(1))
+            else
+               call exact_chain(osc, r, w%clearance, w%pattern, w%restitution, w%phases, system, &
+                  motions(1))
+            end if
          case default
             if (w%single) then
                call periodic_in_single(osc, r, w%pattern, w%restitution, w%phases, w%acceptance, &
@@ -235,6 +259,24 @@ contains
          end select
       end associate
    end subroutine find_motions
+
+   !> The exact motion near a guess of all impact positions and phases.
+   subroutine solve_near(osc, r, wanted, motion)
+      !> The system.
+      type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio.
+      real(wp), intent(in) :: r
+      !> With `positions`.
+      type(motion_request_type), intent(in) :: wanted
+      !> The motion, with its verdicts and status.
+      type(motion_type), intent(out) :: motion
+
+      call start_motion(motion, osc, r, wanted%pattern, wanted%restitution, wanted%phases)
+      motion%clearance = wanted%clearance
+      motion%x = wanted%positions
+      motion%tau = wanted%tau
+      call refine(wanted%clearance, motion)
+   end subroutine solve_near
 
    !> Computes the motions of a case.
    subroutine run_motion(case, result)

@@ -174,7 +174,7 @@ def test_computed_once(kind, tmp_path, monkeypatch):
     """Table, picture and document from one computation; the table has the bytes of the compiled program."""
     path = write(tmp_path / "case.nml", kinds()[kind])
     assert vi.run_namelists([path], tmp_path / "core").status == 0
-    by_door = kind in ("zone", "atlas", "lyapunov", "bifurcation", "basins", "response")
+    by_door = kind in ("branch", "zone", "atlas", "lyapunov", "bifurcation", "basins", "response")
     module = importlib.import_module("vibroimpact.door" if by_door else "vibroimpact.case")
     calls = []
     names = {"chart": "chart_arrays"}

@@ -24,7 +24,7 @@ from ..files import write_text
 from ..interchange.chart_record import chart_to_dict
 from ..interchange.csv_file import cut_of, head_text, notes, rows_text
 from ..interchange.result import save_chart
-from ..interchange.table import branch_columns, chart_columns, columns, numbered
+from ..interchange.table import chart_columns, columns
 from ..interrupt import interruptible
 from ..noun import Noun
 from ..plot.animation import check_format
@@ -164,19 +164,17 @@ def finish(
 ) -> int:
     """Compute a case that takes its time, say what came out, write and draw it."""
     stopped, record = False, options.record
-    lost: list[str] = []
     results: list[Any]
     with Progress(case.name) as bar:
         try:
             if case.kind == "branch":
-                results = case.branches(bar.show, lost)
+                results = [case.branches(bar.show)]
             else:
                 results = [case.chart_arrays()] if case.kind == "chart" else case.run(bar.show)
         except ChartInterrupted as stop:  # as far as it came
             results, stopped = [stop.chart], True
         except StudyInterrupted as stop:
-            results = stop.result if isinstance(stop.result, list) else [stop.result]
-            stopped = True
+            results, stopped = [stop.result], True
         except SingularError as error:
             record.fault(f"{case.name}: {error}")
             return 1
@@ -190,7 +188,7 @@ def finish(
         said = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
         print(said, file=sys.stderr, flush=True)
     try:
-        status = deliver(options, case, results, lost, stopped, folder, save, details)
+        status = deliver(options, case, results, stopped, folder, save, details)
     except KeyboardInterrupt:
         record.halted = True
         raise
@@ -200,20 +198,20 @@ def finish(
 
 
 def deliver(
-    options: argparse.Namespace, case: Case, results: Sequence[Any], lost: Sequence[str], stopped: bool,
+    options: argparse.Namespace, case: Case, results: Sequence[Any], stopped: bool,
     folder: Path, save: Save, details: Details | None,
 ) -> int:  # fmt: skip
-    """Say what came out of a case, and what was lost; write and draw it."""
+    """Say what came out of a case; write and draw it."""
     news, faults, there = WORDS[case.kind](*results)
     for line in [*news, *(line for result in results for line in cut_of(result))]:
         print(f"{case.name}: {line}")
-    for line in lost if stopped else [*lost, *faults]:
+    for line in [] if stopped else faults:
         options.record.fault(f"{case.name}: {line}")
     if there:
         put(options, case, results, folder, save)
         for line in details(*results) if details else []:
             print(line)
-    return 1 if lost or faults else 0
+    return 1 if faults else 0
 
 
 def put(
@@ -223,6 +221,9 @@ def put(
     folder.mkdir(parents=True, exist_ok=True)
     if options.format == "csv" and case.kind in WORDS:
         options.record.wrote(case.name, write(results, case, folder / f"{case.name}.csv"))
+    if case.kind == "branch":
+        (branches,) = results
+        results = list(branches)
     for i, result in enumerate(results, start=1):
         name = case.name if len(results) == 1 else f"{case.name}_{i}"
         options.record.add(name, chart_to_dict(result) if case.kind == "chart" else result)
@@ -246,9 +247,7 @@ def picture(result: Any, options: argparse.Namespace) -> Any:
 
     if hasattr(result, "windows"):
         return result.plot(quantity=getattr(options, "quantity", "x"))
-    return (
-        result.plot() if hasattr(result, "osc") or hasattr(result, "ends") else draw_chart(result)
-    )
+    return result.plot() if hasattr(result, "osc") else draw_chart(result)
 
 
 def write(results: Sequence[Any], case: Case, path: Path) -> Path:
@@ -258,10 +257,7 @@ def write(results: Sequence[Any], case: Case, path: Path) -> Path:
         results[0].save(path)
     elif path.suffix == ".csv":
         remarks = [note for i, one in enumerate(results, start=1) for note in notes(one, i)]
-        if case.kind == "branch":
-            table = numbered(results, branch_columns)
-        else:
-            table = chart_columns(results[0]) if charted else columns(results[0])
+        table = chart_columns(results[0]) if charted else columns(results[0])
         write_text(path, head_text(case.text.splitlines(), remarks) + rows_text(table))
     elif charted:
         save_chart(results[0], case.text, path)

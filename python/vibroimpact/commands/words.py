@@ -8,12 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..interchange.csv_file import counted
-from ..studies.branch import REASONS
 
 #: What was said, what is missing, and whether there is a result.
 Words = tuple[list[str], list[str], bool]
-#: What is counted on a branch, in this order.
-BIFURCATIONS = ("fold", "pitchfork", "flip", "neimark_sacker", "grazing", "zero_approach")
 
 
 def noun_words(noun: Any) -> Words:
@@ -28,21 +25,6 @@ def simulate_words(run: Any) -> Words:
     impacts, rests = (int((run.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
     cut = [] if run.complete else ["cut short, max_events was reached"]
     return [f"{counted(impacts, 'impact')}, {counted(rests, 'rest')}"], cut, True
-
-
-def branch_words(*branches: Any) -> Words:
-    """Points, special points and ends."""
-    news, faults = [], []
-    for branch in branches:
-        kinds = [point.type for point in branch.special_points]
-        each = [f"{kinds.count(kind)} {kind}" for kind in BIFURCATIONS if kind in kinds]
-        said = ", ".join([f"{len(branch)} points", *each])
-        news.append(f"{said}; ends: {', '.join(branch.ends)}")
-        if REASONS[5] in branch.ends:
-            faults.append("cut short, max_points was reached")
-        elif REASONS[4] in branch.ends:
-            faults.append("cut short, the branch cannot be followed further")
-    return news, faults, bool(branches)
 
 
 def chart_words(data: Any) -> Words:
@@ -62,7 +44,7 @@ def chart_words(data: Any) -> Words:
 
 #: The kinds that are computed once, in Python, for table, picture and document.
 WORDS: dict[str, Callable[..., Words]] = {
-    "simulate": simulate_words, "branch": branch_words, "zone": noun_words, "atlas": noun_words,
+    "simulate": simulate_words, "branch": noun_words, "zone": noun_words, "atlas": noun_words,
     "chart": chart_words, "lyapunov": noun_words, "bifurcation": noun_words,
     "basins": noun_words, "response": noun_words,
 }  # fmt: skip

@@ -41,8 +41,6 @@ def remarks_of(result: Any, number: int) -> list[str]:
             exact(result.final_state[key]) for key in ("t", "x", "x_dot", "z", "z_dot")
         )
         return [*cut, f"final state: t, x, x_dot, z, z_dot = {state}"]
-    if name == "Branch":
-        return [f"branch {number}: first end: {result.ends[0]}; last end: {result.ends[1]}"]
     if name == "Findings":
         osc = result.osc
         values = (osc.xi, osc.mu, *osc.restitution, result.r, result.clearance, result.load)

@@ -11,7 +11,6 @@ from ..errors import MissingExtraError, ParameterError
 if TYPE_CHECKING:
     from ..found import Findings
     from ..motion import Motion
-    from ..studies.branch import Branch
     from ..trajectory import Trajectory
 
 #: Unit, symbol and meaning of each variable.
@@ -69,7 +68,7 @@ def xarray(what: str = "tables") -> Any:
 def to_xarray(result: Any) -> Any:
     """A result as a Dataset, with its complete case among the attributes."""
     makers: dict[str, Any] = {
-        "Motion": of_motion, "Trajectory": of_trajectory, "Branch": of_branch, "Findings": of_found,
+        "Motion": of_motion, "Trajectory": of_trajectory, "Findings": of_found,
     }  # fmt: skip
     name = type(result).__name__
     data, attributes = makers[name](result)
@@ -180,40 +179,3 @@ def of_trajectory(run: Trajectory) -> tuple[dict[str, Any], dict[str, Any]]:
         for name in names
     }
     return data, {**system(run.osc), **ends, "complete": int(run.complete)}
-
-
-def of_branch(branch: Branch) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Points."""
-    names = (
-        "r",
-        "clearance",
-        "xi",
-        "mu",
-        "R1",
-        "R2",
-        "A",
-        "tau",
-        "residual",
-        "x_min",
-        "x_max",
-        "attenuation",
-    )
-    data: dict[str, Any] = {name: ("point", getattr(branch, name)) for name in names}
-    data |= {
-        name: ("point", row.astype(np.int8))
-        for name, row in zip(VERDICTS, branch.verdicts, strict=True)
-    }
-    data["phases"] = (("impact", "point"), branch.phases)
-    columns = ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after")
-    data |= {name: (("impact", "point"), branch.impacts[:, i]) for i, name in enumerate(columns)}
-    data["side"] = ("impact", branch.pattern.letters)
-    data["multipliers_real"] = (("multiplier", "point"), branch.multipliers.real)
-    data["multipliers_imag"] = (("multiplier", "point"), branch.multipliers.imag)
-    special = np.full(len(branch), "", dtype="U16")
-    for item in branch.special_points:
-        special[item.index] = item.type
-    data["special"] = ("point", special)
-    return data, {
-        "parameter": branch.parameter, "sides": branch.pattern.sides, "cycles": branch.pattern.cycles,
-        "symmetric": int(branch.symmetric), "first_end": branch.ends[0], "last_end": branch.ends[1],
-    }  # fmt: skip

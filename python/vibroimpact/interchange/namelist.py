@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 Groups = Mapping[str, Mapping[str, Any]]
 #: How namelists spell which motions are meant.
 SYMMETRIC = {True: "yes", False: "no", None: "both"}
+#: Largest residual of a consistent motion, if &motion names no other.
 ACCEPTANCE = 0.03
 
 
@@ -53,28 +54,22 @@ def of_motion(motion: Motion) -> dict[str, Any]:
     keys: dict[str, Any] = {"kind": motion.kind, "cycles": motion.pattern.cycles}
     right, left = motion.osc.restitution
     own = not np.array_equal(motion.restitution, np.where(motion.pattern.signs > 0, right, left))
-    if motion.kind == "exact" and not own and is_equispaced(motion):
-        keys["kind"] = "equispaced"  # the linear equations of these phases are singular
-    if keys["kind"] == "equispaced":
+    if motion.kind == "equispaced":
         return keys | {"clearance": motion.clearance, "precision": motion.precision}
     phases = motion.phases if motion.guess is None else motion.guess
     keys |= {"sides": motion.pattern.sides, "phases": phases.tolist()}
     if own:
         keys["impact_restitution"] = motion.restitution.tolist()
     if motion.kind == "exact":
-        return keys | {"clearance": motion.clearance}
+        keys["clearance"] = motion.clearance
+        if motion.guess is None:
+            keys |= {"positions": motion.X.tolist(), "tau": motion.tau}
+        return keys
     if motion.consistent != (motion.residual <= ACCEPTANCE):
         # the acceptance was another one, just enough or just not
         limit = motion.residual if motion.consistent else np.nextafter(motion.residual, 0.0)
         keys["acceptance"] = float(min(1.0, limit))
     return keys | {"precision": motion.precision}
-
-
-def is_equispaced(motion: Motion) -> bool:
-    """Whether a motion has two impacts half a period apart on walls that are equal."""
-    half = np.pi * motion.pattern.cycles
-    right, left = motion.osc.restitution
-    return len(motion.pattern) == 2 and right == left and abs(motion.phases[1] - half) < 1e-9 * half
 
 
 def of(result: Any) -> str:

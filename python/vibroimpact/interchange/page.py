@@ -33,12 +33,6 @@ def facts(result: Any) -> dict[str, str]:
             + (", …" if len(result.phases) > 12 else ""),
             "|λ|": sizes, "residual": f"{result.residual:.1e}",
         }  # fmt: skip
-    if name == "Branch":
-        found = {
-            f"{item.type} {i}": repr(item)
-            for i, item in enumerate(result.special_points[:12], start=1)
-        }
-        return {**found, "ends": ", ".join(result.ends)}
     return {}
 
 

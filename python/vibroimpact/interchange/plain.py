@@ -32,11 +32,6 @@ DIMENSIONS: dict[str, dict[str, tuple[str, ...]]] = {
         "multipliers": ("multiplier",), "guess": ("impact",), "rest_events": ("event",),
     },
     "Trajectory": {"events": ("event",)},
-    "Branch": {
-        "parameters": ("parameter", "point"), "phases": ("impact", "point"),
-        "impacts": ("impact", "scalar", "point"), "scalars": ("scalar", "point"),
-        "multipliers": ("multiplier", "point"), "verdicts": ("verdict", "point"),
-    },
     "Piece": {
         "r": ("vertex",), "clearance": ("vertex",), "x": ("unknown", "vertex"),
         "theta": ("unknown", "vertex"),

@@ -13,7 +13,6 @@ from ..status import NO_MOTION, NOT_COMPUTED, VERDICT
 if TYPE_CHECKING:
     from ..found import Findings
     from ..motion import Motion
-    from ..studies.branch import Branch
     from ..trajectory import Trajectory
 
 #: Names of columns with the values of all rows.
@@ -80,27 +79,6 @@ def event_columns(run: Trajectory) -> Columns:
     return {name: run.events[name].tolist() for name in run.events.dtype.names or ()}
 
 
-def branch_columns(branch: Branch, number: int = 1) -> Columns:
-    """One row a point."""
-    n = len(branch)
-    table: Columns = {"branch": [number] * n, "point": list(range(1, n + 1))}
-    table |= {
-        name: getattr(branch, name).tolist() for name in ("r", "clearance", "xi", "mu", "R1", "R2")
-    }
-    for row, name in enumerate(("consistent", "admissible", "stable")):
-        table[name] = [VERDICT[code] for code in branch.verdicts[row].tolist()]
-    moduli = np.hypot(branch.multipliers.real, branch.multipliers.imag)
-    table |= {f"multiplier_{i}_modulus": row.tolist() for i, row in enumerate(moduli, start=1)}
-    for name in ("A", "tau", "residual", "x_min", "x_max", "attenuation"):
-        table[name] = getattr(branch, name).tolist()
-    table |= {f"phase_{i}": row.tolist() for i, row in enumerate(branch.phases, start=1)}
-    table |= {f"X_{i}": row.tolist() for i, row in enumerate(branch.X, start=1)}
-    table |= {"special": [""] * n, "detail": [""] * n}
-    for point in branch.special_points:
-        table["special"][point.index], table["detail"][point.index] = point.type, point.detail
-    return table
-
-
 def numbered(results: Sequence[Any], own: Callable[[Any, int], Columns]) -> Columns:
     """The rows of several results, one after the other."""
     table: Columns = {}
@@ -128,6 +106,6 @@ def chart_columns(data: Any) -> Columns:
 
 
 TABLES: dict[str, Any] = {
-    "Motion": motion_columns, "Trajectory": event_columns, "Branch": branch_columns,
+    "Motion": motion_columns, "Trajectory": event_columns,
     "Findings": found_columns,
 }  # fmt: skip

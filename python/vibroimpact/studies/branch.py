@@ -4,44 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, checks
+from .. import checks, door
 from ..errors import ParameterError, SingularError, StudyInterrupted
 from ..interchange import namelist
-from ..interchange.result import Result
-from ..interrupt import new_tally, stoppable
 from ..model import Oscillator, Pattern
 from ..motion import Motion
+from ..noun import Noun, column
 from ..solve import frozen
-from ..status import VERDICT, raise_status
-from .conditions import (
-    EDGE,
-    GRAZING,
-    PARAMETERS,
-    REPETITION,
-    can_be_symmetric,
-    detail_text,
-    is_symmetric,
-    type_name,
-)
+from ..status import VERDICT
+from ..tables import Result
 from .switching import doubled, extra_impact, perturbed
 
-__all__ = ["Branch", "SpecialPoint", "branch"]
+__all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
 
 #: Parameters a branch can follow; "restitution" is R1 = R2 together.
-CHOICES = (*PARAMETERS, "restitution")
-REASONS = {
-    1: "bound of the parameter",
-    2: "meets a motion that repeats itself",
-    3: "closed",
-    4: "cannot be followed",
-    5: "full",
-    6: "stopped",
-}
+CHOICES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
+#: Columns of the points with one number an impact, in the order of a motion's attributes.
+OF_IMPACTS = ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after")
 _Array = NDArray[np.float64]
 
 
@@ -106,8 +91,7 @@ class SpecialPoint:
         return f"<{self.type} at {place}>"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Branch(Result):
+class Branch(Noun, study="branch"):
     """A family of exact motions along one parameter, as columns; points on the last axis.
 
     An index gives the `Motion` of a point. The branch is in order along its curve: the parameter turns back
@@ -120,75 +104,111 @@ class Branch(Result):
     symmetric : bool
         Whether the motions are their own mirror images half a period later (followed as such).
     r, clearance, xi, mu, R1, R2 : ndarray (M,)
-    phases, X : ndarray (N, M)
+    phases, X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
     A, tau, residual, x_min, x_max, attenuation : ndarray (M,)
     multipliers : ndarray (4, M) of complex
-    admissible, stable : ndarray (M,) of int8
+    consistent, admissible, stable : ndarray (M,) of int
         1, 0, or -1 where not known.
     special_points : list of SpecialPoint
         In the order of the branch.
     ends : (str, str)
         Why the branch ends, at its first and last point.
     case : str
-        What was asked for as a namelist; empty if none can tell (see `to_namelist`).
+        What was asked for as a namelist.
     """
 
-    parameter: str
-    pattern: Pattern
-    symmetric: bool
-    parameters: _Array
-    phases: _Array
-    impacts: _Array
-    scalars: _Array
-    multipliers: NDArray[np.complex128]
-    verdicts: NDArray[np.int32]
-    special_points: list[SpecialPoint]
-    ends: tuple[str, str]
-    case: str = ""
-
-    r = property(lambda self: self.parameters[0])
-    clearance = property(lambda self: self.parameters[1])
-    xi = property(lambda self: self.parameters[2])
-    mu = property(lambda self: self.parameters[3])
-    R1 = property(lambda self: self.parameters[4])
-    R2 = property(lambda self: self.parameters[5])
-    X = property(lambda self: self.impacts[:, 0])
-    A = property(lambda self: self.scalars[1])
-    tau = property(lambda self: self.scalars[2])
-    residual = property(lambda self: self.scalars[3])
-    x_min = property(lambda self: self.scalars[4])
-    x_max = property(lambda self: self.scalars[5])
-    attenuation = property(lambda self: np.maximum(-self.x_min, self.x_max) / self.A)
-    admissible = property(lambda self: self.verdicts[1].astype(np.int8))
-    stable = property(lambda self: self.verdicts[2].astype(np.int8))
+    __slots__ = ("__dict__",)
+    r = column("points")
+    clearance = column("points")
+    xi = column("points")
+    mu = column("points")
+    R1 = column("points")
+    R2 = column("points")
+    phases = column("points", first=True)
+    X = column("points", first=True)
+    Z = column("points", first=True)
+    X_dot_before = column("points", first=True)
+    X_dot_after = column("points", first=True)
+    Z_dot_before = column("points", first=True)
+    Z_dot_after = column("points", first=True)
+    A = column("points")
+    tau = column("points")
+    residual = column("points")
+    x_min = column("points")
+    x_max = column("points")
+    attenuation = column("points")
+    multipliers = column("points", first=True)
+    consistent = column("points")
+    admissible = column("points")
+    stable = column("points")
 
     @property
-    def complete(self) -> bool:
-        """False if Ctrl-C cut it short."""
-        return REASONS[6] not in self.ends
+    def parameter(self) -> str:
+        parameter: str = self.keys["parameter"]
+        return parameter
 
     @property
-    def cut(self) -> str:
-        """How far it came if it was cut short; else empty."""
-        low, high = self.values.min(), self.values.max()
-        return "" if self.complete else f"{self.parameter} from {low:.6g} to {high:.6g} was reached"
+    def pattern(self) -> Pattern:
+        keys = self.keys
+        return Pattern(keys.get("sides", "RL"), keys["cycles"])
+
+    @property
+    def symmetric(self) -> bool:
+        return bool(self._one("symmetric"))
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        return str(self._one("first_end")), str(self._one("last_end"))
+
+    def _one(self, name: str) -> Any:
+        """What is known of the whole branch."""
+        return self._result.tables["branches"].columns[name].decoded()[0]
 
     @property
     def values(self) -> _Array:
         """The parameter along the branch."""
         name = "R1" if self.parameter == "restitution" else self.parameter
-        result: _Array = self.parameters[PARAMETERS.index(name)]
-        return result
+        values: _Array = getattr(self, name)
+        return values
+
+    @cached_property
+    def special_points(self) -> list[SpecialPoint]:
+        columns = self._result.tables["points"].columns
+        types, details, impacts, sides = (
+            columns[name].decoded()
+            for name in ("special", "detail", "special_impact", "special_side")
+        )
+        found = []
+        for i in np.flatnonzero(types != "").tolist():
+            here = self[i]
+            found.append(
+                SpecialPoint(
+                    str(types[i]), i, here.r, here.clearance, here, int(impacts[i]) - 1, str(sides[i]),
+                    self.parameter, str(details[i]),
+                )
+            )  # fmt: skip
+        return found
 
     def __len__(self) -> int:
-        return int(self.parameters.shape[1])
+        return int(self.r.size)
 
     def __getitem__(self, i: int) -> Motion:
         if not -len(self) <= i < len(self):
             raise IndexError(f"point {i} of a branch of {len(self)} points")
-        return point_motion(
-            self.pattern, self.parameters[:, i], self.phases[:, i], self.impacts[:, :, i],
-            self.scalars[:, i], self.multipliers[:, i], self.verdicts[:, i],
+        right, left = float(self.R1[i]), float(self.R2[i])
+        osc = Oscillator(xi=float(self.xi[i]), mu=float(self.mu[i]), restitution=(right, left))
+        pattern = self.pattern
+        numbers = (float(getattr(self, name)[i]) for name in ("A", "tau", "residual"))
+        verdicts = (
+            VERDICT[int(getattr(self, name)[i])] for name in ("consistent", "admissible", "stable")
+        )
+        arrays = (frozen(getattr(self, name)[:, i].copy()) for name in ("phases", *OF_IMPACTS))
+        multipliers = self.multipliers[:, i].copy()
+        multipliers.flags.writeable = False
+        walls = frozen(np.where(pattern.signs > 0, right, left))
+        return Motion(
+            osc, float(self.r[i]), float(self.clearance[i]), pattern, walls, *arrays, *numbers,
+            multipliers, *verdicts, float(self.x_min[i]), float(self.x_max[i]),
         )  # fmt: skip
 
     def plot(self, ax: Any = None, y: str = "attenuation") -> Any:
@@ -209,38 +229,65 @@ class Branch(Result):
         return draw_branch(self, ax, y)
 
     def __repr__(self) -> str:
-        counts: dict[str, int] = {}
-        for item in self.special_points:
-            counts[item.type] = counts.get(item.type, 0) + 1
-        found = ", ".join(f"{n} {name}" for name, n in counts.items()) or "no special points"
+        types = self._result.tables["points"].columns["special"].decoded().tolist()
+        kinds = dict.fromkeys(filter(None, types))
+        found = ", ".join(f"{types.count(kind)} {kind}" for kind in kinds) or "no special points"
         return (
             f"<Branch {self.pattern.sides}/{self.pattern.cycles} along {self.parameter}, "
             f"{self.values.min():.6g} to {self.values.max():.6g}: {len(self)} points, {found}>"
         )
 
 
-def point_motion(
-    pattern: Pattern,
-    parameters: _Array,
-    phases: _Array,
-    impacts: _Array,
-    scalars: _Array,
-    multipliers: NDArray[np.complex128],
-    verdicts: NDArray[np.int32],
-) -> Motion:
-    """The motion of one point of the core's arrays."""
-    r, clearance, xi, mu, right, left = parameters.tolist()
-    _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
-    consistent, admissible, stable = verdicts.tolist()
-    x, z, x_before, x_after, z_before, z_after = (frozen(column.copy()) for column in impacts.T)
-    multipliers = multipliers.copy()
-    multipliers.flags.writeable = False
-    return Motion(
-        Oscillator(xi=xi, mu=mu, restitution=(right, left)), r, clearance, pattern,
-        frozen(np.where(pattern.signs > 0, right, left)), frozen(phases.copy()), x, z, x_before, x_after,
-        z_before, z_after, amplitude, tau, residual, multipliers,
-        VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max,
-    )  # fmt: skip
+class Branches(Noun, study="branch"):
+    """The branches of a case: one for each motion of its &motion that can be followed.
+
+    An index gives a `Branch`; they all have the points of this result, not copied.
+    """
+
+    __slots__ = ()
+
+    def __len__(self) -> int:
+        table = self._result.tables.get("branches")
+        return 0 if table is None else table.dims["branch"]
+
+    def __getitem__(self, i: int) -> Branch:
+        if not 0 <= i < len(self):
+            raise IndexError(f"branch {i} of {len(self)}")
+        if len(self) == 1:
+            return Branch(self._result)
+        return Branch(self._result.part("branches", i, "branch", self._case_of(i), ""))
+
+    def __iter__(self) -> Iterator[Branch]:
+        return (self[i] for i in range(len(self)))
+
+    def _case_of(self, i: int) -> str:
+        """The case of one branch: it starts from that motion alone."""
+        told = {
+            name: item.decoded()[i]
+            for name, item in self._result.tables["branches"].columns.items()
+        }
+        keys = self.keys
+        start = guess_of(
+            Pattern(keys.get("sides", "RL"), keys["cycles"]), float(told["start_clearance"]),
+            told["start_phases"], told["start_X"], float(told["start_tau"]),
+        )  # fmt: skip
+        own = ("parameter", "low", "high", "longest_step", "max_points")
+        return namelist.case(
+            self.osc, keys["r"], motion=start, branch={name: keys[name] for name in own}
+        )
+
+    def __repr__(self) -> str:
+        return f"<Branches: {', '.join(map(repr, self)) or 'none'}>"
+
+
+def guess_of(
+    pattern: Pattern, clearance: float, phases: _Array, x: _Array, tau: float
+) -> dict[str, Any]:
+    """The group &motion that gives an exact motion from a guess of all its impacts."""
+    return {
+        "kind": "exact", "cycles": pattern.cycles, "sides": pattern.sides, "clearance": clearance,
+        "phases": phases.tolist(), "positions": x.tolist(), "tau": tau,
+    }  # fmt: skip
 
 
 def branch(
@@ -298,64 +345,6 @@ def branch(
     [('bound', 10.0), ('grazing', 18.085596), ('flip', 34.964757), ('bound', 60.0)]
     """
     checks.instance(motion, "motion", Motion)
-    checks.choice(parameter, "parameter", CHOICES)
-    longest_step = checks.number(longest_step, "longest_step")
-    max_points = checks.integer(max_points, "max_points", 10, 10**5)
-    low, high = checked_bounds(motion, parameter, bounds)
-    symmetric = is_symmetric(motion) and parameter not in ("R1", "R2")
-    tied = parameter == "restitution"
-    which = PARAMETERS.index("R1" if tied else parameter) + 1
-    constants = np.array(
-        [motion.r, motion.clearance, motion.osc.xi, motion.osc.mu, *motion.osc.restitution]
-    )
-    theta = motion.phases + motion.tau
-    found, complete = stoppable(
-        _core.branch, constants, which, tied, (low, high), motion.pattern.cycles, motion.pattern.signs, symmetric,
-        motion.X, theta, longest_step, 2 * max_points,
-        tally=new_tally(), progress=progress, note="branch",
-    )  # fmt: skip
-    parameters, phases, impacts, scalars, multipliers, verdicts, _, special, n, ends, status = found
-    raise_status(int(status))
-    if n == 0:
-        raise SingularError(
-            "the branch cannot be followed from this motion: it is at a singular point"
-        )
-    mirrored = can_be_symmetric(motion.osc, motion.pattern) and not symmetric
-    keep = slice(0, int(n))
-    result = Branch(
-        parameter, motion.pattern, bool(symmetric), parameters[:, keep], phases[:, keep],
-        impacts[:, :, keep], scalars[:, keep], multipliers[:, keep], verdicts[:, keep], [],
-        (REASONS[int(ends[0])], REASONS[int(ends[1])]),
-        namelist.case(motion.osc, motion.r, motion=namelist.of_motion(motion), branch={
-            "parameter": parameter, "low": low, "high": high, "longest_step": longest_step,
-            "max_points": max_points,
-        }) if motion.precision == "double" else "",
-    )  # fmt: skip
-    result.special_points.extend(located(result, special[:, keep], mirrored))
-    if not (complete and result.complete):
-        raise StudyInterrupted(result)
-    return result
-
-
-def located(branch: Branch, special: NDArray[np.int32], mirrored: bool) -> Iterator[SpecialPoint]:
-    """The special points of a branch, from kind, index and side at each of its points."""
-    n_family = len(branch.pattern) // 2 if branch.symmetric else len(branch.pattern)
-    for i in np.flatnonzero(special[0]).tolist():
-        kind, index, side = special[:, i].tolist()
-        try:
-            here = branch[i]
-        except SingularError:
-            continue
-        yield SpecialPoint(
-            type_name(kind, index, branch.symmetric, mirrored), i, here.r, here.clearance, here,
-            index - 1 if kind not in (EDGE, REPETITION) and index <= n_family else -1,
-            ("R" if side > 0 else "L") if kind == GRAZING else "", branch.parameter,
-            detail_text(kind, index, side),
-        )  # fmt: skip
-
-
-def checked_bounds(motion: Motion, parameter: str, bounds: Any) -> tuple[float, float]:
-    """Bounds within which a motion can be followed along a parameter; an error if it cannot be at all."""
     checks.plain_pattern(motion.pattern)
     if motion.load != 1.0:
         raise ParameterError(
@@ -366,36 +355,27 @@ def checked_bounds(motion: Motion, parameter: str, bounds: Any) -> tuple[float, 
         raise ParameterError(
             f"motion.restitution = {motion.restitution.tolist()!r}: must be that of the walls"
         )
-    if parameter == "restitution" and right != left:
-        raise ParameterError(
-            f"parameter = 'restitution': must go with R1 = R2, not with {right!r} and {left!r}"
-        )
-    start = {
-        "r": motion.r, "clearance": motion.clearance, "xi": motion.osc.xi, "mu": motion.osc.mu,
-        "R1": right, "R2": left, "restitution": right,
-    }[parameter]  # fmt: skip
-    low, high = ordered_bounds(bounds, parameter, start)
-    if (parameter == "r" and motion.osc.xi == 0 and low <= 1 <= high) or (
-        parameter == "xi" and low == 0 and motion.r == 1
-    ):
-        raise ParameterError(
-            f"bounds = ({low!r}, {high!r}): must not contain r = 1 with xi = 0 (resonance without damping)"
-        )
-    return low, high
-
-
-def ordered_bounds(bounds: Any, parameter: str, start: float) -> tuple[float, float]:
-    """Checked bounds of a parameter around its value."""
-    name = {"R1": "restitution", "R2": "restitution"}.get(parameter, parameter)
-    wanted = f"(lowest, highest) values of {parameter} with the motion's {start:g} between them"
-    if bounds is None:
-        raise ParameterError(f"bounds = None: must be {wanted}")
     try:
-        low, high = bounds
+        low, high = bounds  # type: ignore[misc]
     except (TypeError, ValueError):
-        raise ParameterError(f"bounds = {bounds!r}: must be {wanted}") from None
-    low = checks.number(low, name, "bounds[0]")
-    high = checks.number(high, name, "bounds[1]")
-    if not low <= start <= high or not low < high:
-        raise ParameterError(f"bounds = ({low!r}, {high!r}): must be {wanted}")
-    return low, high
+        raise ParameterError(
+            f"bounds = {bounds!r}: must be (lowest, highest) values of {parameter}"
+        ) from None
+    start = namelist.of_motion(motion)
+    if start["kind"] == "equispaced" or motion.precision == "single":
+        # as &motion has them they come in pairs
+        start = guess_of(motion.pattern, motion.clearance, motion.phases, motion.X, motion.tau)
+    keys = {
+        "parameter": parameter, "low": low, "high": high, "longest_step": longest_step,
+        "max_points": max_points,
+    }  # fmt: skip
+    try:
+        found = door.run(
+            Branches, motion.osc, keys, motion.r, progress=progress, start=start,
+            parameters={"low": "bounds[0]", "high": "bounds[1]"},
+        )  # fmt: skip
+    except StudyInterrupted as stop:
+        raise StudyInterrupted(stop.result[0]) from None
+    if not found:
+        raise SingularError(found._result.notes[0][1])
+    return found[0]

@@ -1,4 +1,4 @@
-"""Names of the conditions that end a branch's or a zone's stable, admissible motions."""
+"""Motions that are their own mirror images half a period later."""
 
 from __future__ import annotations
 
@@ -6,17 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from .. import _core
 from ..errors import ParameterError
 from ..likeness import same
 from ..model import Oscillator, Pattern
 from ..motion import Motion
-
-#: Codes of the core.
-FOLD, FLIP, NEIMARK_SACKER, ZERO_APPROACH, GRAZING, REPETITION, EDGE, REST_VANISHES = range(1, 9)
-
-#: Places of the parameters in the core.
-PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
 
 
 def can_be_symmetric(osc: Oscillator, pattern: Pattern) -> bool:
@@ -47,20 +40,3 @@ def check_symmetric(symmetric: Any, osc: Oscillator, pattern: Pattern) -> None:
 def is_symmetric(motion: Motion) -> bool:
     """Whether a motion is its own mirror image half a period later."""
     return can_be_symmetric(motion.osc, motion.pattern) and same(motion, motion, mirrored=True)
-
-
-def type_name(kind: int, index: int, symmetric: bool, mirrored: bool) -> str:
-    """The field's name for a condition of the core that is zero.
-
-    `symmetric`: the family consists of symmetric motions; `mirrored`: the first way in which a member can
-    repeat itself is as its own mirror image.
-    """
-    name, _ = _core.condition_text(kind, index, 0, symmetric, mirrored)
-    return name.tobytes().decode().strip()
-
-
-def detail_text(kind: int, index: int, side: int) -> str:
-    """Details of a condition: the flight and the wall of a touch, the impact without approach, or the bound;
-    may be empty."""
-    _, detail = _core.condition_text(kind, index, side, False, False)
-    return detail.tobytes().decode().strip()
