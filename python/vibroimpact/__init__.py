@@ -5,7 +5,6 @@ from importlib.metadata import version as _version
 from . import errors
 from .bundle import Bundle, simulate_bundle
 from .case import Case, read_namelist
-from .chart import chart
 from .events import Sample
 from .find import FoundMotions, Search, find
 from .flags import StabilityFlags, stability_flags
@@ -20,7 +19,8 @@ from .status import status_text
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
-from .studies.branch import Branch, SpecialPoint, branch
+from .studies.branch import Branch, Branches, SpecialPoint, branch
+from .studies.chart import Chart, chart
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
 from .studies.spacing import spaced
@@ -36,8 +36,10 @@ __all__ = [
     "Basins",
     "BifurcationDiagram",
     "Branch",
+    "Branches",
     "Bundle",
     "Case",
+    "Chart",
     "Findings",
     "FoundMotions",
     "Lyapunov",

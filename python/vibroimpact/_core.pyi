@@ -143,29 +143,6 @@ class _Find(Protocol):
     ]: ...
 
 @type_check_only
-class _FinishChart(Protocol):
-    # phases, impacts, scalars, multipliers, verdicts, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        room: int,
-        threads: int,
-        unknowns: ArrayLike,
-        ranks: ArrayLike,
-        found: ArrayLike,
-        n_impacts: int = ...,
-        keep: int = ...,
-        m: int = ...,
-        n: int = ...,
-    ) -> tuple[_Real, _Real, _Real, _Complex, _Integer, _Integer]: ...
-
-@type_check_only
 class _FreeResult(Protocol):
     def __call__(
         self,
@@ -386,31 +363,6 @@ class _SearchPattern(Protocol):
     ) -> tuple[_Real, int, int]: ...
 
 @type_check_only
-class _SeedFlood(Protocol):
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        points: ArrayLike,
-        guesses: int,
-        symmetry: int,
-        threads: int,
-        unknowns: _Real,
-        marks: _Integer,
-        counts: _Integer,
-        n_impacts: int = ...,
-        keep: int = ...,
-        m: int = ...,
-        n: int = ...,
-        p: int = ...,
-    ) -> None: ...
-
-@type_check_only
 class _Simulate(Protocol):
     # n_events, last_state, last_contact, end_state, end_contact, status
     def __call__(
@@ -520,30 +472,6 @@ class _StatusText(Protocol):
     ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
-class _SweepFlood(Protocol):
-    # gained
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: ArrayLike,
-        clearance: ArrayLike,
-        cycles: int,
-        sides: ArrayLike,
-        sweeps: int,
-        symmetry: int,
-        threads: int,
-        unknowns: _Real,
-        marks: _Integer,
-        counts: _Integer,
-        n_impacts: int = ...,
-        keep: int = ...,
-        m: int = ...,
-        n: int = ...,
-    ) -> int: ...
-
-@type_check_only
 class _Winding(Protocol):
     # turns
     def __call__(
@@ -572,7 +500,6 @@ exact: _Exact
 fill_reals: _FillReals
 fill_wholes: _FillWholes
 find: _Find
-finish_chart: _FinishChart
 free_result: _FreeResult
 impact_maps: _ImpactMaps
 linear_system: _LinearSystem
@@ -588,7 +515,6 @@ sample: _Sample
 sample_trajectory: _SampleTrajectory
 say_of: _SayOf
 search_pattern: _SearchPattern
-seed_flood: _SeedFlood
 simulate: _Simulate
 simulate_bundle: _SimulateBundle
 spaced: _Spaced
@@ -596,6 +522,5 @@ stability_flags: _StabilityFlags
 standard_motion: _StandardMotion
 start_state: _StartState
 status_text: _StatusText
-sweep_flood: _SweepFlood
 winding: _Winding
 write_result: _WriteResult

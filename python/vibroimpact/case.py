@@ -11,20 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, door
-from .chart import chart, chart_arrays
-from .chart_arrays import ChartArrays
 from .errors import ParameterError
 from .model import Oscillator, Pattern
 from .motion import Motion
-from .newton import exact
-from .solve import equispaced, periodic
+from .newton import exact, newton
+from .solve import equispaced, impact_restitution, periodic
 from .studies.atlas import Atlas
 from .studies.basins import Basins
 from .studies.bifurcation import BifurcationDiagram
 from .studies.branch import Branches
+from .studies.chart import Chart
 from .studies.lyapunov import Lyapunov, with_exponents
 from .studies.response import Response
-from .studies.spacing import spaced
 from .studies.zone import Zone
 from .trajectory import Trajectory, simulate
 
@@ -73,17 +71,15 @@ class Case(NamedTuple):
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """What the case asks for: its motions, branches, or one trajectory, zone, atlas or chart.
 
-        `progress` is as of `atlas`, and for all but motions and charts.
+        `progress` is as of `atlas`, and for all but motions.
         """
-        if self.kind in ("atlas", "zone", "lyapunov", "bifurcation", "response", "basins"):
+        if self.kind in ("chart", "atlas", "zone", "lyapunov", "bifurcation", "response", "basins"):
             return [getattr(self, self.kind)(progress)]
         if self.kind == "simulate":
             return [self.trajectory(progress)]
         if self.kind in ("periodic", "equispaced", "exact"):
             return list(self.motions())
-        if self.kind == "branch":
-            return list(self.branches(progress))
-        return [self.chart()]
+        return list(self.branches(progress))
 
     def to_namelist(self) -> str:
         """The case as a namelist, with what was missing filled in."""
@@ -97,6 +93,14 @@ class Case(NamedTuple):
                 self.osc, self.r, keys["clearance"], keys["cycles"], keys["precision"]
             )
         pattern = Pattern(keys["sides"], keys["cycles"])
+        if "positions" in keys:  # a whole motion as the guess
+            each = impact_restitution(self.osc, pattern, keys.get("impact_restitution"))
+            x, phases = np.array(keys["positions"]), np.array(keys["phases"])
+            return [
+                newton(
+                    self.osc, self.r, keys["clearance"], 1.0, pattern, x, phases + keys["tau"], each
+                )
+            ]
         motion = periodic(
             self.osc, self.r, keys["phases"], pattern, keys.get("impact_restitution"),
             keys["precision"], keys.get("acceptance", 1.0),
@@ -109,25 +113,9 @@ class Case(NamedTuple):
         """The branches that a &branch case asks for, one for each of its motions that can be followed."""
         return door.run_text(Branches, self.text, progress=progress)
 
-    def chart(self) -> Any:
-        """The dataset of a chart that a &chart case asks for."""
-        return chart(**self._charted())
-
-    def chart_arrays(self) -> ChartArrays:
-        """The same as plain arrays, without xarray."""
-        return chart_arrays(**self._charted())
-
-    def _charted(self) -> dict[str, Any]:
-        """The system, the pattern, the grid and the search of a chart."""
-        keys = self.keys
-        names = ("clearance_min", "clearance_max", "clearance_points", "spacing")
-        return {
-            "osc": self.osc, "pattern": Pattern(keys["sides"], keys["cycles"]),
-            "r": spaced(keys["r_min"], keys["r_max"], keys["r_points"]),
-            "clearance": spaced(*(keys[name] for name in names)),
-            "symmetric": {"yes": True, "no": False, "both": None}[keys["symmetric"]],
-            **{name: keys[name] for name in ("room", "guesses", "seeds")},
-        }  # fmt: skip
+    def chart(self, progress: Callable[[float, str], None] | None = None) -> Chart:
+        """The chart that a &chart case asks for."""
+        return door.run_text(Chart, self.text, progress=progress)
 
     def zone(self, progress: Callable[[float, str], None] | None = None) -> Zone:
         """The zone that a &zone case asks for."""

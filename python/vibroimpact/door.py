@@ -142,7 +142,7 @@ def word(value: Any, name: str, wanted: str) -> str:
     return value
 
 
-def line(name: str, values: Any) -> dict[str, Any]:
+def line(name: str, values: Any, geometric: bool = False) -> dict[str, Any]:
     """Values along an axis for a namelist: their ends and number, if these reproduce the values."""
     from .studies.spacing import spacing_of
 
@@ -151,9 +151,11 @@ def line(name: str, values: Any) -> dict[str, Any]:
         raise ParameterError(
             f"{name} of shape {array.shape}: must be a number or a list of numbers"
         )
-    if spacing_of(array) == "linear":
+    spacing = spacing_of(array)
+    if spacing == "linear" or (geometric and spacing == "geometric"):
         low, high = float(array[0]), float(array[-1])
-        return {f"{name}_min": low, f"{name}_max": high, f"{name}_points": array.size}
+        ends = {f"{name}_min": low, f"{name}_max": high, f"{name}_points": array.size}
+        return ends | ({"spacing": spacing} if geometric else {})
     return {name: array}
 
 

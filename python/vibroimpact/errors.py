@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 __all__ = [
-    "ChartInterrupted",
     "MissingExtraError",
     "OpenBoundaryWarning",
     "ParameterError",
@@ -45,16 +44,8 @@ class MissingExtraError(VibroimpactError, ImportError):
     status = 1
 
 
-class ChartInterrupted(KeyboardInterrupt):
-    """Ctrl-C in `chart`; the attribute `chart` holds the dataset of what was computed so far."""
-
-    def __init__(self, message: str, chart: Any) -> None:
-        super().__init__(message)
-        self.chart = chart
-
-
 class StudyInterrupted(KeyboardInterrupt):
-    """Ctrl-C in `branch`, `basins`, `bifurcation_diagram`, `lyapunov` or `response`: `result` is what was done."""
+    """Ctrl-C in a study, as `branch`, `chart` or `basins`; its attribute `result` is what was done."""
 
     def __init__(self, result: Any) -> None:
         super().__init__("stopped; what was finished is the attribute `result` of this exception")

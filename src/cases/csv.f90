@@ -129,8 +129,8 @@ contains
             associate (filled => result%columns(i))
                if (.not. filled%column%listed) cycle
                call add_cells(filled, rows(filled%table), buffer)
-               if (filled%column%absent == -huge(1)) cycle
-               if (filled%k(rows(filled%table)) /= filled%column%absent) cycle
+               if (filled%column%absent(1) == -huge(1)) cycle
+               if (all(filled%k(rows(filled%table)) /= filled%column%absent)) cycle
                buffer%n = start
                cycle each_row
             end associate

@@ -37,8 +37,8 @@ module vi_result
       !! the imaginary part, unless the name ends with modulus.
       logical :: listed = .true.
       character(28) :: label = ''
-      !> A row with this value is not in the CSV.
-      integer :: absent = -huge(1)
+      !> A row with one of these values is not in the CSV.
+      integer :: absent(2) = -huge(1)
    end type column_type
 
    !> A table: the size of its rows.

@@ -16,11 +16,11 @@ module vi_chart
    use vi_sheets, only: assign_slots
    use vi_processor, only: runs_wide
    use vi_status, only: stat
-   use vi_tally, only: add_sight, add_work
+   use vi_tally, only: add_sight, add_work, is_stopped
    implicit none (type, external)
    private
 
-   public :: equispaced_chart, exact_chart, finish_chart
+   public :: equispaced_chart, exact_chart
 
    !> Newton iterations from a solution.
    integer, parameter :: polish = 10
@@ -59,6 +59,13 @@ contains
       call add_sight(size(r), tally)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(row, pairs, i, j)
       do k = 1, size(r)
+         if (is_stopped(tally)) then
+            status(:, :, k) = stat%not_computed
+            verdicts(:, :, :, k) = unknown
+            scalars(:, :, :, k) = ieee_value(1.0_wp, ieee_quiet_nan)
+            multipliers(:, :, :, k) = cmplx(scalars(1, 1, 1, k), scalars(1, 1, 1, k), wp)
+            cycle
+         end if
          if (.not. allocated(pairs)) allocate (pairs(2, size(clearance)))
          call new_row(osc, r(k), cycles, row)
          call row_pairs(row, clearance, with_multipliers, wide, pairs)
@@ -105,12 +112,13 @@ contains
       left = 2*sweeps
       call add_sight(size(points, 2) + left, tally)
       do i = 1, size(points, 2), 4*threads
+         if (is_stopped(tally)) exit
          last = min(i + 4*threads - 1, size(points, 2))
          call seed_flood(setting, r, clearance, points(:, i:last), guesses, symmetry, threads, &
             unknowns, marks, counts)
          call add_work(last - i + 1, tally)
       end do
-      do
+      do while (.not. is_stopped(tally))
          call sweep_flood(setting, r, clearance, max(1, sweeps/20), symmetry, threads, unknowns, &
             marks, counts, gained)
          if (gained == 0) exit
@@ -121,6 +129,7 @@ contains
       found = counts(2, :, :)
       call finish_chart(setting, r, clearance, threads, unknowns, marks(1, :, :, :), found, &
          phases, impacts, scalars, multipliers, verdicts, status)
+      if (is_stopped(tally)) where (status == stat%no_motion) status = stat%not_computed
    end subroutine exact_chart
 
    !> Puts the motions found into slots, and computes them once more with their verdicts.

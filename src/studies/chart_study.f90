@@ -7,12 +7,11 @@ module vi_chart_study
    use vi_likeness, only: allows_symmetry
    use vi_pattern, only: new_pattern, pattern_type, side_letters
    use vi_motion, only: yes
-   use vi_result, only: column_type, result_type, verdicts, wholes
+   use vi_result, only: column_type, complexes, result_type, verdicts, wholes
    use vi_status, only: stat
    use vi_text, only: whole
    use vi_values, only: values_type
-   use vi_window, only: chart_window, clearance_axis, map_type, most_numbers, most_points, r_axis, &
-      window_type
+   use vi_window, only: chart_window, even, map_type, most_numbers, most_points, spaced, window_type
    implicit none (type, external)
    private
 
@@ -26,14 +25,29 @@ module vi_chart_study
       key_type('sides', a_word, &
       takes='letters R and L, one an impact, 2 to 12 of them, each wall at least once', &
       meaning='walls of the impacts in order, as RRL'), &
-      cycles_key, window_keys(1:2), &
-      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, option='r', &
-      meaning='number of frequency ratios'), &
-      window_keys(3:4), &
+      cycles_key, &
+      key_type('r', most=most_points, low=window_keys(1)%low, high=window_keys(1)%high, &
+      may_miss=.true., option='r-list', takes='increasing numbers with 1e-6 <= r <= 1e6', &
+      meaning='the frequency ratios, if they are not evenly spaced'), &
+      key_type('r_min', low=window_keys(1)%low, high=window_keys(1)%high, never='r', &
+      option='r', meaning='first frequency ratio'), &
+      key_type('r_max', low=window_keys(2)%low, high=window_keys(2)%high, over='r_min', never='r', &
+      option='r', meaning='last frequency ratio'), &
+      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, never='r', &
+      option='r', meaning='number of frequency ratios'), &
+      key_type('clearance', most=most_points, low=window_keys(3)%low, high=window_keys(3)%high, &
+      may_miss=.true., option='clearance-list', unit='F0/K', &
+      takes='increasing numbers with 1e-12 <= clearance <= 1e12', &
+      meaning='the clearances d K/F0, if they are not spaced alike'), &
+      key_type('clearance_min', low=window_keys(3)%low, high=window_keys(3)%high, unit='F0/K', &
+      never='clearance', option='clearance', meaning='first clearance d K/F0'), &
+      key_type('clearance_max', low=window_keys(4)%low, high=window_keys(4)%high, unit='F0/K', &
+      over='clearance_min', never='clearance', option='clearance', &
+      meaning='last clearance d K/F0'), &
       key_type('clearance_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, &
-      option='clearance', meaning='number of clearances'), &
+      never='clearance', option='clearance', meaning='number of clearances'), &
       key_type('spacing', a_word, default='''linear''', words='linear geometric', &
-      takes='''linear'' or ''geometric'' (of the clearances)', &
+      takes='''linear'' or ''geometric'' (of the clearances)', never='clearance', &
       meaning='spacing of the clearances'), &
       symmetric_key, &
       key_type('room', a_whole, default='4', low=1.0_wp, high=32.0_wp, &
@@ -41,7 +55,9 @@ module vi_chart_study
       key_type('guesses', a_whole, default='32', low=1.0_wp, high=1.0e4_wp, &
       meaning='guesses of a search'), &
       key_type('seeds', a_whole, default='12', low=1.0_wp, high=1.0e4_wp, &
-      meaning='searches along each axis')]
+      meaning='searches along each axis'), &
+      key_type('multipliers', a_word, words='yes no', may_miss=.true., &
+      meaning='''no'' leaves out those of equispaced motions, which take most of the time')]
 
    type(column_type), parameter, public :: chart_columns(*) = [ &
       column_type('ratios', 'r', meaning='frequency ratio'), &
@@ -53,10 +69,21 @@ module vi_chart_study
       column_type('motions', 'stable', verdicts, meaning='whether disturbances decay'), &
       column_type('motions', 'leading', label='multiplier_1_modulus', &
       meaning='greatest modulus of the multipliers'), &
+      column_type('motions', 'multipliers', complexes, each='multiplier', listed=.false., &
+      meaning='eigenvalues of [P], by falling modulus'), &
+      column_type('motions', 'x_min', unit='F0/K', listed=.false., &
+      meaning='least displacement of the primary mass'), &
       column_type('motions', 'x_max', unit='F0/K', &
       meaning='greatest displacement of the primary mass'), &
-      column_type('motions', 'status', wholes, absent=stat%no_motion, &
-      meaning='code of what failed; 0: none')]
+      column_type('motions', 'tau', unit='rad', listed=.false., meaning='phase of equation (4)'), &
+      column_type('motions', 'phases', each='impact', unit='rad', listed=.false., &
+      meaning='load phases of the impacts, from the first one'), &
+      column_type('motions', 'X', each='impact', unit='F0/K', listed=.false., &
+      meaning='displacements of the primary mass at the impacts'), &
+      column_type('motions', 'status', wholes, absent=[stat%no_motion, stat%not_computed], &
+      meaning='code of what failed; 0: none'), &
+      column_type('points', 'found', wholes, listed=.false., &
+      meaning='motions at the point, with those for which there was no room')]
 
 contains
 
@@ -71,25 +98,77 @@ contains
 
       if (len(case%study%fault) > 0) return
       pattern = chart_pattern(case%study)
-      window = chart_window_of(case%study)
       n = size(pattern%sides)
-      points = real(window%r_points, wp)*window%clearance_points
       if (n < 2 .or. n > most_impacts .or. any(pattern%sides == 0) .or. abs(sum(pattern%sides)) &
          == n) then
          call case%study%refuse('sides')
-      else if (points > most_points) then
-         call case%study%refuse('clearance_points', 'r_points is '//whole(window%r_points))
-      else if (window%symmetry > 0 .and. .not. allows_symmetry(case%osc, pattern)) then
+         return
+      end if
+      points = real(points_of(case%study, 'r'), wp)*points_of(case%study, 'clearance')
+      if (points > most_points) then
+         call case%study%refuse(points_key(case%study, 'clearance'), trim(points_key(case%study, &
+            'r'))//' is '//whole(points_of(case%study, 'r')))
+         return
+      end if
+      window = chart_window_of(case%study)
+      call check_axis(case%study, 'r', window%r)
+      call check_axis(case%study, 'clearance', window%clearance)
+      if (window%symmetry > 0 .and. .not. allows_symmetry(case%osc, pattern)) then
          call case%study%refuse('symmetric', '''yes'' takes equal restitution, an odd number of &
             &cycles and sides whose second half mirrors the first')
       else if (.not. (window%symmetry > 0 .and. n == 2) .and. points*max(window%room, 4)*n > &
          most_numbers) then
-         call case%study%refuse('r_points', 'points x room x impacts must be at most '// &
-            whole(most_numbers))
+         call case%study%refuse(points_key(case%study, 'r'), 'points x room x impacts must be at &
+            &most '//whole(most_numbers))
       else
          call case%study%set_word('sides', side_letters(pattern%sides))
       end if
    end subroutine check_chart
+
+   !> The numbers along an axis increase.
+   pure subroutine check_axis(study, name, axis)
+      !> The group.
+      type(values_type), intent(inout) :: study
+      !> `r` or `clearance`.
+      character(*), intent(in) :: name
+      !> Its values.
+      real(wp), intent(in) :: axis(:)
+      integer :: i
+
+      do i = 2, size(axis)
+         if (axis(i) > axis(i - 1)) cycle
+         if (study%has(name)) call study%refuse(name, 'number '//whole(i)//' is not above number ' &
+            //whole(i - 1))
+         if (.not. study%has(name)) call study%refuse(name//'_max', 'so many between do not differ')
+         return
+      end do
+   end subroutine check_axis
+
+   !> Points along an axis.
+   pure integer function points_of(study, name) result(n)
+      !> The group.
+      type(values_type), intent(in) :: study
+      !> `r` or `clearance`.
+      character(*), intent(in) :: name
+
+      if (study%has(name)) then
+         n = size(study%numbers(name))
+      else
+         n = study%whole_number(name//'_points')
+      end if
+   end function points_of
+
+   !> The key that has the points along an axis.
+   pure function points_key(study, name) result(key)
+      !> The group.
+      type(values_type), intent(in) :: study
+      !> `r` or `clearance`.
+      character(*), intent(in) :: name
+      character(16) :: key
+
+      key = name
+      if (.not. study%has(name)) key = name//'_points'
+   end function points_key
 
    !> The pattern of a chart.
    pure function chart_pattern(study) result(pattern)
@@ -108,11 +187,21 @@ contains
       type(values_type), intent(in) :: study
       type(window_type) :: window
 
-      window = window_type(study%number('r_min'), study%number('r_max'), &
-         study%number('clearance_min'), study%number('clearance_max'), &
-         study%whole_number('r_points'), study%whole_number('clearance_points'), &
-         study%is('spacing', 'geometric'), 0, study%whole_number('room'), &
-         study%whole_number('guesses'), study%whole_number('seeds'))
+      if (study%has('r')) then
+         window%r = study%numbers('r')
+      else
+         window%r = even(study%number('r_min'), study%number('r_max'), points_of(study, 'r'))
+      end if
+      if (study%has('clearance')) then
+         window%clearance = study%numbers('clearance')
+      else
+         window%clearance = spaced(study%number('clearance_min'), study%number('clearance_max'), &
+            points_of(study, 'clearance'), study%is('spacing', 'geometric'))
+      end if
+      window%room = study%whole_number('room')
+      window%guesses = study%whole_number('guesses')
+      window%seeds = study%whole_number('seeds')
+      if (study%has('multipliers')) window%multipliers = study%is('multipliers', 'yes')
       if (study%is('symmetric', 'yes')) window%symmetry = 1
       if (study%is('symmetric', 'no')) window%symmetry = -1
    end function chart_window_of
@@ -129,7 +218,7 @@ contains
       type(pattern_type) :: pattern
       type(window_type) :: window
       character(:), allocatable :: what
-      integer :: i, slots, m, n
+      integer :: i, slots, m, n, reached
 
       pattern = chart_pattern(case%study)
       window = chart_window_of(case%study)
@@ -139,18 +228,27 @@ contains
       m = size(map%status, 2)
       n = size(map%status, 3)
       call result%open('ratios', 'r', [n])
-      call result%put('ratios', 'r', r_axis(window))
+      call result%put('ratios', 'r', window%r)
       call result%open('clearances', 'clearance', [m])
-      call result%put('clearances', 'clearance', clearance_axis(window))
+      call result%put('clearances', 'clearance', window%clearance)
       call result%open('slots', 'slot', [slots])
       call result%put('slots', 'slot', [(i, i=1, slots)])
       call result%open('motions', 'slot clearance r', [slots, m, n])
       call result%put('motions', 'consistent', [map%verdicts(1, :, :, :)])
       call result%put('motions', 'admissible', [map%verdicts(2, :, :, :)])
       call result%put('motions', 'stable', [map%verdicts(3, :, :, :)])
-      call result%put('motions', 'leading', [map%leading])
+      call result%put('motions', 'leading', [abs(map%multipliers(1, :, :, :))])
+      call result%put('motions', 'multipliers', [map%multipliers])
+      call result%put('motions', 'x_min', [map%x_min])
       call result%put('motions', 'x_max', [map%x_max])
+      call result%put('motions', 'tau', [map%tau])
+      call result%put('motions', 'phases', [map%phases])
+      call result%put('motions', 'X', [map%x])
       call result%put('motions', 'status', [map%status])
+      call result%open('points', 'clearance r', [m, n])
+      call result%put('points', 'found', [map%found])
+      reached = count(any(map%status /= stat%not_computed, 1))
+      if (reached < m*n) result%cut = whole(reached)//' of '//whole(m*n)//' points were reached'
       result%empty = all(map%status /= stat%ok)
       if (result%empty) then
          call result%fail('no motion '//what//' was found anywhere in the window')

@@ -7,53 +7,42 @@ module vi_window
    use vi_likeness, only: allows_symmetry
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, pattern_type
+   use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: chart_window, clearance_axis, even, r_axis, spaced
+   public :: chart_window, even, spaced
 
+   real(wp), parameter :: pi = acos(-1.0_wp)
    !> Limits of a chart: points, and points x room x impacts.
    integer, parameter, public :: most_points = 1000000, most_numbers = 12500000
 
    !> A grid over the plane (r, D), and how it is searched.
    type, public :: window_type
-      real(wp) :: r_min = 0, r_max = 0, clearance_min = 0, clearance_max = 0
-      integer :: r_points = 0, clearance_points = 0
-      !> Whether the clearances have equal ratios instead of equal differences.
-      logical :: geometric = .false.
+      !> Frequency ratios and clearances, both increasing.
+      real(wp), allocatable :: r(:), clearance(:)
       !> 1: only motions that are their own mirror image, -1: only others, 0: both.
       integer :: symmetry = 0
       !> Slots for exact motions, guesses of a search, and searches along each axis.
       integer :: room = 4, guesses = 32, seeds = 12
+      !> Whether the multipliers of equispaced motions are wanted, which take most of the time.
+      logical :: multipliers = .true.
    end type window_type
 
-   !> The motions of a window: slots, clearances, frequency ratios.
+   !> The motions of a window, with the axes (slot, clearance, r) last.
    type, public :: map_type
-      !> Modulus of the leading multiplier, greatest x.
-      real(wp), allocatable :: leading(:, :, :), x_max(:, :, :)
+      !> (N, ...) phases and displacements at the impacts; (4, ...) multipliers, by falling modulus.
+      real(wp), allocatable :: phases(:, :, :, :), x(:, :, :, :)
+      complex(wp), allocatable :: multipliers(:, :, :, :)
+      !> Phase of equation (4), and the extreme displacements.
+      real(wp), allocatable :: tau(:, :, :), x_min(:, :, :), x_max(:, :, :)
       !> (3, ...) consistent, admissible, stable; and the status.
       integer, allocatable :: verdicts(:, :, :, :), status(:, :, :)
+      !> (m, n) motions found at each point, with those for which there was no room.
+      integer, allocatable :: found(:, :)
    end type map_type
 
 contains
-
-   !> The frequency ratios of the grid.
-   pure function r_axis(window) result(axis)
-      !> The grid.
-      type(window_type), intent(in) :: window
-      real(wp) :: axis(window%r_points)
-
-      axis = even(window%r_min, window%r_max, window%r_points)
-   end function r_axis
-
-   !> The clearances of the grid.
-   pure function clearance_axis(window) result(axis)
-      !> The grid.
-      type(window_type), intent(in) :: window
-      real(wp) :: axis(window%clearance_points)
-
-      axis = spaced(window%clearance_min, window%clearance_max, size(axis), window%geometric)
-   end function clearance_axis
 
    !> Numbers with equal ratios or equal differences, both ends included.
    pure function spaced(low, high, n, geometric) result(axis)
@@ -89,13 +78,13 @@ contains
 
    !> All motions of a pattern in a window: the equispaced pair first, if it is wanted.
    subroutine chart_window(osc, pattern, window, map, tally)
-      !> Oscillator.
+      !> The system.
       type(oscillator_type), intent(in) :: osc
-      !> Sides of the impacts, and the load cycles k of a period.
+      !> Without rest.
       type(pattern_type), intent(in) :: pattern
-      !> The grid, and how it is searched.
+      !> The grid.
       type(window_type), intent(in) :: window
-      !> The motions: the equispaced pair in slots 1 and 2, if it is wanted, then exact motions.
+      !> What was found; of points that a stop left out the status is `not_computed`.
       type(map_type), intent(out) :: map
       !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)
@@ -109,9 +98,12 @@ contains
       room = merge(0, window%room, closed_form .and. window%symmetry > 0)
       kind = merge(-1, window%symmetry, closed_form)
       if (.not. allows_symmetry(osc, pattern)) kind = 0
-      associate (m => window%clearance_points, n => window%r_points)
-         allocate (map%leading(pair + room, m, n), map%x_max(pair + room, m, n), map%verdicts(3, &
-            pair + room, m, n), map%status(pair + room, m, n))
+      associate (i => size(pattern%sides), k => pair + room, m => size(window%clearance), &
+         n => size(window%r))
+         allocate (map%phases(i, k, m, n), map%x(i, k, m, n), map%multipliers(4, k, m, n), &
+            map%tau(k, m, n), map%x_min(k, m, n), map%x_max(k, m, n), map%verdicts(3, k, m, n), &
+            map%status(k, m, n))
+         allocate (map%found(m, n), source=0)
       end associate
       if (pair > 0) call add_pair(osc, pattern, window, threads, map, tally)
       if (room > 0) call add_exact(setting_type(osc, 1.0_wp, 1.0_wp, 1.0_wp, pattern, &
@@ -119,55 +111,60 @@ contains
          pair, kind, threads, map, tally)
    end subroutine chart_window
 
-   !> Computes the equispaced pair in slots 1 and 2.
+   !> The equispaced pair in the first two slots.
    subroutine add_pair(osc, pattern, window, threads, map, tally)
-      !> Oscillator with equal coefficients of restitution.
+      !> With equal walls.
       type(oscillator_type), intent(in) :: osc
-      !> The pattern; its load cycles are read.
+      !> RL or LR, of an odd number of cycles.
       type(pattern_type), intent(in) :: pattern
       !> The grid.
       type(window_type), intent(in) :: window
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
-      !> In and out: slots 1 and 2 are set.
+      !> With room for all slots.
       type(map_type), intent(inout) :: map
-      !> Progress counters, see vi_tally.
+      !> As of vi_tally.
       integer, intent(inout), optional :: tally(3)
       real(wp), allocatable :: scalars(:, :, :, :)
-      complex(wp), allocatable :: multipliers(:, :, :, :)
 
-      associate (m => window%clearance_points, n => window%r_points)
-         allocate (scalars(4, 2, m, n), multipliers(4, 2, m, n))
-      end associate
-      call equispaced_chart(osc, r_axis(window), clearance_axis(window), pattern%cycles, .true., &
-         threads, scalars, multipliers, map%verdicts(:, :2, :, :), map%status(:2, :, :), &
-         tally)
-      map%leading(:2, :, :) = abs(multipliers(1, :, :, :))
+      allocate (scalars(4, 2, size(window%clearance), size(window%r)))
+      call equispaced_chart(osc, window%r, window%clearance, pattern%cycles, window%multipliers, &
+         threads, scalars, map%multipliers(:, :2, :, :), map%verdicts(:, :2, :, :), &
+         map%status(:2, :, :), tally)
+      if (pattern%sides(1) < 0) then
+         ! counted from the left wall: half a period later
+         scalars(1, :, :, :) = -scalars(1, :, :, :)
+         scalars(2, :, :, :) = scalars(2, :, :, :) - sign(pi, scalars(2, :, :, :))
+      end if
+      map%x(1, :2, :, :) = scalars(1, :, :, :)
+      map%x(2, :2, :, :) = -scalars(1, :, :, :)
+      map%tau(:2, :, :) = scalars(2, :, :, :)
+      map%x_min(:2, :, :) = scalars(3, :, :, :)
       map%x_max(:2, :, :) = scalars(4, :, :, :)
+      map%phases(1, :2, :, :) = 0*scalars(1, :, :, :)                      ! NaN where there is none
+      map%phases(2, :2, :, :) = pattern%cycles*pi + 0*scalars(1, :, :, :)
+      map%found = map%found + count(map%status(:2, :, :) == stat%ok, 1)
    end subroutine add_pair
 
-   !> Computes exact motions in the other slots.
+   !> Exact motions, found by a flood, in the slots after those of the pair.
    subroutine add_exact(setting, window, pair, kind, threads, map, tally)
-      !> Given data; its r and clearance are not read.
+      !> The system and the pattern; r and clearance do not matter.
       type(setting_type), intent(in) :: setting
-      !> The grid, and how it is searched.
+      !> The grid.
       type(window_type), intent(in) :: window
-      !> Slots before these; 1 for symmetric motions only, -1 for others only, 0 for both; OpenMP
-      !! threads.
+      !> Slots of the pair, the symmetry that is wanted, and threads.
       integer, intent(in) :: pair, kind, threads
-      !> In and out: the slots after `pair` are set.
+      !> With room for all slots.
       type(map_type), intent(inout) :: map
-      !> Progress counters, see vi_tally.
+      !> As of vi_tally.
       integer, intent(inout), optional :: tally(3)
-      real(wp), allocatable :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
-      complex(wp), allocatable :: multipliers(:, :, :, :)
+      real(wp), allocatable :: impacts(:, :, :, :, :), scalars(:, :, :, :)
       integer, allocatable :: found(:, :), rows(:), columns(:), points(:, :)
       integer :: i, j
 
-      associate (m => window%clearance_points, n => window%r_points, room => window%room, &
-         impact => size(setting%pattern%sides))
-         allocate (phases(impact, room, m, n), impacts(impact, 6, room, m, n), scalars(6, room, &
-            m, n), multipliers(4, room, m, n), found(m, n))
+      associate (m => size(window%clearance), n => size(window%r), room => window%room)
+         allocate (impacts(size(setting%pattern%sides), 6, room, m, n), scalars(6, room, m, n), &
+            found(m, n))
          rows = spread_indices(m, window%seeds)
          columns = spread_indices(n, window%seeds)
       end associate
@@ -177,11 +174,14 @@ contains
             points(:, (i - 1)*size(rows) + j) = [rows(j), columns(i)]
          end do
       end do
-      call exact_chart(setting, r_axis(window), clearance_axis(window), points, window%guesses, &
-         kind, threads, phases, impacts, scalars, multipliers, map%verdicts(:, pair + 1:, :, :), &
-         map%status(pair + 1:, :, :), found, tally)
-      map%leading(pair + 1:, :, :) = abs(multipliers(1, :, :, :))
+      call exact_chart(setting, window%r, window%clearance, points, window%guesses, kind, &
+         threads, map%phases(:, pair + 1:, :, :), impacts, scalars, map%multipliers(:, pair + 1:, &
+         :, :), map%verdicts(:, pair + 1:, :, :), map%status(pair + 1:, :, :), found, tally)
+      map%x(:, pair + 1:, :, :) = impacts(:, 1, :, :, :)
+      map%tau(pair + 1:, :, :) = scalars(3, :, :, :)
+      map%x_min(pair + 1:, :, :) = scalars(5, :, :, :)
       map%x_max(pair + 1:, :, :) = scalars(6, :, :, :)
+      map%found = map%found + found
    end subroutine add_exact
 
    !> At most `most` indices spread evenly over 1..n, both ends included (one alone: the middle).

@@ -12,11 +12,10 @@ from vibroimpact.newton import newton
 
 xarray = pytest.importorskip("xarray")
 
-#: The modules, where the package has functions of the same name.
-CHART = importlib.import_module("vibroimpact.chart")
 standard = importlib.import_module("vibroimpact.likeness").standard
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+UNEQUAL = vi.Oscillator(0.01, 0.02, (0.7, 0.6))
 RL = vi.Pattern("RL")
 R = np.linspace(0.8, 1.2, 33)
 D = np.geomspace(2, 200, 31)
@@ -221,13 +220,6 @@ def test_threads():
             assert other.identical(charts[0])
 
 
-def test_chunks(monkeypatch):
-    """The same bits however the work is divided."""
-    whole = vi.chart(OSC, RL, R, D, symmetric=True)
-    monkeypatch.setattr(CHART, "CHUNK", 1)
-    assert vi.chart(OSC, RL, R, D, symmetric=True).identical(whole)
-
-
 @pytest.mark.parametrize("engine", ["h5netcdf", "scipy"])
 def test_netcdf(tmp_path, three, engine):
     """A chart survives a file; units, names and parameters are in it."""
@@ -260,39 +252,39 @@ def test_resonance_without_damping():
     assert (everything.status.sel(r=1.0) != 0).all()
 
 
-def test_interrupt(monkeypatch):
-    """Ctrl-C leaves what was computed, and says so."""
-    calls = []
+class Impatient:
+    """Stops a study once some share of the work is done."""
 
-    def impatient(*arguments):
-        calls.append(arguments)
-        if len(calls) == 3:
+    def __init__(self, share):
+        self.share = share
+
+    def __call__(self, done, what):
+        if done > self.share:
             raise KeyboardInterrupt
-        return chart_of_columns(*arguments)
 
-    chart_of_columns = _core.equispaced_chart
-    monkeypatch.setattr(CHART, "CHUNK", 10 * 2 * D.size)
-    whole = vi.chart(OSC, RL, R, D, symmetric=True)
-    monkeypatch.setattr(_core, "equispaced_chart", impatient)
-    with pytest.raises(vi.errors.ChartInterrupted) as caught:
-        vi.chart(OSC, RL, R, D)
-    part = caught.value.chart
+
+def test_interrupt(monkeypatch):
+    """Ctrl-C leaves the columns that were computed, with the bits of the whole, and says so."""
+    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
+    r, clearance = np.linspace(0.8, 1.2, 800), np.geomspace(2, 200, 400)
+    with pytest.raises(vi.errors.StudyInterrupted) as caught:
+        vi.chart(OSC, RL, r, clearance, symmetric=True, progress=Impatient(0.1))
+    part = caught.value.result
     assert part.attrs["complete"] == 0
-    assert part.isel(r=slice(20)).x_max.equals(whole.isel(r=slice(20)).x_max)
-    assert (part.isel(r=slice(20, None)).status == 12).all()
+    done = (part.status != 12).all(["motion", "clearance"]).values
+    assert 0 < done.sum() < r.size
+    assert (part.status == 12).all(["motion", "clearance"]).values[~done].all()
+    whole = vi.chart(OSC, RL, r[done], clearance, symmetric=True)
+    assert part.isel(r=done).drop_attrs().identical(whole.drop_attrs())
     assert "stopped" in vi.status_text(12)
 
 
 def test_interrupted_flood(monkeypatch):
     """The same in the middle of a flood."""
-
-    def impatient(*arguments):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(_core, "sweep_flood", impatient)
-    with pytest.raises(vi.errors.ChartInterrupted) as caught:
-        vi.chart(OSC, vi.Pattern("RRL"), R, D)
-    part = caught.value.chart
+    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
+    with pytest.raises(vi.errors.StudyInterrupted) as caught:
+        vi.chart(OSC, vi.Pattern("RRL"), R, D, progress=Impatient(0.6))
+    part = caught.value.result
     assert set(np.unique(part.status)) == {0, 12}
     pytest.importorskip("matplotlib")
     from vibroimpact.plot import draw_chart
@@ -313,19 +305,28 @@ def test_missing_xarray(monkeypatch):
     ("change", "words"),
     [
         ({"r": []}, "r of shape"),
-        ({"r": [0.9, math.nan]}, "r = nan"),
-        ({"r": [0.9, math.inf]}, "r = inf"),
-        ({"r": [1.1, 0.9]}, "must increase"),
-        ({"clearance": [1.0, 1.0]}, r"clearance\[0\], clearance\[1\]"),
-        ({"clearance": [-1.0, 1.0]}, "clearance = -1"),
+        ({"r": [0.9, math.nan]}, "r = 0.9, nan: must be"),
+        ({"r": [0.9, math.inf]}, "r = 0.9, inf: must be"),
+        ({"r": [1.1, 0.9]}, "must be increasing .*number 2 is not above number 1"),
+        ({"clearance": [1.0, 1.0]}, "clearance = 1.0, 1.0: must be increasing"),
+        ({"clearance": [-1.0, 1.0]}, r"clearance\[0\] = -1.0: must be"),
         ({"clearance": [[1.0, 2.0]]}, "clearance of shape"),
-        ({"r": np.linspace(0.5, 1, 2000), "clearance": np.linspace(1, 2, 2000)}, "at most 1000000"),
+        (
+            {"r": np.linspace(0.5, 1, 2000), "clearance": np.linspace(1, 2, 2000)},
+            "clearance = 2000: .*r x clearance <= 1000000; r is 2000",
+        ),
         ({"r": np.linspace(0.5, 1, 999), "clearance": np.linspace(1, 2, 999), "room": 32}, "room"),
         ({"symmetric": "yes"}, "symmetric"),
-        ({"pattern": vi.Pattern("RL", 2), "symmetric": True}, "no symmetric motion"),
-        ({"osc": vi.Oscillator(0.01, 0.02, (0.7, 0.6)), "symmetric": True}, "no symmetric motion"),
+        (
+            {"pattern": vi.Pattern("RL", 2), "symmetric": True},
+            "symmetric = True: .*half mirrors the first",
+        ),
+        (
+            {"osc": vi.Oscillator(0.01, 0.02, (0.7, 0.6)), "symmetric": True},
+            "symmetric = True: .*half mirrors the first",
+        ),
         ({"pattern": vi.Pattern("RL*")}, "exact and find"),
-        ({"pattern": vi.Pattern("RL" * 7)}, "at most 12"),
+        ({"pattern": vi.Pattern("RL" * 7)}, "pattern = .*2 to 12 of them"),
         ({"room": 0}, "room = 0"),
         ({"guesses": 0}, "guesses = 0"),
         ({"seeds": 0}, "seeds = 0"),
@@ -382,18 +383,11 @@ def test_plot(pair, three):
     draw_chart(pair.isel(r=[3]))
 
 
-def test_progress(monkeypatch, capfd):
-    """The bar appears when it is wanted and work takes long, and goes away."""
-    module = importlib.import_module("vibroimpact.progress")
-    monkeypatch.setattr(module, "INTERVAL", 0.0)
-    monkeypatch.setattr(module, "PATIENCE", np.inf)
-    vi.chart(OSC, RL, R, D, progress=True)
-    assert capfd.readouterr().err == ""
-    monkeypatch.setattr(module, "PATIENCE", 0.0)
-    vi.chart(OSC, RL, R, D, progress=False)
-    assert capfd.readouterr().err == ""
-    vi.chart(OSC, RL, R, D, progress=True)
-    shown = capfd.readouterr().err
-    assert "chart RL/1 [" in shown
-    assert "\n" not in shown
-    assert shown.endswith(" \r")
+def test_progress(monkeypatch):
+    """What is told goes from nothing to all, and changes no result."""
+    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    shares = []
+    told = vi.chart(OSC, RL, R, D, progress=lambda done, what: shares.append((done, what)))
+    assert shares == sorted(shares)
+    assert shares[-1][0] == 1
+    assert told.identical(vi.chart(OSC, RL, R, D))

@@ -213,7 +213,7 @@ def test_the_namelist_runs(name, results, tmp_path):
 
 
 def test_motions_found_otherwise_come_back_within_rounding(tmp_path):
-    """Their own phases are the guess."""
+    """Their own phases and positions are the guess."""
     for motion in vi.find(FIGURE6, 1.04, 25.0, max_impacts=3, max_cycles=1):
         (case,) = vi.read_namelist(write(tmp_path / "case.nml", motion.to_namelist()))
         nearest = min(case.run(), key=lambda again: abs(again.X - motion.X).max())

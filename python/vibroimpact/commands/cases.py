@@ -15,16 +15,13 @@ from typing import Any
 
 from ..case import Case, read_namelist
 from ..errors import (
-    ChartInterrupted,
     ParameterError,
     SingularError,
     StudyInterrupted,
 )
 from ..files import write_text
-from ..interchange.chart_record import chart_to_dict
 from ..interchange.csv_file import cut_of, head_text, notes, rows_text
-from ..interchange.result import save_chart
-from ..interchange.table import chart_columns, columns
+from ..interchange.table import columns
 from ..interrupt import interruptible
 from ..noun import Noun
 from ..plot.animation import check_format
@@ -167,12 +164,7 @@ def finish(
     results: list[Any]
     with Progress(case.name) as bar:
         try:
-            if case.kind == "branch":
-                results = [case.branches(bar.show)]
-            else:
-                results = [case.chart_arrays()] if case.kind == "chart" else case.run(bar.show)
-        except ChartInterrupted as stop:  # as far as it came
-            results, stopped = [stop.chart], True
+            results = [case.branches(bar.show)] if case.kind == "branch" else case.run(bar.show)
         except StudyInterrupted as stop:
             results, stopped = [stop.result], True
         except SingularError as error:
@@ -226,7 +218,7 @@ def put(
         results = list(branches)
     for i, result in enumerate(results, start=1):
         name = case.name if len(results) == 1 else f"{case.name}_{i}"
-        options.record.add(name, chart_to_dict(result) if case.kind == "chart" else result)
+        options.record.add(name, result)
         if options.format != "csv":
             path = folder / f"{name}.{FORMATS[options.format]}"
             options.record.wrote(case.name, write([result], case, path))
@@ -243,24 +235,19 @@ def put(
 
 def picture(result: Any, options: argparse.Namespace) -> Any:
     """The axes of a picture."""
-    from ..plot.chart import draw_chart
-
     if hasattr(result, "windows"):
         return result.plot(quantity=getattr(options, "quantity", "x"))
-    return result.plot() if hasattr(result, "osc") else draw_chart(result)
+    return result.plot()
 
 
 def write(results: Sequence[Any], case: Case, path: Path) -> Path:
     """Results in the form that the name ends with, there; a table has the case in its header."""
-    charted = case.kind == "chart"
     if isinstance(results[0], Noun):
         results[0].save(path)
     elif path.suffix == ".csv":
         remarks = [note for i, one in enumerate(results, start=1) for note in notes(one, i)]
-        table = chart_columns(results[0]) if charted else columns(results[0])
+        table = columns(results[0])
         write_text(path, head_text(case.text.splitlines(), remarks) + rows_text(table))
-    elif charted:
-        save_chart(results[0], case.text, path)
     else:
         results[0].save(path)
     return path

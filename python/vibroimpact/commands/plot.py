@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..case import Case, read_namelist
 from ..errors import SingularError
-from ..plot.chart import draw_chart
 from ..progress import Progress
 from . import PICTURES, add_files, add_folder, picture_writer, ready
 
@@ -77,11 +75,10 @@ def draw_all(
 
 def pictured(case: Case) -> Sequence[Callable[[], Any]]:
     """What draws a case, each picture of its own."""
-    if case.kind == "chart":
-        data = case.chart_arrays()
-        return [partial(draw_chart, data)] if (data["status"].values == 0).any() else []
     with Progress(case.name) as bar:
         results = case.run(bar.show if bar.wanted else None)
+    if case.kind == "chart":
+        results = [item for item in results if not item._result.empty]
     if case.kind in ("zone", "atlas"):
         results = [item for item in results if getattr(item, "zones", item)]
     return [item.plot for item in results]

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from ..interchange.csv_file import counted
 
 #: What was said, what is missing, and whether there is a result.
@@ -27,25 +25,10 @@ def simulate_words(run: Any) -> Words:
     return [f"{counted(impacts, 'impact')}, {counted(rests, 'rest')}"], cut, True
 
 
-def chart_words(data: Any) -> Words:
-    """Motions and points."""
-    what = f"{data.attrs['sides']}/{data.attrs['cycles']}"
-    there = data["status"].values == 0
-    if not there.any():
-        return [], [f"no motion {what} was found anywhere in the window"], False
-    good = np.all(
-        [data[name].values == 1 for name in ("consistent", "admissible", "stable")], axis=0
-    )
-    return [
-        f"{there.sum()} motions {what} at {there.any(axis=0).sum()} of {there[0].size} points, "
-        f"{good.sum()} admissible and stable"
-    ], [], True  # fmt: skip
-
-
 #: The kinds that are computed once, in Python, for table, picture and document.
 WORDS: dict[str, Callable[..., Words]] = {
     "simulate": simulate_words, "branch": noun_words, "zone": noun_words, "atlas": noun_words,
-    "chart": chart_words, "lyapunov": noun_words, "bifurcation": noun_words,
+    "chart": noun_words, "lyapunov": noun_words, "bifurcation": noun_words,
     "basins": noun_words, "response": noun_words,
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.

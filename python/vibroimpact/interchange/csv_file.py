@@ -11,7 +11,6 @@ from typing import Any
 
 from ..errors import ParameterError
 from ..files import write_text
-from ..status import NOT_COMPUTED
 from .table import Columns, columns
 
 #: Values of a column whose text is kept for when they come again.
@@ -24,11 +23,8 @@ def notes(result: Any, number: int = 1) -> list[str]:
 
 
 def cut_of(result: Any) -> list[str]:
-    """How far a study or a chart came that Ctrl-C cut short; nothing of any other result."""
+    """How far a study came that Ctrl-C cut short; nothing of any other result."""
     cut = getattr(result, "cut", "")
-    if hasattr(result, "attrs") and not result.attrs.get("complete", 1):
-        reached = (result["status"].values != NOT_COMPUTED).any(axis=0)
-        cut = f"{reached.sum()} of {reached.size} points were reached"
     return [f"cut short: {cut}"] if cut else []
 
 

@@ -11,16 +11,14 @@ import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
 from ..files import write_bytes
-from .chart_record import chart_as_made
 from .dataset import xarray
 
 
 def write_netcdf(result: Any, path: Path) -> None:
     """Write the dataset, and the record from which `load` makes the result again, whole or not at all."""
     data = result.to_xarray()
-    if hasattr(result, "to_json"):
-        record = np.frombuffer(result.to_json().encode(), dtype=np.uint8)
-        data["record"] = ("byte", record, {"long_name": "the result as JSON, for vibroimpact.load"})
+    record = np.frombuffer(result.to_json().encode(), dtype=np.uint8)
+    data["record"] = ("byte", record, {"long_name": "the result as JSON, for vibroimpact.load"})
     save_dataset(data, path)
 
 
@@ -53,14 +51,12 @@ def save_dataset(data: Any, path: Path) -> None:
     write_bytes(path, content.getvalue())
 
 
-def read_netcdf(path: Path) -> Any:
-    """The record of a file that `write_netcdf` wrote, as text; a chart is given whole."""
+def read_netcdf(path: Path) -> str:
+    """The record of a file that `write_netcdf` wrote, as text."""
     path.open("rb").close()  # an OSError that says why, rather than what h5py makes of it
     need_netcdf()
     try:
         with xarray().open_dataset(path, engine="h5netcdf", decode_times=False) as data:
-            if data.attrs.get("result") == "Chart":
-                return chart_as_made(data.load())
             if "record" not in data:
                 raise ParameterError("there is no variable 'record'")
             return bytes(data["record"].values.astype(np.uint8)).decode()

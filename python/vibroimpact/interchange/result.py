@@ -6,15 +6,12 @@ import json
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from ..errors import ParameterError
 from ..files import write_text
 from ..noun import NOUNS
-from . import chart_record, csv_file, dataset, matlab, namelist, netcdf, page, plain, table
-
-if TYPE_CHECKING:
-    from ..chart_arrays import ChartArrays
+from . import csv_file, dataset, matlab, namelist, netcdf, page, plain, table
 
 Self = TypeVar("Self", bound="Result")
 
@@ -102,8 +99,7 @@ def load(path: str | Path) -> Any:
 
     Returns
     -------
-    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved; of a chart that the
-    command wrote in such a form, the xarray.Dataset that `chart` gives.
+    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved.
 
     Raises
     ------
@@ -122,32 +118,13 @@ def load(path: str | Path) -> Any:
     wanted = "must be a file that the save of a result wrote"
     try:
         read = READERS.get(Path(path).suffix.lower(), READERS[".json"])
-        found = read(Path(path))
-        if not isinstance(found, str):
-            return found
-        data = json.loads(found)
+        data = json.loads(read(Path(path)))
         kind = plain.mapping(data, "").get("type")
-        if kind == "Chart":
-            return chart_record.chart_from_dict(data)
         known = {item.__name__: item for item in Result.__subclasses__()} | NOUNS
         return known[plain.known(kind, known)].from_dict(data)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
     raise ParameterError(f"path = {str(path)!r}: {wanted}; {reason}")
-
-
-def save_chart(data: ChartArrays, case: str, path: Path) -> None:
-    """Write a chart as .json, .nc or .mat, whole or not at all; the case goes with it in .nc."""
-    if path.suffix == ".nc":
-        labelled = data.dataset().assign_attrs(case=case, Conventions="CF-1.11")
-        netcdf.save_dataset(labelled, path)
-        return
-    record = json.dumps(chart_record.chart_to_dict(data), allow_nan=False)
-    if path.suffix == ".mat":
-        fields = {name: item.values for name, item in data.variables.items()} | data.attrs
-        matlab.write_struct("Chart", matlab.value_of(fields), record, path)
-    else:
-        write_text(path, record)
 
 
 WRITERS: dict[str, Callable[[Any, Path], None]] = {
@@ -156,7 +133,7 @@ WRITERS: dict[str, Callable[[Any, Path], None]] = {
     ".nc": netcdf.write_netcdf,
     ".mat": matlab.write_matlab,
 }
-READERS: dict[str, Callable[[Path], Any]] = {
+READERS: dict[str, Callable[[Path], str]] = {
     ".json": lambda path: path.read_text(encoding="utf-8"),
     ".nc": netcdf.read_netcdf,
     ".mat": matlab.read_matlab,

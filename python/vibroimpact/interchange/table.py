@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
-from ..status import NO_MOTION, NOT_COMPUTED, VERDICT
 
 if TYPE_CHECKING:
     from ..found import Findings
@@ -86,23 +85,6 @@ def numbered(results: Sequence[Any], own: Callable[[Any, int], Columns]) -> Colu
         for name, values in own(result, number).items():
             table.setdefault(name, []).extend(values)
     return table
-
-
-def chart_columns(data: Any) -> Columns:
-    """One row a motion of a chart, all motions of a point together."""
-    status = data["status"].values.T  # r, clearance, motion
-    i, j, k = np.nonzero((status != NO_MOTION) & (status != NOT_COMPUTED))
-    table: Columns = {
-        "r": data["r"].values[i].tolist(), "clearance": data["clearance"].values[j].tolist(),
-        "slot": (k + 1).tolist(),
-    }  # fmt: skip
-    for name in ("consistent", "admissible", "stable"):
-        values = data[name].values.T[i, j, k]
-        table[name] = [VERDICT[code] for code in values.tolist()]
-    leading = data["multiplier_modulus"].values[0].T[i, j, k]
-    table["multiplier_1_modulus"] = leading.tolist()
-    table["x_max"] = data["x_max"].values.T[i, j, k].tolist()
-    return table | {"status": status[i, j, k].tolist()}
 
 
 TABLES: dict[str, Any] = {

@@ -18,7 +18,6 @@ from ..motion import Motion
 from ..noun import Noun, column
 from ..solve import frozen
 from ..status import VERDICT
-from ..tables import Result
 from .switching import doubled, extra_impact, perturbed
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from ..errors import ParameterError
 from ..likeness import same
 from ..model import Oscillator, Pattern
 from ..motion import Motion
@@ -23,18 +20,6 @@ def can_be_symmetric(osc: Oscillator, pattern: Pattern) -> bool:
         and pattern.cycles % 2 == 1
         and bool(np.all(np.roll(pattern.signs, n // 2) == -pattern.signs))
     )
-
-
-def check_symmetric(symmetric: Any, osc: Oscillator, pattern: Pattern) -> None:
-    """An error unless the value is a valid choice of motions, and the pattern has such motions."""
-    if symmetric not in (None, True, False):
-        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
-    if symmetric and not can_be_symmetric(osc, pattern):
-        raise ParameterError(
-            f"symmetric = True: must be None or False for {pattern.sides}/{pattern.cycles} with restitution "
-            f"{osc.restitution!r}, which has no symmetric motion; that takes equal restitution, an odd number "
-            "of cycles and a pattern whose second half is the mirror image of the first"
-        )
 
 
 def is_symmetric(motion: Motion) -> bool:

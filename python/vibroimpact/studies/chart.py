@@ -1,0 +1,260 @@
+"""Charts: the motions of one pattern on a grid of frequency ratios and clearances."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import checks, door
+from ..errors import ParameterError, StudyInterrupted
+from ..interchange.dataset import xarray
+from ..interchange.namelist import SYMMETRIC
+from ..model import Oscillator, Pattern
+from ..noun import Noun
+from ..status import status_text
+
+__all__ = ["Chart", "chart"]
+
+#: What the caller calls the words of the core.
+WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
+
+
+class Variable(NamedTuple):
+    """An array with names of its axes, what it is and its unit."""
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: dict[str, Any]
+
+
+class Chart(Noun, study="chart"):
+    """The motions of one pattern on a grid, as the core found them; `to_xarray` labels them.
+
+    `vibroimpact.chart` gives the dataset itself; this is what `vibroimpact.load` and `Case.run` give.
+
+    Attributes
+    ----------
+    pattern : Pattern
+    variables : dict of Variable
+        What the dataset has, without xarray: (dims, values, attrs) by name.
+    attrs : dict
+    """
+
+    __slots__ = ("__dict__",)
+
+    @property
+    def pattern(self) -> Pattern:
+        return Pattern(self.keys["sides"], self.keys["cycles"])
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        from .. import __version__
+
+        keys, osc = self.keys, self.osc
+        right, left = osc.restitution
+        return {
+            "title": f"motions {keys['sides']}/{keys['cycles']} of a vibrating system with impacts",
+            "xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left, "sides": keys["sides"],
+            "cycles": keys["cycles"], "load": 1.0,
+            "units": "length in F0/K, time in 1/omega, angles in radians",
+            "source": f"vibroimpact {__version__}", "result": "Chart",
+            "motions": {"yes": "symmetric", "no": "not symmetric", "both": "all"}[keys["symmetric"]],
+            **{name: keys[name] for name in ("room", "guesses", "seeds")},
+            "complete": int(self.complete), "case": self.case, "Conventions": "CF-1.11",
+        }  # fmt: skip
+
+    @cached_property
+    def variables(self) -> dict[str, Variable]:
+        tables = self._result.tables
+        grid, flags = ("motion", "clearance", "r"), np.array([1, 0, -1], np.int8)
+        columns = {
+            name: np.moveaxis(item.values, (0, 1, 2), (-1, -2, -3))
+            for name, item in tables["motions"].columns.items()
+        }
+        r, clearance = (
+            tables["ratios"].columns["r"].values,
+            tables["clearances"].columns["clearance"].values,
+        )
+        with np.errstate(divide="ignore"):
+            a = 1 / np.hypot((1 - r) * (1 + r), 2 * self.osc.xi * r)
+        multipliers, codes = columns["multipliers"], np.unique(columns["status"])
+        attenuation = np.maximum(-columns["x_min"], columns["x_max"]) / a
+        moduli = np.hypot(multipliers.real, multipliers.imag)
+        told: dict[str, tuple[Any, Any, str, str]] = {
+            "multiplier_modulus": (
+                ("multiplier", *grid), moduli, "1",
+                "modulus of the multipliers (eigenvalues of [P]), leading one first",
+            ),
+            "multiplier_angle": (
+                ("multiplier", *grid), np.angle(multipliers), "rad", "angle of the multipliers",
+            ),
+            "x_min": (grid, columns["x_min"], "F0/K", "least position of the primary mass"),
+            "x_max": (grid, columns["x_max"], "F0/K", "greatest position of the primary mass"),
+            "attenuation": (grid, attenuation, "1", "greatest |x| over the amplitude without impacts"),
+            "tau": (grid, columns["tau"], "rad", "phase of the forced motion at the first impact"),
+            "phases": (
+                ("impact", *grid), columns["phases"], "rad", "load phase from the first impact to each",
+            ),
+            "X": (
+                ("impact", *grid), columns["X"], "F0/K", "position of the primary mass at each impact",
+            ),
+            "A": (("r",), a, "F0/K", "amplitude without impacts"),
+            "found": (
+                ("clearance", "r"), tables["points"].columns["found"].values.T, "1",
+                "motions found at the point",
+            ),
+            "r": (("r",), r, "1", "frequency ratio Omega/omega"),
+            "clearance": (("clearance",), clearance, "1", "d K/F0"),
+        }  # fmt: skip
+        found = {
+            name: Variable(
+                dims, np.ascontiguousarray(values), {"long_name": meaning, "units": unit}
+            )
+            for name, (dims, values, unit, meaning) in told.items()
+        }
+        for name in ("consistent", "admissible", "stable"):
+            about = {
+                "long_name": f"whether the motion is {name}", "units": "1", "flag_values": flags,
+                "flag_meanings": "yes no unknown",
+            }  # fmt: skip
+            found[name] = Variable(grid, columns[name].astype(np.int8), about)
+        about = {
+            "long_name": "status of the slot", "units": "1", "flag_values": codes,
+            "flag_meanings": "; ".join(map(status_text, codes.tolist())),
+        }  # fmt: skip
+        found["status"] = Variable(grid, columns["status"], about)
+        walls = np.array(self.pattern.letters)
+        found["side"] = Variable(
+            ("impact",), walls, {"long_name": "wall of the impact, right or left"}
+        )
+        return found
+
+    def __getitem__(self, name: str) -> Variable:
+        return self.variables[name]
+
+    def to_xarray(self) -> Any:
+        own = {name: tuple(item) for name, item in self.variables.items()}
+        coords = {name: own.pop(name) for name in ("r", "clearance", "side")}
+        return xarray("charts").Dataset(own, coords, self.attrs)
+
+    def plot(self, ax: Any = None, color: str | None = None, inverse: bool = False) -> Any:
+        """Draw where the motions are stable, unstable, inadmissible or absent; see `plot.draw_chart`."""
+        from ..plot.chart import draw_chart
+
+        return draw_chart(self, ax, color, inverse)
+
+    def __repr__(self) -> str:
+        sizes = self._result.tables["points"].dims
+        cut = "" if self.complete else f"; cut short, {self.cut}"
+        return (
+            f"<Chart of {self.pattern.sides}/{self.pattern.cycles}: {sizes['r']} frequency ratios, "
+            f"{sizes['clearance']} clearances{cut}>"
+        )
+
+
+def chart(
+    osc: Oscillator,
+    pattern: Pattern,
+    r: ArrayLike,
+    clearance: ArrayLike,
+    symmetric: bool | None = None,
+    *,
+    multipliers: bool = True,
+    room: int = 4,
+    guesses: int = 32,
+    seeds: int = 12,
+    threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> Any:
+    """The motions of a pattern at every point of a grid, as a labelled dataset (extra `data`).
+
+    Two equally spaced impacts with equal restitution (the pattern RL, k odd) have a closed form.
+    All other motions are found by Newton's method: a search at some points of the grid, then from
+    each solved point to its neighbours.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    pattern : Pattern
+        Without rest.
+    r, clearance : array_like
+        Increasing frequency ratios and clearances d K/F0, at most 1000000 points altogether.
+    symmetric : bool, optional
+        True: only motions that are their own mirror image half a period later (of RL these are the
+        equispaced ones); False: only the others; None: both.
+    multipliers : bool
+        Whether the multipliers of the equispaced motions are wanted. Without them they are NaN, the
+        verdict `stable` is the same, and the chart takes a fraction of the time.
+    room : int
+        Slots for motions that have no closed form, 1 to 32.
+    guesses, seeds : int
+        Guesses of the search at a point, and points along each axis where there is one. A zone
+        that holds none of these points, and is connected to none that does, is missed.
+    threads : int, optional
+        Default: one for each processor. The answer is the same to the last bit for any number.
+    progress : callable, optional
+        Called a few times a second with the share done and what is being done.
+
+    Returns
+    -------
+    xarray.Dataset
+        With the dimensions `motion` (slot), `clearance` and `r`:
+
+        - `consistent`, `admissible`, `stable`: 1, 0, or -1 for unknown;
+        - `multiplier_modulus`, `multiplier_angle` (first dimension `multiplier`), leading one first;
+        - `x_min`, `x_max`, `attenuation` (max|x|/A), `tau`, and `X`, `phases` (first dimension
+          `impact`);
+        - `status`: 0 where there is a motion; other codes are explained by `status_text`;
+        - `found`: motions at the point, with those for which there was no room.
+
+        A slot is continuous over the grid. The equispaced pair has the slots 0 and 1, in the order
+        of `equispaced`: tau above and below the middle of the two. The others follow: motions that
+        continue each other from point to point share a slot, and the slots are given first to
+        those with the most admissible and stable points, then to those with the most admissible
+        ones. Where there are more motions than `room`, a slot may change from one to another; no
+        admissible and stable motion is left out for one that is not.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+    MissingExtraError
+        If xarray is missing.
+    StudyInterrupted
+        After Ctrl-C; its attribute `result` is the dataset so far, with a status of its own where
+        nothing was computed.
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> data = vi.chart(
+    ...     osc, vi.Pattern("RL"), np.linspace(0.9, 1.1, 21), np.geomspace(5, 100, 16), symmetric=True
+    ... )
+    >>> dict(data.sizes)["motion"]
+    2
+    >>> int(((data.admissible == 1) & (data.stable == 1)).any("motion").sum())
+    107
+    """
+    xarray("charts")
+    checks.instance(osc, "osc", Oscillator)
+    checks.plain_pattern(pattern)
+    if symmetric not in (None, True, False):
+        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
+    keys = {
+        "sides": pattern.sides, "cycles": pattern.cycles, **door.line("r", r),
+        **door.line("clearance", clearance, geometric=True), "symmetric": SYMMETRIC[symmetric], "room": room,
+        "guesses": guesses, "seeds": seeds, "multipliers": None if multipliers else "no",
+    }  # fmt: skip
+    names = {"r_points": "r", "clearance_points": "clearance", "r_min": "r[0]", "r_max": "r[-1]"}
+    names |= {"clearance_min": "clearance[0]", "clearance_max": "clearance[-1]"}
+    try:
+        found = door.run(
+            Chart, osc, keys, threads=threads, progress=progress, parameters={**names, **WORDS}
+        )
+    except StudyInterrupted as stop:
+        raise StudyInterrupted(stop.result.to_xarray()) from None
+    return found.to_xarray()
