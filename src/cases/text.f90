@@ -193,29 +193,35 @@ contains
 
    !> A number in a short form, with the fewest digits that give the same number when it is read:
    !! 1e-6, 0.75, 1000; padded with blanks.
-   pure function number_text(value, is_whole) result(text)
+   pure function number_text(value, is_whole, most) result(text)
       !> Any finite number.
       real(wp), intent(in) :: value
       !> Whether it is a whole number, which never gets an exponent.
       logical, intent(in) :: is_whole
+      !> Digits at most; without it as many as are needed.
+      integer, intent(in), optional :: most
       character(24) :: text
       character(24) :: buffer
       character(17) :: figures
       real(wp) :: again
-      integer :: n, power
+      integer :: n, power, limit
 
       if (is_whole) then
          write (text, '(i0)') nint(value)
          return
       end if
-      do n = 1, 17
+      limit = 17
+      if (present(most)) limit = most
+      do n = 1, limit
          write (buffer, '(es24.'//whole(n - 1)//'e3)') abs(value)
          read (buffer, '(f24.0)') again
          if (again >= abs(value) .and. again <= abs(value)) exit
       end do
+      n = min(n, limit)
       buffer = adjustl(buffer)
       read (buffer(index(buffer, 'E') + 1:), '(i4)') power
       figures = buffer(1:1)//buffer(3:index(buffer, 'E') - 1)
+      n = max(1, verify(figures, ' 0', back=.true.))
       if (abs(value) <= 0) then
          text = '0'
       else if (power >= 0 .and. power < 5) then

@@ -19,7 +19,7 @@ module vi_branch_study
    use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
    use vi_status, only: stat, status_text
    use vi_tally, only: add_sight, add_work
-   use vi_text, only: line_type, shown, whole
+   use vi_text, only: line_type, number_text, whole
    use vi_values, only: values_type
    implicit none (type, external)
    private
@@ -153,7 +153,7 @@ contains
       call parameter_range(place, least, most, text)
       limits = trim(text)
       if (start(1) <= start(2)) limits = limits//', and the motion has '//trim(parameters(place)) &
-         //' = '//shown(start(1), 'g0.10')
+         //' = '//trim(number_text(start(1), .false., 10))
       if (.not. (low >= least .and. low <= start(1))) then
          call case%study%refuse('low', limits)
       else if (.not. (high <= most .and. high >= start(2) .and. high > low)) then
@@ -297,8 +297,9 @@ contains
       type(result_type), intent(inout) :: result
 
       associate (last => branches(size(branches)))
-         result%cut = trim(name)//' from '//shown(minval(last%parameters(place, :last%n)), &
-            'g0.6')//' to '//shown(maxval(last%parameters(place, :last%n)), 'g0.6')//' was reached'
+         result%cut = trim(name)//' from '//trim(number_text(minval(last%parameters(place, &
+            :last%n)), .false., 6))//' to '//trim(number_text(maxval(last%parameters(place, &
+            :last%n)), .false., 6))//' was reached'
       end associate
    end subroutine describe_cut
 

@@ -9,7 +9,7 @@ BAD_BRANCH = [
     *[("parameter = 'clearance'", f"parameter = {v}", "'r', 'clearance', 'xi'")
       for v in ("'q'", "''", "r", "'restitutio'", "'clearance x'")],
     ("parameter = 'clearance', ", "", "&branch parameter: is missing"),
-    *[("low = 10", f"low = {v}", "1e-12 <= clearance <= 1e12, and the motion has clearance = 37.0")
+    *[("low = 10", f"low = {v}", "1e-12 <= clearance <= 1e12, and the motion has clearance = 37")
       for v in ("0", "-1", "1e-13", "38")],
     *[("low = 10", f"low = {v}", "a number, at most") for v in ("nan", "inf", "1, 2")],
     ("low = 10, ", "", "&branch low: is missing"),
