@@ -244,8 +244,9 @@ contains
       if (n == 0) return
       call put_starts(branches(:n), starts(:n), result)
       call put_points(branches(:n), result)
-      if (any([(any(branches(i)%reasons == end_stopped), i=1, n)])) &
+      if (any([(any(branches(i)%reasons == end_stopped), i=1, n)])) then
          call describe_cut(branches(:n), case%study%word('parameter'), place, result)
+      end if
       do i = 1, n
          call result%remark('branch '//whole(i)//': first end: '//end_text( &
             branches(i)%reasons(1))//'; last end: '//end_text(branches(i)%reasons(2)))

@@ -22,10 +22,6 @@ from .switching import doubled, extra_impact, perturbed
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
 
-#: Parameters a branch can follow; "restitution" is R1 = R2 together.
-CHOICES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
-#: Columns of the points with one number an impact, in the order of a motion's attributes.
-OF_IMPACTS = ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after")
 _Array = NDArray[np.float64]
 
 
@@ -195,19 +191,24 @@ class Branch(Noun, study="branch"):
         if not -len(self) <= i < len(self):
             raise IndexError(f"point {i} of a branch of {len(self)} points")
         right, left = float(self.R1[i]), float(self.R2[i])
-        osc = Oscillator(xi=float(self.xi[i]), mu=float(self.mu[i]), restitution=(right, left))
         pattern = self.pattern
-        numbers = (float(getattr(self, name)[i]) for name in ("A", "tau", "residual"))
-        verdicts = (
-            VERDICT[int(getattr(self, name)[i])] for name in ("consistent", "admissible", "stable")
-        )
-        arrays = (frozen(getattr(self, name)[:, i].copy()) for name in ("phases", *OF_IMPACTS))
+
+        def at(name: str) -> _Array:
+            return frozen(getattr(self, name)[..., i].copy())
+
+        def verdict(name: str) -> bool | None:
+            return VERDICT[int(getattr(self, name)[i])]
+
         multipliers = self.multipliers[:, i].copy()
         multipliers.flags.writeable = False
-        walls = frozen(np.where(pattern.signs > 0, right, left))
         return Motion(
-            osc, float(self.r[i]), float(self.clearance[i]), pattern, walls, *arrays, *numbers,
-            multipliers, *verdicts, float(self.x_min[i]), float(self.x_max[i]),
+            Oscillator(xi=float(self.xi[i]), mu=float(self.mu[i]), restitution=(right, left)),
+            float(self.r[i]), float(self.clearance[i]), pattern,
+            frozen(np.where(pattern.signs > 0, right, left)), at("phases"), at("X"), at("Z"),
+            at("X_dot_before"), at("X_dot_after"), at("Z_dot_before"), at("Z_dot_after"),
+            float(self.A[i]), float(self.tau[i]), float(self.residual[i]), multipliers,
+            verdict("consistent"), verdict("admissible"), verdict("stable"),
+            float(self.x_min[i]), float(self.x_max[i]),
         )  # fmt: skip
 
     def plot(self, ax: Any = None, y: str = "attenuation") -> Any:
