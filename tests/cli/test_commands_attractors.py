@@ -140,7 +140,7 @@ def test_random_states(tool):
      "--clearance -9.0: must be a number with 1e-12 <="),
     (["bifurcation", *SYSTEM, "--parameter", "r", "--values", "1", "2", "5"], "--clearance: must be given"),
     (["bifurcation", *SYSTEM, "--r", "1", "--parameter", "clearance", "--values", "1", "2", "5", "--states", "3"],
-     "--states 3: must be left out: it is for sweep = 'states'"),
+     "--states 3: must be left out: it is for --sweep states"),
     (["lyapunov", *SYSTEM, "--r", "1", "2", "--clearance", "9"], "--r 1 2: must be a number, or LOW HIGH N"),
     (["lyapunov", *SYSTEM, "--r", "1", "--clearance", "9", "--state", "0", "1", "7", "0"],
      "--state 0 1 7 0: must be a finite number; z - x must be within half the clearance"),

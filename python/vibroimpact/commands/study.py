@@ -273,15 +273,26 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
     """A message in terms of options, without the namelist that they were written to, which nobody knows."""
     line = re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)
     match = re.match(r"&(\w+) (\w+)\S*(?: = (.*?))?: (.*)", line)
-    for option in request.known if match else ():
-        if match and (match[1], match[2]) in [(group, key["name"]) for group, key in option.keys]:
-            typed = option.typed(options)
-            value = shown(typed) if isinstance(typed, list) else match[3]
-            told = re.sub("^is missing; ", f"{MISSING}; it ", match[4])
-            for other in request.known:
-                told = other.in_words(told, "" if other == option else f" of --{other.name}")
-            return f"--{option.name}{f' {value}' if value else ''}: {told}"
-    return line
+    owners = {
+        (group, key["name"]): option for option in request.known for group, key in option.keys
+    }
+    option = owners.get((match[1], match[2])) if match else None
+    if match is None or option is None:
+        return line
+    typed = option.typed(options)
+    value = shown(typed) if isinstance(typed, list) else match[3]
+    told = re.sub("^is missing; ", f"{MISSING}; it ", match[4])
+    for other in request.known:
+        told = other.in_words(told, "" if other == option else f" of --{other.name}")
+
+    def flag(found: re.Match[str]) -> str:
+        """Another key, with its word if it has one, as an option."""
+        other = owners.get((match[1], found[2]))
+        word = (found[3] or "").replace("'", "")
+        return f"{found[1]} --{other.name}{word}" if other else found[0]
+
+    told = re.sub(r"(beside|goes with|is for|or give) (\w+)(?: =( \S+))?", flag, told)
+    return f"--{option.name}{f' {value}' if value else ''}: {told}"
 
 
 #: What is said of an option that is missing.
