@@ -514,69 +514,28 @@ subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, r
    call store_events(events, r, values, labels)
 end subroutine rest_motion
 
-!> Every periodic motion at a point that a search finds.
-!!
-!! n motions with m impacts in all; if there is too little room the first ones. Rows of `kinds`:
-!! impacts (0 with rest), load cycles, side of the release (0 without rest). Motions without rest
-!! follow each other in `sides`, `phases` and `impacts`; of one with rest `releases` has phase and
-!! velocity. `counts`: patterns, guesses, inadmissible solutions, releases; then states by what
-!! becomes of them, as in vi_settled_motion.
-subroutine find(room, letters, xi, mu, walls, r, load, clearance, max_impacts, max_cycles, &
-   guesses, states, settling, releases_tried, threads, tally, n, m, counts, kinds, releases, &
-   sides, phases, impacts, scalars, multipliers, verdicts, status)
-   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
-   use vi_drive, only: new_drive
-   use vi_find, only: find_motions, find_request_type, findings_type
-   use vi_found_motion, only: setting_of
-   use vi_oscillator, only: oscillator_type
-   use vi_points, only: exact_point
+!> The patterns that a search goes through: impacts and load cycles of each, and its sides, 1 for
+!! right and 2 for left.
+subroutine side_patterns(max_impacts, max_cycles, alike, room, n, impacts, cycles, sides)
+   use, intrinsic :: iso_c_binding, only: c_int
+   use vi_pattern, only: pattern_type
+   use vi_pattern_list, only: patterns_of => side_patterns
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: room, letters, max_impacts, max_cycles, guesses, states, &
-      settling, releases_tried, threads
-   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance
-   integer(c_int), intent(inout) :: tally(3)
-   integer(c_int), intent(out) :: n, m, counts(10), kinds(3, room), sides(letters), &
-      verdicts(3, room), status(room)
-   real(c_double), intent(out) :: releases(2, room), phases(letters), impacts(6, letters), &
-      scalars(6, room)
-   complex(c_double_complex), intent(out) :: multipliers(4, room)
-   type(find_request_type) :: request
-   type(findings_type) :: findings
-   real(c_double), allocatable :: own(:, :)
-   integer :: i, j, iterations
+   integer(c_int), intent(in) :: max_impacts, max_cycles, alike, room
+   integer(c_int), intent(out) :: n, impacts(room), cycles(room), sides(max_impacts, room)
+   type(pattern_type), allocatable :: patterns(:)
+   integer :: i
 
-   request = find_request_type(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), &
-      max_impacts, max_cycles, guesses, states, settling, releases_tried, threads)
-   call find_motions(request, findings, tally)
-   counts = [findings%patterns, findings%guesses, findings%inadmissible, findings%releases, &
-      findings%outcomes]
-   n = findings%n
-   m = 0
-   kinds = 0
-   releases = 0
-   status = 0
+   allocate (patterns, source=patterns_of(max_impacts, max_cycles, alike /= 0))
+   sides = 0
+   n = min(room, size(patterns))
    do i = 1, n
-      associate (motion => findings%motions(i))
-         j = size(motion%pattern%sides)
-         m = m + j
-         if (m > letters .or. i > room) cycle
-         kinds(:2, i) = [j, motion%pattern%cycles]
-         if (j == 0) then
-            kinds(3, i) = nint(motion%releases(1, 1))
-            releases(:, i) = motion%releases(2:, 1)
-            cycle
-         end if
-         allocate (own(j, 6))
-         sides(m - j + 1:m) = motion%pattern%sides
-         call exact_point(setting_of(request%drive, motion%pattern), motion%unknowns(:j), &
-            motion%unknowns(j + 1:), 50, phases(m - j + 1:m), own, scalars(:, i), &
-            multipliers(:, i), verdicts(:, i), status(i), iterations)
-         impacts(:, m - j + 1:m) = transpose(own)
-         deallocate (own)
-      end associate
+      cycles(i) = patterns(i)%cycles
+      impacts(i) = size(patterns(i)%sides)
+      sides(:impacts(i), i) = merge(1, 2, patterns(i)%sides > 0)
    end do
-end subroutine find
+end subroutine side_patterns
 
 !> A motion, or its mirror image, written once and from the impact on that puts R before L.
 !!

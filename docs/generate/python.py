@@ -6,7 +6,7 @@ import vibroimpact.plot
 #: Modules by subject; what is public in a module that stands nowhere comes last.
 SUBJECTS = {
     "System, pattern, units": ("model",),
-    "Motions": ("solve", "newton", "find", "found", "motion", "events", "flags", "status"),
+    "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "status"),
     "Simulation": ("trajectory", "bundle"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "chart"),

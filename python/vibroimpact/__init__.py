@@ -6,9 +6,7 @@ from . import errors
 from .bundle import Bundle, simulate_bundle
 from .case import Case, read_namelist
 from .events import Sample
-from .find import FoundMotions, Search, find
 from .flags import StabilityFlags, stability_flags
-from .found import Findings
 from .interchange.result import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
@@ -21,6 +19,7 @@ from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
 from .studies.branch import Branch, Branches, SpecialPoint, branch
 from .studies.chart import Chart, chart
+from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
 from .studies.spacing import spaced

@@ -21,6 +21,7 @@ from .studies.basins import Basins
 from .studies.bifurcation import BifurcationDiagram
 from .studies.branch import Branches
 from .studies.chart import Chart
+from .studies.find import Findings
 from .studies.lyapunov import Lyapunov, with_exponents
 from .studies.response import Response
 from .studies.zone import Zone
@@ -31,7 +32,7 @@ __all__ = ["Case", "read_namelist"]
 
 #: Kinds of cases.
 KINDS = (
-    "periodic", "equispaced", "exact", "simulate", "chart", "branch", "zone", "atlas", "lyapunov",
+    "periodic", "equispaced", "exact", "simulate", "find", "chart", "branch", "zone", "atlas", "lyapunov",
     "bifurcation", "response", "basins",
 )  # fmt: skip
 
@@ -73,7 +74,9 @@ class Case(NamedTuple):
 
         `progress` is as of `atlas`, and for all but motions.
         """
-        if self.kind in ("chart", "atlas", "zone", "lyapunov", "bifurcation", "response", "basins"):
+        if self.kind in (
+            "find", "chart", "atlas", "zone", "lyapunov", "bifurcation", "response", "basins",
+        ):  # fmt: skip
             return [getattr(self, self.kind)(progress)]
         if self.kind == "simulate":
             return [self.trajectory(progress)]
@@ -138,6 +141,10 @@ class Case(NamedTuple):
     def response(self, progress: Callable[[float, str], None] | None = None) -> Response:
         """The response that a &response case asks for."""
         return door.run_text(Response, self.text, progress=progress)
+
+    def find(self, progress: Callable[[float, str], None] | None = None) -> Findings:
+        """The motions at a point that a &find case asks for."""
+        return door.run_text(Findings, self.text, progress=progress)
 
     def basins(self, progress: Callable[[float, str], None] | None = None) -> Basins:
         """The basins that a &basins case asks for."""

@@ -27,6 +27,7 @@ def run(
     noun: Callable[[Result], Found], osc: Oscillator, keys: Mapping[str, Any], r: float | None = None,
     threads: int | None = None, progress: Progress | None = None,
     parameters: Mapping[str, str] | None = None, start: Mapping[str, Any] | None = None,
+    little: bool = False,
 ) -> Found:  # fmt: skip
     """Runs a study in the core and returns its result object.
 
@@ -40,6 +41,8 @@ def run(
         The caller's names of keys and words of the core, where they differ.
     start : mapping, optional
         Keys of the &motion that the study starts from.
+    little : bool
+        Whether it takes a moment, too short for progress and Ctrl-C.
 
     Raises
     ------
@@ -55,7 +58,7 @@ def run(
     before = {} if start is None else {"motion": start}
     text = namelist.case(osc, r, **before, **{study: values})
     try:
-        return run_text(noun, text, threads, progress)
+        return run_text(noun, text, threads, progress, little)
     except ParameterError as error:
         told = str(error).removeprefix(f"&{study} ").removeprefix("&system ")
         raise ParameterError(translated(told, names)) from None
@@ -73,17 +76,20 @@ def translated(told: str, names: Mapping[str, str]) -> str:
 
 def run_text(
     noun: Callable[[Result], Found], text: str, threads: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | None = None, little: bool = False,
 ) -> Found:  # fmt: skip
     """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist."""
     study: str = noun.study  # type: ignore[attr-defined]
     workers = checks.integer(
         os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
     )
-    (handle, status), complete = stoppable(
-        _core.run_case, np.frombuffer(text.encode(), "S1"), workers, tally=new_tally(),
-        progress=progress, note=study,
-    )  # fmt: skip
+    call = (_core.run_case, np.frombuffer(text.encode(), "S1"), workers)
+    if little:
+        (handle, status), complete = call[0](*call[1:], new_tally()), True
+    else:
+        (handle, status), complete = stoppable(
+            *call, tally=new_tally(), progress=progress, note=study
+        )
     if status == 2:
         owner = Handle(handle)
         raise ParameterError(refusal(owner.number))

@@ -44,7 +44,7 @@ def run_namelists(
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion, &simulate, &chart, &branch, &zone, &atlas,
+        Files with the groups &system, &motion, &simulate, &find, &chart, &branch, &zone, &atlas,
         &lyapunov, &bifurcation, &response or &basins, &output (see inputs/README.md), or earlier results.
     folder : path
         Created if it does not exist.

@@ -11,14 +11,14 @@ module vi_command
 
    public :: run_command
 
-   character(87), parameter :: help(*) = [character(87) :: &
+   character(89), parameter :: help(*) = [character(87) :: &
       'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
       '', &
       'Computes the motions, simulations, charts, branches, zones, atlases and attractors', &
       'that namelist files ask for and writes each case to DIR/NAME.csv and, if it asks', &
       'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
       'input that reproduces it.', &
-      'Groups: &system, &output and, for each case, &motion, &simulate, &chart, &branch,', &
+      'Groups: &system, &output and, for each case, &motion, &simulate, &find, &chart, &branch,', &
       '&zone, &atlas, &lyapunov, &bifurcation, &response or &basins; see inputs/README.md.', &
       '--keys GROUP describes the keys of a group, --describe all of them as JSON.', &
       '', &

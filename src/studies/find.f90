@@ -9,13 +9,13 @@
 module vi_find
    use vi_drive, only: drive_type
    use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored, new_found, &
-      new_resting
+      new_resting, tell_motion, told_type
    use vi_kinds, only: wp
    use vi_likeness, only: length_scale
    use vi_motion, only: yes
    use vi_oscillator, only: left, right
    use vi_passages, only: begin_lines, birth_type, follow_birth, lines_type
-   use vi_pattern, only: pattern_type
+   use vi_pattern, only: pattern_type, starred_letters
    use vi_pattern_list, only: side_patterns
    use vi_settled_motion, only: n_outcomes, settle_on
    use vi_starts, only: release_start, state_start
@@ -46,24 +46,31 @@ module vi_find
 
    !> The motions found, and counts of the search.
    type, public :: findings_type
-      integer :: n = 0
-      type(found_type), allocatable :: motions(:)
-      !> Patterns searched; Newton iterations started from guesses; solutions that would pass
-      !! through a wall; releases that Newton's method was started from.
-      integer :: patterns = 0, guesses = 0, inadmissible = 0, releases = 0
+      !> The motions, stable ones first.
+      type(told_type), allocatable :: motions(:)
+      !> Patterns searched, and all there are; Newton iterations started from guesses; solutions
+      !! that would pass through a wall; releases that Newton's method was started from; motions
+      !! that could not be confirmed as they are written.
+      integer :: patterns = 0, all_patterns = 0, guesses = 0, inadmissible = 0, releases = 0, &
+         lost = 0
       !> Number of states of each outcome, as in vi_settled_motion.
       integer :: outcomes(n_outcomes) = 0
+      !> Motions while they are gathered, each once (n).
+      type(found_type), allocatable, private :: gathered(:)
+      integer, private :: n = 0
    end type findings_type
 
-   !> The motions that one task has found.
+   !> The motions that one task has found, and whether it was begun.
    type :: batch_type
       type(found_type), allocatable :: motions(:)
+      logical :: begun = .false.
       integer :: n = 0, tried = 0, inadmissible = 0, outcome = 0
    end type batch_type
 
 contains
 
-   !> All motions at a point; the result does not depend on the number of threads.
+   !> All motions at a point; the result does not depend on the number of threads. A search that is
+   !! stopped gives what the patterns, releases and states led to that were begun.
    subroutine find_motions(request, findings, tally)
       !> What is asked for.
       type(find_request_type), intent(in) :: request
@@ -77,11 +84,12 @@ contains
       associate (drive => request%drive)
          scale = max(drive%clearance, drive%load*length_scale(drive%osc, drive%r, 0.0_wp))
       end associate
-      allocate (findings%motions(64))
+      allocate (findings%gathered(64))
       call from_patterns(request, scale, findings, tally)
       call from_releases(request, scale, findings, tally)
       call from_states(request, scale, findings, tally)
       call verify(request, findings)
+      call tell_all(request, findings)
    end subroutine find_motions
 
    !> Adds the motions of all patterns without rest.
@@ -102,7 +110,7 @@ contains
 
       allocate (patterns, source=side_patterns(request%max_impacts, request%max_cycles, &
          walls_alike(request%drive)))
-      findings%patterns = size(patterns)
+      findings%all_patterns = size(patterns)
       allocate (batches(size(patterns)), lines(size(patterns)))
       total = sum([(size(patterns(i)%sides)**2, i=1, size(patterns))])
       associate (drive => request%drive, osc => request%drive%osc)
@@ -113,16 +121,17 @@ contains
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(patterns)
          if (is_stopped(tally)) cycle
+         batches(i)%begun = .true.
          call begin_lines(patterns(i), c, request%guesses, request%max_impacts, lines(i), &
             batches(i)%tried)
          call add_work(int(real(pattern_work, wp)*size(patterns(i)%sides)**2/total), tally)
       end do
       !$omp end parallel do
-      if (is_stopped(tally)) return
-      call follow_births(request, patterns, lines)
+      findings%patterns = count(batches%begun)
+      if (.not. is_stopped(tally)) call follow_births(request, patterns, lines)
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(patterns)
-         call keep_admissible(request%drive, patterns(i), lines(i)%unknowns(:, :lines(i)%n), &
+         if (batches(i)%begun) call keep_admissible(request%drive, patterns(i), lines(i)%unknowns(:, :lines(i)%n), &
             batches(i))
       end do
       !$omp end parallel do
@@ -230,6 +239,7 @@ contains
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(cycles, side)
       do i = 1, size(batches)
          if (is_stopped(tally)) cycle
+         batches(i)%begun = .true.
          cycles = (i - 1)/(2*n) + 1
          side = merge(1, -1, modulo(i - 1, 2*n) < n)
          allocate (batches(i)%motions(1))
@@ -240,7 +250,7 @@ contains
          end associate
       end do
       !$omp end parallel do
-      findings%releases = size(batches)
+      findings%releases = count(batches%begun)
       do i = 1, size(batches)
          call add_batch(request%drive, batches(i), scale, findings)
       end do
@@ -321,15 +331,15 @@ contains
       integer :: i
 
       do i = 1, findings%n
-         if (are_same(motion, findings%motions(i), scale)) return
+         if (are_same(motion, findings%gathered(i), scale)) return
       end do
-      if (findings%n == size(findings%motions)) then
+      if (findings%n == size(findings%gathered)) then
          allocate (more(2*findings%n))
-         more(:findings%n) = findings%motions
-         call move_alloc(more, findings%motions)
+         more(:findings%n) = findings%gathered
+         call move_alloc(more, findings%gathered)
       end if
       findings%n = findings%n + 1
-      findings%motions(findings%n) = motion
+      findings%gathered(findings%n) = motion
    end subroutine add
 
    !> Computes each motion once more in its standard form, with its verdicts; motions that do not
@@ -344,7 +354,7 @@ contains
 
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(again, n)
       do i = 1, findings%n
-         associate (motion => findings%motions(i))
+         associate (motion => findings%gathered(i))
             n = size(motion%pattern%sides)
             if (n == 0) cycle
             call new_found(request%drive, motion%pattern, motion%unknowns(:n), &
@@ -357,11 +367,65 @@ contains
       !$omp end parallel do
       n = 0
       do i = 1, findings%n
-         if (findings%motions(i)%status /= stat%ok) cycle
+         if (findings%gathered(i)%status /= stat%ok) cycle
          n = n + 1
-         if (n < i) findings%motions(n) = findings%motions(i)
+         if (n < i) findings%gathered(n) = findings%gathered(i)
       end do
       findings%n = n
    end subroutine verify
+
+   !> The motions with all that is to be told of them, in order.
+   subroutine tell_all(request, findings)
+      !> Where.
+      type(find_request_type), intent(in) :: request
+      !> With the motions that were gathered.
+      type(findings_type), intent(inout) :: findings
+      type(told_type), allocatable :: told(:)
+      integer, allocatable :: order(:)
+      integer :: i, j, n
+
+      allocate (told(findings%n))
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
+      do i = 1, findings%n
+         call tell_motion(request%drive, findings%gathered(i), told(i))
+      end do
+      !$omp end parallel do
+      order = pack([(i, i=1, size(told))], told%motion%status == stat%ok)
+      findings%lost = size(told) - size(order)
+      ! by insertion: what is equal keeps its order
+      do i = 2, size(order)
+         n = order(i)
+         do j = i, 2, -1
+            if (.not. comes_before(told(n), told(order(j - 1)))) exit
+            order(j) = order(j - 1)
+         end do
+         order(j) = n
+      end do
+      allocate (findings%motions, source=told(order))
+   end subroutine tell_all
+
+   !> Whether a motion is listed before another: stable ones first, then by load cycles, impacts,
+   !! sides, and position.
+   pure logical function comes_before(one, other) result(before)
+      !> Both with their impacts.
+      type(told_type), intent(in) :: one, other
+      real(wp), parameter :: places = 1.0e6_wp
+      character(:), allocatable :: letters, others
+      integer :: ranks(3, 2), i
+
+      associate (a => one%motion, b => other%motion)
+         ranks(:, 1) = [merge(0, 1, a%stable == yes), a%pattern%cycles, size(a%pattern%sides)]
+         ranks(:, 2) = [merge(0, 1, b%stable == yes), b%pattern%cycles, size(b%pattern%sides)]
+         do i = 1, 3
+            before = ranks(i, 1) < ranks(i, 2)
+            if (ranks(i, 1) /= ranks(i, 2)) return
+         end do
+         letters = starred_letters(a%pattern%sides)
+         others = starred_letters(b%pattern%sides)
+         before = llt(letters, others)
+         if (letters /= others) return
+         before = anint(places*a%x(1)) > anint(places*b%x(1))
+      end associate
+   end function comes_before
 
 end module vi_find

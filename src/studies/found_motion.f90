@@ -12,15 +12,17 @@ module vi_found_motion
    use vi_likeness, only: distance, same, shortest_repetition
    use vi_motion, only: motion_type, unknown, yes
    use vi_pattern, only: default_restitution, pattern_type
-   use vi_rest_motion, only: solve_rest_motion
+   use vi_rest_motion, only: find_rest_motion, solve_rest_motion
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: are_same, in_standard_form, mirrored, new_found, new_resting, setting_of
+   public :: are_same, in_standard_form, mirrored, new_found, new_resting, setting_of, tell_motion
 
    !> Newton iterations for a motion without rest.
    integer, parameter :: most_iterations = 50
+   !> Events that a period with rest may have: most have few.
+   integer, parameter :: rooms(2) = [200, 20000]
 
    !> A motion that a search has found.
    type, public :: found_type
@@ -34,6 +36,14 @@ module vi_found_motion
       integer :: admissible = unknown, stable = unknown
       integer :: status = stat%no_motion
    end type found_type
+
+   !> A motion with all that is to be told of it.
+   type, public :: told_type
+      !> Of one with rest as `find_rest_motion` gives it.
+      type(motion_type) :: motion
+      !> With rest: all events of a period.
+      type(event_type), allocatable :: events(:)
+   end type told_type
 
 contains
 
@@ -107,6 +117,48 @@ contains
       m = size(found%releases, 2)
       found%releases(:, m) = [real(side, wp), point]
    end subroutine new_resting
+
+   !> Solves once more for a motion, with all that is to be told of it.
+   pure subroutine tell_motion(drive, found, told)
+      !> The system.
+      type(drive_type), intent(in) :: drive
+      !> The motion.
+      type(found_type), intent(in) :: found
+      !> The same; its status tells whether it could be confirmed.
+      type(told_type), intent(out) :: told
+      real(wp) :: unknowns(size(found%unknowns)), none(size(found%unknowns), 0)
+      integer :: n, iterations
+
+      n = size(found%pattern%sides)
+      if (n == 0) then
+         call tell_resting(drive, nint(found%releases(1, 1)), found%pattern%cycles, &
+            found%releases(2:, 1), told)
+         return
+      end if
+      unknowns = found%unknowns
+      call solve_exact(setting_of(drive, found%pattern), unknowns(:n), unknowns(n + 1:), &
+         most_iterations, none, told%motion, iterations)
+      call assess_exact(told%motion)
+      call assess_flights(told%motion)
+   end subroutine tell_motion
+
+   !> The motion with rest near a release.
+   pure subroutine tell_resting(drive, side, cycles, guess, told)
+      !> The system.
+      type(drive_type), intent(in) :: drive
+      !> The wall of the release, and the load cycles of the period.
+      integer, intent(in) :: side, cycles
+      !> (phase, v) at the release.
+      real(wp), intent(in) :: guess(2)
+      !> The motion.
+      type(told_type), intent(out) :: told
+      integer :: i
+
+      do i = 1, size(rooms)
+         call find_rest_motion(drive, side, cycles, guess, rooms(i), told%motion, told%events)
+         if (told%motion%status /= stat%more_events) return
+      end do
+   end subroutine tell_resting
 
    !> The given data of a motion of a pattern.
    pure function setting_of(drive, pattern) result(setting)

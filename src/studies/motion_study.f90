@@ -8,7 +8,8 @@ module vi_motion_study
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion, unknown, yes
    use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_letters
+   use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_letters, &
+      starred_letters
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
    use vi_result, only: column_type, complexes, result_type, verdicts, wholes, words
@@ -19,7 +20,7 @@ module vi_motion_study
    implicit none (type, external)
    private
 
-   public :: check_motion, find_motions, motion_request, run_motion
+   public :: check_motion, find_motions, motion_request, put_motions, run_motion
 
    integer, parameter :: most_impacts = 1000
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -61,7 +62,8 @@ module vi_motion_study
    type(column_type), parameter, public :: motion_columns(*) = [ &
       column_type('motions', 'motion', wholes, meaning='number of the motion'), &
       column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
-      column_type('impacts', 'side', words, words='R,L', meaning='wall'), &
+      column_type('impacts', 'side', words, words='R,L,R*,L*', &
+      meaning='wall; with a star where impacts accumulate there and end in rest'), &
       column_type('impacts', 'restitution', meaning='coefficient of restitution'), &
       column_type('impacts', 'phase', unit='rad', meaning='load phase, from the first impact'), &
       column_type('impacts', 'X', unit='F0/K', meaning='displacement of the primary mass'), &
@@ -334,17 +336,19 @@ contains
          sides(i)%text = ''
          if (motions(i)%status /= stat%ok) cycle
          associate (motion => motions(i))
-            sides(i)%text = side_letters(motion%pattern%sides)
+            sides(i)%text = starred_letters(motion%pattern%sides)
             m = size(motion%x)
             owners(total + 1:total + m) = i
             numbers(total + 1:total + m) = [(j, j=1, m)]
-            walls(total + 1:total + m) = merge(1, 2, motion%pattern%sides > 0)
+            walls(total + 1:total + m) = merge(1, 2, motion%pattern%sides > 0) &
+               + 2*(abs(motion%pattern%sides) - 1)
             impacts(:, total + 1:total + m) = transpose(reshape([motion%restitution, &
                motion%phases, motion%x, motion%z, motion%x_dot_before, motion%x_dot_after, &
                motion%z_dot_before, motion%z_dot_after], [m, 8]))
-            numbers_of(:, i) = [motion%r, motion%clearance, motion%amplitude, motion%tau, &
-               motion%residual, motion%x_min, motion%x_max, max(-motion%x_min, &
-               motion%x_max)/motion%amplitude]
+            numbers_of(:7, i) = [motion%r, motion%clearance, motion%amplitude, motion%tau, &
+               motion%residual, motion%x_min, motion%x_max]
+            if (motion%amplitude > 0) numbers_of(8, i) = max(-motion%x_min, &
+               motion%x_max)/motion%amplitude
             where (.not. ieee_is_nan(motion%multipliers%re)) multipliers(:, i) = motion%multipliers
             total = total + m
          end associate

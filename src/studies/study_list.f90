@@ -7,6 +7,7 @@ module vi_study_list
    use vi_branch_study, only: branch_columns, branch_keys, check_branch, run_branch
    use vi_case, only: case_type, echo
    use vi_chart_study, only: chart_columns, chart_keys, check_chart, run_chart
+   use vi_find_study, only: find_columns, find_keys, run_find
    use vi_key, only: key_type
    use vi_lyapunov_study, only: check_lyapunov, lyapunov_columns, lyapunov_keys, run_lyapunov
    use vi_motion_study, only: check_motion, motion_columns, motion_keys, run_motion
@@ -21,8 +22,8 @@ module vi_study_list
    public :: check_study, list_columns_of, list_keys_of, run_study
 
    !> The groups that ask for a result.
-   character(11), parameter, public :: study_names(10) = [character(11) :: 'motion', 'simulate', &
-      'chart', 'branch', 'zone', 'atlas', 'lyapunov', 'bifurcation', 'response', 'basins']
+   character(11), parameter, public :: study_names(11) = [character(11) :: 'motion', 'simulate', &
+      'find', 'chart', 'branch', 'zone', 'atlas', 'lyapunov', 'bifurcation', 'response', 'basins']
 
 contains
 
@@ -38,6 +39,8 @@ contains
          keys = motion_keys
       case ('simulate')
          keys = simulate_keys
+      case ('find')
+         keys = find_keys
       case ('chart')
          keys = chart_keys
       case ('branch')
@@ -67,6 +70,8 @@ contains
          call check_motion(case%osc, case%study)
       case ('simulate')
          call check_simulate(case)
+      case ('find')
+         continue
       case ('chart')
          call check_chart(case)
       case ('branch')
@@ -102,6 +107,9 @@ contains
       case ('simulate')
          columns = simulate_columns
          row = 'events'
+      case ('find')
+         columns = find_columns
+         row = 'impacts'
       case ('chart')
          columns = chart_columns
          row = 'motions'
@@ -151,6 +159,8 @@ contains
          call run_motion(case, result)
       case ('simulate')
          call run_simulate(case, result, tally)
+      case ('find')
+         call run_find(case, threads, result, tally)
       case ('chart')
          call run_chart(case, result, tally)
       case ('branch')

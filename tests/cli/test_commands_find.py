@@ -59,6 +59,24 @@ def test_find_at_the_clearance_of_given_phases(tool):
     assert f"{motion.x_max:.6g}" in text
 
 
+def test_groups_of_their_own(tool, found):
+    """A case &find has its own limits, which options replace; `run` and the compiled program write what it finds."""
+    text = SYSTEM + "&find clearance = 37, max_impacts = {}, max_cycles = 1 /\n"
+    write(tool.cwd / "find.nml", text.format(2))
+    done = tool("find", "find.nml")
+    assert done == tool("find", *POINT, *LIMITS)
+    assert done.status == 0
+    write(tool.cwd / "find.nml", text.format(3))
+    assert tool("find", "find.nml", "--max-impacts", "2") == done
+    assert tool("find", "find.nml", *LIMITS, "-o", "one").status == 0
+    write(tool.cwd / "find.nml", text.format(2))
+    done = tool("run", "find.nml", "-o", "two")
+    stable = sum(motion.stable is True for motion in found)
+    assert done.out.decode().splitlines()[0] == f"find: {len(found)} motions, {stable} stable"
+    assert contents(tool.cwd / "one") == contents(tool.cwd / "two")
+    assert list(contents(tool.cwd / "two")) == ["find.csv"]
+
+
 def test_find_where_there_is_nothing(tool):
     """No motion: status 1, no file; a case that has no clearance: its reason, and status 1."""
     wide = [
@@ -77,6 +95,15 @@ def test_find_where_there_is_nothing(tool):
     assert (done.status, done.err) == (1, b"")
     assert "no periodic motion was found" in done.out.decode()
     assert list(contents(tool.cwd)) == []
+    write(
+        tool.cwd / "wide.nml",
+        "&system xi = 0.3, mu = 0.04, restitution = 0.5, r = 0.9 /\n"
+        "&find clearance = 1e6, max_impacts = 2, max_cycles = 1 /\n",
+    )
+    done = tool("run", "wide.nml")
+    assert (done.status, done.out) == (1, b"")
+    assert done.faults == ["wide: no periodic motion was found"]
+    assert list(contents(tool.cwd)) == ["wide.nml"]
     write(tool.cwd / "free.nml", PAIR.replace("1.37", "1"))
     done = tool("find", "free.nml")
     assert (done.status, done.out) == (1, b"")
@@ -84,7 +111,7 @@ def test_find_where_there_is_nothing(tool):
 
 
 def test_table_of_motions(tool, found):
-    """One row an impact, as `run` writes motions; the header tells the point and the search."""
+    """One row an impact, as `run` writes motions; the header is the case, which gives the same bytes again."""
     done = tool("find", *POINT, *LIMITS, "-o", "out")
     assert (done.status, done.err) == (0, b"")
     assert done.files == ("out/find.csv",)
@@ -96,9 +123,13 @@ def test_table_of_motions(tool, found):
         assert motion["side"] == expected.pattern.letters
         assert floats(motion, "phase") == expected.phases.tolist()
     head = [line for line in (tool.cwd / "out/find.csv").read_text().split("\n") if line[:1] == "#"]
-    numbers = [float(word) for word in head[1].partition(" = ")[2].split(", ")]
-    assert numbers == [0.005, 0.042, 0.75, 0.75, 0.94, 37.0, 1.0]
-    assert head[2] == f"# ! searched: {found.search}"
+    assert head[-1] == f"# ! searched: {found.search}"
+    (case,) = vi.read_namelist(tool.cwd / "out/find.csv")
+    assert (case.kind, case.osc, case.r) == ("find", OSC, 0.94)
+    keys = {"clearance": 37.0, "load": 1.0, "max_impacts": 2, "max_cycles": 1, "guesses": 96}
+    assert keys.items() <= case.keys.items()
+    assert tool("run", "out/find.csv", "-o", "again").status == 0
+    assert (tool.cwd / "again/find.csv").read_bytes() == (tool.cwd / "out/find.csv").read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -139,12 +170,15 @@ def test_labels_of_motions_with_rest(tool):
         assert data.sides.values.tolist() == [motion.pattern.sides for motion in found]
         assert "RL*" in data.sides.values
         for i, motion in enumerate(found):
-            n = len(motion.pattern)
-            np.testing.assert_array_equal(data.X[i, :n], motion.X)
-            assert np.isnan(data.X[i, n:]).all()
+            own = data.impacts_motions.values == i
+            np.testing.assert_array_equal(data.X[own], motion.X)
+            assert data.impacts_side.values[own].tolist() == motion.pattern.letters
             np.testing.assert_array_equal(data.multipliers_real[i], motion.multipliers.real)
+            times = data.time.values[data.events_motions.values == i]
+            wanted = motion.rest_events["time"] if motion.pattern.has_rest else []
+            np.testing.assert_array_equal(times, wanted)
         assert data.x_max.values.tolist() == [motion.x_max for motion in found]
-        assert float(data.clearance) == 6.0
+        assert data.attrs["clearance"] == 6.0
 
 
 @pytest.mark.parametrize("kind", ["png", "svg"])

@@ -137,7 +137,7 @@ def test_bad_grids(words, said, tool):
 
 
 @pytest.mark.parametrize("kind", [
-    "branch", "zone", "atlas", "chart", "simulate", "lyapunov", "bifurcation", "basins", "response",
+    "branch", "zone", "atlas", "chart", "simulate", "find", "lyapunov", "bifurcation", "basins", "response",
 ])  # fmt: skip
 def test_computed_once(kind, tmp_path, monkeypatch):
     """Table, picture and document from one computation; the table has the bytes of the compiled program."""

@@ -322,8 +322,8 @@ def test_little_work_is_done_without_threads(monkeypatch):
     """It gives the same motions, bit for bit, and starts no thread."""
     wanted = vi.find(RIG, 0.95, 9.0, 4, 1, guesses=12, states=4, settling=100, releases=8)
     monkeypatch.setattr(
-        sys.modules["vibroimpact.find"], "LITTLE", 0
-    )  # vibroimpact.find is the function
+        sys.modules["vibroimpact.studies.find"], "LITTLE", 0
+    )  # vibroimpact.studies.find is the module
     found = vi.find(RIG, 0.95, 9.0, 4, 1, guesses=12, states=4, settling=100, releases=8)
     assert [motion.X.tolist() for motion in found] == [motion.X.tolist() for motion in wanted]
     assert str(found.search) == str(wanted.search)

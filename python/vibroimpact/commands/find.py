@@ -7,40 +7,52 @@ import contextlib
 import re
 import textwrap
 from pathlib import Path
+from typing import Any, NamedTuple
 
-from ..case import read_namelist
-from ..errors import ParameterError, SingularError
-from ..find import FoundMotions, Point, find
-from ..found import Findings
+from ..case import Case, read_namelist
+from ..errors import ParameterError, SingularError, StudyInterrupted
 from ..model import Oscillator
+from ..motion import Motion
 from ..progress import Progress
+from ..studies.find import Findings, find
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
-from .options import add_numbers, add_system
+from .study import Request, options_of, read_cases, request_of
 
 HELP = "search for all periodic motions at a point"
-DESCRIPTION = """Search for all periodic motions, stable and unstable, at the points of the cases of namelist
-files, or at the one that the options name; print them and how they were searched for. With -o,
---format or --plot they are written to DIR/NAME.csv, one row an impact, or in another form, and a
-picture of their histories and multipliers stands beside them. NAME is "find" for the point of
-the options."""
+DESCRIPTION = """Search for all periodic motions, stable and unstable, as the &find cases of namelist files ask for,
+at the points of their other cases, or at the one that the options name; print them and how they
+were searched for. With -o, --format or --plot they are written to DIR/NAME.csv, one row an
+impact, or in another form, and a picture of their histories and multipliers stands beside them.
+NAME is "find" for the point of the options."""
 EXAMPLE = (
     "vibroimpact find --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --max-impacts 3 "
     "--plot -o results"
 )
+#: Keys of a search beside its point.
+LIMITS = ("max_impacts", "max_cycles", "guesses", "states", "settling", "releases")
+
+
+class Point(NamedTuple):
+    """Where to search, and within which limits."""
+
+    osc: Oscillator
+    r: float
+    clearance: float
+    load: float
+    limits: tuple[tuple[str, Any], ...] = ()
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Files, or a point; and the limits of the search."""
+    """Files, or a point; and the limits of the search, which may stand beside files too."""
     add_files(parser, "*")
-    add_system(parser)
-    parser.add_argument("--r", type=float, metavar="R", help="frequency ratio")
-    parser.add_argument("--clearance", type=float, metavar="D", help="clearance d K/F0")
-    add_numbers(
-        parser,
-        max_impacts="most impacts a period, 2 to 12 (default: 6)",
-        max_cycles="most load cycles a period, 1 to 8 (default: 2)",
-    )
+    for name, option in options_of("find").items():
+        parser.add_argument(f"--{name}", **option.how())
     add_forms(parser, on_request=True)
+
+
+def request(options: argparse.Namespace) -> Request:
+    """The case that the options name."""
+    return request_of(options, "find", options_of("find"))
 
 
 def run(options: argparse.Namespace) -> int:
@@ -69,25 +81,30 @@ def search(options: argparse.Namespace) -> int:
 
 def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
     """The same at points that are good."""
-    save, status = picture_writer() if options.plot else None, 0
-    limits = {
-        name: getattr(options, name)
-        for name in ("max_impacts", "max_cycles") if getattr(options, name) is not None
-    }  # fmt: skip
+    save, status, stopped = picture_writer() if options.plot else None, 0, False
+    given = {name: getattr(options, name) for name in LIMITS}
+    given = {name: value for name, value in given.items() if value is not None}
     for point, name in points.items():
-        osc, r, clearance, load = point
+        osc, r, clearance, load, limits = point
         with Progress("find") as bar:
-            found = find(osc, r, clearance, load=load, progress=bar.show, **limits)
+            try:
+                found = find(
+                    osc, r, clearance, load=load, progress=bar.show, **(dict(limits) | given)
+                )
+                result = Findings.of(osc, r, clearance, found, load)
+            except StudyInterrupted as stop:
+                result, stopped = stop.result, True
         walls = ", ".join(f"{value:g}" for value in osc.restitution)
         print(
             f"xi = {osc.xi:g}, mu = {osc.mu:g}, restitution = {walls}, r = {r:g}, clearance = {clearance:.10g}"
             + (f", load = {load:g}" if load != 1 else "")
         )
-        print(table(found))
-        print(textwrap.fill(f"searched: {found.search}", 100))
-        result = Findings.of(osc, r, clearance, found, load)
+        print(table(result.motions))
+        print(textwrap.fill(f"searched: {result.search}", 100))
+        if stopped:
+            print(f"cut short: {result.cut}")
         options.record.add(f"r = {r!r}, clearance = {clearance!r}", result)
-        if not found:
+        if not result.motions:
             status = 1
         elif options.folder is not None:
             folder = Path(options.folder)
@@ -98,10 +115,12 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
             if save is not None:
                 drawn = save(result.plot(), path.with_suffix(f".{options.plot}"))
                 options.record.wrote(name, drawn)
+        if stopped:
+            raise KeyboardInterrupt
     return status
 
 
-def table(found: FoundMotions) -> str:
+def table(found: list[Motion]) -> str:
     """The motions one a line: pattern, multipliers, extreme positions, load phases of the impacts."""
     if not found:
         return "no periodic motion was found"
@@ -120,21 +139,21 @@ def table(found: FoundMotions) -> str:
 
 def _points(options: argparse.Namespace) -> tuple[dict[Point, str], int]:
     """The points that are asked for, each with the name of its result; status 1 where one cannot be told."""
-    names = ("xi", "mu", "restitution", "r", "clearance")
-    given = [name for name in names if getattr(options, name) is not None]
+    if not options.files:
+        ((case,), _) = read_cases(options, request(options))
+        return {point_of(case): case.name}, 0
+    for name, option in options_of("find").items():
+        if name.replace("-", "_") not in LIMITS and option.typed(options) is not None:
+            raise ParameterError(f"--{name}: must be left out beside a namelist file")
     points: dict[Point, str] = {}
-    if options.files:
-        if given:
-            raise ParameterError(f"--{given[0]}: must be left out beside a namelist file")
-        return points, max(_add_points(file, points, options.record) for file in options.files)
-    for name in names:
-        if name not in given:
-            raise ParameterError(
-                f"--{name}: must be given, or a namelist file instead of the options"
-            )
-    walls = options.restitution[0] if len(options.restitution) == 1 else tuple(options.restitution)
-    osc = Oscillator(options.xi, options.mu, walls)
-    return {Point(osc, options.r, options.clearance, 1.0): "find"}, 0
+    return points, max(_add_points(file, points, options.record) for file in options.files)
+
+
+def point_of(case: Case) -> Point:
+    """The point of a case, with the limits of a &find."""
+    keys = case.keys
+    limits = tuple((key, keys[key]) for key in LIMITS) if case.kind == "find" else ()
+    return Point(case.osc, case.r, keys.get("clearance", 0.0), keys.get("load", 1.0), limits)
 
 
 def _add_points(file: str, points: dict[Point, str], record: Record) -> int:
@@ -145,8 +164,7 @@ def _add_points(file: str, points: dict[Point, str], record: Record) -> int:
             raise ParameterError(
                 f"{file}: {case.name}: must be at one point of r and clearance; this &{case.kind} is not"
             )
-        keys = case.keys
-        point = Point(case.osc, case.r, keys.get("clearance", 0.0), keys.get("load", 1.0))
+        point = point_of(case)
         if case.motion_kind == "periodic":
             try:
                 point = point._replace(clearance=case.motions()[0].clearance)

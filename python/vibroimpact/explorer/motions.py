@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import SingularError
-from ..find import find
+from ..studies.find import find
 from ..likeness import images, same
 from ..model import Oscillator
 from ..motion import Motion

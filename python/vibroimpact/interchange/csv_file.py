@@ -37,11 +37,6 @@ def remarks_of(result: Any, number: int) -> list[str]:
             exact(result.final_state[key]) for key in ("t", "x", "x_dot", "z", "z_dot")
         )
         return [*cut, f"final state: t, x, x_dot, z, z_dot = {state}"]
-    if name == "Findings":
-        osc = result.osc
-        values = (osc.xi, osc.mu, *osc.restitution, result.r, result.clearance, result.load)
-        names = "xi, mu, restitution (right, left), r, clearance, load"
-        return [f"at {names} = {', '.join(map(exact, values))}", f"searched: {result.search}"]
     return []
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from ..errors import MissingExtraError, ParameterError
 
 if TYPE_CHECKING:
-    from ..found import Findings
     from ..motion import Motion
     from ..trajectory import Trajectory
 
@@ -68,7 +67,7 @@ def xarray(what: str = "tables") -> Any:
 def to_xarray(result: Any) -> Any:
     """A result as a Dataset, with its complete case among the attributes."""
     makers: dict[str, Any] = {
-        "Motion": of_motion, "Trajectory": of_trajectory, "Findings": of_found,
+        "Motion": of_motion, "Trajectory": of_trajectory,
     }  # fmt: skip
     name = type(result).__name__
     data, attributes = makers[name](result)
@@ -141,31 +140,6 @@ def of_motion(motion: Motion) -> tuple[dict[str, Any], dict[str, Any]]:
         data |= {name: item for name, item in events.items() if name not in data}
     kinds = {"kind_of_motion": motion.kind, "precision": motion.precision}
     return data, {**system(motion.osc, motion.pattern), **kinds}
-
-
-def of_found(found: Findings) -> tuple[dict[str, Any], dict[str, Any]]:
-    """One motion after the other, NaN where one has fewer impacts than another."""
-    each = [of_motion(motion)[0] for motion in found.motions]
-    most = max([len(motion.pattern) for motion in found.motions], default=0)
-    data: dict[str, Any] = {
-        "sides": ("motion", np.array([motion.pattern.sides for motion in found.motions], dtype=object)),
-        "cycles": ("motion", np.array([motion.pattern.cycles for motion in found.motions], dtype=np.int32)),
-    }  # fmt: skip
-    for name, (dims, _) in (each[0] if each else {}).items():
-        if dims in ("event", ()) and name in ("r", "clearance", "load"):
-            continue
-        if dims == "impact" and name != "side":
-            table = np.full((len(each), most), np.nan)
-            for row, one in zip(table, each, strict=True):
-                row[: len(one[name][1])] = one[name][1]
-            data[name] = (("motion", "impact"), table)
-        elif dims in ("multiplier", ()):
-            data[name] = (
-                ("motion", dims) if dims else "motion",
-                np.array([one[name][1] for one in each]),
-            )
-    data |= {name: ((), getattr(found, name)) for name in ("r", "clearance", "load")}
-    return data, {**system(found.osc), "searched": str(found.search)}
 
 
 def of_trajectory(run: Trajectory) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -10,7 +10,6 @@ import numpy as np
 from ..errors import MissingExtraError, ParameterError
 
 if TYPE_CHECKING:
-    from ..found import Findings
     from ..motion import Motion
     from ..trajectory import Trajectory
 
@@ -68,11 +67,6 @@ def motion_columns(motion: Motion, number: int = 1) -> Columns:
     return table
 
 
-def found_columns(found: Findings) -> Columns:
-    """The rows of all motions, numbered."""
-    return numbered(found.motions, motion_columns)
-
-
 def event_columns(run: Trajectory) -> Columns:
     """One row an event."""
     return {name: run.events[name].tolist() for name in run.events.dtype.names or ()}
@@ -89,5 +83,4 @@ def numbered(results: Sequence[Any], own: Callable[[Any, int], Columns]) -> Colu
 
 TABLES: dict[str, Any] = {
     "Motion": motion_columns, "Trajectory": event_columns,
-    "Findings": found_columns,
 }  # fmt: skip

@@ -11,7 +11,7 @@ from ..interchange.dataset import system
 from . import history, style
 
 if TYPE_CHECKING:
-    from ..found import Findings
+    from ..studies.find import Findings
     from ..motion import Motion
 
 #: Panels in a row; largest number of motions drawn.

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..find import find
+from ..studies.find import find
 from ..likeness import standard
 from ..motion import Motion
 from . import canvas

@@ -1,0 +1,384 @@
+"""Every periodic motion at a point that a systematic search finds, stable and unstable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core, checks, door
+from ..errors import ParameterError, ParameterTypeError
+from ..events import event_table
+from ..model import Oscillator, Pattern
+from ..motion import Motion
+from ..noun import Noun
+from ..status import VERDICT
+from ..tables import Result, Table
+from .zone import runs
+
+__all__ = ["Findings", "FoundMotions", "Search", "find"]
+
+#: Work (impacts squared times guesses, load cycles simulated) that is done in a moment.
+LITTLE = 10_000
+#: Patterns of the largest search, with room to spare.
+ROOM = 10_000
+#: The share of the work that the patterns count.
+PATTERNS = 0.9
+#: Columns of the core's tables in the order of a `Motion`, and of a record of an event.
+OF_IMPACTS = (
+    "restitution", "phase", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after",
+)  # fmt: skip
+OF_EVENTS = (
+    "time",
+    "phase",
+    "x",
+    "x_dot_before",
+    "x_dot_after",
+    "z_dot_before",
+    "z_dot_after",
+)
+
+
+@dataclass(frozen=True)
+class Search:
+    """How a search was done: what its answer can be trusted for, and what not.
+
+    Each simulated state is counted once: as settled, or under the reason why it is not.
+
+    Attributes
+    ----------
+    patterns : int
+        Side patterns (each with its number of cycles) that were searched.
+    guesses : int
+        Newton iterations started, over all patterns.
+    inadmissible : int
+        Solutions of the equations that would pass through a wall; they are left out.
+    states : int
+        Initial states that were simulated.
+    settled : int
+        States that settled on a periodic motion which Newton's method confirms there as admissible and stable.
+    releases : int
+        Releases from rest from which Newton's method was started, for motions with rest.
+    not_stable : int
+        States that repeat themselves about a motion which Newton's method shows to be unstable or inadmissible,
+        or of which that cannot be decided: they only pass by it (an admissible one is listed).
+    unconfirmed : int
+        States that repeat themselves where Newton's method leads to no motion.
+    wandering : int
+        States that do not repeat themselves within 16 load cycles (or 100 letters): chaotic, quasi-periodic, of
+        longer period, or not settled yet.
+    without_impacts : int
+        States after which no impacts are left.
+    unfinished : int
+        States whose simulation could not go on.
+    lost : int
+        Motions found that Newton's method could not confirm once more as they are listed; they are left out.
+    text : str
+        All this in a sentence, which `str` gives.
+    """
+
+    patterns: int
+    guesses: int
+    inadmissible: int
+    states: int
+    settled: int
+    releases: int
+    not_stable: int = 0
+    unconfirmed: int = 0
+    wandering: int = 0
+    without_impacts: int = 0
+    unfinished: int = 0
+    lost: int = 0
+    text: str = field(default="", repr=False, compare=False)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class Findings(Noun, study="find"):
+    """The motions that `find` found at a point, stable ones first, and how they were searched for.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    r, clearance, load : float
+    motions : list of Motion
+    search : Search
+    case : str
+        What was asked for as a namelist.
+    complete : bool
+        False if Ctrl-C cut it short; `cut` then tells how far it came.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motions = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "motions.json"
+    >>> motions.findings.save(path)
+    >>> vi.load(path)
+    <Findings at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable>
+    """
+
+    __slots__ = ("__dict__",)
+
+    @classmethod
+    def of(
+        cls, osc: Oscillator, r: float, clearance: float, motions: FoundMotions, load: float = 1.0
+    ) -> Findings:
+        """What `find` gave for these arguments: `motions.findings`."""
+        findings = motions.findings
+        if findings is None or (findings.osc, findings.r, findings.clearance, findings.load) != (
+            osc, r, clearance, load,
+        ):  # fmt: skip
+            raise ParameterError(f"motions = {motions!r}: must be what find gave at this point")
+        return findings
+
+    @property
+    def r(self) -> float:
+        r: float = self.keys["r"]
+        return r
+
+    @property
+    def clearance(self) -> float:
+        clearance: float = self.keys["clearance"]
+        return clearance
+
+    @property
+    def load(self) -> float:
+        load: float = self.keys["load"]
+        return load
+
+    @cached_property
+    def motions(self) -> list[Motion]:
+        return motions_of(self._result, self.osc, self.load)
+
+    @cached_property
+    def search(self) -> Search:
+        counts = {
+            name: int(column.values)
+            for name, column in self._result.tables["search"].columns.items()
+        }
+        (text,) = (line for line in self._result.remarks if line.startswith("searched: "))
+        return Search(**counts, text=text.removeprefix("searched: "))
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the history of each motion over a period, and the multipliers of all (extra `plot`).
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            With it the multipliers alone are drawn, into it.
+
+        Returns
+        -------
+        Axes, or an array of Axes
+        """
+        from ..plot.found import draw_found
+
+        return draw_found(self, ax)
+
+    def __repr__(self) -> str:
+        stable = sum(motion.stable is True for motion in self.motions)
+        there = f"{len(self.motions)} motion{'' if len(self.motions) == 1 else 's'}"
+        cut = "" if self.complete else f"; cut short, {self.cut}"
+        return (
+            f"<Findings at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}: {there}, {stable} of them stable"
+            f"{cut}>"
+        )
+
+
+class FoundMotions(list[Motion]):
+    """A list of motions that remembers how it was found.
+
+    Attributes
+    ----------
+    search : Search
+        How the search was done.
+    findings : Findings
+        All that it found, as a result: to be saved, drawn, or turned into tables.
+    """
+
+    search: Search
+    findings: Findings | None
+
+    def __init__(
+        self, motions: Iterable[Motion], search: Search, findings: Findings | None = None
+    ) -> None:
+        super().__init__(motions)
+        self.search = search
+        self.findings = findings
+
+
+def find(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    max_impacts: int = 6,
+    max_cycles: int = 2,
+    load: float = 1.0,
+    guesses: int = 96,
+    states: int = 24,
+    settling: int = 600,
+    releases: int = 32,
+    progress: Callable[[float, str], None] | None = None,
+) -> FoundMotions:
+    """Periodic motions at a point: from all side patterns, from releases, and from simulated attractors.
+
+    For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's method
+    starts from guesses whose phases fill the period evenly and whose positions solve the linear equations of
+    1983; motions found repel the later iterations, so none is found twice. Each is followed along the lines of
+    constant r and of constant clearance through the point, round their folds, which come back to the point on
+    other sheets. Newton's method on the return map of releases adds motions with rest, stable or not. Simulations
+    from a spread of initial states add the attractors; a state counts as settled only where Newton's method
+    confirms a stable motion.
+
+    Parameters
+    ----------
+    osc, r, clearance, load
+        As in `simulate`.
+    max_impacts, max_cycles : int
+        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. What simulations and releases lead to
+        is listed whatever its number of impacts and cycles.
+    guesses : int
+        Guesses for each pattern. Few make a short search: the lines of a pattern get at most as many steps as the
+        square of this number (and 3000).
+    states : int
+        Initial states simulated, every second one in a box so large as the resonance of both masses together asks
+        for.
+    settling : int
+        Load cycles simulated before an attractor is looked for.
+    releases : int
+        Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
+        return map: it finds motions with rest that are unstable too.
+    progress : callable, optional
+        Called with the share done and what is being done; what it raises ends the search.
+
+    Returns
+    -------
+    FoundMotions
+        A list of admissible motions, stable ones first; its attribute `search` says how it was found, and
+        `findings` is all of it as a result that can be saved.
+
+    Raises
+    ------
+    StudyInterrupted
+        After Ctrl-C, if motions were found: its attribute `result` is the `Findings` so far.
+
+    Examples
+    --------
+    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image; and an
+    attractor of twelve impacts that simulations settle on.
+
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motions = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
+    >>> [(motion.pattern.sides, motion.stable) for motion in motions]
+    [('RL', True), ('RL', True), ('RRLRLRLLRLRL', True), ('RL', False), ('RL', False)]
+    """
+    checks.instance(osc, "osc", Oscillator)
+    r = checks.frequency_ratio(r, osc.xi)
+    keys = {
+        "clearance": clearance, "max_impacts": max_impacts, "max_cycles": max_cycles, "load": load,
+        "guesses": guesses, "states": states, "settling": settling, "releases": releases,
+    }  # fmt: skip
+    for name, value in keys.items():
+        if value is None:
+            raise ParameterTypeError(f"{name} = None: must be a number")
+    told = None if progress is None else _Told(osc, max_impacts, max_cycles, progress)
+    findings = door.run(
+        Findings, osc, keys, r, progress=told,
+        little=progress is None and _is_little(max_impacts, max_cycles, guesses, states, settling, releases),
+    )  # fmt: skip
+    motions = motions_of(findings._result, osc, float(load))
+    return FoundMotions(motions, findings.search, findings)
+
+
+def _is_little(
+    max_impacts: int, max_cycles: int, guesses: int, states: int, settling: int, releases: int
+) -> bool:
+    """Whether a search takes a moment; each pattern takes about as long as the square of its impacts."""
+    try:
+        # there are about 2^n/n patterns of n impacts
+        work = max_cycles * sum(n * 2**n for n in range(2, min(max_impacts, 12) + 1))
+        return guesses * work + 20 * max_cycles * releases + states * settling < LITTLE
+    except TypeError:  # which the door tells
+        return False
+
+
+class _Told:
+    """Tells progress with each pattern once, in order, with the share done."""
+
+    def __init__(
+        self, osc: Oscillator, max_impacts: int, max_cycles: int, progress: Callable[[float, str], None]
+    ) -> None:  # fmt: skip
+        self.progress = progress
+        self.ahead: list[tuple[float, str]] | None = None
+        self.of = (max_impacts, max_cycles, osc.restitution[0] == osc.restitution[1])
+
+    def __call__(self, share: float, note: str) -> None:
+        if share <= 0:  # the core has not begun, or refused the case
+            return
+        if self.ahead is None:
+            self.ahead = shares_of(*self.of)
+        # the core rounds the work of each pattern down
+        slack = len(self.ahead) * 1e-6
+        while self.ahead and self.ahead[0][0] <= share + slack:
+            self.progress(*self.ahead.pop(0))
+        if not self.ahead:
+            self.progress(max(PATTERNS, share), "simulations")
+
+
+def shares_of(max_impacts: int, max_cycles: int, alike: bool) -> list[tuple[float, str]]:
+    """The patterns that are searched, in order, with the share of the work that is done with each."""
+    n, lengths, cycles, sides = _core.side_patterns(max_impacts, max_cycles, alike, ROOM)
+    lengths, cycles = lengths[:n].astype(np.int64), cycles[:n]
+    shares = np.cumsum(lengths**2) * (PATTERNS / np.sum(lengths**2))
+    letters = np.array(["", "R", "L"])[sides[:, :n].T]
+    return [
+        (share, f"{''.join(row)}/{k}")
+        for share, row, k in zip(shares.tolist(), letters.tolist(), cycles.tolist(), strict=True)
+    ]
+
+
+def motions_of(result: Result, osc: Oscillator, load: float) -> list[Motion]:
+    """The motions of the core's tables."""
+    table, impacts, events = (result.tables[name] for name in ("motions", "impacts", "events"))
+    n = next(iter(table.dims.values()))
+    numbers = {
+        name: column.values.tolist()
+        for name, column in table.columns.items()
+        if column.kind != "complex"
+    }
+    sides = table.columns["sides"].decoded().tolist()
+    multipliers = table.columns["multipliers"].values
+    columns = [impacts.columns[name].values for name in OF_IMPACTS]
+    found = []
+    own, resting = runs(impacts, n), runs(events, n)
+    for i in range(n):
+        restitution, phases, *rows = (values[own[i]] for values in columns)
+        r, clearance, amplitude, tau, residual, x_min, x_max = (
+            numbers[name][i]
+            for name in ("r", "clearance", "A", "tau", "residual", "x_min", "x_max")
+        )
+        verdicts = (VERDICT[numbers[name][i]] for name in ("consistent", "admissible", "stable"))
+        found.append(Motion(
+            osc, r, clearance, Pattern(sides[i], numbers["cycles"][i]), restitution, phases, *rows,
+            amplitude, tau, residual, multipliers[i], *verdicts, x_min, x_max, load=load,
+            rest_events=events_of(events, resting[i]),
+        ))  # fmt: skip
+    return found
+
+
+def events_of(table: Table, here: slice) -> NDArray[Any] | None:
+    """The events of one motion; None of one without rest."""
+    if here.start == here.stop:
+        return None
+    values = np.array([table.columns[name].values[here] for name in OF_EVENTS])
+    sides = np.where(table.columns["side"].values[here] == 1, 1, -1)
+    labels = np.array([table.columns["kind"].values[here], sides], dtype=np.int32)
+    return event_table(values, labels)

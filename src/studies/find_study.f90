@@ -1,0 +1,245 @@
+!> The study &find: every periodic motion at a point that a search finds, stable and unstable.
+module vi_find_study
+   use vi_case, only: case_type
+   use vi_common_keys, only: clearance_key, load_key
+   use vi_drive, only: event_type, impact_event, new_drive, release_event, stick_event
+   use vi_find, only: find_motions, find_request_type, findings_type
+   use vi_found_motion, only: told_type
+   use vi_key, only: a_whole, key_type
+   use vi_kinds, only: wp
+   use vi_motion, only: yes
+   use vi_motion_study, only: motion_columns, put_motions
+   use vi_result, only: column_type, result_type, wholes, words
+   use vi_settled_motion, only: no_impacts, not_stable, settled, unconfirmed, unfinished, wandering
+   use vi_tally, only: is_stopped
+   use vi_text, only: counted, whole
+   use vi_trajectory, only: store_events
+   implicit none (type, external)
+   private
+
+   public :: run_find
+
+   type(key_type), parameter, public :: find_keys(*) = [clearance_key, &
+      key_type('max_impacts', a_whole, default='6', low=2.0_wp, high=12.0_wp, &
+      meaning='most impacts of a pattern that is searched'), &
+      key_type('max_cycles', a_whole, default='2', low=1.0_wp, high=8.0_wp, &
+      meaning='most load cycles of a pattern that is searched'), &
+      load_key, &
+      key_type('guesses', a_whole, default='96', low=0.0_wp, high=1.0e6_wp, &
+      meaning='guesses for each pattern'), &
+      key_type('states', a_whole, default='24', low=0.0_wp, high=1.0e6_wp, &
+      meaning='initial states that are simulated'), &
+      key_type('settling', a_whole, default='600', low=0.0_wp, high=1.0e7_wp, &
+      meaning='load cycles simulated before an attractor is looked for'), &
+      key_type('releases', a_whole, default='32', low=0.0_wp, high=1.0e6_wp, &
+      meaning='releases from rest, for each wall and number of load cycles, from which &
+      &Newton''s method starts')]
+
+   !> Of events of motions with rest.
+   type(column_type), parameter :: event_columns(*) = [ &
+      column_type('events', 'time', unit='1/omega', listed=.false., &
+      meaning='time since the first event of the period'), &
+      column_type('events', 'kind', words, words='impact,stick,release', listed=.false., &
+      meaning='kind of an event of a motion with rest'), &
+      column_type('events', 'side', words, words='R,L', listed=.false., meaning='wall'), &
+      column_type('events', 'phase', unit='rad', listed=.false., &
+      meaning='load phase within a load cycle'), &
+      column_type('events', 'x', unit='F0/K', listed=.false., &
+      meaning='displacement of the primary mass'), &
+      column_type('events', 'x_dot_before', unit='omega F0/K', listed=.false., &
+      meaning='velocity of the primary mass before the event'), &
+      column_type('events', 'x_dot_after', unit='omega F0/K', listed=.false., &
+      meaning='velocity of the primary mass after it'), &
+      column_type('events', 'z_dot_before', unit='omega F0/K', listed=.false., &
+      meaning='velocity of the free mass before it'), &
+      column_type('events', 'z_dot_after', unit='omega F0/K', listed=.false., &
+      meaning='velocity of the free mass after it')]
+
+   !> Of the search.
+   type(column_type), parameter :: search_columns(*) = [ &
+      column_type('search', 'patterns', wholes, listed=.false., &
+      meaning='patterns of sides, each with its load cycles, that were searched'), &
+      column_type('search', 'guesses', wholes, listed=.false., &
+      meaning='Newton iterations started, over all patterns'), &
+      column_type('search', 'inadmissible', wholes, listed=.false., &
+      meaning='solutions of the equations that would pass through a wall'), &
+      column_type('search', 'releases', wholes, listed=.false., &
+      meaning='releases from rest from which Newton''s method was started'), &
+      column_type('search', 'states', wholes, listed=.false., &
+      meaning='initial states that were simulated'), &
+      column_type('search', 'settled', wholes, listed=.false., &
+      meaning='states that settled on a stable periodic motion'), &
+      column_type('search', 'not_stable', wholes, listed=.false., &
+      meaning='states that passed by a motion that is not stable'), &
+      column_type('search', 'unconfirmed', wholes, listed=.false., &
+      meaning='states that repeated themselves where Newton''s method finds no motion'), &
+      column_type('search', 'wandering', wholes, listed=.false., &
+      meaning='states that did not repeat themselves'), &
+      column_type('search', 'without_impacts', wholes, listed=.false., &
+      meaning='states after which no impacts were left'), &
+      column_type('search', 'unfinished', wholes, listed=.false., &
+      meaning='states whose simulation could not go on'), &
+      column_type('search', 'lost', wholes, listed=.false., &
+      meaning='motions that could not be confirmed once more')]
+
+   type(column_type), parameter, public :: find_columns(*) = [motion_columns, event_columns, &
+      search_columns]
+
+contains
+
+   !> Searches at the point of a case.
+   subroutine run_find(case, threads, result, tally)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Threads; the answer does not depend on them.
+      integer, intent(in) :: threads
+      !> Started.
+      type(result_type), intent(inout) :: result
+      !> As of vi_tally.
+      integer, intent(inout), optional :: tally(3)
+      type(find_request_type) :: request
+      type(findings_type) :: findings
+      character(:), allocatable :: text
+
+      associate (s => case%study)
+         request = find_request_type(new_drive(case%osc, case%r, s%number('load'), &
+            s%number('clearance')), s%whole_number('max_impacts'), s%whole_number('max_cycles'), &
+            s%whole_number('guesses'), s%whole_number('states'), s%whole_number('settling'), &
+            s%whole_number('releases'), threads)
+      end associate
+      call find_motions(request, findings, tally)
+      if (is_stopped(tally)) call tell_cut(request, findings, result)
+      call put_motions(findings%motions%motion, result)
+      call put_events(case%r, findings%motions, result)
+      call put_search(findings, result)
+      call search_text(findings, text)
+      call result%remark('searched: '//text)
+      associate (n => size(findings%motions))
+         result%empty = n == 0
+         if (result%empty) then
+            call result%fail('no periodic motion was found')
+         else
+            call result%say(counted(n, 'motion')//', '//whole(count( &
+               findings%motions%motion%stable == yes))//' stable')
+         end if
+      end associate
+   end subroutine run_find
+
+   !> How far a search came that was stopped.
+   pure subroutine tell_cut(request, findings, result)
+      !> What was asked for.
+      type(find_request_type), intent(in) :: request
+      !> What was found.
+      type(findings_type), intent(in) :: findings
+      !> The result.
+      type(result_type), intent(inout) :: result
+
+      if (findings%patterns < findings%all_patterns .or. sum(findings%outcomes) < request%states) &
+         result%cut = whole(findings%patterns)//' of '//whole(findings%all_patterns)// &
+         ' patterns were searched and '//whole(sum(findings%outcomes))//' of '// &
+         whole(request%states)//' states simulated'
+   end subroutine tell_cut
+
+   !> Puts the events of motions with rest into the result.
+   pure subroutine put_events(r, motions, result)
+      !> Frequency ratio.
+      real(wp), intent(in) :: r
+      !> The motions.
+      type(told_type), intent(in) :: motions(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      character(*), parameter :: names(7) = [character(12) :: 'time', 'phase', 'x', &
+         'x_dot_before', 'x_dot_after', 'z_dot_before', 'z_dot_after']
+      integer, parameter :: kinds(3) = [impact_event, stick_event, release_event]
+      type(event_type), allocatable :: events(:)
+      integer, allocatable :: owners(:), labels(:, :)
+      real(wp), allocatable :: values(:, :)
+      real(wp) :: begin
+      integer :: i, n, first, last
+
+      allocate (events(0), owners(0))
+      do i = 1, size(motions)
+         if (.not. allocated(motions(i)%events)) cycle
+         events = [events, motions(i)%events]
+         owners = [owners, spread(i, 1, size(motions(i)%events))]
+      end do
+      n = size(events)
+      allocate (values(7, n), labels(2, n))
+      call store_events(events, r, values, labels)
+      last = 0
+      do i = 1, size(motions)
+         if (.not. allocated(motions(i)%events)) cycle
+         first = last + 1
+         last = last + size(motions(i)%events)
+         begin = values(1, first)
+         values(1, first:last) = values(1, first:last) - begin
+      end do
+      call result%open('events', 'event', [n], 'motions', owners)
+      do i = 1, size(names)
+         call result%put('events', trim(names(i)), values(i, :))
+      end do
+      call result%put('events', 'kind', [(findloc(kinds, labels(1, i), 1), i=1, n)])
+      call result%put('events', 'side', merge(1, 2, labels(2, :) > 0))
+   end subroutine put_events
+
+   !> Puts into the result how it was searched.
+   pure subroutine put_search(findings, result)
+      !> What was found.
+      type(findings_type), intent(in) :: findings
+      !> The result.
+      type(result_type), intent(inout) :: result
+
+      call result%open('search', '', [integer ::])
+      call result%put('search', 'patterns', [findings%patterns])
+      call result%put('search', 'guesses', [findings%guesses])
+      call result%put('search', 'inadmissible', [findings%inadmissible])
+      call result%put('search', 'releases', [findings%releases])
+      call result%put('search', 'lost', [findings%lost])
+      associate (outcomes => findings%outcomes)
+         call result%put('search', 'states', [sum(outcomes)])
+         call result%put('search', 'settled', [outcomes(settled)])
+         call result%put('search', 'not_stable', [outcomes(not_stable)])
+         call result%put('search', 'unconfirmed', [outcomes(unconfirmed)])
+         call result%put('search', 'wandering', [outcomes(wandering)])
+         call result%put('search', 'without_impacts', [outcomes(no_impacts)])
+         call result%put('search', 'unfinished', [outcomes(unfinished)])
+      end associate
+   end subroutine put_search
+
+   !> How it was searched: what the answer can be trusted for, and what not.
+   pure subroutine search_text(findings, text)
+      !> What was found.
+      type(findings_type), intent(in) :: findings
+      !> In words.
+      character(:), allocatable, intent(out) :: text
+      integer, parameter :: others(5) = [not_stable, unconfirmed, wandering, no_impacts, unfinished]
+      character(*), parameter :: reasons(5) = [character(60) :: &
+         'passed by a motion that is not stable', &
+         'repeated themselves where Newton''s method finds no motion', &
+         'did not repeat themselves within 16 load cycles', 'came to have no impacts', &
+         'could not be simulated to the end']
+      character(:), allocatable :: apart
+      integer :: i
+
+      apart = ''
+      do i = 1, size(others)
+         associate (number => findings%outcomes(others(i)))
+            if (number == 0) cycle
+            if (len(apart) > 0) apart = apart//', '
+            apart = apart//whole(number)//' '//trim(reasons(i))
+         end associate
+      end do
+      if (len(apart) > 0) apart = ' ('//apart//')'
+      if (findings%lost > 0) apart = apart//'; '//whole(findings%lost)// &
+         ' motions could not be confirmed and are left out'
+      text = counted(findings%patterns, 'pattern')//' with '//whole(findings%guesses)// &
+         ' guesses (phases spread evenly, the rest from the linear problem; '// &
+         whole(findings%inadmissible)//' inadmissible solutions left out), followed along the &
+         &lines of constant r and constant clearance, '//whole(findings%releases)// &
+         ' releases from rest, and '//whole(sum(findings%outcomes))//' simulated states, of &
+         &which '//whole(findings%outcomes(settled))//' settled on a stable periodic motion'// &
+         apart//'. A motion with a very small neighbourhood of convergence can have been missed, &
+         &one with rest most easily.'
+   end subroutine search_text
+
+end module vi_find_study
