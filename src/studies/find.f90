@@ -131,7 +131,8 @@ contains
       if (.not. is_stopped(tally)) call follow_births(request, patterns, lines)
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(patterns)
-         if (batches(i)%begun) call keep_admissible(request%drive, patterns(i), lines(i)%unknowns(:, :lines(i)%n), &
+         if (.not. batches(i)%begun) cycle
+         call keep_admissible(request%drive, patterns(i), lines(i)%unknowns(:, :lines(i)%n), &
             batches(i))
       end do
       !$omp end parallel do

@@ -63,8 +63,8 @@ def run(options: argparse.Namespace) -> int:
         words = str(error)
         if match := re.match(r"(\w+) = ", words):
             option = f"--{match[1].replace('_', '-')}"
-            words = f"{option} {words[match.end() :]}".replace(" max_", " --max-")
-        raise ParameterError(words) from None
+            words = f"{option} {words[match.end() :]}"
+        raise ParameterError(words.replace(" max_", " --max-")) from None
 
 
 def search(options: argparse.Namespace) -> int:
