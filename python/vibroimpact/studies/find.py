@@ -28,10 +28,14 @@ LITTLE = 10_000
 ROOM = 10_000
 #: The share of the work that the patterns count.
 PATTERNS = 0.9
-#: Columns of the core's tables in the order of a `Motion`, and of a record of an event.
-OF_IMPACTS = (
-    "restitution", "phase", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after",
-)  # fmt: skip
+#: Columns of the core's tables that a `Motion` has, those of impacts by its names; those of events in the order of
+#: the core.
+OF_MOTIONS = ("r", "clearance", "A", "tau", "residual", "x_min", "x_max")
+VERDICTS = ("consistent", "admissible", "stable")
+OF_IMPACTS = {
+    "restitution": "restitution", "phases": "phase", "X": "X", "Z": "Z", "X_dot_before": "X_dot_before",
+    "X_dot_after": "X_dot_after", "Z_dot_before": "Z_dot_before", "Z_dot_after": "Z_dot_after",
+}  # fmt: skip
 OF_EVENTS = (
     "time",
     "phase",
@@ -305,7 +309,7 @@ def _is_little(
     try:
         # there are about 2^n/n patterns of n impacts
         work = max_cycles * sum(n * 2**n for n in range(2, min(max_impacts, 12) + 1))
-        return guesses * work + 20 * max_cycles * releases + states * settling < LITTLE
+        return bool(guesses * work + 20 * max_cycles * releases + states * settling < LITTLE)
     except TypeError:  # which the door tells
         return False
 
@@ -349,27 +353,22 @@ def motions_of(result: Result, osc: Oscillator, load: float) -> list[Motion]:
     """The motions of the core's tables."""
     table, impacts, events = (result.tables[name] for name in ("motions", "impacts", "events"))
     n = next(iter(table.dims.values()))
-    numbers = {
-        name: column.values.tolist()
-        for name, column in table.columns.items()
-        if column.kind != "complex"
+    told = {
+        name: table.columns[name].values.tolist() for name in (*OF_MOTIONS, *VERDICTS, "cycles")
     }
     sides = table.columns["sides"].decoded().tolist()
     multipliers = table.columns["multipliers"].values
-    columns = [impacts.columns[name].values for name in OF_IMPACTS]
+    columns = {name: impacts.columns[key].values for name, key in OF_IMPACTS.items()}
     found = []
     own, resting = runs(impacts, n), runs(events, n)
     for i in range(n):
-        restitution, phases, *rows = (values[own[i]] for values in columns)
-        r, clearance, amplitude, tau, residual, x_min, x_max = (
-            numbers[name][i]
-            for name in ("r", "clearance", "A", "tau", "residual", "x_min", "x_max")
-        )
-        verdicts = (VERDICT[numbers[name][i]] for name in ("consistent", "admissible", "stable"))
+        values: dict[str, Any] = {name: told[name][i] for name in OF_MOTIONS}
+        values |= {name: VERDICT[told[name][i]] for name in VERDICTS}
+        values |= {name: column[own[i]] for name, column in columns.items()}
+        pattern = Pattern(sides[i], told["cycles"][i])
         found.append(Motion(
-            osc, r, clearance, Pattern(sides[i], numbers["cycles"][i]), restitution, phases, *rows,
-            amplitude, tau, residual, multipliers[i], *verdicts, x_min, x_max, load=load,
-            rest_events=events_of(events, resting[i]),
+            osc=osc, pattern=pattern, multipliers=multipliers[i], load=load,
+            rest_events=events_of(events, resting[i]), **values,
         ))  # fmt: skip
     return found
 
