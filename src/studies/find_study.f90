@@ -134,8 +134,9 @@ contains
       !> The result.
       type(result_type), intent(inout) :: result
 
-      if (findings%patterns < findings%all_patterns .or. sum(findings%outcomes) < request%states) &
-         result%cut = whole(findings%patterns)//' of '//whole(findings%all_patterns)// &
+      if (findings%patterns == findings%all_patterns .and. sum(findings%outcomes) == &
+         request%states) return
+      result%cut = whole(findings%patterns)//' of '//whole(findings%all_patterns)// &
          ' patterns were searched and '//whole(sum(findings%outcomes))//' of '// &
          whole(request%states)//' states simulated'
    end subroutine tell_cut

@@ -60,7 +60,7 @@ def test_find_at_the_clearance_of_given_phases(tool):
 
 
 def test_groups_of_their_own(tool, found):
-    """A case &find has its own limits, which options replace; `run` and the compiled program write what it finds."""
+    """A case &find has limits of its own, which options replace; `run` writes the same table."""
     text = SYSTEM + "&find clearance = 37, max_impacts = {}, max_cycles = 1 /\n"
     write(tool.cwd / "find.nml", text.format(2))
     done = tool("find", "find.nml")

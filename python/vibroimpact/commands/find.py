@@ -19,9 +19,9 @@ from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .study import Request, options_of, read_cases, request_of
 
 HELP = "search for all periodic motions at a point"
-DESCRIPTION = """Search for all periodic motions, stable and unstable, as the &find cases of namelist files ask for,
-at the points of their other cases, or at the one that the options name; print them and how they
-were searched for. With -o, --format or --plot they are written to DIR/NAME.csv, one row an
+DESCRIPTION = """Search for all periodic motions, stable and unstable, as the &find cases of namelist files ask
+for, at the points of their other cases, or at the one that the options name; print them and how
+they were searched for. With -o, --format or --plot they are written to DIR/NAME.csv, one row an
 impact, or in another form, and a picture of their histories and multipliers stands beside them.
 NAME is "find" for the point of the options."""
 EXAMPLE = (

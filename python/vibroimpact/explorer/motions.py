@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import SingularError
-from ..studies.find import find
 from ..likeness import images, same
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact, newton
 from ..studies.conditions import is_symmetric
+from ..studies.find import find
 from ..studies.zone import Zone
 from .recipe import Recipe, recipe_of
 

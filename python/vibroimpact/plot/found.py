@@ -11,8 +11,8 @@ from ..interchange.dataset import system
 from . import history, style
 
 if TYPE_CHECKING:
-    from ..studies.find import Findings
     from ..motion import Motion
+    from ..studies.find import Findings
 
 #: Panels in a row; largest number of motions drawn.
 COLUMNS, MOST = 3, 23

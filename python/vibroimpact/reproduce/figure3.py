@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..studies.find import find
 from ..likeness import standard
 from ..motion import Motion
+from ..studies.find import find
 from . import canvas
 from .paper import MASRI, ratios
 from .scan import Strip, equispaced_zone, pair_zone, traced_zone
