@@ -107,42 +107,6 @@ class _FillWholes(Protocol):
     ) -> None: ...
 
 @type_check_only
-class _Find(Protocol):
-    # n, m, counts, kinds, releases, sides, phases, impacts, scalars, multipliers, verdicts, status
-    def __call__(
-        self,
-        room: int,
-        letters: int,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: float,
-        load: float,
-        clearance: float,
-        max_impacts: int,
-        max_cycles: int,
-        guesses: int,
-        states: int,
-        settling: int,
-        releases_tried: int,
-        threads: int,
-        tally: _Integer,
-    ) -> tuple[
-        int,
-        int,
-        _Integer,
-        _Integer,
-        _Real,
-        _Integer,
-        _Real,
-        _Real,
-        _Real,
-        _Complex,
-        _Integer,
-        _Integer,
-    ]: ...
-
-@type_check_only
 class _FreeResult(Protocol):
     def __call__(
         self,
@@ -363,6 +327,17 @@ class _SearchPattern(Protocol):
     ) -> tuple[_Real, int, int]: ...
 
 @type_check_only
+class _SidePatterns(Protocol):
+    # n, impacts, cycles, sides
+    def __call__(
+        self,
+        max_impacts: int,
+        max_cycles: int,
+        alike: int,
+        room: int,
+    ) -> tuple[int, _Integer, _Integer, _Integer]: ...
+
+@type_check_only
 class _Simulate(Protocol):
     # n_events, last_state, last_contact, end_state, end_contact, status
     def __call__(
@@ -499,7 +474,6 @@ equispaced_chart: _EquispacedChart
 exact: _Exact
 fill_reals: _FillReals
 fill_wholes: _FillWholes
-find: _Find
 free_result: _FreeResult
 impact_maps: _ImpactMaps
 linear_system: _LinearSystem
@@ -515,6 +489,7 @@ sample: _Sample
 sample_trajectory: _SampleTrajectory
 say_of: _SayOf
 search_pattern: _SearchPattern
+side_patterns: _SidePatterns
 simulate: _Simulate
 simulate_bundle: _SimulateBundle
 spaced: _Spaced
