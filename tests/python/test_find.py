@@ -420,6 +420,23 @@ def test_what_progress_raises_ends_the_search():
         vi.find(TABLE, 0.94, 37.0, 8, 2, progress=stop)
 
 
+def test_a_stopped_search_keeps_what_it_found():
+    """Ctrl-C after the first patterns: their motions, marked as cut short, in every form."""
+
+    def stop(share, what):
+        raise KeyboardInterrupt
+
+    with pytest.raises(vi.errors.StudyInterrupted) as caught:
+        vi.find(TABLE, 0.94, 37.0, 8, 2, progress=stop)
+    found = caught.value.result
+    assert not found.complete
+    assert found.cut.endswith("of 86 patterns were searched and 0 of 24 states simulated")
+    assert "RL" in [motion.pattern.sides for motion in found.motions]
+    assert 0 < found.search.patterns < 86
+    check_found(found.motions, TABLE, 0.94, 37.0)
+    assert vi.Findings.from_json(found.to_json()).cut == found.cut
+
+
 # The first was found by an independent program, the others by `atlas`: each lies in a zone of its pattern. From
 # guesses at the point alone none of them was found.
 @pytest.mark.parametrize(("osc", "r", "clearance", "sides"), [
