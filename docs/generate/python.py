@@ -9,7 +9,7 @@ SUBJECTS = {
     "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "status"),
     "Simulation": ("trajectory", "bundle"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
-                                         "studies.atlas", "chart"),
+                                         "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
                    "studies.response", "studies.spacing"),
     "Namelists": ("run",),

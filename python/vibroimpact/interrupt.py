@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable
-from typing import Any
+from queue import SimpleQueue
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,12 +75,34 @@ def new_tally() -> NDArray[np.int32]:
     return np.zeros(3, dtype=np.int32)
 
 
+class _Worker:
+    """A thread that runs one call after another: in a new one OpenMP would start all its threads again."""
+
+    idle: ClassVar[list[_Worker]] = []
+
+    def __init__(self) -> None:
+        self.calls: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        threading.Thread(target=self._work, daemon=True).start()
+
+    def _work(self) -> None:
+        while True:
+            self.calls.get()()
+
+
+if hasattr(os, "register_at_fork"):  # a child has none of these threads
+    os.register_at_fork(after_in_child=_Worker.idle.clear)
+
+
 def _started(
     function: Callable[..., Any], *arguments: Any
 ) -> tuple[threading.Event, list[Any], list[BaseException]]:
-    """A call in a new thread, with containers for its result and its exception."""
+    """A call in a thread of its own, with containers for its result and its exception."""
     answer: list[Any] = []
     fault: list[BaseException] = []
+    try:
+        worker = _Worker.idle.pop()
+    except IndexError:
+        worker = _Worker()
 
     def run() -> None:
         try:
@@ -86,11 +110,12 @@ def _started(
         except BaseException as error:
             fault.append(error)
         finally:
+            _Worker.idle.append(worker)
             done.set()
 
     # an event, since a thread whose `join` was interrupted counts as ended (Python before 3.13)
     done = threading.Event()
-    threading.Thread(target=run, daemon=True).start()
+    worker.calls.put(run)
     return done, answer, fault
 
 
