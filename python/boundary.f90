@@ -695,7 +695,7 @@ end subroutine winding
 !> Numbers from low to high, with equal differences or (1) equal ratios.
 subroutine spaced(n, low, high, geometric, values)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_window, only: spaced_values => spaced
+   use vi_spacing, only: spaced_values => spaced
    implicit none (type, external)
    integer(c_int), intent(in) :: n, geometric
    real(c_double), intent(in) :: low, high

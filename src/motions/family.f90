@@ -6,7 +6,7 @@ module vi_family
    implicit none (type, external)
    private
 
-   public :: can_be_symmetric, new_family, image_of, kinship, add_kinship_slope, &
+   public :: can_be_symmetric, new_family, image_of, repetition_distance, add_distance_slope, &
       whole_unknowns
 
    !> A way in which a motion can repeat itself within its period.
@@ -102,7 +102,7 @@ contains
    end function is_prime
 
    !> The distance in (u, theta) of an orbit from its image under a repetition.
-   pure real(wp) function kinship(family, repetition, unknowns) result(distance)
+   pure real(wp) function repetition_distance(family, repetition, unknowns) result(distance)
       !> The family of the orbit.
       type(family_type), intent(in) :: family
       !> The way of repeating itself.
@@ -111,10 +111,10 @@ contains
       real(wp), intent(in) :: unknowns(:)
 
       distance = norm2(image_of(family, repetition, unknowns) - unknowns)
-   end function kinship
+   end function repetition_distance
 
    !> Adds the gradient of that distance, times a weight, to a gradient.
-   pure subroutine add_kinship_slope(family, repetition, unknowns, weight, slope)
+   pure subroutine add_distance_slope(family, repetition, unknowns, weight, slope)
       !> The family of the orbit.
       type(family_type), intent(in) :: family
       !> The way of repeating itself.
@@ -141,7 +141,7 @@ contains
          slope(j) = slope(j) + repetition%sign*sign**turns*away(i)
          slope(n + j) = slope(n + j) + away(n + i)
       end do
-   end subroutine add_kinship_slope
+   end subroutine add_distance_slope
 
    !> The unknowns of the motion that a repetition makes of another: later impacts first, mirrored.
    pure function image_of(family, repetition, unknowns) result(image)

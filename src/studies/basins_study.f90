@@ -13,10 +13,11 @@ module vi_basins_study
    use vi_kinds, only: wp
    use vi_pattern, only: starred_letters
    use vi_result, only: column_type, result_type, wholes, words
+   use vi_spacing, only: even
    use vi_tally, only: is_stopped
    use vi_text, only: counted, exact, exact_list, line_type, shown, whole
    use vi_values, only: values_type
-   use vi_window, only: even, most_numbers
+   use vi_window, only: most_numbers
    implicit none (type, external)
    private
 

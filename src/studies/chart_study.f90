@@ -8,10 +8,11 @@ module vi_chart_study
    use vi_pattern, only: new_pattern, pattern_type, side_letters
    use vi_motion, only: yes
    use vi_result, only: column_type, complexes, result_type, verdicts, wholes
+   use vi_spacing, only: even, spaced
    use vi_status, only: stat
    use vi_text, only: whole
    use vi_values, only: values_type
-   use vi_window, only: chart_window, even, map_type, most_numbers, most_points, spaced, window_type
+   use vi_window, only: chart_window, map_type, most_numbers, most_points, window_type
    implicit none (type, external)
    private
 

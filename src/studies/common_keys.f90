@@ -4,9 +4,10 @@ module vi_common_keys
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_orbit, only: by_right, n_parameters
+   use vi_spacing, only: spaced
    use vi_text, only: exact, number_text
    use vi_values, only: values_type
-   use vi_window, only: most_numbers, spaced
+   use vi_window, only: most_numbers
    implicit none (type, external)
    private
 

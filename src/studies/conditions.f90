@@ -4,7 +4,7 @@
 !! Each is smooth along a family, and zero where a bifurcation of its kind bounds the zone.
 module vi_conditions
    use vi_extrema, only: relative_extrema
-   use vi_family, only: kinship
+   use vi_family, only: repetition_distance
    use vi_flight, only: flight_position, flight_type, new_flight
    use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
       neimark_sacker, repetition, rest_vanishes, zero_approach
@@ -110,7 +110,8 @@ contains
          case (zero_approach)
             value = o%side(i)*(o%speed(i - 1) - o%before(i))
          case (repetition)
-            value = kinship(frame%family, frame%repetitions(i), unknowns) - condition%bound
+            value = repetition_distance(frame%family, frame%repetitions(i), unknowns) - &
+               condition%bound
          case (rest_vanishes)
             value = departure(o, i)
          case default
@@ -160,7 +161,7 @@ contains
       end if
       do i = 1, size(frame%repetitions)
          values(fold) = values(fold)/max(0.1_wp*frame%apart, &
-            kinship(frame%family, frame%repetitions(i), unknowns))**2
+            repetition_distance(frame%family, frame%repetitions(i), unknowns))**2
       end do
    end subroutine stability_values
 

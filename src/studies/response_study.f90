@@ -6,9 +6,10 @@ module vi_response_study
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_result, only: column_type, result_type, wholes
+   use vi_spacing, only: even
    use vi_status, only: stat, status_text
    use vi_text, only: counted, shown, whole
-   use vi_window, only: even, most_numbers
+   use vi_window, only: most_numbers
    implicit none (type, external)
    private
 

@@ -18,7 +18,7 @@ module vi_rest_family
    use vi_drive, only: drive_type, event_type, new_drive, release_event, two_pi
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
-   use vi_hop, only: hop
+   use vi_bounce, only: bounce
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
    use vi_oscillation, only: derivatives, oscillation_type
@@ -448,7 +448,7 @@ contains
       type(place_type), intent(inout) :: here
       !> Measure of the duration of the rest.
       type(measure_type), intent(out) :: rest
-      !> Least gap so far of the letter; lowered where a hop has a smaller one.
+      !> Least gap so far of the letter; lowered where a bounce has a smaller one.
       type(measure_type), intent(inout) :: gap
       !> Wall of that gap.
       integer, intent(inout) :: touched
@@ -460,13 +460,13 @@ contains
       real(wp), parameter :: fine = 1.0e-17_wp, coarse = 1.0e-6_wp
       type(place_type) :: best
       real(wp) :: restitution, cost, least, time, x, x_dot, speed, scale, closing
-      integer :: hops
+      integer :: bounces
 
       restitution = drive%osc%restitution(merge(right, left, here%at%side > 0))
       least = huge(1.0_wp)
       good = here%speed >= 0
       if (.not. good) return
-      do hops = 1, most_hops
+      do bounces = 1, most_hops
          closing = closing_acceleration(drive, here%at)
          cost = huge(1.0_wp)
          if (closing > 1.0e-15_wp*(1 + here%speed**2)) cost = here%speed**3/closing**2 &
@@ -477,11 +477,12 @@ contains
             best = here
          end if
          if (cost <= fine*scale) exit
-         ! it was nearly completed, and now the hops become longer again
+         ! it was nearly completed, and now the bounces become longer again
          if (least <= coarse*scale .and. 1.0e-3_wp*cost > least) exit
          call next_hop(drive, here, last, time, x, x_dot, speed)
          if (.not. time > 0) exit
-         if (here%speed*time > 0.2_wp*drive%clearance) call note_gap(drive, here, time, hops, gap, &
+         if (here%speed*time > 0.2_wp*drive%clearance) call note_gap(drive, here, time, bounces, &
+            gap, &
             touched, touched_at)
          call impact_at(drive, here, here%at%side, time, x, x_dot, speed, good)
          if (.not. good) exit
@@ -518,7 +519,7 @@ contains
       logical :: found
 
       associate (at => here%at)
-         call hop(drive%transition, drive%load, sin(at%phase), cos(at%phase), at%x, at%x_dot, &
+         call bounce(drive%transition, drive%load, sin(at%phase), cos(at%phase), at%x, at%x_dot, &
             at%side, here%speed, 4*drive%clearance, time, speed)
          if (time > 0) then
             x = at%x + at%z_dot*time

@@ -4,7 +4,7 @@ module vi_simulate
    use vi_contact, only: contact_type, first_contact
    use vi_drive, only: departure_from, drive_type, event_type, flight_from, impact_event, &
       new_drive, release_event, rest_from, state_time, state_type, stick_event, two_pi
-   use vi_hop, only: hop
+   use vi_bounce, only: bounce
    use vi_kinds, only: wp
    use vi_march, only: march, touch_type
    use vi_oscillation, only: derivatives
@@ -142,7 +142,7 @@ contains
       if (.not. (found .or. over)) call fly_on(drive, state, s, c, remaining, event, found, status)
    end subroutine go_on
 
-   !> Advances to the next impact and through it, with vi_hop or vi_march where they can decide.
+   !> Advances to the next impact and through it, with vi_bounce or vi_march where they can decide.
    pure subroutine fly_on(drive, state, s, c, remaining, event, found, status)
       !> The driven system.
       type(drive_type), intent(in) :: drive
@@ -164,7 +164,7 @@ contains
       found = .false.
       half = 0.5_wp*drive%clearance
       if (state%side /= 0 .and. state%speed > 0) then
-         call hop(drive%transition, drive%load, s, c, state%x, state%x_dot, state%side, &
+         call bounce(drive%transition, drive%load, s, c, state%x, state%x_dot, state%side, &
             state%speed, drive%clearance, time, approach)
          if (time > 0) then
             touch = touch_type(state%side, time, state%x + state%z_dot*time, &

@@ -3,7 +3,7 @@
 !! They are by u_i, theta_i, r and log D, in this order. Motions with rest are not handled here.
 module vi_slopes
    use vi_conditions, only: fails_jury, polish_touch
-   use vi_family, only: add_kinship_slope, kinship
+   use vi_family, only: add_distance_slope, repetition_distance
    use vi_frame, only: condition_type, edge, flip, fold, frame_type, grazing, neimark_sacker, &
       repetition, zero_approach
    use vi_kinds, only: wp
@@ -58,8 +58,9 @@ contains
             value = o%side(i)*(o%speed(i - 1) - o%before(i))
             call approach_slope(o, i, 1.0_wp, slope)
          case (repetition)
-            value = kinship(frame%family, frame%repetitions(i), unknowns) - condition%bound
-            call add_kinship_slope(frame%family, frame%repetitions(i), unknowns, 1.0_wp, slope)
+            value = repetition_distance(frame%family, frame%repetitions(i), unknowns) - &
+               condition%bound
+            call add_distance_slope(frame%family, frame%repetitions(i), unknowns, 1.0_wp, slope)
          case default
             value = condition%side*(c(i) - condition%bound)
             slope(size(unknowns) + i) = condition%side
@@ -97,13 +98,13 @@ contains
          if (abs(value) < 1.0e-6_wp*maxval(abs(slope))) slope = 0
       case (fold)
          do i = 1, size(frame%repetitions)
-            distance = kinship(frame%family, frame%repetitions(i), unknowns)
+            distance = repetition_distance(frame%family, frame%repetitions(i), unknowns)
             value = value/max(0.1_wp*frame%apart, distance)**2
             slope = slope/max(0.1_wp*frame%apart, distance)**2
          end do
          do i = 1, size(frame%repetitions)
-            distance = kinship(frame%family, frame%repetitions(i), unknowns)
-            if (distance > 0.1_wp*frame%apart) call add_kinship_slope(frame%family, &
+            distance = repetition_distance(frame%family, frame%repetitions(i), unknowns)
+            if (distance > 0.1_wp*frame%apart) call add_distance_slope(frame%family, &
                frame%repetitions(i), unknowns, -2*value/distance, slope)
          end do
       case default

@@ -7,7 +7,7 @@ module vi_zone
    use vi_borders, only: distances, most_loops, trace_border, zone_type
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type, parameters_of
-   use vi_family, only: kinship
+   use vi_family, only: repetition_distance
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
@@ -36,7 +36,7 @@ module vi_zone
       real(wp) :: at(2) = 0
       !> Whether it belongs to the family and lies in the window, is stable and admissible too, and
       !> could be brought to a node of the lattice.
-      logical :: there = .false., inside = .false., planted = .false.
+      logical :: there = .false., inside = .false., at_node = .false.
       !> Whether there are closed loops around it.
       logical :: enclosed = .false.
    end type seed_type
@@ -133,7 +133,7 @@ contains
          do i = 1, size(seeds)
             if (seeds(i)%enclosed) cycle
             call examine(net, seeds(i))
-            if (.not. seeds(i)%there .or. (seeds(i)%planted .and. .not. seeds(i)%inside)) cycle
+            if (.not. seeds(i)%there .or. (seeds(i)%at_node .and. .not. seeds(i)%inside)) cycle
             call cover_from(net, seeds(i)%at, seeds(i)%unknowns, tally)
          end do
       end do
@@ -214,7 +214,7 @@ contains
       real(wp), allocatable :: found(:, :)
       real(wp) :: q(2), c(n_parameters)
       integer :: i, j, k, first, guesses, pass, passes, skip
-      logical :: planted
+      logical :: at_node
 
       skip = 0
       ! motions with rest are found by simulation, which takes longer and needs no second pass
@@ -235,7 +235,7 @@ contains
                skip = skip + guesses
                first = net%n + 1
                do k = 1, size(found, 2)
-                  call plant(net, q, found(:, k), [i, j], planted)
+                  call place_at_node(net, q, found(:, k), [i, j], at_node)
                end do
                call cover(net, first, tally)
                if (is_stopped(tally)) return
@@ -295,7 +295,8 @@ contains
       seed%at = (place - net%sheet%origin)/net%sheet%scale
       seed%unknowns = part_of(net%sheet%frame, parameters_of(net%sheet, &
          [(0.0_wp, i=1, unknown_count(net%sheet%frame)), seed%at]), whole)
-      call plant(net, seed%at, seed%unknowns, nearest_lines(net%lines, seed%at), seed%planted)
+      call place_at_node(net, seed%at, seed%unknowns, nearest_lines(net%lines, seed%at), &
+         seed%at_node)
    end subroutine sow
 
    !> Computes the motion of a seed at its own place: whether it belongs to the family and is inside
@@ -337,13 +338,14 @@ contains
       integer :: i
 
       associate (frame => net%sheet%frame)
-         repeats = any([(kinship(frame%family, frame%repetitions(i), unknowns) < distance, &
+         repeats = any([(repetition_distance(frame%family, frame%repetitions(i), unknowns) < &
+            distance, &
             i=1, size(frame%repetitions))])
       end associate
    end function repeats
 
    !> Continues a motion to a node of the lattice and adds it there, if it belongs to the family.
-   pure subroutine plant(net, from, unknowns, place, planted)
+   pure subroutine place_at_node(net, from, unknowns, place, at_node)
       !> In and out: the node is added.
       type(net_type), intent(inout) :: net
       !> Place in the window at which it is known.
@@ -353,12 +355,12 @@ contains
       !> Numbers of the lattice lines of the node.
       integer, intent(in) :: place(2)
       !> Whether it is a node now.
-      logical, intent(out) :: planted
+      logical, intent(out) :: at_node
       real(wp) :: point(size(unknowns) + 2), q(2)
       type(condition_type) :: fixed(2)
       integer :: n, i, iterations, node, part, parts
 
-      planted = .false.
+      at_node = .false.
       if (any(place < 1) .or. any(place > shape(net%head))) return
       n = size(unknowns)
       q = [net%lines%axes(1)%at(place(1)), net%lines%axes(2)%at(place(2))]
@@ -373,8 +375,8 @@ contains
       end do
       if (repeats(net, point(:n), 10*net%sheet%frame%apart)) return
       call add_seed(net, place(1), place(2), point(:n), node)
-      planted = node > 0
-   end subroutine plant
+      at_node = node > 0
+   end subroutine place_at_node
 
    !> Number of stable, admissible motions at each point.
    pure function count_zone(zone, r, clearance, points) result(counts)

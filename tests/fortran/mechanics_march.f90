@@ -6,7 +6,7 @@ module mechanics_march
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type, new_flight
-   use vi_hop, only: hop
+   use vi_bounce, only: bounce
    use vi_kinds, only: wp
    use vi_march, only: march, touch_type
    use vi_oscillation, only: derivative_bound, derivatives
@@ -102,14 +102,14 @@ contains
       c%load = amplitude/gain(c%flight%decay, c%flight%r)
    end subroutine begin
 
-   !> The hop, or the march.
+   !> The bounce, or the march.
    subroutine run(c, touch)
       type(case_type), intent(in) :: c
       type(touch_type), intent(out) :: touch
       real(wp) :: d(0:5), time, approach
 
       d = derivatives(c%flight, 0.0_wp)
-      call hop(c%transition, c%load, sin(c%load_phase), cos(c%load_phase), d(0), d(1), &
+      call bounce(c%transition, c%load, sin(c%load_phase), cos(c%load_phase), d(0), d(1), &
          c%departure%side, c%departure%speed, 2*c%half, time, approach)
       touch = touch_type(c%departure%side, time, d(0) + c%flight%z_dot*time, &
          c%flight%z_dot - c%departure%side*approach)
@@ -167,7 +167,7 @@ contains
       call check_close((touch%time - plain%time)*plain%speed, 0.0_wp, slack, 'time times speed')
       if (touch%side /= c%departure%side .or. touch%time*max(1.0_wp, c%flight%r) > 0.06_wp) return
       slack = (1 + derivative_bound(c%flight, 2, 0.0_wp)*plain%time/c%departure%speed)*plain%time
-      call check_close(touch%time, plain%time, 32*epsilon(1.0_wp)*slack, 'relative time of a hop')
+      call check_close(touch%time, plain%time, 32*epsilon(1.0_wp)*slack, 'relative time of a bounce')
    end subroutine compare
 
    !> A slow drift under an oscillation: one crest of many thousands is the first that reaches.

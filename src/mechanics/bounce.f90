@@ -1,14 +1,14 @@
-!> A short hop from a wall back to it, as impacts accumulate.
+!> A short bounce from a wall back to it, as impacts accumulate.
 !!
 !! The gap to the wall is g(t) = t k(t), k being a Taylor series that begins with the departure
-!! speed, so that ever shorter hops keep their relative accuracy.
-module vi_hop
+!! speed, so that ever shorter bounces keep their relative accuracy.
+module vi_bounce
    use vi_kinds, only: wp
    use vi_transition, only: transition_type
    implicit none (type, external)
    private
 
-   public :: hop
+   public :: bounce
 
    !> Terms of the series, and the time (over the shortest time scale) it is used for: the terms
    !! left out are below 0.1^10/10! = 3e-17 of the amplitude.
@@ -17,8 +17,8 @@ module vi_hop
 
 contains
 
-   !> The next contact, if the flight is proved to be such a hop; otherwise a time of 0.
-   pure subroutine hop(m, load, s, c, x, x_dot, side, speed, clearance, time, approach)
+   !> The next contact, if the flight is proved to be such a bounce; otherwise a time of 0.
+   pure subroutine bounce(m, load, s, c, x, x_dot, side, speed, clearance, time, approach)
       !> Tables for the flight's damping, frequency ratio and forced motion.
       type(transition_type), intent(in) :: m
       !> Load amplitude over F0, and the sine and cosine of its phase at the start.
@@ -29,10 +29,10 @@ contains
       integer, intent(in) :: side
       !> Departure speed > 0 relative to that wall (omega F0/K).
       real(wp), intent(in) :: speed
-      !> Distance from this wall to the other one (F0/K), which the hop must not reach.
+      !> Distance from this wall to the other one (F0/K), which the bounce must not reach.
       real(wp), intent(in) :: clearance
       !> Time of the next contact with the same wall (1/omega after the start); 0 if the flight is
-      !! not proved to be a hop.
+      !! not proved to be a bounce.
       real(wp), intent(out) :: time
       !> Approach speed at that contact (omega F0/K); 0 where `time` is 0.
       real(wp), intent(out) :: approach
@@ -62,14 +62,14 @@ contains
       if (i > 20) return
       time = t
       approach = max(0.0_wp, -t*slope)
-   end subroutine hop
+   end subroutine bounce
 
    !> The coefficients of k, from the equation of motion.
    pure function series(m, load, s, c, x, x_dot, side, speed) result(k)
       !> Tables; only 2 xi, r and r^2 are read.
       type(transition_type), intent(in) :: m
       !> Load amplitude, sine and cosine of its phase, position and velocity of the primary mass at
-      !! the start, departure speed, as in `hop`.
+      !! the start, departure speed, as in `bounce`.
       real(wp), intent(in) :: load, s, c, x, x_dot, speed
       !> The wall just left: +1 right, -1 left.
       integer, intent(in) :: side
@@ -108,4 +108,4 @@ contains
          k(0) + end*(k(1) + end*(k(2) + end*k(3))) + bound*end**4/24 < 0
    end function falls
 
-end module vi_hop
+end module vi_bounce
