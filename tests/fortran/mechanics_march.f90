@@ -167,7 +167,8 @@ contains
       call check_close((touch%time - plain%time)*plain%speed, 0.0_wp, slack, 'time times speed')
       if (touch%side /= c%departure%side .or. touch%time*max(1.0_wp, c%flight%r) > 0.06_wp) return
       slack = (1 + derivative_bound(c%flight, 2, 0.0_wp)*plain%time/c%departure%speed)*plain%time
-      call check_close(touch%time, plain%time, 32*epsilon(1.0_wp)*slack, 'relative time of a bounce')
+      call check_close(touch%time, plain%time, 32*epsilon(1.0_wp)*slack, &
+         'relative time of a bounce')
    end subroutine compare
 
    !> A slow drift under an oscillation: one crest of many thousands is the first that reaches.
