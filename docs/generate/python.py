@@ -11,7 +11,7 @@ SUBJECTS = {
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
-                   "studies.response", "studies.spacing"),
+                   "studies.response", "studies.decay", "studies.spacing"),
     "Namelists": ("run",),
     "Results in files": ("interchange.result",),
 }  # fmt: skip

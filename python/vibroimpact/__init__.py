@@ -19,6 +19,7 @@ from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
 from .studies.branch import Branch, Branches, SpecialPoint, branch
 from .studies.chart import Chart, chart
+from .studies.decay import Decay, decay
 from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
@@ -39,6 +40,7 @@ __all__ = [
     "Bundle",
     "Case",
     "Chart",
+    "Decay",
     "Findings",
     "FoundMotions",
     "Lyapunov",
@@ -63,6 +65,7 @@ __all__ = [
     "bifurcation_diagram",
     "branch",
     "chart",
+    "decay",
     "equispaced",
     "errors",
     "exact",

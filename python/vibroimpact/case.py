@@ -21,6 +21,7 @@ from .studies.basins import Basins
 from .studies.bifurcation import BifurcationDiagram
 from .studies.branch import Branches
 from .studies.chart import Chart
+from .studies.decay import Decay
 from .studies.find import Findings
 from .studies.lyapunov import Lyapunov, with_exponents
 from .studies.response import Response
@@ -33,7 +34,7 @@ __all__ = ["Case", "read_namelist"]
 #: Kinds of cases.
 KINDS = (
     "periodic", "equispaced", "exact", "simulate", "find", "chart", "branch", "zone", "atlas", "lyapunov",
-    "bifurcation", "response", "basins",
+    "bifurcation", "response", "decay", "basins",
 )  # fmt: skip
 
 
@@ -75,7 +76,7 @@ class Case(NamedTuple):
         `progress` is as of `atlas`, and for all but motions.
         """
         if self.kind in (
-            "find", "chart", "atlas", "zone", "lyapunov", "bifurcation", "response", "basins",
+            "find", "chart", "atlas", "zone", "lyapunov", "bifurcation", "response", "decay", "basins",
         ):  # fmt: skip
             return [getattr(self, self.kind)(progress)]
         if self.kind == "simulate":
@@ -145,6 +146,10 @@ class Case(NamedTuple):
     def find(self, progress: Callable[[float, str], None] | None = None) -> Findings:
         """The motions at a point that a &find case asks for."""
         return door.run_text(Findings, self.text, progress=progress)
+
+    def decay(self, progress: Callable[[float, str], None] | None = None) -> Decay:
+        """The free vibrations that a &decay case asks for."""
+        return door.run_text(Decay, self.text, progress=progress)
 
     def basins(self, progress: Callable[[float, str], None] | None = None) -> Basins:
         """The basins that a &basins case asks for."""

@@ -45,7 +45,7 @@ def run_namelists(
     ----------
     paths : iterable of path
         Files with the groups &system, &motion, &simulate, &find, &chart, &branch, &zone, &atlas,
-        &lyapunov, &bifurcation, &response or &basins, &output (see inputs/README.md), or earlier results.
+        &lyapunov, &bifurcation, &response, &decay or &basins, &output (see inputs/README.md), or earlier results.
     folder : path
         Created if it does not exist.
     only : str, optional

@@ -62,7 +62,7 @@ contains
          call system%refuse('r')
       else if (.not. needs_r) then
          call system%forbid('r', ': it is not for a &chart, &zone, &atlas or &response, which has &
-            &r_min and r_max, nor for parameter = ''r''')
+            &r_min and r_max, nor for parameter = ''r'', nor for a &decay, which has no load')
       else if (system%number('xi') <= 0 .and. abs(system%number('r') - 1) <= 0) then
          call system%refuse('r', 'must differ from 1 when xi = 0 (resonance without damping)')
       end if

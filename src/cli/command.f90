@@ -19,7 +19,8 @@ module vi_command
       'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
       'input that reproduces it.', &
       'Groups: &system, &output and, for each case, &motion, &simulate, &find, &chart, &branch,', &
-      '&zone, &atlas, &lyapunov, &bifurcation, &response or &basins; see inputs/README.md.', &
+      '&zone, &atlas, &lyapunov, &bifurcation, &response, &decay or &basins; see', &
+      'inputs/README.md.', &
       '--keys GROUP describes the keys of a group, --describe all of them as JSON.', &
       '', &
       'example: vibroimpact-batch inputs/table1.nml -o results', &

@@ -10,7 +10,7 @@ module vi_parse_cases
    use vi_key, only: key_type, place_of
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
-   use vi_study_list, only: check_study, list_keys_of, study_names
+   use vi_study_list, only: check_study, list_keys_of, study_names, without_load
    use vi_text, only: brief, line_type, lower, whole, whole_width
    use vi_values, only: read_values, values_type
    implicit none (type, external)
@@ -124,7 +124,7 @@ contains
       end do
    end function needs_r
 
-   !> Whether a study has frequency ratios of its own: a window, or values of r.
+   !> Whether a study has frequency ratios of its own, a window or values of r, or needs none.
    pure logical function has_own_r(group)
       !> The group of the study.
       type(group_type), intent(in) :: group
@@ -132,7 +132,7 @@ contains
       integer :: i
 
       call list_keys_of(group%name, keys)
-      has_own_r = place_of(keys, 'r_min') > 0
+      has_own_r = place_of(keys, 'r_min') > 0 .or. any(group%name == without_load)
       if (has_own_r .or. group%name == 'branch') return
       do i = 1, size(group%items)
          associate (value => group%items(i)%value)

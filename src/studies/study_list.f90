@@ -7,6 +7,7 @@ module vi_study_list
    use vi_branch_study, only: branch_columns, branch_keys, check_branch, run_branch
    use vi_case, only: case_type, echo
    use vi_chart_study, only: chart_columns, chart_keys, check_chart, run_chart
+   use vi_decay_study, only: check_decay, decay_columns, decay_keys, run_decay
    use vi_find_study, only: find_columns, find_keys, run_find
    use vi_key, only: key_type
    use vi_lyapunov_study, only: check_lyapunov, lyapunov_columns, lyapunov_keys, run_lyapunov
@@ -22,8 +23,11 @@ module vi_study_list
    public :: check_study, list_columns_of, list_keys_of, run_study
 
    !> The groups that ask for a result.
-   character(11), parameter, public :: study_names(11) = [character(11) :: 'motion', 'simulate', &
-      'find', 'chart', 'branch', 'zone', 'atlas', 'lyapunov', 'bifurcation', 'response', 'basins']
+   character(11), parameter, public :: study_names(12) = [character(11) :: 'motion', 'simulate', &
+      'find', 'chart', 'branch', 'zone', 'atlas', 'lyapunov', 'bifurcation', 'response', 'decay', &
+      'basins']
+   !> Those without a load, which have no frequency ratio.
+   character(11), parameter, public :: without_load(1) = [character(11) :: 'decay']
 
 contains
 
@@ -55,6 +59,8 @@ contains
          keys = bifurcation_keys
       case ('response')
          keys = response_keys
+      case ('decay')
+         keys = decay_keys
       case default
          keys = basins_keys
       end select
@@ -86,6 +92,8 @@ contains
          call check_bifurcation(case)
       case ('response')
          call check_response(case)
+      case ('decay')
+         call check_decay(case)
       case default
          call check_basins(case)
       end select
@@ -131,6 +139,9 @@ contains
       case ('response')
          columns = response_columns
          row = 'points'
+      case ('decay')
+         columns = decay_columns
+         row = 'peaks'
       case default
          columns = basins_columns
          row = 'states'
@@ -175,6 +186,8 @@ contains
          call run_bifurcation(case, threads, result, tally)
       case ('response')
          call run_response(case, threads, result, tally)
+      case ('decay')
+         call run_decay(case, threads, result, tally)
       case default
          call run_basins(case, threads, result, tally)
       end select

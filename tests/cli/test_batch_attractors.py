@@ -342,7 +342,7 @@ def test_interrupt_leaves_whole_items(program, request):
     assert contents(run.cwd / "again") == contents(run.cwd / "out")
 
 
-@pytest.mark.parametrize("name", ["lyapunov", "bifurcation", "response", "basins"])
+@pytest.mark.parametrize("name", ["lyapunov", "bifurcation", "response", "decay", "basins"])
 def test_inputs(name, batch, command, same_build):
     """The files that show what there is, from both programs and again from the results."""
     path = str(ROOT / "inputs" / f"{name}.nml")

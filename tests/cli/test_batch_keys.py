@@ -32,6 +32,7 @@ SMALLEST = {
     "lyapunov": (SYSTEM, "clearance = 37"),
     "bifurcation": (SYSTEM, "parameter = 'clearance', low = 2, high = 9, values = 3"),
     "response": (WALLS, "r_min = 0.9, r_max = 1.1, r_points = 3, clearance = 37"),
+    "decay": (WALLS, "clearance = 3"),
     "basins": (
         SYSTEM,
         "clearance = 37, axes = 'x', 'z_dot', low = -1, -1, high = 1, 1, values = 2, 2",
@@ -45,6 +46,8 @@ CALLS = {
     "lyapunov": lambda osc, **keys: vi.lyapunov(osc, 0.94, **{"clearance": 37} | keys),
     "response": lambda osc, **keys: vi.response(
         osc, [0.94], **({} if {"clearance", "inverse_clearance"} & set(keys) else {"clearance": 37}) | keys),
+    "decay": lambda osc, **keys: vi.decay(
+        osc, **({} if {"clearance", "inverse_clearance"} & set(keys) else {"clearance": 37}) | keys),
     "basins": lambda osc, states=None, **keys: vi.basins(osc, 0.94, **{"clearance": 37} | (
         {"plane": (("x", -1, 1, 2), ("z_dot", -1, 1, 2))} if states is None and "seed" not in keys
         else {"states": 9 if states is None else states}) | keys),
@@ -62,6 +65,7 @@ OPTIONS = {
     "lyapunov": "--r 0.94 --clearance 37",
     "bifurcation": "--r 0.94 --parameter clearance --values 2 9 3",
     "response": "--r .9 1.1 3 --clearance 37",
+    "decay": "--clearance 3",
     "basins": "--r 0.94 --clearance 37 --plane x -1 1 2 z_dot -1 1 2",
 }
 

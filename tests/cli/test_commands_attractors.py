@@ -55,6 +55,11 @@ CASES = {
         ("--r 1 1.04 3 --inverse-clearance .03 --states 3",
          "r_min = 1, r_max = 1.04, r_points = 3, inverse_clearance = .03, states = 3"),
     ],
+    "decay": [
+        ("--clearance .3 .7 --cycles 5", "clearance = .3, .7, cycles = 5"),
+        ("--inverse-clearance 2 --amplitude -3 --x-dot 1 --y .2 --z-dot -1",
+         "inverse_clearance = 2, amplitude = -3, x_dot = 1, y = .2, z_dot = -1"),
+    ],
 }  # fmt: skip
 EACH = [(name, *case) for name, cases in CASES.items() for case in cases]
 
@@ -68,7 +73,7 @@ def tool(tmp_path):
 @pytest.mark.parametrize(("name", "options", "keys"), EACH, ids=lambda word: word[:20])
 def test_options_are_a_namelist(name, options, keys, tool):
     """The same bytes and first words by options, from a file, and by `run`, which is the compiled program."""
-    r = "" if name == "response" or "parameter = 'r'" in keys else ", r = 1.04"
+    r = "" if name in ("response", "decay") or "parameter = 'r'" in keys else ", r = 1.04"
     write(
         tool.cwd / f"{name}.nml",
         f"&system xi = 0.0114, mu = 0.028, restitution = 0.75{r} /\n&{name} {keys} /\n",

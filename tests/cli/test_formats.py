@@ -138,6 +138,7 @@ def test_bad_grids(words, said, tool):
 
 @pytest.mark.parametrize("kind", [
     "branch", "zone", "atlas", "chart", "simulate", "find", "lyapunov", "bifurcation", "basins", "response",
+    "decay",
 ])  # fmt: skip
 def test_computed_once(kind, tmp_path, monkeypatch):
     """Table, picture and document from one computation; the table has the bytes of the compiled program."""

@@ -21,7 +21,8 @@ WRITTEN = {
     "reproduce": ["results/data/.table1.done", "results/table1.csv", "results/table1.txt"],
     **{
         name: [f"results/{name}.csv"]
-        for name in ("branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response")
+        for name in ("branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response",
+                     "decay")
     },
 }  # fmt: skip
 

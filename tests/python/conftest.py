@@ -60,4 +60,5 @@ def attractors():
         "states": vi.basins(TABLE, 0.94, 37.0, states=9),
         "bifurcation": vi.bifurcation_diagram(FIGURE6, "clearance", [20, 30, 40], r=1.04),
         "response": vi.response(FIGURE6, [1.0, 1.02], clearance=25.0, states=3),
+        "decay": vi.decay(FIGURE6, [0.5, 1.0], cycles=5),
     }

@@ -196,7 +196,9 @@ def test_missing_libraries_are_named(results, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("suffix", [".json", ".nc", ".mat"])
-@pytest.mark.parametrize("name", ["lyapunov", "one", "basins", "states", "bifurcation", "response"])
+@pytest.mark.parametrize(
+    "name", ["lyapunov", "one", "basins", "states", "bifurcation", "response", "decay"]
+)
 def test_studies_of_attractors_come_back(name, suffix, attractors, tmp_path):
     """Every bit of them too."""
     pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy", ".json": "json"}[suffix])

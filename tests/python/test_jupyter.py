@@ -49,7 +49,9 @@ def test_jupyter_of_an_empty_zone():
     assert "img" not in zone._repr_html_()
 
 
-@pytest.mark.parametrize("name", ["lyapunov", "basins", "states", "bifurcation", "response"])
+@pytest.mark.parametrize(
+    "name", ["lyapunov", "basins", "states", "bifurcation", "response", "decay"]
+)
 def test_jupyter_shows_studies_of_attractors(name, attractors):
     """They inherit it; states in no plane have no picture."""
     pytest.importorskip("matplotlib")

@@ -22,6 +22,7 @@ from ..errors import ParameterError
 #: In the order of the help text.
 NAMES = (
     "run", "simulate", "find", "branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response",
+    "decay",
     "explore", "plot", "reproduce", "init", "doctor", "bench", "completion",
 )  # fmt: skip
 

@@ -29,7 +29,7 @@ def simulate_words(run: Any) -> Words:
 WORDS: dict[str, Callable[..., Words]] = {
     "simulate": simulate_words, "branch": noun_words, "zone": noun_words, "atlas": noun_words,
     "chart": noun_words, "find": noun_words, "lyapunov": noun_words, "bifurcation": noun_words,
-    "basins": noun_words, "response": noun_words,
+    "basins": noun_words, "response": noun_words, "decay": noun_words,
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.
-PARTIAL = ("find", "branch", "chart", "lyapunov", "bifurcation", "basins", "response")
+PARTIAL = ("find", "branch", "chart", "lyapunov", "bifurcation", "basins", "response", "decay")

@@ -1,0 +1,108 @@
+"""Free vibration: the peaks against time, and the damping of each cycle against its amplitude."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import checks
+from ..interchange.dataset import system
+from . import style
+from .attractor import AREAS
+
+if TYPE_CHECKING:
+    from ..studies.decay import Decay
+
+#: Colours and marks of a few runs. More runs have a colour by their clearance.
+COLORS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, style.LOAD, AREAS[4])
+MARKS = "osD^vP"
+#: Damping ratios up to this are on a linear scale.
+SMALL = 0.01
+
+
+def draw_decay(decay: Decay, ax: Any = None, kind: str | None = None) -> Any:
+    """Draw one panel into `ax`, the peaks unless `kind` is "damping", or both into a new figure (or one)."""
+    if kind is not None:
+        checks.choice(kind, "kind", tuple(PANELS))
+    plt = style.pyplot()
+    with plt.rc_context(style.SETTINGS):
+        if ax is not None:
+            PANELS[kind or "peaks"](ax, decay)
+            _name_runs(ax, decay)
+            return ax
+        n = 1 if kind else 2
+        width = style.ONE_COLUMN if kind else style.TWO_COLUMNS
+        _, panels = plt.subplots(1, n, figsize=(width, 2.8), layout="constrained", squeeze=False)
+        for name, panel in zip([kind] if kind else PANELS, panels[0], strict=True):
+            PANELS[name](panel, decay)
+            if decay.clearance.size <= len(COLORS) or panel is panels[0, -1]:
+                _name_runs(panel, decay)
+        values = system(decay.osc)
+        if decay.clearance.size == 1:
+            values["clearance"] = float(decay.clearance[0])
+        style.identify(panels[0, 0], values, "free vibration")
+        return panels[0, 0] if kind else panels[0]
+
+
+def _runs(decay: Decay) -> Iterator[tuple[float, Any, dict[str, Any]]]:
+    """Clearance, place of the peaks and look of each run."""
+    few = decay.clearance.size <= len(COLORS)
+    for i, clearance in enumerate(decay.clearance.tolist()):
+        color = COLORS[i] if few else colors_of(decay.clearance).to_rgba(clearance)
+        yield clearance, decay.run == i, {
+            "color": color, "marker": MARKS[i] if few else ".", "ms": 2.8, "mew": 0.6,
+            "mfc": "none" if few and i % 2 else color,
+        }  # fmt: skip
+
+
+def _name_runs(ax: Any, decay: Decay) -> None:
+    """A legend of the clearances, or the scale of their colours."""
+    if decay.clearance.size > len(COLORS):
+        ax.figure.colorbar(colors_of(decay.clearance), ax=ax, label="$dK/F_0$")
+    elif decay.clearance.size > 1:
+        legend = {"title": "$dK/F_0$", "ncols": 6, "title_fontsize": 7, "alignment": "left"}
+        ax.legend(**style.ABOVE | legend | {"handlelength": 1.6})
+
+
+def _draw_peaks(ax: Any, decay: Decay) -> None:
+    """The peaks of each run against time on a logarithmic axis."""
+    for clearance, own, look in _runs(decay):
+        ax.plot(decay.time[own], np.abs(decay.x[own]), lw=0.6, label=f"{clearance:.6g}", **look)
+    style.log_scale(ax, "y")
+    ax.set_xlabel(r"$\omega t$")
+    ax.set_ylabel("peaks $|X|K/F_0$")
+
+
+def _draw_damping(ax: Any, decay: Decay) -> None:
+    """The damping of each cycle against the peak at which it begins."""
+    for clearance, own, look in _runs(decay):
+        x = np.abs(decay.x[own])
+        ax.plot(x, decay.damping[own], ls="", label=f"{clearance:.6g}", **look)
+    style.log_scale(ax, "x")
+    # logarithmic for loss and for gain, and linear for small ones between them
+    ax.set_yscale("symlog", linthresh=SMALL, linscale=0.5)
+    ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "\N{MINUS SIGN}"))
+    ax.margins(y=0.08)
+    ax.axhline(0, color="0.8", lw=0.6, zorder=0)
+    ax.axhline(decay.osc.xi, color="0.4", lw=0.8, ls="--", zorder=0)
+    ax.annotate(
+        r"$\xi$", (1, decay.osc.xi), xycoords=ax.get_yaxis_transform(), xytext=(3, 0),
+        textcoords="offset points", va="center", color="0.4", fontsize=8, annotation_clip=False,
+    )  # fmt: skip
+    ax.set_xlabel("$|X|K/F_0$ at the start of the cycle")
+    ax.set_ylabel(r"damping ratio $\zeta$ of the cycle")
+
+
+def colors_of(clearances: Any) -> Any:
+    """From a clearance to its colour."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LogNorm, Normalize
+
+    norm = LogNorm if style.is_geometric(clearances) else Normalize
+    return ScalarMappable(norm(clearances.min(), clearances.max()), "cividis")
+
+
+#: The panels by name.
+PANELS = {"peaks": _draw_peaks, "damping": _draw_damping}

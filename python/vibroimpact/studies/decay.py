@@ -1,0 +1,148 @@
+"""Free vibration: the peaks of the primary mass and the damping by impacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import door
+from ..model import Oscillator
+from ..noun import Noun, column
+
+__all__ = ["Decay", "decay"]
+
+
+class Decay(Noun, study="decay"):
+    """The peaks of free vibrations, one run for each clearance.
+
+    A peak is the greatest \\|x\\| of the primary mass between two zeros of x. The runs stand one after the other;
+    `run` tells to which a peak belongs.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    clearance : ndarray (runs,)
+    run : ndarray (n,) of int
+        Run of each peak, from 0.
+    time, x : ndarray (n,)
+        Time in 1/omega, and displacement of the primary mass; its sign tells the side.
+    decrement : ndarray (n,)
+        ln(x/x'), where x' is the next peak on the same side, one cycle later; NaN for the last two of a run.
+        It is negative where the free mass gives energy back.
+    damping : ndarray (n,)
+        decrement/sqrt(4 pi^2 + decrement^2): xi of a linear oscillator with this decrement.
+    energy : ndarray (n,)
+        Of both masses and the spring, over F0^2/K; after the impact, if one is at the peak.
+    impacts, rests : ndarray (n,) of int
+        Since the peak before, or since the start.
+    status : ndarray (runs,) of int
+        0 done; see `status_text`.
+    case : str
+        The case as a namelist.
+    complete : bool
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
+    """
+
+    __slots__ = ()
+    clearance = column("runs")
+    status = column("runs")
+    time = column("peaks")
+    x = column("peaks")
+    decrement = column("peaks")
+    damping = column("peaks")
+    energy = column("peaks")
+    impacts = column("peaks")
+    rests = column("peaks")
+
+    @property
+    def run(self) -> NDArray[np.int32]:
+        """Run of each peak, from 0."""
+        owners = self._result.tables["peaks"].owners
+        return np.zeros(0, np.int32) if owners is None else owners
+
+    def plot(self, ax: Any = None, kind: str | None = None) -> Any:
+        """Draw the peaks against time, and the damping of each cycle against the peak at which it begins (extra
+        `plot`).
+
+        Returns both Axes. With `ax`, or with `kind` "peaks" or "damping", one panel is drawn, the peaks unless
+        `kind` names the other one, and its Axes is returned.
+        """
+        from ..plot.decay import draw_decay
+
+        return draw_decay(self, ax, kind)
+
+    def __repr__(self) -> str:
+        cut = "" if self.complete else f"; cut short, {self.cut}"
+        runs = "1 clearance" if self.clearance.size == 1 else f"{self.clearance.size} clearances"
+        known = self.damping[np.isfinite(self.damping)]
+        if not known.size:
+            return f"<Decay at {runs}: {self.x.size} peaks{cut}>"
+        return (
+            f"<Decay at {runs}: {self.x.size} peaks, damping ratio of a cycle from {known.min():.4g} to "
+            f"{known.max():.4g}{cut}>"
+        )
+
+
+def decay(
+    osc: Oscillator,
+    clearance: ArrayLike | None = None,
+    amplitude: float = 1.0,
+    inverse_clearance: ArrayLike | None = None,
+    x_dot: float = 0.0,
+    y: float = 0.0,
+    z_dot: float = 0.0,
+    cycles: int = 20,
+    threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> Decay:
+    """The peaks and the damping of free vibration, for one or several clearances.
+
+    There is no load. F0/K is then any unit of length, the same for all: only the ratio of clearance and amplitude
+    matters, and with the default amplitude the clearance is in units of the initial displacement.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    clearance, inverse_clearance : float or array_like (runs,)
+        d K/F0, or F0/(d K); one of the two.
+    amplitude, x_dot : float
+        Displacement and velocity of the primary mass at the start.
+    y, z_dot : float
+        Position z - x of the free mass between the walls, 0 in the middle, and its velocity at the start.
+    cycles : int
+        Oscillations of the primary mass: a run ends with peak 2 cycles + 1.
+    threads : int, optional
+        Default: one for each processor. The result does not depend on it.
+    progress : callable, optional
+        Called a few times a second with the share done and the present task.
+
+    Returns
+    -------
+    Decay
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        The parameter, its value and what it must be.
+    StudyInterrupted
+        After Ctrl-C, with what was finished as its attribute `result`:
+        the clearances whose runs were completed.
+
+    Examples
+    --------
+    Where the free mass touches no wall, the damping is that of the dashpot.
+
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)
+    >>> vi.decay(osc, 6.0).damping[0].round(12)
+    np.float64(0.005)
+    >>> vi.decay(osc, [0.3, 0.7, 1.5])
+    <Decay at 3 clearances: 123 peaks, damping ratio of a cycle from -0.2005 to 0.2452>
+    """
+    keys = {
+        "clearance": clearance, "inverse_clearance": inverse_clearance, "amplitude": amplitude,
+        "x_dot": x_dot, "y": y, "z_dot": z_dot, "cycles": cycles,
+    }  # fmt: skip
+    return door.run(Decay, osc, keys, threads=threads, progress=progress)

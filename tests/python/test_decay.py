@@ -1,0 +1,258 @@
+"""Free vibration: energy, the limits without impacts and without damping, symmetry and scale."""
+
+import importlib
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.errors import ParameterError, ParameterTypeError
+
+DAMPER = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)
+UNEVEN = vi.Oscillator(xi=0.02, mu=0.3, restitution=(0.4, 0.9))
+STICKY = vi.Oscillator(xi=0.01, mu=0.2, restitution=0.0)
+COLUMNS = ("time", "x", "decrement", "damping", "energy", "impacts", "rests", "run")
+#: A start of which nothing is zero, and none is a peak.
+START = {"amplitude": -0.8, "x_dot": 0.45, "y": 0.1, "z_dot": -0.6}
+
+
+def simulated(osc, clearance, last, amplitude=1.0, x_dot=0.0, y=0.0, z_dot=0.0):
+    """The same vibration by `simulate`, some time longer; its frequency ratio is only a clock."""
+    start = {"t": 0, "x": amplitude, "x_dot": x_dot, "z": amplitude + y, "z_dot": z_dot}
+    return vi.simulate(osc, 0.7, clearance, 0.7 * (last + 1) / (2 * math.pi), start, load=0)
+
+
+def viscous(osc, trajectory, first, last):
+    """Energy that the dashpot takes between two times, by Gauss's rule over the segments between events."""
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    inside = trajectory.events["time"]
+    ends = np.unique([first, *inside[(inside > first) & (inside < last)], last])
+    steps = [np.linspace(a, b, 2 + int(b - a)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    loss = 0.0
+    for knots in steps:
+        for a, b in zip(knots[:-1], knots[1:], strict=True):
+            speed = trajectory.sample(a + (b - a) * (nodes + 1) / 2).X_dot
+            loss += (b - a) / 2 * weights @ (2 * osc.xi * speed**2)
+    return loss
+
+
+def kinetic(osc, events, when):
+    """Kinetic energy of both masses before or after events."""
+    return 0.5 * (events[f"x_dot_{when}"] ** 2 + osc.mu * events[f"z_dot_{when}"] ** 2)
+
+
+@pytest.mark.parametrize(("osc", "clearance", "start"), [
+    (DAMPER, 0.7, {}), (DAMPER, 0.05, {}), (UNEVEN, 0.9, START), (STICKY, 0.5, {}),
+    (vi.Oscillator(0.3, 2.0, 0.6), 0.4, START), (vi.Oscillator(0.01, 0.0, 0.8), 0.6, {}),
+])  # fmt: skip
+def test_energy_balance(osc, clearance, start):
+    """From peak to peak the energy falls by what the dashpot and the impacts take, as `simulate` has them."""
+    found = vi.decay(osc, clearance, **start, cycles=8)
+    assert found.x.size == 17
+    trajectory = simulated(osc, clearance, found.time[-1], **start)
+    events = trajectory.events
+    assert (events["kind"] == "impact").sum() > 5
+    at = trajectory.sample(found.time)
+    np.testing.assert_allclose(found.x, at.X, atol=1e-12)
+    # an event at a peak comes before it
+    ended = np.nextafter(found.time, np.inf) + 1e-12
+    for k in range(16):
+        own = events[(events["time"] > ended[k]) & (events["time"] <= ended[k + 1])]
+        impact = own["kind"] == "impact"
+        assert impact.sum() == found.impacts[k + 1]
+        assert (own["kind"] == "stick").sum() == found.rests[k + 1]
+        loss = (kinetic(osc, own[impact], "before") - kinetic(osc, own[impact], "after")).sum()
+        loss += viscous(osc, trajectory, found.time[k], found.time[k + 1])
+        if osc.mu > 0:
+            assert found.energy[k] - found.energy[k + 1] == pytest.approx(loss, abs=2e-12)
+    assert (np.diff(found.energy) < 0).all()
+
+
+@pytest.mark.parametrize(("osc", "clearance", "start"), [(DAMPER, 0.7, {}), (UNEVEN, 0.9, START)])
+def test_peaks_are_the_greatest_displacements(osc, clearance, start):
+    """Between two zeros of x no sample is beyond the peak, and one is close to it; the sides alternate."""
+    found = vi.decay(osc, clearance, **start, cycles=15)
+    assert (found.x[1:] * found.x[:-1] < 0).all()
+    trajectory = simulated(osc, clearance, found.time[-1], **start)
+    t = np.linspace(0, found.time[-1], 200_001)
+    x = trajectory.sample(t).X
+    zeros = np.flatnonzero(x[1:] * x[:-1] < 0) + 1
+    halves = np.split(np.abs(x), zeros)
+    # the first one is no peak where the start moves towards the equilibrium
+    moving_in = start.get("amplitude", 1) * start.get("x_dot", 0) < 0
+    halves = halves[1:-1] if moving_in else halves[:-1]
+    greatest = np.array([half.max() for half in halves])
+    peaks = np.abs(found.x[: greatest.size])
+    assert greatest.size >= 30
+    assert (greatest <= peaks * (1 + 1e-14)).all()
+    np.testing.assert_allclose(greatest, peaks, rtol=1e-3)
+
+
+@pytest.mark.parametrize("xi", [0.0, 1e-9, 1e-4, 0.005, 0.3, 0.9])
+def test_without_impacts(xi):
+    """Peaks half an oscillation apart, and everywhere the dashpot's decrement."""
+    found = vi.decay(vi.Oscillator(xi, 0.1, 0.75), 6.0, cycles=10)
+    eta = math.sqrt(1 - xi**2)
+    np.testing.assert_allclose(found.time, np.arange(21) * math.pi / eta, rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(
+        found.x, (-1.0) ** np.arange(21) * np.exp(-xi * np.arange(21) * math.pi / eta), rtol=1e-11
+    )
+    np.testing.assert_allclose(found.decrement[:-2], 2 * math.pi * xi / eta, rtol=1e-9, atol=1e-13)
+    np.testing.assert_allclose(found.damping[:-2], xi, rtol=1e-9, atol=1e-14)
+    assert np.isnan(found.damping[-2:]).all()
+    assert not found.impacts.any()
+
+
+def test_without_loss():
+    """Without dashpot and with R = 1 the energy stays, whatever the impacts do."""
+    found = vi.decay(vi.Oscillator(0.0, 0.1, 1.0), [0.3, 1.0, 2.5], cycles=50)
+    assert found.impacts.sum() > 300
+    assert np.ptp(np.abs(found.x)) > 0.2
+    np.testing.assert_allclose(found.energy, 0.5, rtol=1e-11)
+
+
+def test_an_impulse():
+    """From x = 0 with a velocity: the first peak is a quarter of an oscillation later."""
+    found = vi.decay(vi.Oscillator(0.0, 0.1, 0.75), 9.0, amplitude=0.0, x_dot=2.0, cycles=3)
+    # the free mass is at rest at z = 0 and |x| <= 2 < 4.5
+    np.testing.assert_allclose(found.time, (np.arange(7) + 0.5) * math.pi, rtol=1e-14)
+    np.testing.assert_allclose(found.x, 2 * (-1.0) ** np.arange(7), rtol=1e-14)
+
+
+def test_mirror_image():
+    """x -> -x with the walls exchanged."""
+    one = vi.decay(UNEVEN, [0.4, 0.9], **START)
+    mirrored = vi.Oscillator(UNEVEN.xi, UNEVEN.mu, UNEVEN.restitution[::-1])
+    other = vi.decay(mirrored, [0.4, 0.9], **{name: -value for name, value in START.items()})
+    np.testing.assert_array_equal(other.x, -one.x)
+    for name in set(COLUMNS) - {"x"}:
+        np.testing.assert_array_equal(getattr(other, name), getattr(one, name))
+
+
+def test_only_ratios_of_lengths_matter():
+    """All lengths and velocities times a power of two: the same damping to the last bit."""
+    one = vi.decay(UNEVEN, [0.4, 0.9], **START)
+    other = vi.decay(UNEVEN, [3.2, 7.2], **{name: 8 * value for name, value in START.items()})
+    np.testing.assert_array_equal(other.x, 8 * one.x)
+    np.testing.assert_array_equal(other.energy, 64 * one.energy)
+    for name in ("time", "decrement", "damping", "impacts", "rests"):
+        np.testing.assert_array_equal(getattr(other, name), getattr(one, name))
+
+
+def test_clearances_do_not_depend_on_each_other():
+    """Nor on the number of threads, nor on how they are given."""
+    clearances = [0.25, 0.5, 1.0, 2.0]
+    one = vi.decay(DAMPER, clearances, threads=1)
+    two = vi.decay(DAMPER, inverse_clearance=[4.0, 2.0, 1.0, 0.5], threads=2)
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
+    for i, clearance in enumerate(clearances):
+        alone = vi.decay(DAMPER, clearance)
+        np.testing.assert_array_equal(alone.x, one.x[one.run == i])
+        np.testing.assert_array_equal(alone.damping, one.damping[one.run == i])
+
+
+def test_the_damping_is_that_of_the_decrement():
+    found = vi.decay(DAMPER, [0.3, 0.7])
+    for i in range(2):
+        x, decrement = found.x[found.run == i], found.decrement[found.run == i]
+        np.testing.assert_allclose(decrement[:-2], np.log(x[:-2] / x[2:]), rtol=1e-12)
+        np.testing.assert_allclose(
+            found.damping[found.run == i],
+            decrement / np.sqrt(4 * math.pi**2 + decrement**2), rtol=1e-14,
+        )  # fmt: skip
+
+
+def test_an_oscillation_that_ends():
+    """A strongly damped one falls below the smallest numbers; the peaks until then are kept."""
+    found = vi.decay(vi.Oscillator(0.99, 0.1, 0.75), 6.0, cycles=40)
+    assert 10 < found.x.size < 81
+    assert found.status[0] == 0
+    np.testing.assert_allclose(found.damping[:-2], 0.99, rtol=1e-9)
+    assert "with fewer than 81 peaks: the oscillation ends before" in found._result.notes[-1][1]
+
+
+@pytest.mark.parametrize("form", ["json", "nc", "mat"])
+def test_files_and_namelist_give_it_again(form, tmp_path):
+    """To the last bit."""
+    found = vi.decay(UNEVEN, [0.4, 0.9], **START, cycles=6)
+    found.save(tmp_path / f"one.{form}")
+    again = vi.load(tmp_path / f"one.{form}")
+    (tmp_path / "case.nml").write_text(found.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    (computed,) = case.run()
+    assert again.to_json() == computed.to_json() == found.to_json()
+    np.testing.assert_array_equal(again.run, found.run)
+
+
+@pytest.mark.parametrize(("keys", "wanted"), [
+    ({"clearance": -1.0}, "clearance = -1.0: must be a number with 1e-12 <= clearance <= 1e12"),
+    ({}, "clearance: is missing; must be a number with 1e-12 <= clearance <= 1e12"),
+    ({"clearance": 1.0, "inverse_clearance": 1.0}, "must be left out beside"),
+    ({"clearance": 1.0, "cycles": 0}, "cycles = 0: must be a whole number with 1 <= cycles"),
+    ({"clearance": 1.0, "amplitude": 0.0}, "; amplitude must not be 0 where both masses start at rest"),
+    ({"clearance": [1.0, 0.4], "y": 0.3}, "y = 0.3: must be a finite number; y must be within half of each clearance"),
+    ({"clearance": [1.0] * 99, "cycles": 100_000}, "; clearances x (2 cycles + 1) must be at most 12500000"),
+    ({"clearance": 1.0, "z_dot": math.nan}, "z_dot = nan: must be a finite number"),
+])  # fmt: skip
+def test_bad_input(keys, wanted):
+    with pytest.raises(ParameterError) as error:
+        vi.decay(DAMPER, **keys)
+    assert wanted in str(error.value)
+
+
+def test_bad_types():
+    with pytest.raises(ParameterTypeError, match="osc"):
+        vi.decay(3, 1.0)
+    with pytest.raises(ParameterTypeError, match="cycles"):
+        vi.decay(DAMPER, 1.0, cycles="many")
+
+
+@pytest.mark.parametrize("clearances", [[0.7], [0.3, 0.7], np.geomspace(0.1, 2, 12)])
+def test_picture(clearances):
+    """Each peak in both panels, with symbols and units on the axes; one panel alone is the same."""
+    plt = pytest.importorskip("matplotlib.pyplot")
+    found = vi.decay(DAMPER, clearances)
+    panels = found.plot()
+    alone = [found.plot(kind=kind) for kind in ("peaks", "damping")]
+    given = [found.plot(plt.subplots()[1]), found.plot(plt.subplots()[1], "damping")]
+    try:
+        for peaks, damping in (panels, alone, given):
+            assert peaks.get_yscale() == damping.get_xscale() == "log"
+            assert (peaks.get_xlabel(), peaks.get_ylabel()) == (r"$\omega t$", "peaks $|X|K/F_0$")
+            assert (r"\zeta" in damping.get_ylabel(), "K/F_0" in damping.get_xlabel()) == (
+                True,
+                True,
+            )
+            assert len(peaks.lines) == len(clearances)
+            for i, (peak, cycle) in enumerate(zip(peaks.lines, damping.lines, strict=False)):
+                x, zeta = np.abs(found.x[found.run == i]), found.damping[found.run == i]
+                np.testing.assert_array_equal(peak.get_ydata(), x)
+                np.testing.assert_array_equal(cycle.get_xdata(), x)
+                np.testing.assert_array_equal(cycle.get_ydata(), zeta)
+        with pytest.raises(ParameterError, match="kind = 'energy': must be"):
+            found.plot(kind="energy")
+    finally:
+        plt.close("all")
+
+
+def test_interrupted(monkeypatch):
+    """What Ctrl-C leaves are whole runs, with the bits of all of them."""
+    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+    clearances = np.linspace(0.1, 2, 200)
+
+    def progress(share, what):
+        if share > 0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stop:
+        vi.decay(DAMPER, clearances, cycles=2000, progress=progress)
+    part = stop.value.result
+    whole = vi.decay(DAMPER, clearances, cycles=2000)
+    n = part.clearance.size
+    assert 0 < n < 200
+    assert (part.complete, part.cut) == (False, f"{n} of 200 clearances were reached")
+    assert (whole.complete, whole.cut) == (True, "")
+    at = np.searchsorted(clearances, part.clearance)
+    for i, run in enumerate(at.tolist()):
+        np.testing.assert_array_equal(part.damping[part.run == i], whole.damping[whole.run == run])
