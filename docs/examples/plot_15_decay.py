@@ -6,8 +6,8 @@ An impact damper is judged first by how it brings a free vibration to rest. The 
 displacement 1 with the free mass in the middle of its slot; there is no load, so :math:`F_0/K` is any unit of
 length, and only the ratio of clearance and amplitude matters.
 
-A peak is the greatest :math:`|X|` between two zeros of :math:`X`, exact to rounding: a stationary point of the closed
-form or an impact that turns the mass back. The damping of a cycle is the logarithmic decrement
+A peak is the greatest :math:`|X|` between two zeros of :math:`X`, exact to rounding: a stationary point of the
+closed form or an impact that turns the mass back. The damping of a cycle is the logarithmic decrement
 :math:`\delta = \ln(X_k/X_{k+2})` from a peak to the next one on the same side, given as the damping ratio of a
 linear oscillator with this decrement, :math:`\zeta = \delta/\sqrt{4\pi^2 + \delta^2}`.
 """
@@ -22,8 +22,8 @@ for i, clearance in enumerate(free.clearance):
     print(f"d = {clearance}: after 10 cycles {abs(x[20]):.3f}, after 20 cycles {abs(x[40]):.3f}")
 
 # %%
-# The damper works best while the amplitude is about the clearance. When the vibration has become so small that the free
-# mass no longer hits both walls in step with it, the dashpot is left alone, and a cycle may even gain what the free
-# mass gives back. The dashed line is the dashpot's :math:`\xi`.
+# The damping grows as the amplitude falls, until the free mass no longer keeps in step. Then the dashpot is left
+# alone between two impacts, and a cycle with an impact may even gain energy from the free mass. The dashed line is
+# the dashpot's :math:`\xi`.
 
 free.plot()

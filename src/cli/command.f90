@@ -18,8 +18,8 @@ module vi_command
       'that namelist files ask for and writes each case to DIR/NAME.csv and, if it asks', &
       'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
       'input that reproduces it.', &
-      'Groups: &system, &output and, for each case, &motion, &simulate, &find, &chart, &branch,', &
-      '&zone, &atlas, &lyapunov, &bifurcation, &response, &decay or &basins; see', &
+      'Groups: &system, &output and, for each case, &motion, &simulate, &find, &chart,', &
+      '&branch, &zone, &atlas, &lyapunov, &bifurcation, &response, &decay or &basins; see', &
       'inputs/README.md.', &
       '--keys GROUP describes the keys of a group, --describe all of them as JSON.', &
       '', &
