@@ -17,6 +17,7 @@ CASES = {
     "simulate": SYSTEM + "&simulate clearance = 25, z_dot = 8, cycles = 8, discard = 20 /\n",
     "response": FREE + "&response r_min = 1, r_max = 1.04, r_points = 3, clearance = 25,\n"
     "  states = 4 /\n",
+    "decay": FREE + "&decay clearance = 0.3, 0.7, cycles = 5 /\n",
     "find": TABLE1 + "&find clearance = 37, max_impacts = 2, max_cycles = 1 /\n",
     "zone": FREE + "&zone sides = 'RL', symmetric = 'yes', r_min = 0.8, r_max = 1.2,\n"
     "  clearance_min = 2, clearance_max = 200 /\n",
