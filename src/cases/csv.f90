@@ -85,8 +85,7 @@ contains
    end function row_count
 
    !> Whether each cell of the rows has a value. This is always so for the result of a study; a
-   !! result
-   !! that was filled by a caller has to be checked.
+   !! result that was filled by a caller has to be checked.
    pure logical function has_rows(result)
       !> The result.
       type(result_type), intent(in) :: result
@@ -209,8 +208,7 @@ contains
    end subroutine add_cells
 
    !> Adds a number with all its digits (17) after a comma; numbers that are not finite are written
-   !! as
-   !! Python reads them.
+   !! as Python reads them.
    pure subroutine add_number(value, buffer)
       !> A number.
       real(wp), intent(in) :: value

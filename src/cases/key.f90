@@ -24,8 +24,7 @@ module vi_key
       !> Values in its list, at least and at most.
       integer :: least = 1, most = 1
       !> The default as a user writes it; empty if there is none: the key must then be given, unless
-      !! it
-      !! `may_miss` or another key is given in its place.
+      !! it `may_miss` or another key is given in its place.
       character(40) :: default = ''
       logical :: may_miss = .false.
       !> The range of a number, or of each in a list; `above` and `below` leave out its ends.
@@ -40,8 +39,7 @@ module vi_key
       !> A key whose value must be below this one's.
       character(24) :: over = ''
       !> A key, or 'key=word', without which this key must be left out; and keys, separated by
-      !! blanks,
-      !! with which it must be left out.
+      !! blanks, with which it must be left out.
       character(32) :: only = '', never = ''
       !> Text that the message adds to that, or, after an =, that replaces it.
       character(80) :: why = ''

@@ -130,8 +130,7 @@ contains
    !> Collects the text of a group up to its closing slash, without comments.
    !!
    !! On entry `rest` is the text after `&name` on line i; on return it is the text after the slash
-   !! on
-   !! the new line i.
+   !! on the new line i.
    pure subroutine collect_body(lines, i, rest, body, line, message)
       !> All lines.
       type(line_type), intent(in) :: lines(:)

@@ -229,8 +229,7 @@ contains
    end subroutine close_file
 
    !> Opens a new file beside another one, under a name that no other process or thread uses. If a
-   !! file
-   !! of that name exists, it was left by an earlier process; it is kept, and the next name is
+   !! file of that name exists, it was left by an earlier process; it is kept, and the next name is
    !! tried.
    subroutine open_temporary(path, unit, temporary, message)
       !> The other file.

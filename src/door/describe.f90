@@ -44,8 +44,7 @@ contains
    !> The keys of all groups and the columns of all results for programs, as JSON.
    pure subroutine describe_all(lines)
       !> An object with two members: `groups` holds a list of keys for each group, `results` for
-      !! each
-      !! study the table whose rows are those of the CSV, and a list of columns.
+      !! each study the table whose rows are those of the CSV, and a list of columns.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(key_type), allocatable :: keys(:)
       type(column_type), allocatable :: columns(:)

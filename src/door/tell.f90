@@ -12,10 +12,8 @@ module vi_tell
    public :: tell, tell_word
 
    !> Kinds of texts: the fault of the case; the complete case as a namelist; lines on what was
-   !! found;
-   !! lines on what failed or does not exist; remarks of the header of files; how far it got if it
-   !! was
-   !! stopped; the CSV; the result without its values as JSON.
+   !! found; lines on what failed or does not exist; remarks of the header of files; how far it got
+   !! if it was stopped; the CSV; the result without its values as JSON.
    integer, parameter, public :: tell_message = 0, tell_case = 1, tell_notes = 2, tell_faults = 3, &
       tell_remarks = 4, tell_cut = 5, tell_csv = 6, tell_json = 7
 

@@ -102,8 +102,7 @@ contains
    end subroutine march
 
    !> Size of the largest first cell in which the wall just left is certainly not hit again; -1 if
-   !! that
-   !! is certain for no size.
+   !! that is certain for no size.
    !!
    !! The gap to that wall is t k(t), with k'''' at most a fifth of the bound on x'''''.
    pure integer function first_size(m, at, side, speed, bound) result(size)
@@ -186,8 +185,7 @@ contains
    end function direction
 
    !> Bernstein coefficients of the cubic in a cell: the cubics of the four functions, weighted by
-   !! the
-   !! components of a state.
+   !! the components of a state.
    pure function combined(matrix, at) result(b)
       !> (coefficient, function): cubics of the four functions in the cell, from the tables.
       real(wp), intent(in) :: matrix(4, 4)

@@ -72,8 +72,7 @@ contains
    !> A bound on the absolute n-th derivative of x from time t on.
    !!
    !! The free part is Re(c exp(lambda t)) with |c| = |(a, b)|: a derivative multiplies its
-   !! amplitude
-   !! by |lambda|, and that of the forced part by r.
+   !! amplitude by |lambda|, and that of the forced part by r.
    pure real(wp) function derivative_bound(o, n, t) result(bound)
       !> Constants of the oscillation.
       class(oscillation_type), intent(in) :: o
@@ -89,8 +88,7 @@ contains
    end function derivative_bound
 
    !> The two terms of that bound: for the free part at time 0, to be multiplied by exp(-decay t),
-   !! and
-   !! for the forced part.
+   !! and for the forced part.
    pure function derivative_bounds(o, n) result(bounds)
       !> Constants of the oscillation.
       class(oscillation_type), intent(in) :: o

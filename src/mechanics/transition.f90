@@ -23,15 +23,13 @@ module vi_transition
    integer, parameter :: terms = 8
 
    !> The four functions are u and v, the free motions with u = 1, u' = 0 and v = 0, v' = 1 at 0,
-   !! and
-   !! cos(r t), sin(r t).
+   !! and cos(r t), sin(r t).
    type, public :: transition_type
       real(wp) :: xi = 0, r = 1
       !> 2 xi, r^2 and 1/(1 - xi^2).
       real(wp) :: two_xi = 0, r2 = 1, inverse = 1
       !> The component of the forced part in phase with the load, and the one that lags it by a
-      !! quarter
-      !! of a cycle: A cos(lag), A sin(lag).
+      !! quarter of a cycle: A cos(lag), A sin(lag).
       real(wp) :: in_phase = 0, behind = 0
       !> Amplitudes of the derivatives of the forced part of orders 0, 4 and 5.
       real(wp) :: forced(0:2) = 0

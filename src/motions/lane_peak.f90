@@ -14,8 +14,7 @@ module vi_lane_peak
 contains
 
    !> The largest |x|: the stationary point near the node with the largest |x|, and a proof that |x|
-   !! is
-   !! nowhere larger.
+   !! is nowhere larger.
    pure subroutine find_largest(n, step, xi, r, position, rise, bound, parts, x, x_rise, largest, &
       certain)
       !> Number of the last node; the first one is 0.

@@ -1,8 +1,7 @@
 !> Distances between motions of one pattern, given by their unknowns (x_i, theta_i).
 !!
 !! The same motion has several sets of unknowns: it can begin with any impact that leaves the
-!! pattern
-!! unchanged, and whole load cycles can be added to all theta_i.
+!! pattern unchanged, and whole load cycles can be added to all theta_i.
 module vi_likeness
    use vi_kinds, only: wp
    use vi_oscillator, only: gain, oscillator_type
@@ -42,8 +41,7 @@ contains
    end function allows_symmetry
 
    !> The least distance over all sets of unknowns of the other motion: the largest difference of
-   !! any
-   !! x_i, over a scale, or of any theta_i (rad).
+   !! any x_i, over a scale, or of any theta_i (rad).
    pure real(wp) function distance(pattern, scale, one, other)
       !> Pattern of both.
       type(pattern_type), intent(in) :: pattern
@@ -75,8 +73,7 @@ contains
    end function is_repeated
 
    !> Number of impacts after which a motion first repeats itself: all of them, unless it consists
-   !! of
-   !! several periods of a shorter one.
+   !! of several periods of a shorter one.
    pure integer function shortest_repetition(pattern, scale, unknowns) result(impacts)
       !> The pattern.
       type(pattern_type), intent(in) :: pattern

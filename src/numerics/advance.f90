@@ -10,11 +10,10 @@ contains
 
    !> A step within which a function g >= 0 has no zero.
    !!
-   !! Over a step of at most H, a bound B on |g''''| gives
-   !! g(t + h) >= g + g' h + (g''/2 + min(0, g'''/6 - B H/24) H) h^2, and the first positive zero of
-   !! this parabola is safe. A large H makes the parabola pessimistic and a small one limits the
-   !! step, so H is lowered towards the zero. Near a simple zero of g the step converges to it with
-   !! third order.
+   !! Over a step of at most H, a bound B on |g''''| gives g(t + h) >= g + g' h + (g''/2 + min(0,
+   !! g'''/6 - B H/24) H) h^2, and the first positive zero of this parabola is safe. A large H makes
+   !! the parabola pessimistic and a small one limits the step, so H is lowered towards the zero.
+   !! Near a simple zero of g the step converges to it with third order.
    pure real(wp) function safe_step(g, slope, curvature, jerk, bound, limit) result(step)
       !> Value and first three derivatives now; g > 0, or g = 0 where the function starts to rise.
       real(wp), intent(in) :: g, slope, curvature, jerk

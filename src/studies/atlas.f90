@@ -54,8 +54,7 @@ module vi_atlas
    type :: sight_type
       type(pattern_type) :: pattern
       !> Number of such simulations; of the first, second, fourth, eighth and so on: its number at
-      !! the
-      !! node, and the lattice lines of the node.
+      !! the node, and the lattice lines of the node.
       integer :: n = 0, nodes(3, bit_size(0)) = 0
    end type sight_type
 
@@ -184,10 +183,8 @@ contains
    !> Searches the simulations at nodes for patterns with rest that the survey has not found.
    !!
    !! Of each pattern that simulations appear to repeat at their end, a few simulations are
-   !! continued
-   !! for as long as those of the survey. The pattern counts if Newton's method confirms the motion
-   !! on
-   !! which they are then.
+   !! continued for as long as those of the survey. The pattern counts if Newton's method confirms
+   !! the motion on which they are then.
    subroutine sight_rests(request, atlas, releases, tally)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
@@ -389,8 +386,7 @@ contains
    end subroutine list_sheets
 
    !> Adds the sheets of a pattern, first the symmetric motions and then the others, if the pattern
-   !! is
-   !! in standard order and not listed yet.
+   !! is in standard order and not listed yet.
    pure subroutine add_sheets(osc, pattern, sheets)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc

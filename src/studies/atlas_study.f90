@@ -88,8 +88,7 @@ contains
    end function atlas_request
 
    !> Finds all zones in a window, and reports the outcomes of the survey and the attractors that
-   !! lie
-   !! in no zone.
+   !! lie in no zone.
    subroutine run_atlas(case, threads, result, tally)
       !> The case, checked.
       type(case_type), intent(in) :: case

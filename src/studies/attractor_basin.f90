@@ -20,8 +20,7 @@ module vi_attractor_basin
 contains
 
    !> The number of the attractor of each initial state; 0 if it is not decided within the cycles,
-   !! and
-   !! `not_reached` if the computation was stopped before.
+   !! and `not_reached` if the computation was stopped before.
    subroutine decide(osc, r, load, clearance, targets, starts, cycles, threads, labels, impacts, &
       ends, tally)
       !> Oscillator.

@@ -17,8 +17,7 @@ module vi_attractor_catalogue
    !> Largest number of attractors: without damping every state may have its own.
    integer, parameter :: most_attractors = 1000
    !> Largest number of rounds of a search for motions, and the least share of the states that a
-   !! round
-   !! has to decide for another round.
+   !! round has to decide for another round.
    integer, parameter :: rounds = 16
    real(wp), parameter :: lively = 0.02_wp
    !> States that are described at a time, and impacts kept of each.

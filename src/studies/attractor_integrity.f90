@@ -1,6 +1,5 @@
 !> Integrity of the basins in a plane of initial states: pairs of states with different ends, and
-!! the
-!! largest disc inside a basin. The second axis of a plane is the first dimension of its labels.
+!! the largest disc inside a basin. The second axis of a plane is the first dimension of its labels.
 module vi_attractor_integrity
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -52,8 +51,7 @@ contains
    end function uncertainty_exponent
 
    !> The largest disc inside a basin. Its radius is the distance from a state to the nearest one
-   !! with
-   !! another attractor, or to the edge, which is one cell beyond the last states.
+   !! with another attractor, or to the edge, which is one cell beyond the last states.
    pure subroutine largest_disc(labels, label, cells, radius, place)
       !> (second axis, first axis) Number of the attractor of each state; the one in question.
       integer, intent(in) :: labels(:, :), label

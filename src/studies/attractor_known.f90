@@ -17,8 +17,7 @@ module vi_attractor_known
    public :: alike, ball, exact_period, identify, within
 
    !> Kinds of attractors. The last one is a simulation that repeats itself although no stable
-   !! motion
-   !! is confirmed.
+   !! motion is confirmed.
    integer, parameter, public :: periodic = 1, resting = 2, quasi_periodic = 3, chaotic = 4, &
       no_impacts = 5, repeating = 6
 

@@ -299,8 +299,7 @@ contains
    !> A weight that rises from 0 and falls to 0 smoothly over [0, 1].
    !!
    !! With it averages over periodic and quasi-periodic motions converge faster than any power of
-   !! the
-   !! time, those over chaotic motions as fast as without.
+   !! the time, those over chaotic motions as fast as without.
    pure real(wp) function bump(s)
       !> Place in the interval.
       real(wp), intent(in) :: s

@@ -108,8 +108,7 @@ contains
    !> Gram-Schmidt orthonormalisation, applied twice.
    !!
    !! A column that depends on those before it, to rounding, has length 0 and is replaced by some
-   !! other
-   !! direction, so that the columns are always a basis.
+   !! other direction, so that the columns are always a basis.
    pure subroutine orthonormalise(q, lengths)
       !> In: four columns. Out: orthonormal columns.
       real(wp), intent(inout) :: q(4, 4)

@@ -362,8 +362,7 @@ contains
    end function standard_error
 
    !> Adds remarks on the errors of the shares, and, for a complete plane, on the uncertainty
-   !! exponent
-   !! and the largest discs.
+   !! exponent and the largest discs.
    pure subroutine remark_safety(case, n, labels, result)
       !> The case.
       type(case_type), intent(in) :: case

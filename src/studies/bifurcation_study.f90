@@ -279,8 +279,7 @@ contains
    end subroutine put_impacts
 
    !> Puts the ranges of values over which each run has one period into the result, with remarks:
-   !! first
-   !! the ranges whose ends are known, then those next to values that were not reached.
+   !! first the ranges whose ends are known, then those next to values that were not reached.
    pure subroutine put_windows(values, directions, found, result, windows)
       !> Values of the parameter.
       real(wp), intent(in) :: values(:)

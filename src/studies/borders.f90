@@ -35,8 +35,7 @@ module vi_borders
    end type zone_type
 
    !> Distances at which a motion counts as one that repeats itself, over the first one. Where a
-   !! fold
-   !! begins at such a motion, rounding can spoil the equations at the first distance.
+   !! fold begins at such a motion, rounding can spoil the equations at the first distance.
    real(wp), parameter, public :: distances(4) = [1, 3, 10, 30]
 
    !> Loops kept, and points after which no further loop is begun.

@@ -107,8 +107,7 @@ contains
    end subroutine follow_branch
 
    !> Whether a step has to be repeated with a shorter length: it may hide a special point, or goes
-   !! too
-   !! far beyond one of the bounds.
+   !! too far beyond one of the bounds.
    pure logical function is_too_far(before, now, next, shortest)
       !> Start of the step before, start and end of this step.
       type(place_type), intent(in) :: before, now, next
@@ -137,8 +136,7 @@ contains
    end function changes_much
 
    !> Whether the special points within a step account for the numbers of multipliers outside the
-   !! unit
-   !! circle at its ends; otherwise there are more special points.
+   !! unit circle at its ends; otherwise there are more special points.
    pure logical function explained(now, next, found, order)
       !> Start and end of the step.
       type(place_type), intent(in) :: now, next

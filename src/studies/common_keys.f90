@@ -209,8 +209,7 @@ contains
    end subroutine check_window
 
    !> Largest distance of the free mass from the middle, with a margin for the rounding of a
-   !! computed
-   !! state.
+   !! computed state.
    pure real(wp) function half_gap(clearance)
       !> The clearance.
       real(wp), intent(in) :: clearance

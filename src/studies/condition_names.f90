@@ -8,8 +8,7 @@ module vi_condition_names
    public :: condition_detail, condition_name
 
    !> Fixed lengths of names and details: gfortran keeps the length of a result of deferred length
-   !! in
-   !! one place for all threads.
+   !! in one place for all threads.
    integer, parameter, public :: name_length = 14, detail_length = 24
 
    !> The parameters in their order in the core.
@@ -53,8 +52,7 @@ contains
    end function condition_name
 
    !> The detail of a condition: which flight touches which wall, which impact has no approach,
-   !! which
-   !! parameter is at a bound.
+   !! which parameter is at a bound.
    pure function condition_detail(kind, index, side) result(detail)
       !> Kind, index and side of the condition, as of vi_frame.
       integer, intent(in) :: kind, index, side

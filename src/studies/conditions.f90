@@ -180,8 +180,7 @@ contains
    end function fails_jury
 
    !> The least gap at a stationary point inside a flight, at most one half. After an impact with R
-   !! = 0
-   !! the departure counts as well.
+   !! = 0 the departure counts as well.
    pure subroutine gap_of_flight(o, touch, gap)
       !> The orbit.
       type(orbit_type), intent(in) :: o

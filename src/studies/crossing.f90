@@ -14,8 +14,7 @@ contains
    !> Whether a condition may have changed its sign twice within the last two steps.
    !!
    !! That is so if the parabola through three successive values has its extremum inside these
-   !! steps,
-   !! on the other side of zero.
+   !! steps, on the other side of zero.
    pure elemental logical function hidden_zero(before, now, next, first, second, margin) &
       result(hidden)
       !> Three successive values of the condition.
@@ -111,8 +110,7 @@ contains
    !> The zero nearest to the inside end of a step.
    !!
    !! A condition that is violated at a zero of another one was met at the inside end, so it is zero
-   !! in
-   !! between, even if it has the same sign at both ends: a step may pass two of its zeros.
+   !! in between, even if it has the same sign at both ends: a step may pass two of its zeros.
    pure subroutine innermost_zero(curve, now, next, inside, best, which)
       !> With one active parameter.
       type(curve_type), intent(in) :: curve

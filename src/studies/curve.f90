@@ -24,8 +24,7 @@ module vi_curve
       !> Largest absolute component of each of the first two steps.
       real(wp) :: moved(2) = 0
       !> The sign of the determinant of the equations, the last of which is the direction of travel.
-      !! It
-      !! is constant along a curve, and changes only where curves cross.
+      !! It is constant along a curve, and changes only where curves cross.
       integer :: orientation = 0
    end type correction_type
 
@@ -198,8 +197,7 @@ contains
    end subroutine rest_equations
 
    !> The derivatives of the equations of motions with rest by parameters other than r and log(D),
-   !! by
-   !! central differences.
+   !! by central differences.
    pure subroutine rest_differences(curve, conditions, point, a)
       !> The curve.
       type(curve_type), intent(in) :: curve

@@ -105,8 +105,7 @@ contains
    end subroutine row_pair
 
    !> Both motions of a row at many clearances, with their verdicts: as `row_pair`, but many points
-   !! side
-   !! by side.
+   !! side by side.
    pure subroutine row_pairs(row, clearance, with_multipliers, wide, pairs)
       !> The row; its motion is used as scratch.
       type(row_type), intent(inout) :: row

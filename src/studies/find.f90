@@ -1,11 +1,9 @@
 !> A systematic search for the periodic motions at a point, stable and unstable.
 !!
 !! For each pattern of sides Newton's method starts from guesses, and the motions found are
-!! continued
-!! along the lines of constant r and of constant D through the point. Newton's method on the return
-!! map of releases adds motions with rest. Simulations from initial states that are spread evenly
-!! add
-!! the motions on which they settle, with any number of impacts and load cycles.
+!! continued along the lines of constant r and of constant D through the point. Newton's method on
+!! the return map of releases adds motions with rest. Simulations from initial states that are
+!! spread evenly add the motions on which they settle, with any number of impacts and load cycles.
 module vi_find
    use vi_drive, only: drive_type
    use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored, new_found, &
@@ -39,8 +37,7 @@ module vi_find
       !> Limits of the patterns that are searched.
       integer :: max_impacts = 6, max_cycles = 2
       !> Guesses for each pattern; initial states simulated, and load cycles of the transient;
-      !! releases
-      !! for each wall and number of cycles; OpenMP threads.
+      !! releases for each wall and number of cycles; OpenMP threads.
       integer :: guesses = 96, states = 24, settling = 600, releases = 32, threads = 1
    end type find_request_type
 
@@ -144,8 +141,7 @@ contains
    end subroutine from_patterns
 
    !> Follows the lines that begin where motions of other patterns graze, and the lines that begin
-   !! on
-   !! those.
+   !! on those.
    subroutine follow_births(request, patterns, lines)
       !> What is asked for.
       type(find_request_type), intent(in) :: request

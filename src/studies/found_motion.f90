@@ -173,8 +173,7 @@ contains
    end function setting_of
 
    !> The same motion over its shortest period, beginning with the impact that `standard_letters`
-   !! puts
-   !! first.
+   !! puts first.
    pure function in_standard_form(found, scale) result(standard)
       !> The motion.
       type(found_type), intent(in) :: found

@@ -47,8 +47,7 @@ contains
    end subroutine join_loose_ends
 
    !> Distance of two loose ends in the window; huge if their motions differ, or if both belong to
-   !! one
-   !! very short curve.
+   !! one very short curve.
    pure real(wp) function between(zone, i, end_of_i, j, end_of_j) result(distance)
       !> The loops.
       type(zone_type), intent(in) :: zone
@@ -100,8 +99,7 @@ contains
    end subroutine join
 
    !> Adds a straight piece from the last point of a curve to the first point of another curve, and
-   !! that
-   !! curve; without another curve, to its own first point.
+   !! that curve; without another curve, to its own first point.
    pure subroutine add_joint(frame, loop, next, turn)
       !> The family.
       type(frame_type), intent(in) :: frame

@@ -44,8 +44,7 @@ contains
    end function new_lattice
 
    !> Places of the lines of constant r from 0 to 1: evenly spaced if that is dense enough,
-   !! otherwise
-   !! evenly in the integral of the density.
+   !! otherwise evenly in the integral of the density.
    pure function r_lines(lines, low, high) result(at)
       !> Least number of lines, at least 2.
       integer, intent(in) :: lines

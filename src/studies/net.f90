@@ -125,8 +125,7 @@ contains
    end subroutine cover
 
    !> Follows the lines through a motion that is no node, then the lattice lines that they cross,
-   !! and
-   !! covers the sheet from there.
+   !! and covers the sheet from there.
    subroutine cover_from(net, at, unknowns, tally)
       !> In and out: the net.
       type(net_type), intent(inout) :: net
@@ -169,8 +168,7 @@ contains
    end function start_of
 
    !> Follows a line from a motion in one direction, until it leaves the window or its motions are
-   !! far
-   !! from physical.
+   !! far from physical.
    subroutine follow_line(net, begin, direction, way, tally)
       !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net

@@ -58,8 +58,7 @@ contains
    end subroutine new_nodes
 
    !> The largest |x| of a flight: the stationary point near the node with the largest |x|, and a
-   !! proof
-   !! that |x| is nowhere larger.
+   !! proof that |x| is nowhere larger.
    pure subroutine find_largest(nodes, parts, bound, x, x_rise, largest, certain)
       !> The nodes.
       type(nodes_type), intent(in) :: nodes

@@ -29,8 +29,7 @@ module vi_passages
    !! of such births can lead to admissible motions: that was observed from 0.38 beyond.
    real(wp), parameter :: depth = 0.5_wp
    !> Largest number of motions and of births kept of a pattern, and of steps along its lines; a
-   !! search
-   !! with few guesses makes no more steps than the square of their number.
+   !! search with few guesses makes no more steps than the square of their number.
    integer, parameter :: room = 128, most_births = 32, most_steps = 3000
 
    !> A motion that just touches a wall, written with the touch as an impact: in standard order.
@@ -152,8 +151,7 @@ contains
    end subroutine new_lines
 
    !> Follows a line in one direction, until it leaves the range of the parameter, an impact loses
-   !! its
-   !! approach, or a part is reached that has been followed before.
+   !! its approach, or a part is reached that has been followed before.
    pure subroutine walk(lines, direction, unknowns, place, way)
       !> In and out: motions and births of the pattern.
       type(lines_type), intent(inout) :: lines
@@ -201,8 +199,7 @@ contains
    end subroutine walk
 
    !> The orbit of a point of a line: whether the masses approach each other at every impact, and
-   !! the
-   !! gaps of its flights.
+   !! the gaps of its flights.
    pure subroutine look(curve, point, looks, o, right, gaps, touches)
       !> The line.
       type(curve_type), intent(in) :: curve

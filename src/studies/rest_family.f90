@@ -57,8 +57,7 @@ module vi_rest_family
       type(measure_type), allocatable :: equations(:)
       !> Of each letter: approach speed of its first impact over D; a measure of the duration of the
       !! rest, negative where the accumulation is not completed (1 for an impact); least gap over D
-      !! at
-      !! a stationary point of its flights, to either wall.
+      !! at a stationary point of its flights, to either wall.
       type(measure_type), allocatable :: approach(:), rest(:), gap(:)
       !> Where that gap is: the wall, and the flight (0 after the last event of the letter, 1, 2 ..
       !! after its impacts) plus the share of its duration.

@@ -91,8 +91,7 @@ contains
    end function zone_on_left
 
    !> The length of the pieces on edges of the window that have the window on their left, less that
-   !! of
-   !! those that have it on their right.
+   !! of those that have it on their right.
    pure real(wp) function left_of_edges(vertices, r, clearance) result(left)
       !> As in `dense_ring`.
       real(wp), intent(in) :: vertices(:, :)

@@ -22,8 +22,7 @@ module vi_seeds
    integer, parameter, public :: most_simulations = 6
 
    !> Largest difference in phase (rad) between the letters of two successive periods, and the
-   !! factor
-   !! by which that of a longer period must be smaller.
+   !! factor by which that of a longer period must be smaller.
    real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
@@ -81,8 +80,7 @@ contains
    end subroutine motions_at
 
    !> The unknowns of a family from those of the whole pattern; with rest these are the phase and
-   !! v/D
-   !! of a release.
+   !! v/D of a release.
    pure function part_of(frame, c, whole) result(unknowns)
       !> The family.
       type(frame_type), intent(in) :: frame

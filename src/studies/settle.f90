@@ -77,8 +77,7 @@ contains
    end function twin_of
 
    !> Whether a motion that repeats itself in a given way does so after half the period, so that it
-   !! is
-   !! reached with a multiplier -1 of the shorter period.
+   !! is reached with a multiplier -1 of the shorter period.
    pure logical function halves(parent, way)
       !> The sheet of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
@@ -89,8 +88,7 @@ contains
    end function halves
 
    !> The sheet of the motions that repeat themselves in a given way; without sides unless they do
-   !! so
-   !! after half the period.
+   !! so after half the period.
    pure subroutine make_parent(sheet, way, parent)
       !> The sheet of the pattern.
       type(curve_type), intent(in) :: sheet
@@ -190,8 +188,7 @@ contains
    end subroutine solve
 
    !> The mean of a motion and its image, or of their derivatives: the first half of the impacts,
-   !! and
-   !! the parameters.
+   !! and the parameters.
    pure function half_of(parent, way, point, affine) result(half)
       !> The sheet of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
@@ -229,9 +226,8 @@ contains
    !! before.
    !!
    !! The unknowns are a smooth function of the distance, and the parameters are one of its square.
-   !! The
-   !! shorter the distance, the more rounding affects the equations. Each three successive distances
-   !! give one estimate; that with the least change from the one before is taken.
+   !! The shorter the distance, the more rounding affects the equations. Each three successive
+   !! distances give one estimate; that with the least change from the one before is taken.
    pure subroutine extrapolate(sheet, loop, vertex, twin, point, good)
       !> The sheet of the pattern.
       type(curve_type), intent(in) :: sheet

@@ -2,8 +2,7 @@
 !!
 !! A simulation that repeats itself for two periods is no proof: near a fold, or between bursts of
 !! intermittent chaos, it does so for a long time. A state counts as settled only if Newton's
-!! method,
-!! started from its last period, leads to an admissible, stable motion near that period.
+!! method, started from its last period, leads to an admissible, stable motion near that period.
 module vi_settled_motion
    use vi_drive, only: drive_type, event_type, initial_state, state_type, two_pi
    use vi_event_letters, only: last_of_period, mismatch, read_window, reading_type, total_phase
@@ -19,11 +18,9 @@ module vi_settled_motion
    public :: settle_on
 
    !> Outcomes of a state: a confirmed motion; one that is confirmed but not stable (or not
-   !! admissible,
-   !! or where that is unknown); a simulation that repeats itself, but Newton's method leads to no
-   !! motion near it; one that does not repeat itself; no impacts occur any more; the simulation
-   !! could
-   !! not be completed.
+   !! admissible, or where that is unknown); a simulation that repeats itself, but Newton's method
+   !! leads to no motion near it; one that does not repeat itself; no impacts occur any more; the
+   !! simulation could not be completed.
    integer, parameter, public :: settled = 1, not_stable = 2, unconfirmed = 3, wandering = 4, &
       no_impacts = 5, unfinished = 6
    integer, parameter, public :: n_outcomes = 6
@@ -35,10 +32,8 @@ module vi_settled_motion
    !> Largest number of events of a simulation.
    integer, parameter :: most_events = 100000000
    !> Largest difference of impact phases (rad) from period to period; the factor by which it must
-   !! be
-   !! smaller for a longer period that is tried after a shorter one; and the largest distance (rad,
-   !! or
-   !! over the scale) of Newton's solution from the simulation.
+   !! be smaller for a longer period that is tried after a shorter one; and the largest distance
+   !! (rad, or over the scale) of Newton's solution from the simulation.
    real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp, near = 0.1_wp
 
 contains

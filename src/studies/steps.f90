@@ -16,8 +16,7 @@ module vi_steps
       real(wp), allocatable :: point(:), tangent(:), values(:)
       type(condition_type), allocatable :: conditions(:)
       !> The curve departs from the tangent by bend(:, 1) s^2 + bend(:, 2) s^3, extrapolated from
-      !! the
-      !! last step.
+      !! the last step.
       real(wp), allocatable :: bend(:, :)
       !> Length of the step that led here, and of the next one to be tried.
       real(wp) :: came = 0, step = 0
@@ -30,8 +29,7 @@ module vi_steps
    end type place_type
 
    !> Limits on steps: longest and shortest length, largest turn (rad), and the length of a jump
-   !! over a
-   !! crossing.
+   !! over a crossing.
    type, public :: stride_type
       real(wp) :: longest = 0.05_wp, shortest = 1.0e-7_wp, turn = 0.2_wp, leap = 2.0e-4_wp
    end type stride_type
@@ -232,8 +230,7 @@ contains
    end subroutine bend_over
 
    !> The cubic through both ends of a step with the tangents there, in powers of the distance from
-   !! its
-   !! end.
+   !! its end.
    pure subroutine look_back(from, to)
       !> The place where the step begins.
       type(place_type), intent(in) :: from

@@ -228,8 +228,7 @@ contains
       !> Out: the last n events.
       type(event_type), intent(inout) :: events(:)
       !> Number of events kept; `stat%more_events` if there are too many, `stat%not_computed` if it
-      !! was
-      !! stopped, otherwise as of `simulate`.
+      !! was stopped, otherwise as of `simulate`.
       integer, intent(out) :: n, status
       !> Progress counters, see vi_tally.
       integer, intent(inout), optional :: tally(3)

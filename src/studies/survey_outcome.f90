@@ -12,10 +12,9 @@ module vi_survey_outcome
    public :: count_outcomes, is_chaotic, is_free, stable_period
 
    !> A stable periodic motion within the limits of letters and cycles; one beyond them; the free
-   !! mass
-   !! at rest and never touched; a positive Lyapunov exponent; none of these so far; a simulation
-   !! that
-   !! repeats itself, but Newton's method confirms no stable motion; too many events.
+   !! mass at rest and never touched; a positive Lyapunov exponent; none of these so far; a
+   !! simulation that repeats itself, but Newton's method confirms no stable motion; too many
+   !! events.
    integer, parameter, public :: periodic = 1, beyond = 2, no_impacts = 3, chaotic = 4, &
       not_settled = 5, not_confirmed = 6, event_limit = 7
    character(20), parameter, public :: outcome_names(7) = [character(20) :: 'periodic', &
@@ -42,8 +41,7 @@ contains
    !> Whether the free mass is at rest and no wall ever reaches it.
    !!
    !! The primary mass moves as A sin(rt - lag) plus a decaying free vibration: the sum of their
-   !! present
-   !! amplitudes bounds |x| from now on.
+   !! present amplitudes bounds |x| from now on.
    pure logical function is_free(drive, state)
       !> The driven system.
       type(drive_type), intent(in) :: drive
@@ -62,8 +60,7 @@ contains
    end function is_free
 
    !> The letters of the stable periodic motion on which a state is, by Newton's method on the map
-   !! over
-   !! the period.
+   !! over the period.
    subroutine stable_period(drive, state, cycles, letters, shorter)
       !> The driven system.
       type(drive_type), intent(in) :: drive
@@ -74,8 +71,7 @@ contains
       !> As of vi_letters; empty if there is no such motion.
       integer, allocatable, intent(out) :: letters(:)
       !> Whether its period is only a part of these cycles; a simulation that approaches it slowly
-      !! can
-      !! look like that.
+      !! can look like that.
       logical, intent(out) :: shorter
       type(known_type) :: known
       logical :: good

@@ -264,9 +264,8 @@ contains
    end subroutine turn
 
    !> +1 if a condition increases along the tangent, -1 if it decreases. This is found from two
-   !! points
-   !! of the curve: the gradient across the curve can be so much larger that rounding hides the part
-   !! of the gradient along it.
+   !! points of the curve: the gradient across the curve can be so much larger that rounding hides
+   !! the part of the gradient along it.
    pure real(wp) function uphill(curve, active, rising, place)
       !> The sheet.
       type(curve_type), intent(in) :: curve

@@ -98,8 +98,7 @@ contains
    end subroutine find_zone
 
    !> Traces the boundary from all places found on it; then also from those found on lines through
-   !! the
-   !! seeds that no closed loop encloses so far.
+   !! the seeds that no closed loop encloses so far.
    subroutine trace_borders(request, net, seeds, zone, told, tally)
       !> What is asked for.
       type(zone_request_type), intent(in) :: request
@@ -300,8 +299,7 @@ contains
    end subroutine sow
 
    !> Computes the motion of a seed at its own place: whether it belongs to the family and is inside
-   !! a
-   !! zone.
+   !! a zone.
    pure subroutine examine(net, seed)
       !> The net.
       type(net_type), intent(in) :: net
