@@ -5,8 +5,7 @@
 
 !> Motions with given phases at many points.
 subroutine periodic(n, m, xi, mu, walls, r, cycles, sides, restitution, phases, acceptance, &
-   single, &
-      flights, impacts, scalars, multipliers, verdicts, status)
+   single, flights, impacts, scalars, multipliers, verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
@@ -47,8 +46,7 @@ end subroutine stability_flags
 
 !> Both equispaced motions at many points; two columns a point.
 subroutine equispaced(m, xi, mu, walls, r, clearance, cycles, acceptance, single, flights, &
-   impacts, &
-      scalars, multipliers, verdicts, status)
+   impacts, scalars, multipliers, verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_oscillator, only: oscillator_type
    use vi_points, only: equispaced_points
@@ -88,8 +86,7 @@ end subroutine linear_system
 
 !> The matrices [P_i] of a motion.
 subroutine impact_maps(n, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, &
-   p, &
-      regular)
+   p, regular)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_impact_map, only: maps => impact_maps
    use vi_oscillator, only: oscillator_type
@@ -110,8 +107,7 @@ end subroutine impact_maps
 
 !> The time history of a motion: x, x', z, z', y and load at the given times.
 subroutine sample(n, m, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, &
-   times, &
-      values)
+   times, values)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
@@ -446,14 +442,12 @@ subroutine sample_trajectory(n, m, xi, mu, r, load, clearance, starts, resting, 
    real(c_double), intent(out) :: values(6, m)
 
    call sample_segments(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, &
-      times, &
-      values)
+      times, values)
 end subroutine sample_trajectory
 
 !> The exact motion near a guess of x_i and theta_i = alpha_i + tau, by Newton's method.
 subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitution, x, theta, &
-   most, phases, &
-      impacts, scalars, multipliers, verdicts, status, iterations)
+   most, phases, impacts, scalars, multipliers, verdicts, status, iterations)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_exact, only: setting_type
    use vi_oscillator, only: oscillator_type
@@ -470,8 +464,7 @@ subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitutio
 
    call exact_point(setting_type(oscillator_type(xi, mu, walls), r, load, clearance, &
       pattern_type(sides, cycles), restitution), x, theta, most, phases, impacts, scalars, &
-      multipliers, &
-      verdicts, status, iterations)
+      multipliers, verdicts, status, iterations)
 end subroutine exact
 
 !> The periodic motion with rest near a release at (phase, v) on a wall.
@@ -636,14 +629,12 @@ subroutine start_state(xi, r, load, clearance, start, state, contact)
    integer(c_int), intent(out) :: contact(3)
 
    call pack_state(initial_state(new_drive(oscillator_type(xi), r, load, clearance), start), &
-      state, &
-      contact)
+      state, contact)
 end subroutine start_state
 
 !> Simulates many systems for a number of load cycles: final states, impacts and rests of each.
 subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_events, threads, &
-   states, &
-      contacts, end_states, end_contacts, counts, status)
+   states, contacts, end_states, end_contacts, counts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_bundle, only: run => simulate_bundle
    use vi_oscillator, only: oscillator_type

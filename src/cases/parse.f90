@@ -217,8 +217,7 @@ contains
          else
             if (colon > 1) call parse_number(inside(:colon - 1), .true., low, good)
             if (good .and. colon < len(inside)) call parse_number(inside(colon + 1:), .true., &
-               high, &
-               good)
+               high, good)
          end if
          good = good .and. text(len(text):) == ')' .and. low >= 1 .and. low <= high .and. high <= &
             most

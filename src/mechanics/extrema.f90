@@ -62,8 +62,7 @@ contains
          direction = sign(1.0_wp, g)
          step = 0
          if (abs(g) > 0) step = safe_step(abs(g), direction*d(2), direction*d(3), direction*d(4), &
-            bound, &
-            longest)
+            bound, longest)
          ! a step may land on the zero to rounding, and so a last bit beyond it
          if (step < shortest .or. direction*before < 0) then
             if (t > shortest .and. t < flight%duration - shortest) then

@@ -21,8 +21,7 @@ contains
 
    !> The motion with given impact phases, with its verdicts. Arguments as in `solve_periodic`.
    pure subroutine periodic_chain(osc, r, pattern, restitution, phases, acceptance, flights, &
-      system, &
-         motion)
+      system, motion)
       !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio Omega/omega.

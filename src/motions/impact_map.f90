@@ -66,8 +66,7 @@ contains
 
    !> [P_i] of one flight from (A5)-(A7), omega = 1, Omega = r.
    pure subroutine impact_map(xi, mu, r, restitution, length, c1, c2, sine, cosine, x, x_dot, &
-      z_dot, p, &
-         regular)
+      z_dot, p, regular)
       !> Damping ratio, mass ratio, frequency ratio; `restitution` is R_(i+1), `length` is
       !! alpha_(i+1) - alpha_i (rad); C_1i, C_2i of (9), (10).
       real(wp), intent(in) :: xi, mu, r, restitution, length, c1, c2

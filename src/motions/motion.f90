@@ -174,8 +174,7 @@ contains
       type(flight_type) :: flight
 
       flight = new_flight(motion%osc%xi, motion%r, motion%amplitude, motion%phases(i) &
-         + motion%tau, &
-         motion%x(i), motion%x_dot_after(i), motion%z(i), motion%z_dot_after(i), &
+         + motion%tau, motion%x(i), motion%x_dot_after(i), motion%z(i), motion%z_dot_after(i), &
          motion%length(i)/motion%r)
    end function flight_of
 

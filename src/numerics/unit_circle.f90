@@ -25,8 +25,7 @@ contains
       place = near_circle
       largest = maxval(abs(a))
       if (largest < huge_entry .and. abs(a(1, 1) + a(2, 2) + a(3, 3) + a(4, &
-         4)) > 4 + margin) place &
-         = some_outside
+         4)) > 4 + margin) place = some_outside
       if (place == some_outside .or. .not. largest < large) return
       c = characteristic_polynomial(a)
       do n = 4, 1, -1

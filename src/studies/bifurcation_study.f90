@@ -58,8 +58,7 @@ module vi_bifurcation_study
       key_type('z', may_miss=.true., never=states, why=own, option='state', unit='F0/K', &
       meaning=state_keys(4)%meaning), &
       key_type('z_dot', may_miss=.true., never=states, why=own, option='state', unit='omega F0/K', &
-      meaning=state_keys(5)%meaning), &
-      load_key]
+      meaning=state_keys(5)%meaning), load_key]
 
    type(column_type), parameter, public :: bifurcation_columns(*) = [ &
       column_type('runs', 'run', words, meaning='up, down, or a state'), &

@@ -6,8 +6,7 @@ module vi_branch_study
    use vi_case, only: case_type
    use vi_chain, only: periodic_chain, refine
    use vi_common_keys, only: parameter_of, parameter_place, parameter_range, parameter_takes, &
-      parameter_words, &
-      parameters, resonance
+      parameter_words, parameters, resonance
    use vi_condition_names, only: condition_detail, condition_name, name_length
    use vi_frame, only: edge, grazing, repetition
    use vi_key, only: a_whole, a_word, key_type

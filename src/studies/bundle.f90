@@ -22,8 +22,7 @@ contains
 
    !> Simulates m systems for a number of load cycles each.
    subroutine simulate_bundle(osc, r, load, clearance, cycles, most_events, threads, states, &
-      contacts, &
-         counts, status)
+      contacts, counts, status)
       !> Oscillator, the same for all.
       type(oscillator_type), intent(in) :: osc
       !> (m) Frequency ratios, load amplitudes f, clearances.
@@ -47,8 +46,7 @@ contains
       do j = 1, size(r)
          state = unpack_state(states(:, j), contacts(:, j))
          call simulate_counting(new_drive(osc, r(j), load(j), clearance(j)), state, cycles, &
-            most_events, &
-            counts(:, j), status(j))
+            most_events, counts(:, j), status(j))
          call pack_state(state, states(:, j), contacts(:, j))
       end do
       !$omp end parallel do

@@ -29,8 +29,7 @@ contains
 
    !> Motions with given phases (n, m) at frequency ratios r (m).
    pure subroutine periodic_points(osc, r, pattern, restitution, phases, acceptance, single, &
-      flights, &
-         impacts, scalars, multipliers, verdicts, status)
+      flights, impacts, scalars, multipliers, verdicts, status)
       !> Oscillator; its walls' coefficients are not read, `restitution` is.
       type(oscillator_type), intent(in) :: osc
       !> (m) Frequency ratios Omega/omega.
@@ -61,8 +60,7 @@ contains
                flights, motion)
          else
             call periodic_chain(osc, r(j), pattern, restitution, phases(:, j), acceptance, &
-               flights, &
-               system, motion)
+               flights, system, motion)
          end if
          call store_motion(motion, flights, impacts(:, :, j), scalars(:, j), multipliers(:, j), &
             verdicts(:, j), status(j))
@@ -109,8 +107,7 @@ contains
 
    !> An exact motion from a guess of x_i and theta_i.
    pure subroutine exact_point(setting, x, theta, most, phases, impacts, scalars, multipliers, &
-      verdicts, &
-         status, iterations)
+      verdicts, status, iterations)
       !> Given data: oscillator, r, load, clearance, pattern, restitution.
       type(setting_type), intent(in) :: setting
       !> (n) Guess: positions x_i (F0/K) and theta_i = alpha_i + tau (rad).

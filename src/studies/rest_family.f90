@@ -481,8 +481,7 @@ contains
          call next_hop(drive, here, last, time, x, x_dot, speed)
          if (.not. time > 0) exit
          if (here%speed*time > 0.2_wp*drive%clearance) call note_gap(drive, here, time, bounces, &
-            gap, &
-            touched, touched_at)
+            gap, touched, touched_at)
          call impact_at(drive, here, here%at%side, time, x, x_dot, speed, good)
          if (.not. good) exit
       end do

@@ -223,8 +223,7 @@ contains
          associate (s => starts(:, i))
             if (resting(i) /= 0) then
                flight%oscillation_type = new_rest(drive%osc%xi, drive%osc%mu, drive%r, &
-                  drive%load, s(2), &
-                  s(3), s(4))
+                  drive%load, s(2), s(3), s(4))
             else
                flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, s(2) - drive%lag, s(3), &
                   s(4), 0.0_wp, 0.0_wp, duration)

@@ -337,8 +337,7 @@ contains
 
       associate (frame => net%sheet%frame)
          repeats = any([(repetition_distance(frame%family, frame%repetitions(i), unknowns) < &
-            distance, &
-            i=1, size(frame%repetitions))])
+            distance, i=1, size(frame%repetitions))])
       end associate
    end function repeats
 

@@ -59,8 +59,7 @@ contains
       pattern = zone_pattern(case%study)
       n = size(pattern%sides)
       if (n < 2 .or. n > most_impacts .or. any(pattern%sides == 0) .or. all(pattern%sides > 0) &
-         .or. &
-         all(pattern%sides < 0)) then
+         .or. all(pattern%sides < 0)) then
          call case%study%refuse('sides')
       else if (case%study%is('symmetric', 'yes') .and. .not. can_be_symmetric(pattern, &
          case%osc%restitution)) then
