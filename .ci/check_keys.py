@@ -7,7 +7,7 @@ import re
 import sys
 from pathlib import Path
 
-from vibroimpact.commands.study import takes
+from vibroimpact.commands.options import takes
 from vibroimpact.tables import language
 
 PLACE = Path(__file__).parents[1] / "inputs" / "README.md"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from . import _core, door
 from .errors import ParameterError
+from .interchange.namelist import keys_of
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .newton import exact, newton
@@ -215,34 +216,11 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     return [_case(keys_of(item["text"]) | item) for item in cases]
 
 
-def keys_of(text: str) -> dict[str, Any]:
-    """The keys of a case that the core completed, one `key = value` a line, and its kind."""
-    keys: dict[str, Any] = {}
-    for line in text.split("\n"):
-        name, equals, value = line.strip().partition(" = ")
-        if name == "&branch":
-            keys |= {"motion_kind": keys["kind"], "kind": "branch"}
-        elif line[:1] == "&" and name not in ("&system", "&output"):
-            keys.setdefault("kind", name[1:])
-        elif equals:
-            keys[name] = _value(value)
-    return keys
-
-
 def _case(keys: dict[str, Any]) -> Case:
     name, kind, xi, mu, walls, r, text = (
         keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r", "text")
     )
     return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys, text.strip("\n") + "\n")
-
-
-def _value(text: str) -> Any:
-    """A text, a number, or a list of texts or numbers."""
-    if text.startswith("'"):
-        words = text[1:-1].split("', '")
-        return words if len(words) > 1 else words[0]
-    numbers = [float(item) if "." in item else int(item) for item in text.split(", ")]
-    return numbers if len(numbers) > 1 else numbers[0]
 
 
 def path_bytes(path: str | os.PathLike[str]) -> bytes:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks
 from .errors import ParameterError
 from .events import EVENT_TYPE, Sample, sample, segments
+from .interchange import namelist
 from .interchange.result import Result
 from .model import Oscillator, Pattern
 from .status import VERDICT, raise_status
@@ -251,6 +252,9 @@ class Motion(Result):
         for matrix in self.impact_maps():
             product = matrix @ product
         return product
+
+    def _namelist(self) -> str:
+        return namelist.case(self.osc, self.r, motion=namelist.of_motion(self))
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain Python values, ready for JSON; complex numbers are [re, im] pairs."""

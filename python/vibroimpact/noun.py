@@ -12,6 +12,7 @@ from typing import Any, ClassVar, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from .interchange.namelist import keys_of
 from .model import Oscillator
 from .tables import Result
 
@@ -89,8 +90,6 @@ class Noun:
     @property
     def keys(self) -> dict[str, Any]:
         """The keys of the case and their values."""
-        from .case import keys_of
-
         return keys_of(self.case)
 
     @property

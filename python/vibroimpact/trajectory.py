@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks
 from .errors import ParameterError
 from .events import EVENT_TYPE, WORDS, Sample, sample, segments
+from .interchange import namelist
 from .interchange.result import Result
 from .model import Oscillator
 from .states import Moment, State, System, later, start_of, state_of, told
@@ -82,6 +83,13 @@ class Trajectory(Result):
             )
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
+
+    def _namelist(self) -> str:
+        if self.request is None:
+            raise ParameterError(
+                f"{self!r}: has no namelist, since it began with the final state of another trajectory"
+            )
+        return namelist.case(self.osc, self.r, simulate=self.request)
 
     def plot(self, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
         """Draw time history, load, acceleration and phase portrait of the last load cycles (extra `plot`).

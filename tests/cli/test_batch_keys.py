@@ -15,7 +15,7 @@ from programs import ROOT, SYSTEM, find_batch
 from vibroimpact import checks
 from vibroimpact.command import parser_of
 from vibroimpact.commands import Record, cases
-from vibroimpact.commands.study import read_cases
+from vibroimpact.commands.request import read_cases
 from vibroimpact.errors import ParameterError, VibroimpactError
 
 WALLS = SYSTEM.replace(", r = 0.94", "")

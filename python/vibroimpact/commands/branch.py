@@ -6,7 +6,9 @@ import argparse
 
 from ..errors import ParameterError
 from .cases import run_kind
-from .study import Option, Request, add_study, options_of, request_of
+from .options import Option, options_of
+from .request import Request, request_of
+from .study import add_study
 
 HELP = "follow motions along a parameter"
 DESCRIPTION = """Follow exact motions along a parameter, through folds, for the &branch cases of namelist

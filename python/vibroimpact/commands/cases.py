@@ -28,9 +28,8 @@ from ..plot.animation import check_format
 from ..progress import Progress
 from ..run import run_namelists
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
-from .run import tell
-from .study import Request, case_files, in_options, read_cases
-from .words import PARTIAL, WORDS
+from .request import Request, case_files, in_options, read_cases
+from .words import PARTIAL, WORDS, tell
 
 #: What writes the figure of some axes to a file, if that is wanted.
 Save = Callable[[Any, Path], Path] | None

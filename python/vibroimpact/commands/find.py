@@ -16,7 +16,8 @@ from ..motion import Motion
 from ..progress import Progress
 from ..studies.find import Findings, find
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
-from .study import Request, options_of, read_cases, request_of
+from .options import options_of
+from .request import Request, read_cases, request_of
 
 HELP = "search for all periodic motions at a point"
 DESCRIPTION = """Search for all periodic motions, stable and unstable, as the &find cases of namelist files ask

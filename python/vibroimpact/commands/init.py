@@ -15,7 +15,7 @@ from ..errors import ParameterError
 from ..files import write_text
 from ..interchange.namelist import Groups
 from ..tables import language
-from .study import takes
+from .options import takes
 
 HELP = "write a commented namelist to start from"
 DESCRIPTION = """Write NAME.nml, a namelist of one kind of case with every key explained, which runs as it

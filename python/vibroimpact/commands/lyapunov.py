@@ -8,7 +8,9 @@ from typing import Any
 from ..errors import ParameterError
 from ..tables import language
 from .cases import run_kind
-from .study import Option, Request, add_study, options_of, request_of, shown
+from .options import Option, options_of, shown
+from .request import Request, request_of
+from .study import add_study
 
 HELP = "compute all Lyapunov exponents at a point or along a line"
 DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import os
-import sys
 
-from ..run import RunLog
-from . import Record, add_files, add_forms
+from . import add_files, add_forms
 
 HELP = "run namelist files"
 DESCRIPTION = """Run the cases of namelist files, of any kind. Each is written to DIR/NAME.csv, with the same
@@ -26,22 +23,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run all cases of all files."""
     from .cases import run_kind
-    from .study import Request
+    from .request import Request
 
     return run_kind(options, Request())
-
-
-def tell(log: RunLog, record: Record | None = None) -> None:
-    """Print what was said while namelist files ran, faults to standard error."""
-    for fault, line in log.lines:
-        if fault and record is not None:
-            record.faults.append(line)
-        stream = sys.stderr if fault else sys.stdout
-        # a path need not be text: its bytes are printed as they are
-        buffer = getattr(stream, "buffer", None)
-        if buffer is None:
-            print(line, file=stream)
-        else:
-            stream.flush()
-            buffer.write(os.fsencode(line + "\n"))
-            buffer.flush()

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable
 from typing import Any
 
 from ..interchange.csv_file import counted
+from ..run import RunLog
+from . import Record
 
 #: What was said, what is missing, and whether there is a result.
 Words = tuple[list[str], list[str], bool]
@@ -33,3 +37,19 @@ WORDS: dict[str, Callable[..., Words]] = {
 }  # fmt: skip
 #: Those of which Ctrl-C leaves a part of a case.
 PARTIAL = ("find", "branch", "chart", "lyapunov", "bifurcation", "basins", "response", "decay")
+
+
+def tell(log: RunLog, record: Record | None = None) -> None:
+    """Print what was said while namelist files ran, faults to standard error."""
+    for fault, line in log.lines:
+        if fault and record is not None:
+            record.faults.append(line)
+        stream = sys.stderr if fault else sys.stdout
+        # a path need not be text: its bytes are printed as they are
+        buffer = getattr(stream, "buffer", None)
+        if buffer is None:
+            print(line, file=stream)
+        else:
+            stream.flush()
+            buffer.write(os.fsencode(line + "\n"))
+            buffer.flush()

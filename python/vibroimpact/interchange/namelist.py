@@ -72,23 +72,30 @@ def of_motion(motion: Motion) -> dict[str, Any]:
     return keys | {"precision": motion.precision}
 
 
-def of(result: Any) -> str:
-    """The namelist that gives a result again."""
-    from ..motion import Motion
-
-    if isinstance(result, Motion):
-        return case(result.osc, result.r, motion=of_motion(result))
-    request = getattr(result, "request", None)
-    known = case(result.osc, result.r, simulate=request) if request else getattr(result, "case", "")
-    if not known:
-        raise ParameterError(
-            f"{result!r}: has no namelist, since it began with what a namelist cannot tell (seeds, the "
-            "final state of another trajectory, a motion without one)"
-        )
-    return str(known)
-
-
 def _value(value: Any) -> str:
     if isinstance(value, str):
         return "'" + value.replace("'", "''").replace("\n", " ") + "'"
     return ", ".join(map(repr, value)) if isinstance(value, (list, tuple)) else repr(value)
+
+
+def keys_of(text: str) -> dict[str, Any]:
+    """The keys of a case that the core completed, one `key = value` a line, and its kind."""
+    keys: dict[str, Any] = {}
+    for line in text.split("\n"):
+        name, equals, value = line.strip().partition(" = ")
+        if name == "&branch":
+            keys |= {"motion_kind": keys["kind"], "kind": "branch"}
+        elif line[:1] == "&" and name not in ("&system", "&output"):
+            keys.setdefault("kind", name[1:])
+        elif equals:
+            keys[name] = _read(value)
+    return keys
+
+
+def _read(text: str) -> Any:
+    """A text, a number, or a list of texts or numbers."""
+    if text.startswith("'"):
+        words = text[1:-1].split("', '")
+        return words if len(words) > 1 else words[0]
+    numbers = [float(item) if "." in item else int(item) for item in text.split(", ")]
+    return numbers if len(numbers) > 1 else numbers[0]

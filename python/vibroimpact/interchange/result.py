@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from ..errors import ParameterError
 from ..files import write_text
 from ..noun import NOUNS
-from . import csv_file, dataset, matlab, namelist, netcdf, page, plain, table
+from . import csv_file, dataset, matlab, netcdf, page, plain, table
 
 Self = TypeVar("Self", bound="Result")
 
@@ -59,7 +59,11 @@ class Result:
         phases, a branch from such a motion. Else its own phases stand there, as a guess for Newton's
         method, which then ends within rounding of it. An equispaced motion comes with its twin.
         """
-        return namelist.of(self)
+        return self._namelist()
+
+    def _namelist(self) -> str:
+        """That case, of the own class."""
+        raise NotImplementedError
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset with named dimensions; units and meaning of each variable (extra `data`)."""

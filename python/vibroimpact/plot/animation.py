@@ -16,8 +16,8 @@ from .. import checks
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..files import replacing, writer_name
 from ..progress import Progress
-from . import style
 from .history import KINDS, History, history
+from .style import FREE, IMPACT, PRIMARY, REST, SETTINGS, pyplot
 
 if TYPE_CHECKING:
     from ..motion import Motion
@@ -62,8 +62,8 @@ def animate(
             f"cycles = {cycles:g}, seconds = {seconds:g}: make {n} pictures at {RATE} a second; must be 2 to "
             f"{MOST}"
         )
-    plt = style.pyplot()
-    with plt.rc_context({**style.SETTINGS, "savefig.bbox": None}):
+    plt = pyplot()
+    with plt.rc_context({**SETTINGS, "savefig.bbox": None}):
         figure, axes = plt.subplots(
             2, figsize=(6.0, 3.6), height_ratios=(1, 1.3), dpi=100, layout="constrained"
         )
@@ -92,7 +92,7 @@ def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer
 
     # the writer chooses the format by the extension
     temporary = target.with_name(f"{target.stem}.{writer_name()}.part{target.suffix}")
-    with style.pyplot().rc_context(_program(writer)):
+    with pyplot().rc_context(_program(writer)):
         film = writers[writer](fps=RATE)
         with (
             replacing(target, temporary),
@@ -109,7 +109,7 @@ def check_format(ending: str, label: str) -> str:
     """The writer for an extension; an error if the extension is unknown or the writer is missing."""
     if ending not in FORMATS:
         raise ParameterError(f"{label}: must end with .{' or .'.join(FORMATS)}")
-    style.pyplot()
+    pyplot()
     from matplotlib.animation import writers
 
     if ending == "gif":
@@ -120,7 +120,7 @@ def check_format(ending: str, label: str) -> str:
                 f"{label}: a GIF needs Pillow: pip install 'vibroimpact[plot]'"
             ) from None
     else:
-        with style.pyplot().rc_context(_program(FORMATS[ending])):
+        with pyplot().rc_context(_program(FORMATS[ending])):
             if not writers.is_available(FORMATS[ending]):
                 raise MissingExtraError(
                     f"{label}: an MP4 needs the program ffmpeg, which is not on the PATH, or pip install "
@@ -202,9 +202,9 @@ class _Scene:
             return ax.add_patch(Rectangle((0, bottom), width, height, fc=colour, ec="none"))
 
         ax.axhline(0, color="0.6", lw=0.8)
-        self.floor = box(2 * self.reach, 0.22, 0.02, style.PRIMARY)
-        self.walls = [box(self.thick, 0.72, 0.24, style.PRIMARY) for _ in "LR"]
-        self.free = box(self.width, 0.4, 0.24, style.FREE)
+        self.floor = box(2 * self.reach, 0.22, 0.02, PRIMARY)
+        self.walls = [box(self.thick, 0.72, 0.24, PRIMARY) for _ in "LR"]
+        self.free = box(self.width, 0.4, 0.24, FREE)
         self.ground = ax.axvline(self.anchor, 0, 0.6, color="0.4", lw=2)
         (self.spring,) = ax.plot([], [], color="0.4", lw=0.9)
         self.text = ax.text(0.99, 1.0, "", transform=ax.transAxes, ha="right", va="top")
@@ -226,8 +226,8 @@ class _Scene:
         state = glow(h.events, time, self.flash, h.resting)
         for side, wall, bright in zip((-1, 1), self.walls, state[:2], strict=True):
             wall.set_x(x + side * (self.reach - 0.5 * self.thick) - 0.5 * self.thick)
-            base = style.REST if state.rest == side else style.PRIMARY
-            wall.set_facecolor(_mix(base, style.IMPACT, bright))
+            base = REST if state.rest == side else PRIMARY
+            wall.set_facecolor(_mix(base, IMPACT, bright))
         turns = np.linspace(0, 1, 19)
         zigzag = 0.13 + 0.08 * np.where(np.arange(19) % 2, 1, -1) * (np.abs(turns - 0.5) < 0.4)
         self.spring.set_data(self.anchor + turns * (x - self.reach - self.anchor), zigzag)

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..errors import ParameterError, ParameterTypeError
-from . import style
+from .style import ONE_COLUMN, PRIMARY, SETTINGS, identify, is_geometric, log_scale, pyplot
 
 __all__ = ["draw_chart"]
 
 #: Class of a point, colour, hatching and name. The colours also differ in lightness.
 CLASSES = (
-    (3, style.PRIMARY, None, "admissible and stable"),
+    (3, PRIMARY, None, "admissible and stable"),
     (2, "#E8A33D", "////", "admissible, none stable"),
     (1, "#E6E6E6", "....", "none admissible"),
     (0, "#FFFFFF", None, "no motion found"),
@@ -60,17 +60,17 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
         )
     if color is not None:
         checks.choice(color, "color", tuple(COLORS))
-    plt = style.pyplot()
+    plt = pyplot()
     x, y = data["r"].values, data["clearance"].values
     kind = classes(data)
     if inverse:
         y = 1 / y
-    with plt.rc_context({**style.SETTINGS, "hatch.linewidth": 0.4}):
+    with plt.rc_context({**SETTINGS, "hatch.linewidth": 0.4}):
         if ax is None:
-            _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.4), layout="constrained")
+            _, ax = plt.subplots(figsize=(ONE_COLUMN, 3.4), layout="constrained")
             names = ("xi", "mu", "R1", "R2")
             head = f"{data.attrs['sides']}/{data.attrs['cycles']}"
-            style.identify(ax, {name: data.attrs[name] for name in names}, head)
+            identify(ax, {name: data.attrs[name] for name in names}, head)
         mesh = _edges(x), _edges(y)
         from matplotlib.colors import ListedColormap
         from matplotlib.patches import Patch
@@ -92,8 +92,8 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
                 )
             image = ax.pcolormesh(*mesh, shown, cmap="cividis", rasterized=True)
             ax.figure.colorbar(image, ax=ax, label=COLORS[color][1])
-        if style.is_geometric(y):
-            style.log_scale(ax, "y")
+        if is_geometric(y):
+            log_scale(ax, "y")
         ax.set_xlabel(r"$r = \Omega/\omega$")
         ax.set_ylabel(r"$F_0/(dK)$" if inverse else r"$dK/F_0$")
         none = CLASSES[-1][3] if data.attrs.get("complete", 1) else "not reached, or no motion"
@@ -143,7 +143,7 @@ def _edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
     """Borders of the cells about the points of an axis."""
     if centres.size == 1:
         return np.array([0.95, 1.05]) * float(centres[0])
-    geometric = style.is_geometric(centres)
+    geometric = is_geometric(centres)
     items = np.log(centres) if geometric else centres
     middle = 0.5 * (items[1:] + items[:-1])
     edges = np.concatenate([[2 * items[0] - middle[0]], middle, [2 * items[-1] - middle[-1]]])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..errors import ParameterError
-from . import style
+from .style import FREE, IMPACT, LOAD, ONE_COLUMN, PRIMARY, REST, SETTINGS, TWO_COLUMNS, pyplot
 
 if TYPE_CHECKING:
     from ..motion import Motion, Sample
@@ -59,14 +59,14 @@ def draw(
     if not 0 < cycles < math.inf:
         raise ParameterError(f"cycles = {cycles!r}: must be a number above 0")
     window = history(thing, cycles)
-    plt = style.pyplot()
-    with plt.rc_context(style.SETTINGS):
+    plt = pyplot()
+    with plt.rc_context(SETTINGS):
         if ax is not None or kind is not None:
             if ax is None:
-                _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 2.4), layout="constrained")
+                _, ax = plt.subplots(figsize=(ONE_COLUMN, 2.4), layout="constrained")
             KINDS[kind or "history"](ax, window)
             return ax
-        figure = plt.figure(figsize=(style.TWO_COLUMNS, 4.6), layout="constrained")
+        figure = plt.figure(figsize=(TWO_COLUMNS, 4.6), layout="constrained")
         grid = figure.add_gridspec(3, 3, height_ratios=(2.2, 0.8, 1.6))
         axes = [figure.add_subplot(grid[0, :2])]
         axes += [figure.add_subplot(grid[i, :2], sharex=axes[0]) for i in (1, 2)]
@@ -138,17 +138,17 @@ def history(thing: Motion | Trajectory, cycles: float) -> History:
 def _draw_history(ax: Any, h: History) -> None:
     """x with the two walls that move with it, z between them, and the impacts."""
     ax.fill_between(
-        h.cycles, h.sample.X - h.half, h.sample.X + h.half, color=style.PRIMARY, alpha=0.08, lw=0
+        h.cycles, h.sample.X - h.half, h.sample.X + h.half, color=PRIMARY, alpha=0.08, lw=0
     )
     for sign in (1, -1):
-        ax.plot(h.cycles, h.sample.X + sign * h.half, color=style.PRIMARY, lw=0.7, ls=(0, (4, 2)))
-    ax.plot(h.cycles, h.sample.X, color=style.PRIMARY, label=r"$X$ (walls dashed)")
-    ax.plot(h.cycles, h.sample.Z, color=style.FREE, label="$Z$")
+        ax.plot(h.cycles, h.sample.X + sign * h.half, color=PRIMARY, lw=0.7, ls=(0, (4, 2)))
+    ax.plot(h.cycles, h.sample.X, color=PRIMARY, label=r"$X$ (walls dashed)")
+    ax.plot(h.cycles, h.sample.Z, color=FREE, label="$Z$")
     side = np.where(h.events["side"] == "R", 1, -1)
     for kind, marker, colour in (
-        ("impact", "o", style.IMPACT),
-        ("stick", "v", style.REST),
-        ("release", "^", style.REST),
+        ("impact", "o", IMPACT),
+        ("stick", "v", REST),
+        ("release", "^", REST),
     ):
         chosen = h.events["kind"] == kind
         if chosen.any():
@@ -165,7 +165,7 @@ def _draw_history(ax: Any, h: History) -> None:
 
 
 def _draw_load(ax: Any, h: History) -> None:
-    ax.plot(h.cycles, h.sample.load, color=style.LOAD)
+    ax.plot(h.cycles, h.sample.load, color=LOAD)
     ax.set_ylabel(r"load ($F_0$)")
     ax.set_xlabel("time (load cycles)")
     ax.margins(x=0)
@@ -173,7 +173,7 @@ def _draw_load(ax: Any, h: History) -> None:
 
 def _draw_acceleration(ax: Any, h: History) -> None:
     """Acceleration of the primary mass; an impact is a spike whose length is its change of velocity."""
-    ax.plot(h.cycles, h.acceleration, color=style.PRIMARY)
+    ax.plot(h.cycles, h.acceleration, color=PRIMARY)
     impacts = h.events["kind"] == "impact"
     jump = (h.events["x_dot_after"] - h.events["x_dot_before"])[impacts]
     largest = np.abs(jump).max(initial=0.0)
@@ -185,7 +185,7 @@ def _draw_acceleration(ax: Any, h: History) -> None:
             h.event_cycles[impacts],
             base,
             tips,
-            color=style.IMPACT,
+            color=IMPACT,
             lw=0.9,
             label=r"impact: $\Delta\dot X$ ($\omega F_0/K$, scaled)",
         )
@@ -198,10 +198,10 @@ def _draw_acceleration(ax: Any, h: History) -> None:
 def _draw_portrait(ax: Any, h: History) -> None:
     """Relative velocity over relative position; impacts are jumps along the walls."""
     y, y_dot = h.sample.Y, h.sample.Z_dot - h.sample.X_dot
-    ax.axvspan(-h.half, h.half, color=style.PRIMARY, alpha=0.05, lw=0)
+    ax.axvspan(-h.half, h.half, color=PRIMARY, alpha=0.05, lw=0)
     for wall in (-h.half, h.half):
-        ax.axvline(wall, color=style.PRIMARY, lw=0.7, ls=(0, (4, 2)))
-    ax.plot(y, y_dot, color=style.FREE, lw=0.8)
+        ax.axvline(wall, color=PRIMARY, lw=0.7, ls=(0, (4, 2)))
+    ax.plot(y, y_dot, color=FREE, lw=0.8)
     ax.set_xlabel(r"$Y = Z - X$  ($F_0/K$)")
     ax.set_ylabel(r"$\dot Y$  ($\omega F_0/K$)")
 

@@ -1,0 +1,149 @@
+"""The options of a study's command: the keys that the core declares, with their meaning, range and default."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from ..errors import ParameterError
+from ..tables import language
+
+#: What stands in the help for a value, by the end of the name of its key.
+ENDS = {"min": "LOW", "max": "HIGH", "points": "N", "axes": "NAME"}
+#: What the help says of an option in place of the meanings of its keys.
+TEXTS = {"state": "displacement and velocity of the primary mass, then of the free mass"}
+#: The type of a value, by the kind of its key.
+TYPES: Mapping[str, Callable[[str], Any]] = {"number": float, "whole": int, "word": str}
+
+
+class Option(NamedTuple):
+    """An option with the keys that it gives, each with its group; of several keys each takes a word."""
+
+    name: str
+    keys: list[tuple[str, Mapping[str, Any]]]
+
+    @property
+    def metavars(self) -> tuple[str, ...]:
+        """What stands for each value."""
+        return tuple(metavar(key, len(self.keys) > 1) for _, key in self.keys)
+
+    def typed(self, options: argparse.Namespace) -> Any:
+        """What was typed; None if the option was not given."""
+        return getattr(options, self.name.replace("-", "_"))
+
+    def values(self, options: argparse.Namespace) -> Iterator[tuple[str, str, Any]]:
+        """Group, key and value of each key, if the option was given."""
+        words = self.typed(options)
+        for i, (group, key) in enumerate(self.keys if words is not None else ()):
+            if len(self.keys) == 1:
+                yield group, key["name"], words
+                return
+            own = [self.value(words, word, key) for word in words[i :: len(self.keys)]]
+            yield group, key["name"], own[0] if key["most"] == 1 else own
+
+    def value(self, words: Sequence[Any], word: Any, key: Mapping[str, Any]) -> Any:
+        """One of several words as the value of a key."""
+        if key["kind"] == "word":
+            return word
+        try:
+            value = float(word)
+        except ValueError:
+            wanted = " ".join(self.metavars * key["most"])
+            raise ParameterError(
+                f"--{self.name} {shown(words)}: must be {wanted}; {word} is not a number"
+            ) from None
+        return int(value) if key["kind"] == "whole" and value.is_integer() else value
+
+    def in_words(self, text: str, which: str) -> str:
+        """A text in which the values of several keys are called what the help calls them."""
+        several = zip(self.keys, self.metavars, strict=True) if len(self.keys) > 1 else ()
+        for (_, key), word in several:
+            if "_" in key["name"] and word != key["name"].upper():
+                text = re.sub(rf"\b{key['name']}\b", word + which, text)
+            elif not which:
+                text = re.sub(rf"(?<=<= ){key['name']}\b", word, text)
+        return text
+
+    def how(self) -> dict[str, Any]:
+        """The arguments of `add_argument`."""
+        key = self.keys[0][1]
+        told: dict[str, Any] = {"help": explained(self), "metavar": self.metavars[0]}
+        if len(self.keys) > 1:
+            return told | {
+                "nargs": len(self.keys) * key["most"],
+                "type": str.strip,
+                "metavar": self.metavars * key["most"],
+            }
+        if key["words"]:
+            return told | {"choices": key["words"].split(), "metavar": None}
+        many = {} if key["most"] == 1 else {"nargs": "+"}
+        return told | many | {"type": TYPES[key["kind"]]}
+
+
+def metavar(key: Mapping[str, Any], with_others: bool) -> str:
+    """What stands for the value of a key."""
+    name: str = key["name"]
+    if with_others:
+        plain = "N" if key["kind"] == "whole" else name.upper()
+        return ENDS.get(name.rpartition("_")[2], plain)
+    return {"number": "V", "whole": "N", "word": name.upper()}[key["kind"]]
+
+
+def explained(option: Option) -> str:
+    """Meaning, unit, range and default."""
+    keys = [key for _, key in option.keys]
+    about = unit_and_range(keys[0], option.metavars[0]) if len(keys) == 1 else []
+    defaults = dict.fromkeys(key["default"].strip("'") for key in keys if key["default"])
+    about += [f"default: {', '.join(defaults)}"] * bool(defaults)
+    text = TEXTS.get(option.name) or ", ".join(key["meaning"] for key in keys)
+    return (text + (f" ({'; '.join(about)})" if about else "")).replace("%", "%%")
+
+
+def unit_and_range(key: Mapping[str, Any], word: str) -> list[str]:
+    """What there is of them; `word` stands for the value."""
+    found = re.match(r"a (?:whole )?number with ([^,]*)", key["takes"])
+    unit = [f"in {key['unit']}"] * (key["unit"] != "")
+    return unit + ([re.sub(rf"\b{key['name']}\b", word, found[1])] if found else [])
+
+
+def takes(key: Mapping[str, Any]) -> list[str]:
+    """Unit and range, the words that it takes, or what else the core says of it."""
+    about = unit_and_range(key, key["name"])
+    if key["words"]:
+        about.append(", ".join(map(repr, key["words"].split())))
+    elif not re.match("a (whole |finite )?number( with|$)", key["takes"]):
+        about.append(re.sub(r", and \w+ below \w+$", "", key["takes"]))
+    return about
+
+
+def options_of(
+    study: str, before: Mapping[str, Sequence[str]] = MappingProxyType({})
+) -> dict[str, Option]:
+    """The options of a study by name: of &system, of some keys of groups before its own, and of its own."""
+    groups = language()["groups"]
+    keys = [("system", key) for key in groups["system"]]
+    keys += [
+        (group, key) for group in before for key in groups[group] if key["name"] in before[group]
+    ]
+    keys += [(study, key) for key in groups[study]]
+    own = {name_of(key) for key in groups[study]}
+    found: dict[str, Option] = {}
+    for group, key in keys:
+        name = name_of(key)
+        if name != "-" and not (group == "system" and name in own):
+            found.setdefault(name, Option(name, [])).keys.append((group, key))
+    return found
+
+
+def name_of(key: Mapping[str, Any]) -> str:
+    """Name of the option that gives a key."""
+    name: str = key["option"] or key["name"].replace("_", "-")
+    return name
+
+
+def shown(words: Sequence[Any]) -> str:
+    """The words of an option as they may have been typed."""
+    return " ".join(f"{word:g}" if isinstance(word, float) else str(word) for word in words)

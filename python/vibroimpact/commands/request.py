@@ -1,0 +1,132 @@
+"""The cases that a command is asked for: those of files, or the one that its options make.
+
+That one is written as a namelist and read like any other.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from ..case import Case, read_namelist
+from ..errors import ParameterError
+from ..interchange import namelist
+from ..interchange.namelist import Groups
+from .options import Option, shown
+
+#: What is said of an option that is missing.
+MISSING = "must be given, or a namelist file instead of the options"
+
+
+class Request(NamedTuple):
+    """What a command asks for if it is given options and no files.
+
+    Attributes
+    ----------
+    kind : str or None
+        The one kind of cases that the command runs, and the name of the result; None for all kinds.
+    groups
+        The namelist that the options make.
+    known
+        The options.
+    """
+
+    kind: str | None = None
+    groups: Groups = MappingProxyType({})
+    known: Sequence[Option] = ()
+
+
+def request_of(
+    options: argparse.Namespace, study: str, known: Mapping[str, Option], **more: Mapping[str, Any]
+) -> Request:
+    """The case that the options name, with more keys of its groups."""
+    groups: dict[str, dict[str, Any]] = {"system": {}, **{group: {} for group in more}, study: {}}
+    for option in known.values():
+        if options.files and option.typed(options) is not None:
+            raise ParameterError(f"--{option.name}: must be left out beside a namelist file")
+        for group, name, value in option.values(options):
+            groups[group][name] = value
+    for group, keys in more.items():
+        groups[group] |= keys
+    return Request(study, groups, [*known.values()])
+
+
+def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case], list[str]]:
+    """The cases that are asked for, without running them, and what is wrong with files.
+
+    A file with anything wrong is left out. Options with anything wrong are an error in their own words.
+    """
+    cases: dict[str, Case] = {}
+    faults: list[str] = []
+    with case_files(options, request) as (files, made):
+        for file in files:
+            try:
+                found = _cases_of(file, request.kind, cases)
+            except ParameterError as error:
+                if made:
+                    raise ParameterError(in_options(str(error), made, request, options)) from None
+                faults.append(str(error))
+                continue
+            cases |= {case.name.lower(): case for case in found}
+    return list(cases.values()), faults
+
+
+def _cases_of(file: str, kind: str | None, others: Mapping[str, Case]) -> list[Case]:
+    """The cases of one kind of a file (or all), whose names are those of no others."""
+    found = [case for case in read_namelist(file) if kind in (None, case.kind)]
+    if not found:
+        raise ParameterError(f"{file}: must hold a group &{kind}; there is none")
+    taken = set(others)
+    for case in found:
+        if case.name.lower() in taken:
+            raise ParameterError(
+                f"{file}: &output name = {case.name!r}: is already the name of another case; must be another"
+            )
+        taken.add(case.name.lower())
+    return found
+
+
+@contextmanager
+def case_files(
+    options: argparse.Namespace, request: Request
+) -> Iterator[tuple[Sequence[str], str]]:
+    """The files to run, and the one that is made of the options ("" if there are files)."""
+    if options.files:
+        yield options.files, ""
+        return
+    with tempfile.TemporaryDirectory() as place:
+        made = Path(place) / f"{request.kind}.nml"
+        made.write_text(namelist.text(request.groups), encoding="utf-8")
+        yield [str(made)], str(made)
+
+
+def in_options(line: str, made: str, request: Request, options: argparse.Namespace) -> str:
+    """A message in terms of options, without the namelist that they were written to, which nobody knows."""
+    line = re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)
+    match = re.match(r"&(\w+) (\w+)\S*(?: = (.*?))?: (.*)", line)
+    owners = {
+        (group, key["name"]): option for option in request.known for group, key in option.keys
+    }
+    option = owners.get((match[1], match[2])) if match else None
+    if match is None or option is None:
+        return line
+    typed = option.typed(options)
+    value = shown(typed) if isinstance(typed, list) else match[3]
+    told = re.sub("^is missing; ", f"{MISSING}; it ", match[4])
+    for other in request.known:
+        told = other.in_words(told, "" if other == option else f" of --{other.name}")
+
+    def flag(found: re.Match[str]) -> str:
+        """Another key, with its word if it has one, as an option."""
+        other = owners.get((match[1], found[2]))
+        word = (found[3] or "").replace("'", "")
+        return f"{found[1]} --{other.name}{word}" if other else found[0]
+
+    told = re.sub(r"(beside|goes with|is for|or give) (\w+)(?: =( \S+))?", flag, told)
+    return f"--{option.name}{f' {value}' if value else ''}: {told}"
