@@ -80,6 +80,8 @@ def run_text(
 ) -> Found:  # fmt: skip
     """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist."""
     study: str = noun.study  # type: ignore[attr-defined]
+    if progress is not None and not callable(progress):
+        raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
     workers = checks.integer(
         os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
     )

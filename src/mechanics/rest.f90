@@ -24,13 +24,16 @@ contains
       !> Common position (F0/K) and velocity (omega F0/K) at time 0.
       real(wp), intent(in) :: x, x_dot
       type(oscillation_type) :: rest
-      real(wp) :: decay, frequency, elastic, viscous
+      real(wp) :: decay, frequency, elastic, viscous, forced
 
       decay = xi/(1 + mu)
       frequency = sqrt((1 + mu - xi**2))/(1 + mu)
       elastic = 1 - (1 + mu)*r**2
       viscous = 2*xi*r
-      rest = new_oscillation(decay, frequency, r, load/hypot(elastic, viscous), &
+      ! without load and damping r may be the resonance of both masses
+      forced = 0
+      if (abs(load) > 0) forced = load/hypot(elastic, viscous)
+      rest = new_oscillation(decay, frequency, r, forced, &
          load_phase - atan2(viscous, elastic), x, x_dot)
    end function new_rest
 

@@ -17,7 +17,7 @@ module vi_branch_study
    use vi_periodic, only: linear_system_type
    use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
    use vi_status, only: stat, status_text
-   use vi_tally, only: add_sight, add_work
+   use vi_tally, only: add_sight, add_work, is_stopped
    use vi_text, only: line_type, number_text, whole
    use vi_values, only: values_type
    implicit none (type, external)
@@ -217,6 +217,8 @@ contains
       n = 0
       call add_sight(branch_work*size(motions), tally)
       do i = 1, size(motions)
+         ! at least one, so that there is something to keep
+         if (n > 0 .and. is_stopped(tally)) exit
          start = motions(i)
          if (start%status == stat%ok .and. .not. case%start%is('kind', 'exact')) then
             call refine(start%clearance, start)
@@ -244,7 +246,7 @@ contains
       call put_starts(branches(:n), starts(:n), result)
       call put_points(branches(:n), result)
       if (any([(any(branches(i)%reasons == end_stopped), i=1, n)])) then
-         call describe_cut(branches(:n), case%study%word('parameter'), place, result)
+         call describe_cut(branches(:n), size(motions), case%study%word('parameter'), place, result)
       end if
       do i = 1, n
          call result%remark('branch '//whole(i)//': first end: '//end_text( &
@@ -286,21 +288,34 @@ contains
       call result%put('branches', 'start_X', [(starts(i)%x, i=1, n)])
    end subroutine put_starts
 
-   !> Says how far the last branch came that was stopped.
-   pure subroutine describe_cut(branches, name, place, result)
+   !> Says how far each branch came that was stopped, and how many were not begun.
+   pure subroutine describe_cut(branches, wanted, name, place, result)
       !> With points.
       type(points_type), intent(in) :: branches(:)
-      !> Of the parameter, and its place in the core.
+      !> Number of motions that were to be followed.
+      integer, intent(in) :: wanted
+      !> Name of the parameter.
       character(*), intent(in) :: name
+      !> Its place in the core.
       integer, intent(in) :: place
       !> The result.
       type(result_type), intent(inout) :: result
+      character(:), allocatable :: text
+      integer :: i, n
 
-      associate (last => branches(size(branches)))
-         result%cut = trim(name)//' from '//trim(number_text(minval(last%parameters(place, &
-            :last%n)), .false., 6))//' to '//trim(number_text(maxval(last%parameters(place, &
-            :last%n)), .false., 6))//' was reached'
-      end associate
+      text = ''
+      do i = 1, size(branches)
+         if (all(branches(i)%reasons /= end_stopped)) cycle
+         n = branches(i)%n
+         if (len(text) > 0) text = text//'; '
+         if (wanted > 1) text = text//'branch '//whole(i)//': '
+         text = text//trim(name)//' from '//trim(number_text(minval(branches(i)%parameters(place, &
+            :n)), .false., 6))//' to '//trim(number_text(maxval(branches(i)%parameters(place, &
+            :n)), .false., 6))//' was reached'
+      end do
+      n = wanted - size(branches)
+      if (n > 0) text = text//'; '//whole(n)//' not begun'
+      result%cut = text
    end subroutine describe_cut
 
    !> Puts the points of all branches into the result, in order along each.

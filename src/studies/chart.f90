@@ -120,7 +120,7 @@ contains
       end do
       do while (.not. is_stopped(tally))
          call sweep_flood(setting, r, clearance, max(1, sweeps/20), symmetry, threads, unknowns, &
-            marks, counts, gained)
+            marks, counts, gained, tally)
          if (gained == 0) exit
          call add_work(min(left, max(1, sweeps/20)), tally)
          left = left - min(left, max(1, sweeps/20))

@@ -39,7 +39,7 @@ module vi_chart_study
       key_type('clearance', most=most_points, low=window_keys(3)%low, high=window_keys(3)%high, &
       may_miss=.true., option='clearance-list', unit='F0/K', &
       takes='increasing numbers with 1e-12 <= clearance <= 1e12', &
-      meaning='the clearances d K/F0, if they are not spaced alike'), &
+      meaning='the clearances d K/F0, if they are not evenly spaced'), &
       key_type('clearance_min', low=window_keys(3)%low, high=window_keys(3)%high, unit='F0/K', &
       never='clearance', option='clearance', meaning='first clearance d K/F0'), &
       key_type('clearance_max', low=window_keys(4)%low, high=window_keys(4)%high, unit='F0/K', &
@@ -249,7 +249,12 @@ contains
       call result%open('points', 'clearance r', [m, n])
       call result%put('points', 'found', [map%found])
       reached = count(any(map%status /= stat%not_computed, 1))
-      if (reached < m*n) result%cut = whole(reached)//' of '//whole(m*n)//' points were reached'
+      if (reached < m*n) then
+         result%cut = whole(reached)//' of '//whole(m*n)//' points were reached'
+         ! a search that was stopped does not know where there are no motions
+         if (.not. (window%symmetry > 0 .and. size(pattern%sides) == 2)) result%cut = &
+            'motions were found at '//whole(reached)//' of '//whole(m*n)//' points so far'
+      end if
       result%empty = all(map%status /= stat%ok)
       if (result%empty) then
          call result%fail('no motion '//what//' was found anywhere in the window')

@@ -108,7 +108,10 @@ contains
             s%whole_number('releases'), threads)
       end associate
       call find_motions(request, findings, tally)
-      if (is_stopped(tally)) call tell_cut(request, findings, result)
+      if (is_stopped(tally)) result%cut = whole(findings%patterns)//' of '// &
+         whole(findings%all_patterns)//' patterns were searched, '//whole(findings%releases)// &
+         ' releases and '//whole(sum(findings%outcomes))//' of '//whole(request%states)// &
+         ' states were tried'
       call put_motions(findings%motions%motion, result)
       call put_events(case%r, findings%motions, result)
       call put_search(findings, result)
@@ -124,22 +127,6 @@ contains
          end if
       end associate
    end subroutine run_find
-
-   !> How far a search came that was stopped.
-   pure subroutine tell_cut(request, findings, result)
-      !> What was asked for.
-      type(find_request_type), intent(in) :: request
-      !> What was found.
-      type(findings_type), intent(in) :: findings
-      !> The result.
-      type(result_type), intent(inout) :: result
-
-      if (findings%patterns == findings%all_patterns .and. sum(findings%outcomes) == &
-         request%states) return
-      result%cut = whole(findings%patterns)//' of '//whole(findings%all_patterns)// &
-         ' patterns were searched and '//whole(sum(findings%outcomes))//' of '// &
-         whole(request%states)//' states simulated'
-   end subroutine tell_cut
 
    !> Puts the events of motions with rest into the result.
    pure subroutine put_events(r, motions, result)

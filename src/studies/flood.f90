@@ -18,6 +18,7 @@ module vi_flood
    use vi_motion, only: motion_type, yes
    use vi_search, only: search_pattern
    use vi_status, only: stat
+   use vi_tally, only: is_stopped
    implicit none (type, external)
    private
 
@@ -77,7 +78,7 @@ contains
 
    !> Continues the newest motions for a number of sweeps, or until no point gains one.
    subroutine sweep_flood(setting, r, clearance, sweeps, symmetry, threads, unknowns, marks, &
-      counts, gained)
+      counts, gained, tally)
       !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
       !> (n) and (m): frequency ratios and clearances of the grid.
@@ -90,6 +91,8 @@ contains
       integer, intent(inout) :: marks(:, :, :, :), counts(:, :, :)
       !> Motions gained in the last sweep: 0 when the flood is complete.
       integer, intent(out) :: gained
+      !> As of vi_tally: a stop leaves the points that are not visited yet as they are.
+      integer, intent(inout), optional :: tally(3)
       integer :: before(2, size(clearance), size(r)), s, j, k
 
       gained = 0
@@ -98,6 +101,7 @@ contains
          !$omp parallel do collapse(2) schedule(dynamic, 32) num_threads(threads)
          do k = 1, size(r)
             do j = 1, size(clearance)
+               if (is_stopped(tally)) cycle
                call visit(setting, r, clearance, j, k, symmetry, before, unknowns, marks, &
                   counts(2, j, k))
             end do
@@ -105,7 +109,7 @@ contains
          !$omp end parallel do
          counts(1, :, :) = before(2, :, :)
          gained = sum(counts(2, :, :) - counts(1, :, :))
-         if (gained == 0) return
+         if (gained == 0 .or. is_stopped(tally)) return
       end do
    end subroutine sweep_flood
 

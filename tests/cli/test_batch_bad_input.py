@@ -101,7 +101,7 @@ FORMS = [
     ("resonance", changed(5, "r = 1").replace("xi = 0.005", "xi = 0"), 5, "&system r = 1",
      "differ from 1 when xi = 0"),
     ("unknown group", PAIR + "&plot\n/\n", 3, "&plot",
-     "&system, &output, &motion, &simulate, &chart, &branch, &zone, &atlas"),
+     "&system, &output, &motion, &simulate, &find, &chart, &branch, &zone, &atlas"),
     ("no group name", "& system\n/\n", 1, "&", "must be"),
     ("no system", PAIR.splitlines()[1], 1, "&motion", "no &system"),
     ("no motion", SYSTEM, 1, "&system", "no &motion"),

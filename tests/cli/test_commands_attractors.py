@@ -316,7 +316,7 @@ def test_a_second_interrupt_stops_writing(tool):
 ENDLESS = {
     "lyapunov": ["--r", "1.04", "--clearance", "20", "--cycles", "1000000000"],
     "basins": ["--r", "0.94", "--clearance", "37", "--states", "9000000"],
-    "find": ["--r", "0.94", "--clearance", "37", "--max-impacts", "12", "--max-cycles", "12"],
+    "find": ["--r", "0.94", "--clearance", "37", "--max-impacts", "12", "--max-cycles", "8"],
     "zone": ["--sides", "RL", "--r", ".9", "1.1", "--clearance", "5", "90", "--lines", "129", "--plot"],
 }  # fmt: skip
 

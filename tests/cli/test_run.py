@@ -114,9 +114,9 @@ def test_the_fast_lane(fault, tmp_path):
     steps = [name for name, _ in ends if not name.startswith("out")]
     failing = {
         "meson": "Fortran tests",
-        "pytest": "Python tests that are neither slow nor in a browser",
+        "pytest": "Python tests that are neither slow nor in a browser, each once",
     }
-    assert steps[:4] == ["lint", "traces of a machine", "types of _core", "Fortran tests"]
+    assert steps[:4] == ["lint", "traces of a machine", "types of _core, tables of keys", "Fortran tests"]
     assert done.returncode == (fault is not None)
     assert "\nLeft out: " in done.stdout
     assert "not slow and not browser" in done.stdout

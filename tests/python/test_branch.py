@@ -363,6 +363,27 @@ def test_stopped_branch(share, monkeypatch):
     assert not vi.Branch.from_json(part.to_json()).complete
 
 
+def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
+    """Of a pair of which the first is being followed: its extent, and that the other was not begun."""
+    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    path = tmp_path / "pair.nml"
+    path.write_text(
+        "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
+        "&motion kind = 'equispaced', clearance = 25 /\n"
+        "&branch parameter = 'clearance', low = 1, high = 200, longest_step = 2e-5, max_points = 100000 /\n"
+    )
+
+    def progress(done, what):
+        if done > 0.05:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vi.errors.StudyInterrupted) as stop:
+        vi.read_namelist(path)[0].branches(progress)
+    (part,) = stop.value.result
+    assert re.fullmatch(r"branch 1: clearance from \S+ to \S+ was reached; 1 not begun", part.cut)
+    assert len(part) > 1
+
+
 @pytest.mark.parametrize("limit", [20_000, 200])
 def test_progress_is_told(limit, monkeypatch):
     """From nothing to all, also where the points run out before the range; it changes nothing."""

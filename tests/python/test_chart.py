@@ -327,6 +327,7 @@ def test_missing_xarray(monkeypatch):
         ),
         ({"pattern": vi.Pattern("RL*")}, "exact and find"),
         ({"pattern": vi.Pattern("RL" * 7)}, "pattern = .*2 to 12 of them"),
+        ({"clearance": [-math.inf, 20.0]}, "clearance = -inf, 20.0: must be increasing"),
         ({"room": 0}, "room = 0"),
         ({"guesses": 0}, "guesses = 0"),
         ({"seeds": 0}, "seeds = 0"),
@@ -340,7 +341,17 @@ def test_bad_input(change, words):
         vi.chart(**given)
 
 
-@pytest.mark.parametrize("change", [{"r": ["a"]}, {"osc": 1}, {"pattern": "RL"}, {"room": "4"}])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"r": ["a"]},
+        {"osc": 1},
+        {"pattern": "RL"},
+        {"room": "4"},
+        {"multipliers": "no"},
+        {"progress": 5},
+    ],
+)
 def test_bad_types(change):
     """The wrong type is a TypeError."""
     given = {"osc": OSC, "pattern": RL, "r": R, "clearance": D} | change

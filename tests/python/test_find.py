@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import os
+import re
 import sys
 
 import numpy as np
@@ -430,11 +431,25 @@ def test_a_stopped_search_keeps_what_it_found():
         vi.find(TABLE, 0.94, 37.0, 8, 2, progress=stop)
     found = caught.value.result
     assert not found.complete
-    assert found.cut.endswith("of 86 patterns were searched and 0 of 24 states simulated")
+    told = r"\d+ of 86 patterns were searched, 0 releases and 0 of 24 states were tried"
+    assert re.fullmatch(told, found.cut)
     assert "RL" in [motion.pattern.sides for motion in found.motions]
     assert 0 < found.search.patterns < 86
     check_found(found.motions, TABLE, 0.94, 37.0)
     assert vi.Findings.from_json(found.to_json()).cut == found.cut
+
+
+def test_a_search_stopped_among_its_releases_is_not_complete():
+    """Also where no states were to be simulated."""
+
+    def stop(share, what):
+        if share > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vi.errors.StudyInterrupted) as caught:
+        vi.find(TABLE, 0.94, 37.0, 2, 2, guesses=1, states=0, releases=10**6, progress=stop)
+    assert not caught.value.result.complete
+    assert re.search(r", \d+ releases and 0 of 0 states were tried$", caught.value.result.cut)
 
 
 # The first was found by an independent program, the others by `atlas`: each lies in a zone of its pattern. From

@@ -112,6 +112,13 @@ def test_broken_data_is_named(name, path, value, said, results):
         type(results[name]).from_dict(data)
 
 
+def test_a_table_is_no_file_to_load(results, tmp_path):
+    """The message says what it is for."""
+    results["pair"].save(tmp_path / "pair.csv")
+    with pytest.raises(vi.errors.ParameterError, match=r"a table is an input.*vibroimpact run"):
+        vi.load(tmp_path / "pair.csv")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_missing_values_are_named(name, results):
     """Each attribute without a default is asked for by name."""

@@ -175,3 +175,15 @@ def test_elastic_walls_never_rest():
         energy(osc, s["x"], s["x_dot"], s["z_dot"]) for s in (run.initial_state, run.final_state)
     )
     assert end == pytest.approx(start, rel=1e-13 * run.events.size)
+
+
+def test_without_load_the_frequency_ratio_does_not_matter():
+    """Also where it is the resonance of both masses together: (1 + mu) r^2 = 1, without damping."""
+    osc = vi.Oscillator(xi=0.0, mu=3.0, restitution=0.3)
+    start = {"t": 0, "x": 3.0, "x_dot": 0.3, "z": 3.0, "z_dot": 1.0}
+    runs = [vi.simulate(osc, r, 1.0, 6 * r, start, load=0.0) for r in (0.5, 0.7)]
+    one, other = (run.events for run in runs)
+    assert (one["kind"] == "stick").sum() > 0
+    assert one["kind"].tolist() == other["kind"].tolist()
+    np.testing.assert_allclose(one["time"], other["time"], rtol=1e-9)
+    np.testing.assert_allclose(one["x"], other["x"], rtol=0, atol=1e-9)

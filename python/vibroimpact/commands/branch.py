@@ -22,7 +22,7 @@ EXAMPLE = (
 )
 
 #: Keys of the &motion that a branch starts from.
-START = ("clearance", "sides", "cycles", "phases", "phases_over_pi", "impact_restitution")
+START = ("clearance", "sides", "cycles", "phases", "phases_over_pi")
 
 
 def known() -> dict[str, Option]:

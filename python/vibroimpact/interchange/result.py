@@ -120,6 +120,11 @@ def load(path: str | Path) -> Any:
     <Motion RL/1 at r = 0.94, d K/F0 = 37: consistent, admissible, unstable (max|lambda| = 3.828, positive)>
     """
     wanted = "must be a file that the save of a result wrote"
+    if Path(path).suffix.lower() == ".csv":
+        raise ParameterError(
+            f"path = {str(path)!r}: must end with .json, .nc or .mat; a table is an input, whose case "
+            "`vibroimpact run` and read_namelist compute again"
+        )
     try:
         read = READERS.get(Path(path).suffix.lower(), READERS[".json"])
         data = json.loads(read(Path(path)))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
-from ..errors import ParameterError, StudyInterrupted
+from ..errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..interchange.dataset import xarray
 from ..interchange.namelist import SYMMETRIC
 from ..model import Oscillator, Pattern
@@ -244,6 +244,8 @@ def chart(
     checks.plain_pattern(pattern)
     if symmetric not in (None, True, False):
         raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
+    if not isinstance(multipliers, (bool, np.bool_)):
+        raise ParameterTypeError(f"multipliers = {multipliers!r}: must be True or False")
     keys = {
         "sides": pattern.sides, "cycles": pattern.cycles, **door.line("r", r),
         **door.line("clearance", clearance, geometric=True), "symmetric": SYMMETRIC[symmetric], "room": room,

@@ -57,7 +57,7 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
 
 def spacing_of(values: _Array) -> str | None:
     """The spacing that reproduces the bits of values; None if no namelist can express them."""
-    if values.size < 2 or not values[0] < values[-1] < np.inf or np.isnan(values).any():
+    if values.size < 2 or not np.isfinite(values).all() or not values[0] < values[-1]:
         return None
     for name in SPACINGS if values[0] > 0 else SPACINGS[:1]:
         if np.array_equal(values, spaced(values[0], values[-1], values.size, name)):
