@@ -218,7 +218,9 @@ contains
       call add_sight(branch_work*size(motions), tally)
       do i = 1, size(motions)
          ! at least one, so that there is something to keep
-         if (n > 0 .and. is_stopped(tally)) exit
+         if (n > 0) then
+            if (is_stopped(tally)) exit
+         end if
          start = motions(i)
          if (start%status == stat%ok .and. .not. case%start%is('kind', 'exact')) then
             call refine(start%clearance, start)

@@ -109,7 +109,8 @@ contains
          !$omp end parallel do
          counts(1, :, :) = before(2, :, :)
          gained = sum(counts(2, :, :) - counts(1, :, :))
-         if (gained == 0 .or. is_stopped(tally)) return
+         if (gained == 0) return
+         if (is_stopped(tally)) return
       end do
    end subroutine sweep_flood
 
