@@ -250,6 +250,10 @@ def test_plot_draws_the_columns():
     np.testing.assert_array_equal(stable[mask], largest[mask])
     assert np.isnan(stable[~mask]).sum() >= (~mask).sum() - 2 * len(branch.special_points)
     assert "flip" in styles
+    branch.plot(ax, y="largest")
+    names = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "flip" in names
+    assert len(names) == len(set(names))
     with pytest.raises(vi.errors.ParameterError, match="y = 'colour'"):
         branch.plot(y="colour")
     plt.close("all")
