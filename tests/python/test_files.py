@@ -114,7 +114,9 @@ def test_csv_without_a_namelist(results, tmp_path):
     lines = (tmp_path / "rest.csv").read_text().splitlines()
     assert lines[0].endswith("no namelist tells how it began")
     assert len(lines) == 2 + len(results["rest"].pattern)
-    with pytest.raises(vi.errors.ParameterError, match=r"rest\.csv': must be a file that"):
+    with pytest.raises(
+        vi.errors.ParameterError, match=r"rest\.csv': must end with .json, .nc or .mat"
+    ):
         vi.load(tmp_path / "rest.csv")
 
 

@@ -115,7 +115,9 @@ def test_broken_data_is_named(name, path, value, said, results):
 def test_a_table_is_no_file_to_load(results, tmp_path):
     """The message says what it is for."""
     results["pair"].save(tmp_path / "pair.csv")
-    with pytest.raises(vi.errors.ParameterError, match=r"a table is an input.*vibroimpact run"):
+    with pytest.raises(
+        vi.errors.ParameterError, match=r"a table whose header .* input of .vibroimpact run"
+    ):
         vi.load(tmp_path / "pair.csv")
 
 

@@ -122,8 +122,8 @@ def load(path: str | Path) -> Any:
     wanted = "must be a file that the save of a result wrote"
     if Path(path).suffix.lower() == ".csv":
         raise ParameterError(
-            f"path = {str(path)!r}: must end with .json, .nc or .mat; a table is an input, whose case "
-            "`vibroimpact run` and read_namelist compute again"
+            f"path = {str(path)!r}: must end with .json, .nc or .mat; a table whose header has its case is an "
+            "input of `vibroimpact run` and read_namelist"
         )
     try:
         read = READERS.get(Path(path).suffix.lower(), READERS[".json"])
