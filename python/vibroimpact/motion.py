@@ -253,7 +253,12 @@ class Motion(Result):
             product = matrix @ product
         return product
 
-    def _namelist(self) -> str:
+    def to_namelist(self) -> str:
+        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute it again.
+
+        The digits are the same if the motion was computed from phases. Otherwise the motion itself is the guess
+        for Newton's method, which then ends within rounding of it. An equispaced motion comes with its twin.
+        """
         return namelist.case(self.osc, self.r, motion=namelist.of_motion(self))
 
     def to_dict(self) -> dict[str, Any]:

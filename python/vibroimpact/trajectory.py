@@ -84,7 +84,8 @@ class Trajectory(Result):
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
-    def _namelist(self) -> str:
+    def to_namelist(self) -> str:
+        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""
         if self.request is None:
             raise ParameterError(
                 f"{self!r}: has no namelist, since it began with the final state of another trajectory"

@@ -52,19 +52,6 @@ class Result:
             raise ParameterError(f"text of {len(text)} characters: must be JSON; {error}") from None
         return cls.from_dict(data)
 
-    def to_namelist(self) -> str:
-        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` get it again.
-
-        The digits are the same, too, if the result came from what a namelist can tell: a motion from
-        phases, a branch from such a motion. Else its own phases stand there, as a guess for Newton's
-        method, which then ends within rounding of it. An equispaced motion comes with its twin.
-        """
-        return self._namelist()
-
-    def _namelist(self) -> str:
-        """That case, of the own class."""
-        raise NotImplementedError
-
     def to_xarray(self) -> Any:
         """An xarray.Dataset with named dimensions; units and meaning of each variable (extra `data`)."""
         return dataset.to_xarray(self)
