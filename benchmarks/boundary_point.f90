@@ -17,7 +17,7 @@ program boundary_point
    use vi_pattern, only: new_pattern
    use vi_steps, only: begin_walk, exchange, place_type, stride_type, take_step
    use vi_seeds, only: motions_at
-   use vi_sheet, only: zone_request_type
+   use vi_zone_request, only: zone_request_type
    use vi_trace, only: trace_loop
    use vi_zone, only: find_zone, zone_type
    implicit none (type, external)

@@ -142,19 +142,20 @@ end subroutine status_text
 !> Runs namelist files; `paths` are separated by line feeds, and so are the lines of `text`.
 !!
 !! The first character of a line tells what it is: '-' news, '!' a fault, '>' a table that was
-!! written. `only` names the kind of cases to run (blank: all). `text` has room for `room` bytes;
+!! written. `only` names the kind of cases to run (blank: all). `text` has room for `capacity`
+!! bytes;
 !! `length` tells how many were wanted.
-subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, tally, text, length, &
+subroutine run_namelists(n_paths, paths, n_folder, folder, only, capacity, progress, text, length, &
    status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int
    use vi_batch, only: log_type, run_file
    use vi_text, only: append, join, line_type, split
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n_paths, n_folder, room
+   integer(c_int), intent(in) :: n_paths, n_folder, capacity
    character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder), only(16)
-   integer(c_int), intent(inout) :: tally(3)
-   character(kind=c_char), intent(out) :: text(room)
+   integer(c_int), intent(inout) :: progress(3)
+   character(kind=c_char), intent(out) :: text(capacity)
    integer(c_int), intent(out) :: length, status
    type(log_type) :: log
    type(line_type), allocatable :: files(:)
@@ -169,7 +170,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, tally, te
    kind = transfer(only, kind)
    allocate (files, source=split(all_paths, achar(10)))
    do i = 1, size(files)
-      call run_file(files(i)%text, one_folder, log, trim(kind), tally)
+      call run_file(files(i)%text, one_folder, log, trim(kind), progress)
    end do
    do i = 1, size(log%results)
       call append(log%lines, '>'//log%results(i)%text)
@@ -177,7 +178,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, room, tally, te
    said = join(log%lines, achar(10))
    length = len(said)
    text = ' '
-   do i = 1, min(length, room)
+   do i = 1, min(length, capacity)
       text(i) = said(i:i)
    end do
    status = log%status
@@ -185,9 +186,9 @@ end subroutine run_namelists
 
 !> The cases of a namelist file, each in the form that the header of its result has.
 !!
-!! `text` has room for `room` bytes; `length` tells how many were wanted. If the file is wrong,
+!! `text` has room for `capacity` bytes; `length` tells how many were wanted. If the file is wrong,
 !! `status` is 2 and the text says why.
-subroutine read_namelist(n_path, path, room, text, length, status)
+subroutine read_namelist(n_path, path, capacity, text, length, status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int
    use vi_batch, only: done, wrong
    use vi_case, only: case_type, echo
@@ -195,9 +196,9 @@ subroutine read_namelist(n_path, path, room, text, length, status)
    use vi_text, only: join, line_type
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n_path, room
+   integer(c_int), intent(in) :: n_path, capacity
    character(kind=c_char), intent(in) :: path(n_path)
-   character(kind=c_char), intent(out) :: text(room)
+   character(kind=c_char), intent(out) :: text(capacity)
    integer(c_int), intent(out) :: length, status
    type(case_type), allocatable :: cases(:)
    type(line_type), allocatable :: lines(:)
@@ -215,38 +216,38 @@ subroutine read_namelist(n_path, path, room, text, length, status)
    end do
    length = len(said)
    text = ' '
-   do i = 1, min(length, room)
+   do i = 1, min(length, capacity)
       text(i) = said(i:i)
    end do
 end subroutine read_namelist
 
 !> Runs the one case of a namelist text; see vi_door. Who gets the handle frees it, once.
-subroutine run_case(n, text, threads, tally, handle, status)
+subroutine run_case(n, text, threads, progress, handle, status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
    use vi_door, only: run_text
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n, threads
    character(kind=c_char), intent(in) :: text(n)
-   integer(c_int), intent(inout) :: tally(3)
+   integer(c_int), intent(inout) :: progress(3)
    integer(c_int64_t), intent(out) :: handle
    integer(c_int), intent(out) :: status
    character(n) :: one_case
 
    one_case = transfer(text, one_case)
-   call run_text(one_case, threads, handle, status, tally)
+   call run_text(one_case, threads, handle, status, progress)
 end subroutine run_case
 
-!> What a result holds, as JSON: `text` has room for `room` bytes, `length` tells how many are
+!> What a result holds, as JSON: `text` has room for `capacity` bytes, `length` tells how many are
 !! wanted.
-subroutine describe_result(handle, room, text, length)
+subroutine describe_result(handle, capacity, text, length)
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
    use vi_door, only: describe => describe_result
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int64_t), intent(in) :: handle
-   integer(c_int), intent(in) :: room
-   character(kind=c_char), intent(out) :: text(room)
+   integer(c_int), intent(in) :: capacity
+   character(kind=c_char), intent(out) :: text(capacity)
    integer(c_int), intent(out) :: length
    character(:), allocatable :: json
    integer :: i
@@ -254,7 +255,7 @@ subroutine describe_result(handle, room, text, length)
    call describe(handle, json)
    length = len(json)
    text = ' '
-   do i = 1, min(length, room)
+   do i = 1, min(length, capacity)
       text(i) = json(i:i)
    end do
 end subroutine describe_result
@@ -379,14 +380,14 @@ subroutine write_result(handle, n, path, message)
 end subroutine write_result
 
 !> The language of namelists and the columns of all results, as JSON.
-subroutine describe_language(room, text, length)
+subroutine describe_language(capacity, text, length)
    use, intrinsic :: iso_c_binding, only: c_char, c_int
    use vi_describe, only: describe_all
    use vi_text, only: join, line_type
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: room
-   character(kind=c_char), intent(out) :: text(room)
+   integer(c_int), intent(in) :: capacity
+   character(kind=c_char), intent(out) :: text(capacity)
    integer(c_int), intent(out) :: length
    type(line_type), allocatable :: lines(:)
    character(:), allocatable :: json
@@ -396,35 +397,35 @@ subroutine describe_language(room, text, length)
    json = join(lines, new_line('a'))
    length = len(json)
    text = ' '
-   do i = 1, min(length, room)
+   do i = 1, min(length, capacity)
       text(i) = json(i:i)
    end do
 end subroutine describe_language
 
-!> Simulates from a state to an end of time, or until there are more than `room` events.
+!> Simulates from a state to an end of time, or until there are more than `capacity` events.
 !!
 !! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released).
 !! `last_*` is where the last flight or rest began (going on from there is bit for bit), `end_*` the
 !! end. A column of `table` is a record of an event: time, four words of `names` (right and left,
 !! kind), phase, x, x' before and after, z' before and after.
 subroutine simulate(xi, mu, walls, r, load, clearance, state, contact, last_cycle, last_phase, &
-   names, room, table, n_events, last_state, last_contact, end_state, end_contact, status)
+   names, capacity, table, n_events, last_state, last_contact, end_state, end_contact, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_trajectory, only: simulate_arrays
    use vi_oscillator, only: oscillator_type
-   use vi_simulate, only: new_drive
+   use vi_simulate, only: new_forced_system
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: contact(3), room
+   integer(c_int), intent(in) :: contact(3), capacity
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, state(7), last_cycle, &
       last_phase, names(4, 2, 3)
-   real(c_double), intent(inout) :: table(11, room)
+   real(c_double), intent(inout) :: table(11, capacity)
    real(c_double), intent(out) :: last_state(7), end_state(7)
    integer(c_int), intent(out) :: n_events, last_contact(3), end_contact(3), status
 
    last_state = state
    last_contact = contact
-   call simulate_arrays(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), &
+   call simulate_arrays(new_forced_system(oscillator_type(xi, mu, walls), r, load, clearance), &
       last_state, last_contact, last_cycle, last_phase, names, table, n_events, end_state, &
       end_contact, status)
 end subroutine simulate
@@ -433,7 +434,7 @@ end subroutine simulate
 subroutine sample_trajectory(n, m, xi, mu, r, load, clearance, starts, resting, times, values)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
-   use vi_simulate, only: new_drive
+   use vi_simulate, only: new_forced_system
    use vi_trajectory, only: sample_segments
    implicit none (type, external)
    !f2py threadsafe
@@ -441,7 +442,8 @@ subroutine sample_trajectory(n, m, xi, mu, r, load, clearance, starts, resting, 
    real(c_double), intent(in) :: xi, mu, r, load, clearance, starts(6, n), times(m)
    real(c_double), intent(out) :: values(6, m)
 
-   call sample_segments(new_drive(oscillator_type(xi, mu), r, load, clearance), starts, resting, &
+   call sample_segments(new_forced_system(oscillator_type(xi, mu), r, load, clearance), starts, &
+      resting, &
       times, values)
 end subroutine sample_trajectory
 
@@ -469,12 +471,12 @@ end subroutine exact
 
 !> The periodic motion with rest near a release at (phase, v) on a wall.
 !!
-!! `n` letters, each with the phase of its first impact (`impacts` as those of `exact`); and the
+!! `n` symbols, each with the phase of its first impact (`impacts` as those of `exact`); and the
 !! `n_events` events of one period, the last one the release.
-subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, room, n, sides, &
+subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, capacity, n, sides, &
    restitution, phases, impacts, scalars, multipliers, verdicts, n_events, values, labels, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
-   use vi_drive, only: event_type, new_drive
+   use vi_forced_system, only: event_type, new_forced_system
    use vi_motion, only: motion_type
    use vi_oscillator, only: oscillator_type
    use vi_points, only: store_motion
@@ -483,17 +485,20 @@ subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, r
    use vi_trajectory, only: store_events
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: side, cycles, room
+   integer(c_int), intent(in) :: side, cycles, capacity
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, guess(2)
-   integer(c_int), intent(out) :: n, sides(room), verdicts(3), n_events, labels(2, room), status
-   real(c_double), intent(out) :: restitution(room), phases(room), impacts(room, 6), scalars(6), &
-      values(7, room)
+   integer(c_int), intent(out) :: n, sides(capacity), verdicts(3), n_events, labels(2, capacity), &
+      status
+   real(c_double), intent(out) :: restitution(capacity), phases(capacity), impacts(capacity, 6), &
+      scalars(6), &
+      values(7, capacity)
    complex(c_double_complex), intent(out) :: multipliers(4)
    type(motion_type) :: motion
    type(event_type), allocatable :: events(:)
 
-   call find_rest_motion(new_drive(oscillator_type(xi, mu, walls), r, load, clearance), side, &
-      cycles, guess, room, motion, events)
+   call find_rest_motion(new_forced_system(oscillator_type(xi, mu, walls), r, load, clearance), &
+      side, &
+      cycles, guess, capacity, motion, events)
    n = 0
    n_events = 0
    status = motion%status
@@ -509,20 +514,21 @@ end subroutine rest_motion
 
 !> The patterns that a search goes through: impacts and load cycles of each, and its sides, 1 for
 !! right and 2 for left.
-subroutine side_patterns(max_impacts, max_cycles, alike, room, n, impacts, cycles, sides)
+subroutine side_patterns(max_impacts, max_cycles, alike, capacity, n, impacts, cycles, sides)
    use, intrinsic :: iso_c_binding, only: c_int
    use vi_pattern, only: pattern_type
    use vi_pattern_list, only: patterns_of => side_patterns
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: max_impacts, max_cycles, alike, room
-   integer(c_int), intent(out) :: n, impacts(room), cycles(room), sides(max_impacts, room)
+   integer(c_int), intent(in) :: max_impacts, max_cycles, alike, capacity
+   integer(c_int), intent(out) :: n, impacts(capacity), cycles(capacity), sides(max_impacts, &
+      capacity)
    type(pattern_type), allocatable :: patterns(:)
    integer :: i
 
    allocate (patterns, source=patterns_of(max_impacts, max_cycles, alike /= 0))
    sides = 0
-   n = min(room, size(patterns))
+   n = min(capacity, size(patterns))
    do i = 1, n
       cycles(i) = patterns(i)%cycles
       impacts(i) = size(patterns(i)%sides)
@@ -597,16 +603,16 @@ subroutine same_motion(n, m, xi, r, load, clearance, cycles, sides, unknowns, re
 end subroutine same_motion
 
 !> Exact motions of one pattern from guesses alone: `found` has x_i, theta_i of each (`n_found`).
-subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, guesses, room, &
+subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, guesses, capacity, &
    found, n_found, tried)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_pattern, only: pattern_type
    use vi_search, only: search => search_pattern
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, cycles, sides(n), guesses, room
+   integer(c_int), intent(in) :: n, cycles, sides(n), guesses, capacity
    real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance
-   real(c_double), intent(out) :: found(2*n, room)
+   real(c_double), intent(out) :: found(2*n, capacity)
    integer(c_int), intent(out) :: n_found, tried
 
    found = 0
@@ -621,14 +627,15 @@ end subroutine search_pattern
 subroutine start_state(xi, r, load, clearance, start, state, contact)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_oscillator, only: oscillator_type
-   use vi_simulate, only: new_drive
+   use vi_simulate, only: new_forced_system
    use vi_trajectory, only: initial_state, pack_state
    implicit none (type, external)
    real(c_double), intent(in) :: xi, r, load, clearance, start(5)
    real(c_double), intent(out) :: state(7)
    integer(c_int), intent(out) :: contact(3)
 
-   call pack_state(initial_state(new_drive(oscillator_type(xi), r, load, clearance), start), &
+   call pack_state(initial_state(new_forced_system(oscillator_type(xi), r, load, clearance), &
+      start), &
       state, contact)
 end subroutine start_state
 

@@ -6,7 +6,7 @@ import re
 
 from .shared import ROOT, sentence
 
-ROOMS = ("numerics", "mechanics", "motions", "studies", "cli")
+FOLDERS = ("numerics", "mechanics", "motions", "studies", "cli")
 HEAD = re.compile(
     r"^   (?:(?:pure|elemental|recursive|impure|module|type\([\w ]+\)|real\([\w ]+\)|integer|logical"
     r"|character\([\w *:]+\))\s+)*(?:function|subroutine)\s+(\w+)|^   type(?:, \w+(?:\(\w+\))?)* ::\s*(\w+)"
@@ -73,14 +73,14 @@ def module(path):
 
 
 def pages():
-    """One page, room by room, in the order in which the files may use each other."""
+    """One page, folder by folder, in the order in which the files may use each other."""
     listed = re.findall(
         r"'(\w+/\w+\.f90)'", (ROOT / "src" / "meson.build").read_text(encoding="utf-8")
     )
     lines = []
-    for room in ROOMS:
-        lines += [f"## {room}", ""]
+    for folder in FOLDERS:
+        lines += [f"## {folder}", ""]
         for name in listed:
-            if name.startswith(f"{room}/") and not name.endswith("_single.f90"):
+            if name.startswith(f"{folder}/") and not name.endswith("_single.f90"):
                 lines += module(ROOT / "src" / name)
     return {"fortran.md": "\n".join(lines)}

@@ -18,7 +18,7 @@ class _DescribeLanguage(Protocol):
     # text, length
     def __call__(
         self,
-        room: int,
+        capacity: int,
     ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
@@ -27,7 +27,7 @@ class _DescribeResult(Protocol):
     def __call__(
         self,
         handle: int,
-        room: int,
+        capacity: int,
     ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
@@ -193,7 +193,7 @@ class _ReadNamelist(Protocol):
     def __call__(
         self,
         path: ArrayLike,
-        room: int,
+        capacity: int,
         n_path: int = ...,
     ) -> tuple[_Bytes, int, int]: ...
 
@@ -211,7 +211,7 @@ class _RestMotion(Protocol):
         side: int,
         cycles: int,
         guess: ArrayLike,
-        room: int,
+        capacity: int,
     ) -> tuple[
         int, _Integer, _Real, _Real, _Real, _Real, _Complex, _Integer, int, _Real, _Integer, int
     ]: ...
@@ -223,7 +223,7 @@ class _RunCase(Protocol):
         self,
         text: ArrayLike,
         threads: int,
-        tally: _Integer,
+        progress: _Integer,
         n: int = ...,
     ) -> tuple[int, int]: ...
 
@@ -235,8 +235,8 @@ class _RunNamelists(Protocol):
         paths: ArrayLike,
         folder: ArrayLike,
         only: ArrayLike,
-        room: int,
-        tally: _Integer,
+        capacity: int,
+        progress: _Integer,
         n_paths: int = ...,
         n_folder: int = ...,
     ) -> tuple[_Bytes, int, int]: ...
@@ -322,7 +322,7 @@ class _SearchPattern(Protocol):
         cycles: int,
         sides: ArrayLike,
         guesses: int,
-        room: int,
+        capacity: int,
         n: int = ...,
     ) -> tuple[_Real, int, int]: ...
 
@@ -334,7 +334,7 @@ class _SidePatterns(Protocol):
         max_impacts: int,
         max_cycles: int,
         alike: int,
-        room: int,
+        capacity: int,
     ) -> tuple[int, _Integer, _Integer, _Integer]: ...
 
 @type_check_only
@@ -354,7 +354,7 @@ class _Simulate(Protocol):
         last_phase: float,
         names: ArrayLike,
         table: _Real,
-        room: int = ...,
+        capacity: int = ...,
     ) -> tuple[int, _Real, _Integer, _Real, _Integer, int]: ...
 
 @type_check_only

@@ -199,9 +199,9 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     [<Motion RL/1 at r = 0.94, ...unstable...>, <Motion RL/1 at r = 0.94, ...unstable...>]
     """
     name = path_bytes(path)
-    room = 65_536 + 40 * (Path(path).stat().st_size if os.path.isfile(path) else 0)
-    text, length, status = _core.read_namelist(characters(name), room)
-    if length > room:
+    capacity = 65_536 + 40 * (Path(path).stat().st_size if os.path.isfile(path) else 0)
+    text, length, status = _core.read_namelist(characters(name), capacity)
+    if length > capacity:
         text, length, status = _core.read_namelist(characters(name), length)
     said = os.fsdecode(text[:length].tobytes())
     if status:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import _core, checks
 from .errors import ParameterError, ParameterTypeError, StudyInterrupted
 from .interchange import namelist
-from .interrupt import new_tally, stoppable
+from .interrupt import new_counters, stoppable
 from .model import Oscillator
 from .tables import Handle, Result, from_core, language, text_of
 
@@ -87,10 +87,10 @@ def run_text(
     )
     call = (_core.run_case, np.frombuffer(text.encode(), "S1"), workers)
     if little:
-        (handle, status), complete = call[0](*call[1:], new_tally()), True
+        (handle, status), complete = call[0](*call[1:], new_counters()), True
     else:
         (handle, status), complete = stoppable(
-            *call, tally=new_tally(), progress=progress, note=study
+            *call, counters=new_counters(), progress=progress, note=study
         )
     if status == 2:
         owner = Handle(handle)

@@ -17,7 +17,7 @@ INTERVAL = 0.05
 
 def interruptible(
     function: Callable[..., Any], *arguments: Any, watch: Callable[[], None] | None = None,
-    tally: NDArray[np.int32] | None = None,
+    counters: NDArray[np.int32] | None = None,
 ) -> Any:  # fmt: skip
     """The result of a function of the core, during which the main thread can react to Ctrl-C.
 
@@ -31,13 +31,13 @@ def interruptible(
     try:
         return _finished(*call, watch)
     except BaseException:
-        if tally is not None:
-            tally[2] = 1
+        if counters is not None:
+            counters[2] = 1
         raise
 
 
 def stoppable(
-    function: Callable[..., Any], *arguments: Any, tally: NDArray[np.int32],
+    function: Callable[..., Any], *arguments: Any, counters: NDArray[np.int32],
     progress: Callable[[float, str], None] | None = None, note: str = "",
 ) -> tuple[Any, bool]:  # fmt: skip
     """The result of a function of the core, and whether it ran to its end.
@@ -48,29 +48,29 @@ def stoppable(
     an exception of `progress` also stops the core, and is raised again.
     """
     if progress is None and threading.current_thread() is not threading.main_thread():
-        return function(*arguments, tally), True
+        return function(*arguments, counters), True
 
     share = 0.0
 
     def watch() -> None:
         nonlocal share
         # the known work can grow
-        share = max(share, float(tally[0] / max(1, tally[1])))
+        share = max(share, float(counters[0] / max(1, counters[1])))
         if progress is not None:
             progress(share, note)
 
-    call = _started(function, *arguments, tally)
+    call = _started(function, *arguments, counters)
     try:
         return _finished(*call, watch), True
     except KeyboardInterrupt:
-        tally[2] = 1
+        counters[2] = 1
         return _finished(*call, None), False
     except BaseException:
-        tally[2] = 1
+        counters[2] = 1
         raise
 
 
-def new_tally() -> NDArray[np.int32]:
+def new_counters() -> NDArray[np.int32]:
     """Progress counters for the core: no work done, no work known, no request to stop."""
     return np.zeros(3, dtype=np.int32)
 

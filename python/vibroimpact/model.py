@@ -237,7 +237,7 @@ class Pattern:
     sides : str
         One letter an impact, R for the right wall and L for the left; 2 to 1000 letters, both walls
         at least once (a motion with impacts on one wall only is never periodic). A star after a
-        letter stands for impacts that accumulate on that wall and end in rest there.
+        symbol stands for impacts that accumulate on that wall and end in rest there.
     cycles : int, optional
         Load cycles k in one period of the motion, 1 to 10000.
 
@@ -264,26 +264,26 @@ class Pattern:
         if not isinstance(self.sides, str):
             raise ParameterTypeError(f"sides = {self.sides!r}: must be a string of {wanted}")
         sides = self.sides.upper()
-        letters = re.findall(r"[RL]\*?", sides)
-        if not sides or "".join(letters) != sides:
+        symbols = re.findall(r"[RL]\*?", sides)
+        if not sides or "".join(symbols) != sides:
             raise ParameterError(f"sides = {self.sides!r}: must be {wanted}")
-        if len({letter[0] for letter in letters}) < 2:
+        if len({symbol[0] for symbol in symbols}) < 2:
             raise ParameterError(
                 f"sides = {self.sides!r}: must name both walls; with N = 1 or impacts on one wall only "
                 "no motion is periodic"
             )
-        if len(letters) > checks.MAX_IMPACTS:
+        if len(symbols) > checks.MAX_IMPACTS:
             raise ParameterError(
-                f"sides of {len(letters)} letters: must be at most {checks.MAX_IMPACTS}"
+                f"sides of {len(symbols)} letters: must be at most {checks.MAX_IMPACTS}"
             )
         object.__setattr__(self, "sides", sides)
         object.__setattr__(
             self, "cycles", checks.integer(self.cycles, "cycles", 1, checks.MAX_CYCLES)
         )
-        signs = np.array([1 if letter[0] == "R" else -1 for letter in letters], dtype=np.int32)
+        signs = np.array([1 if symbol[0] == "R" else -1 for symbol in symbols], dtype=np.int32)
         signs.flags.writeable = False
         object.__setattr__(self, "signs", signs)
-        object.__setattr__(self, "rests", tuple(len(letter) == 2 for letter in letters))
+        object.__setattr__(self, "rests", tuple(len(symbol) == 2 for symbol in symbols))
 
     def __len__(self) -> int:
         """Number of impacts N; an accumulation counts as one."""
@@ -295,8 +295,8 @@ class Pattern:
         return any(self.rests)
 
     @property
-    def letters(self) -> list[str]:
-        """The letters one by one, each with its star."""
+    def symbols(self) -> list[str]:
+        """The symbols one by one, each with its star."""
         return re.findall(r"[RL]\*?", self.sides)
 
 

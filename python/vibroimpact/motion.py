@@ -74,7 +74,7 @@ class Motion(Result):
         Of an exact motion: the phases from which it was found, if it began with the linear equations.
     rest_events : structured ndarray or None
         For a pattern with a star: all impacts, sticks and releases of a period from the first impact on.
-        The arrays above have one entry a letter then; that of a starred letter is the first impact of
+        The arrays above have one entry a symbol then; that of a starred symbol is the first impact of
         the accumulation.
     """
 
@@ -113,7 +113,7 @@ class Motion(Result):
         events = np.empty(len(self.pattern), dtype=EVENT_TYPE)
         events["time"] = self.phases / self.r
         events["kind"] = "impact"
-        events["side"] = self.pattern.letters
+        events["side"] = self.pattern.symbols
         events["phase"] = np.mod(self.phases + self.load_phase, 2 * math.pi)
         for name, values in (
             ("x", self.X), ("x_dot_before", self.X_dot_before), ("x_dot_after", self.X_dot_after),
@@ -295,7 +295,7 @@ class Motion(Result):
             "  side  phase/pi          X          Z  X' before   X' after  Z' before   Z' after",
         ]
         columns = zip(
-            self.pattern.letters, self.phases / math.pi, self.X, self.Z, self.X_dot_before,
+            self.pattern.symbols, self.phases / math.pi, self.X, self.Z, self.X_dot_before,
             self.X_dot_after, self.Z_dot_before, self.Z_dot_after, strict=True,
         )  # fmt: skip
         for side, *numbers in columns:

@@ -31,11 +31,11 @@ NEARER = 0.3
 
 
 class Period(NamedTuple):
-    """One period of a trajectory: its pattern and the events that start its letters."""
+    """One period of a trajectory: its pattern and the events that start its symbols."""
 
     pattern: Pattern
     events: NDArray[Any]
-    letters: NDArray[Any]
+    symbols: NDArray[Any]
     mismatch: float
 
 
@@ -149,11 +149,11 @@ def from_period(
     """The exact motion near one period of a trajectory."""
     if period.pattern.has_rest:
         return rest_motion(osc, r, clearance, load, period.pattern.cycles, period.events)
-    start = period.letters[0]
-    phases = np.mod(period.letters["phase"] - start["phase"], TWO_PI)
-    whole = np.rint((period.letters["time"] - start["time"]) * run.r - phases)
+    start = period.symbols[0]
+    phases = np.mod(period.symbols["phase"] - start["phase"], TWO_PI)
+    whole = np.rint((period.symbols["time"] - start["time"]) * run.r - phases)
     phases = phases + TWO_PI * np.rint(whole / TWO_PI)
-    x = period.letters["x"] * (clearance / run.clearance)
+    x = period.symbols["x"] * (clearance / run.clearance)
     theta = phases + start["phase"] - lag(osc, r)
     return newton(osc, r, clearance, load, period.pattern, x, theta, None, None)
 
@@ -225,9 +225,9 @@ def release_motion(
     guess: NDArray[np.float64],
 ) -> Motion:  # fmt: skip
     """Newton's method on the return map from a guess of (phase, v) at a release on a wall."""
-    for room in REST_EVENTS:
+    for capacity in REST_EVENTS:
         answer = _core.rest_motion(
-            osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, room
+            osc.xi, osc.mu, osc.restitution, r, load, clearance, side, cycles, guess, capacity
         )
         if answer[-1] != MORE_EVENTS:
             break
@@ -238,20 +238,20 @@ def release_motion(
     table = event_table(values[:, :m].copy(), labels[:, :m]).copy()
     table["time"] -= table["time"][0]
     table.flags.writeable = False
-    letters = (f"{'RL'[one < 0]}{'*' * (abs(one) - 1)}" for one in sides[:n].tolist())
+    symbols = (f"{'RL'[one < 0]}{'*' * (abs(one) - 1)}" for one in sides[:n].tolist())
     return impact_motion(
-        osc, r, clearance, load, Pattern("".join(letters), cycles), frozen(each[:n].copy()),
+        osc, r, clearance, load, Pattern("".join(symbols), cycles), frozen(each[:n].copy()),
         phases[:n].copy(), impacts[:n].copy(order="F"), scalars, multipliers, verdicts,
         rest_events=table,
     )  # fmt: skip
 
 
 def letters_of(events: NDArray[Any]) -> tuple[list[str], NDArray[Any]]:
-    """The letters of some events and the event that starts each.
+    """The symbols of some events and the event that starts each.
 
-    A run of impacts on one wall that ends in rest is one starred letter.
+    A run of impacts on one wall that ends in rest is one starred symbol.
     """
-    letters: list[str] = []
+    symbols: list[str] = []
     first: list[int] = []
     run = 0
     for i, (kind, side) in enumerate(
@@ -259,17 +259,17 @@ def letters_of(events: NDArray[Any]) -> tuple[list[str], NDArray[Any]]:
     ):
         if kind == "stick":
             start = first[-run] if run else i
-            del letters[len(letters) - run :], first[len(first) - run :]
-            letters.append(side + "*")
+            del symbols[len(symbols) - run :], first[len(first) - run :]
+            symbols.append(side + "*")
             first.append(start)
             run = 0
         elif kind == "impact":
-            run = run + 1 if letters and letters[-1] == side and run else 1
-            letters.append(side)
+            run = run + 1 if symbols and symbols[-1] == side and run else 1
+            symbols.append(side)
             first.append(i)
         else:
             run = 0
-    return letters, events[first]
+    return symbols, events[first]
 
 
 def last_period(trajectory: Trajectory, most_cycles: int = 16, tolerance: float = 0.05) -> Period:

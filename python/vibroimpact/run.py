@@ -10,7 +10,7 @@ from typing import NamedTuple
 from . import _core, checks
 from .case import KINDS, characters, path_bytes
 from .errors import ParameterError, ParameterTypeError
-from .interrupt import interruptible, new_tally
+from .interrupt import interruptible, new_counters
 
 __all__ = ["RunLog", "run_namelists"]
 
@@ -81,16 +81,16 @@ def run_namelists(
     kind = "" if only is None else checks.choice(only, "only", KINDS)
     # a case takes at least 20 characters of namelist and gives messages of at most a few hundred characters
     size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
-    room = 4096 + (len(files) + size // 20) * (800 + 4 * len(target) + max(map(len, files)))
+    capacity = 4096 + (len(files) + size // 20) * (800 + 4 * len(target) + max(map(len, files)))
     # progress counters, which the core updates while it runs
-    tally = new_tally()
+    counters = new_counters()
     arguments = (
-        characters(b"\n".join(files)), characters(target), characters(kind.ljust(16).encode()), room, tally,
+        characters(b"\n".join(files)), characters(target), characters(kind.ljust(16).encode()), capacity, counters,
     )  # fmt: skip
 
     def watch() -> None:
         if progress is not None:
-            progress(float(tally[0] / max(1, tally[1])))
+            progress(float(counters[0] / max(1, counters[1])))
 
     text, length, status = interruptible(_core.run_namelists, *arguments, watch=watch)
     said = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]

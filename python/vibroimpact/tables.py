@@ -18,10 +18,10 @@ from . import _core
 STORED = {"real": "<f8", "complex": "<c16"}
 
 
-def text_of(function: Any, *arguments: Any, room: int = 16_384) -> str:
+def text_of(function: Any, *arguments: Any, capacity: int = 16_384) -> str:
     """A text that a function of the core writes into a buffer."""
-    text, length = function(*arguments, room)
-    if length > room:
+    text, length = function(*arguments, capacity)
+    if length > capacity:
         text, length = function(*arguments, length)
     return bytes(text[:length].tobytes()).decode()
 
@@ -29,7 +29,7 @@ def text_of(function: Any, *arguments: Any, room: int = 16_384) -> str:
 @cache
 def language() -> Any:
     """The keys of all groups and the columns of all results, as the core declares them."""
-    return json.loads(text_of(_core.describe_language, room=200_000))
+    return json.loads(text_of(_core.describe_language, capacity=200_000))
 
 
 class Handle:

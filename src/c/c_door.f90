@@ -67,25 +67,25 @@ module vi_c_door
 contains
 
    !> Runs the one case of a text.
-   integer(c_int) function c_run(text, threads, tally, handle) result(status) &
+   integer(c_int) function c_run(text, threads, progress, handle) result(status) &
       bind(c, name='vibroimpact_run')
       !> The namelist.
       type(c_ptr), value, intent(in) :: text
       !> Number of OpenMP threads; 0 for all that are available.
       integer(c_int), value, intent(in) :: threads
-      !> Three progress counters, see vi_tally, or null.
-      integer(c_int), intent(inout), optional :: tally(3)
+      !> Three progress counters, see vi_progress, or null.
+      integer(c_int), intent(inout), optional :: progress(3)
       !> The result.
       integer(c_int64_t), intent(inout), optional :: handle
-      character(:), allocatable :: letters
+      character(:), allocatable :: characters
       integer :: workers
 
       status = no_result
       if (.not. present(handle)) return
-      call take(text, letters)
+      call take(text, characters)
       workers = min(threads, most_threads)
       if (workers < 1) workers = available_threads()
-      call run_text(letters, workers, handle, status, tally)
+      call run_text(characters, workers, handle, status, progress)
    end function c_run
 
    !> Lists the cases of a text.
@@ -95,12 +95,12 @@ contains
       type(c_ptr), value, intent(in) :: text
       !> The result, with a table of the cases.
       integer(c_int64_t), intent(inout), optional :: handle
-      character(:), allocatable :: letters
+      character(:), allocatable :: characters
 
       status = no_result
       if (.not. present(handle)) return
-      call take(text, letters)
-      call list_cases(letters, handle, status)
+      call take(text, characters)
+      call list_cases(characters, handle, status)
    end function c_case_list
 
    !> Makes a result without tables.
@@ -109,12 +109,12 @@ contains
       type(c_ptr), value, intent(in) :: text
       !> The result.
       integer(c_int64_t), intent(inout), optional :: handle
-      character(:), allocatable :: letters
+      character(:), allocatable :: characters
 
       status = no_result
       if (.not. present(handle)) return
-      call take(text, letters)
-      call new_result(letters, handle, status)
+      call take(text, characters)
+      call new_result(characters, handle, status)
    end function c_new
 
    !> Status of a result.
@@ -138,7 +138,7 @@ contains
    end function c_line
 
    !> A text of a result.
-   integer(c_size_t) function c_text(handle, what, out, room) result(n) &
+   integer(c_size_t) function c_text(handle, what, out, capacity) result(n) &
       bind(c, name='vibroimpact_text')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
@@ -147,15 +147,15 @@ contains
       !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
       !> Number of bytes of the buffer.
-      integer(c_size_t), value, intent(in) :: room
-      character(:), allocatable :: letters
+      integer(c_size_t), value, intent(in) :: capacity
+      character(:), allocatable :: characters
 
-      call tell(handle, what, letters)
-      call give(letters, out, room, n)
+      call tell(handle, what, characters)
+      call give(characters, out, capacity, n)
    end function c_text
 
    !> Writes a result as CSV.
-   integer(c_int) function c_write(handle, path, out, room) result(status) &
+   integer(c_int) function c_write(handle, path, out, capacity) result(status) &
       bind(c, name='vibroimpact_write')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
@@ -164,15 +164,15 @@ contains
       !> Buffer for a message.
       type(c_ptr), value, intent(in) :: out
       !> Number of bytes of the buffer.
-      integer(c_size_t), value, intent(in) :: room
+      integer(c_size_t), value, intent(in) :: capacity
       type(result_type), pointer :: result
-      character(:), allocatable :: letters, message
+      character(:), allocatable :: characters, message
       integer(c_size_t) :: n
 
       call find_result(handle, result)
       status = no_result
       message = 'there is no result'
-      call take(path, letters)
+      call take(path, characters)
       if (associated(result)) then
          status = failed
          if (result%empty) then
@@ -180,12 +180,12 @@ contains
          else if (.not. has_rows(result)) then
             message = 'a column of the file has no values'
          else
-            call write_csv(result, letters, message)
-            if (len(message) > 0) message = letters//': '//message
+            call write_csv(result, characters, message)
+            if (len(message) > 0) message = characters//': '//message
             status = merge(done, failed, len(message) == 0)
          end if
       end if
-      call give(message, out, room, n)
+      call give(message, out, capacity, n)
    end function c_write
 
    !> A table by its place.
@@ -310,7 +310,7 @@ contains
    end subroutine tell_column
 
    !> A word of a column of words.
-   integer(c_size_t) function c_word(handle, column, code, out, room) result(n) &
+   integer(c_size_t) function c_word(handle, column, code, out, capacity) result(n) &
       bind(c, name='vibroimpact_word')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
@@ -321,12 +321,12 @@ contains
       !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
       !> Number of bytes of the buffer.
-      integer(c_size_t), value, intent(in) :: room
-      character(:), allocatable :: letters
+      integer(c_size_t), value, intent(in) :: capacity
+      character(:), allocatable :: characters
 
-      letters = ''
-      if (column >= 0 .and. column < huge(1)) call tell_word(handle, column + 1, code, letters)
-      call give(letters, out, room, n)
+      characters = ''
+      if (column >= 0 .and. column < huge(1)) call tell_word(handle, column + 1, code, characters)
+      call give(characters, out, capacity, n)
    end function c_word
 
    !> Opens a table.
@@ -425,18 +425,18 @@ contains
       integer(c_int), intent(in), optional :: codes(n)
       !> The words with line feeds between.
       type(c_ptr), value, intent(in) :: list
-      character(:), allocatable :: table_name, column_name, letters
+      character(:), allocatable :: table_name, column_name, characters
       logical :: good
 
       status = no_result
       if (.not. is_open_for(handle)) return
       call take(table, table_name)
       call take(name, column_name)
-      call take(list, letters)
+      call take(list, characters)
       if (present(codes)) then
-         call put_wholes(handle, table_name, column_name, codes, letters, good)
+         call put_wholes(handle, table_name, column_name, codes, characters, good)
       else
-         call put_wholes(handle, table_name, column_name, [integer(c_int) ::], letters, good)
+         call put_wholes(handle, table_name, column_name, [integer(c_int) ::], characters, good)
       end if
       status = merge(done, wrong, good)
    end function c_put_words
@@ -461,25 +461,26 @@ contains
    end function c_say
 
    !> The language of namelists and the columns of all results as JSON.
-   integer(c_size_t) function c_describe(out, room) result(n) bind(c, name='vibroimpact_describe')
+   integer(c_size_t) function c_describe(out, capacity) result(n) bind(c, &
+      name='vibroimpact_describe')
       !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
       !> Number of bytes of the buffer.
-      integer(c_size_t), value, intent(in) :: room
+      integer(c_size_t), value, intent(in) :: capacity
       type(line_type), allocatable :: lines(:)
 
       call describe_all(lines)
-      call give(join(lines, new_line('a')), out, room, n)
+      call give(join(lines, new_line('a')), out, capacity, n)
    end function c_describe
 
    !> The version of the library.
-   integer(c_size_t) function c_version(out, room) result(n) bind(c, name='vibroimpact_version')
+   integer(c_size_t) function c_version(out, capacity) result(n) bind(c, name='vibroimpact_version')
       !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
       !> Number of bytes of the buffer.
-      integer(c_size_t), value, intent(in) :: room
+      integer(c_size_t), value, intent(in) :: capacity
 
-      call give(version, out, room, n)
+      call give(version, out, capacity, n)
    end function c_version
 
    !> Frees a result.
@@ -523,41 +524,41 @@ contains
       type(c_ptr), intent(in) :: pointer
       !> The text.
       character(:), allocatable, intent(out) :: text
-      character(kind=c_char), pointer :: letters(:)
+      character(kind=c_char), pointer :: characters(:)
       integer :: i, n
 
       n = 0
       if (c_associated(pointer)) n = int(strlen(pointer))
       allocate (character(n) :: text)
       if (n == 0) return
-      call c_f_pointer(pointer, letters, [n])
+      call c_f_pointer(pointer, characters, [n])
       do i = 1, n
-         text(i:i) = letters(i)
+         text(i:i) = characters(i)
       end do
    end subroutine take
 
    !> Copies a text to C: as much of it as there is room for, followed by a null character.
-   subroutine give(text, out, room, n)
+   subroutine give(text, out, capacity, n)
       !> The text.
       character(*), intent(in) :: text
       !> Buffer for the text, or null.
       type(c_ptr), intent(in) :: out
       !> Number of bytes of the buffer; huge numbers look negative here.
-      integer(c_size_t), intent(in) :: room
+      integer(c_size_t), intent(in) :: capacity
       !> Bytes of the whole text, without the null character.
       integer(c_size_t), intent(out) :: n
-      character(kind=c_char), pointer :: letters(:)
+      character(kind=c_char), pointer :: characters(:)
       integer :: i, kept
 
       n = len(text, c_size_t)
-      if (room == 0 .or. .not. c_associated(out)) return
+      if (capacity == 0 .or. .not. c_associated(out)) return
       kept = int(n)
-      if (room > 0) kept = int(min(n, room - 1))
-      call c_f_pointer(out, letters, [kept + 1])
+      if (capacity > 0) kept = int(min(n, capacity - 1))
+      call c_f_pointer(out, characters, [kept + 1])
       do i = 1, kept
-         letters(i) = text(i:i)
+         characters(i) = text(i:i)
       end do
-      letters(kept + 1) = c_null_char
+      characters(kept + 1) = c_null_char
    end subroutine give
 
    !> Copies a name to a field of a struct.

@@ -46,7 +46,7 @@ enum {
 /* Runs the one case of a text.
  *
  * threads: at most so many are used; 0 for as many as the machine has. The numbers do not depend on it.
- * tally:   three numbers, or NULL. While the case runs, the first is the work done and the second the work
+ * counters:   three numbers, or NULL. While the case runs, the first is the work done and the second the work
  *          in sight, in units of the study; another thread may read them. It may write 1 into the third,
  *          and the case stops soon, with what it has until then; of points along a line VIBROIMPACT_CUT
  *          says how many were reached. They start from 0. Read and write them atomically. A single motion
@@ -54,7 +54,7 @@ enum {
  * result:  is set whatever the status, but for VIBROIMPACT_NO_RESULT, which means that it is NULL.
  *
  * Returns VIBROIMPACT_DONE, VIBROIMPACT_FAILED or VIBROIMPACT_WRONG. */
-int vibroimpact_run(const char *text, int threads, int32_t *tally, vibroimpact_result *result);
+int vibroimpact_run(const char *text, int threads, int32_t *counters, vibroimpact_result *result);
 
 /* Lists the cases of a text, which are as many as it has groups that ask for a result.
  *

@@ -116,7 +116,7 @@ contains
             if (.not. value%given) then
                allocate (value%numbers(0), value%words(0), value%origin(0))
             end if
-            call make_room(value, first + n - 1, key%kind)
+            call enlarge(value, first + n - 1, key%kind)
             value%given = .true.
             value%there = .true.
             do j = 1, n
@@ -139,7 +139,7 @@ contains
    end subroutine assign
 
    !> Extends the list of a key.
-   pure subroutine make_room(value, n, kind)
+   pure subroutine enlarge(value, n, kind)
       !> In and out: the value of the key so far.
       type(value_type), intent(inout) :: value
       !> Length that the list is about to have, at least.
@@ -162,7 +162,7 @@ contains
          numbers(:old) = value%numbers
          call move_alloc(numbers, value%numbers)
       end if
-   end subroutine make_room
+   end subroutine enlarge
 
    !> Converts the text of a value for a key.
    pure subroutine interpret(key, text, numbers, words, good)

@@ -19,7 +19,7 @@ module vi_batch
 contains
 
    !> Runs all cases of one file; none runs if the file has a fault.
-   subroutine run_file(path, folder, log, only, tally)
+   subroutine run_file(path, folder, log, only, progress)
       !> The namelist file.
       character(*), intent(in) :: path
       !> Folder of the results; made if it does not exist.
@@ -28,8 +28,8 @@ contains
       type(log_type), intent(inout) :: log
       !> The one kind of cases that is run; without it, or if it is empty, all are.
       character(*), intent(in), optional :: only
-      !> Progress counters, see vi_tally; studies of single motions do not use them.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; studies of single motions do not use them.
+      integer, intent(inout), optional :: progress(3)
       type(case_type), allocatable :: cases(:)
       character(:), allocatable :: message
       logical :: written
@@ -53,13 +53,13 @@ contains
          return
       end if
       do i = 1, size(cases)
-         call run_case(cases(i), folder, log, written, tally)
+         call run_case(cases(i), folder, log, written, progress)
          if (.not. written) return                     ! the next one would not be written either
       end do
    end subroutine run_file
 
    !> Runs one case, writes its result and logs what was found.
-   subroutine run_case(case, folder, log, written, tally)
+   subroutine run_case(case, folder, log, written, progress)
       !> Checked.
       type(case_type), intent(in) :: case
       !> Folder of the results.
@@ -68,14 +68,14 @@ contains
       type(log_type), intent(inout) :: log
       !> False if a result could not be written.
       logical, intent(out) :: written
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(result_type) :: result
       type(line_type), allocatable :: lines(:)
       character(:), allocatable :: path, message, printed, table
       integer :: i
 
-      call run_study(case, available_threads(), result, tally)
+      call run_study(case, available_threads(), result, progress)
       path = folder//'/'//case%name
       printed = ''
       table = ''

@@ -36,12 +36,12 @@ module vi_read_file
          implicit none (type, external)
          type(c_ptr), value :: stream
       end function c_fclose
-      subroutine last_error(text, room) bind(c, name='vibroimpact_last_error')
+      subroutine last_error(text, capacity) bind(c, name='vibroimpact_last_error')
          import :: c_char, c_size_t
          implicit none (type, external)
-         integer(c_size_t), value :: room
+         integer(c_size_t), value :: capacity
          !> The message of the last error, ended by a null character.
-         character(kind=c_char), intent(out) :: text(room)
+         character(kind=c_char), intent(out) :: text(capacity)
       end subroutine last_error
    end interface
 

@@ -50,7 +50,7 @@ module vi_door
 contains
 
    !> Runs the one case of a namelist.
-   subroutine run_text(text, threads, handle, status, tally)
+   subroutine run_text(text, threads, handle, status, progress)
       !> The namelist.
       character(*), intent(in) :: text
       !> Number of OpenMP threads; the result does not depend on it.
@@ -59,8 +59,8 @@ contains
       integer(c_int64_t), intent(out) :: handle
       !> `done`, `failed` or `wrong`.
       integer, intent(out) :: status
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(holder_type), pointer :: holder
       type(case_type), allocatable :: cases(:)
 
@@ -69,7 +69,7 @@ contains
       call take_one(holder, cases)
       status = wrong
       if (len(holder%message) > 0) return
-      call run_study(cases(1), threads, holder%result, tally)
+      call run_study(cases(1), threads, holder%result, progress)
       status = merge(failed, done, any(holder%result%notes%fault))
       holder%status = status
    end subroutine run_text

@@ -4,7 +4,7 @@ module vi_pattern
    implicit none (type, external)
    private
 
-   public :: new_pattern, side_letters, default_restitution, starred_letters, starred_pattern
+   public :: new_pattern, side_symbols, default_restitution, starred_symbols, starred_pattern
 
    !> The impacts of a period, in order.
    type, public :: pattern_type
@@ -16,18 +16,18 @@ module vi_pattern
 
 contains
 
-   !> A pattern from letters, R for the right wall and L for the left; other letters give side 0.
-   pure function new_pattern(letters, cycles) result(pattern)
+   !> A pattern from symbols, R for the right wall and L for the left; other symbols give side 0.
+   pure function new_pattern(symbols, cycles) result(pattern)
       !> Sides of the impacts in order: R or r, L or l.
-      character(*), intent(in) :: letters
+      character(*), intent(in) :: symbols
       !> Load cycles k in one period.
       integer, intent(in) :: cycles
       type(pattern_type) :: pattern
       integer :: i
 
-      allocate (pattern%sides(len(letters)))
-      do i = 1, len(letters)
-         select case (letters(i:i))
+      allocate (pattern%sides(len(symbols)))
+      do i = 1, len(symbols)
+         select case (symbols(i:i))
          case ('R', 'r')
             pattern%sides(i) = 1
          case ('L', 'l')
@@ -39,31 +39,31 @@ contains
       pattern%cycles = cycles
    end function new_pattern
 
-   !> The letters of the sides, the inverse of `new_pattern`.
-   pure function side_letters(sides) result(letters)
+   !> The symbols of the sides, the inverse of `new_pattern`.
+   pure function side_symbols(sides) result(symbols)
       !> +1 right, any other number left.
       integer, intent(in) :: sides(:)
-      character(size(sides)) :: letters
+      character(size(sides)) :: symbols
       integer :: i
 
       do i = 1, size(sides)
-         letters(i:i) = merge('R', 'L', sides(i) > 0)
+         symbols(i:i) = merge('R', 'L', sides(i) > 0)
       end do
-   end function side_letters
+   end function side_symbols
 
-   !> The pattern of letters R and L, a star after one for accumulation and rest (2, -2).
-   pure function starred_pattern(letters, cycles) result(pattern)
-      !> Letters R and L in order, each followed by a star for accumulation and rest.
-      character(*), intent(in) :: letters
+   !> The pattern of symbols R and L, a star after one for accumulation and rest (2, -2).
+   pure function starred_pattern(symbols, cycles) result(pattern)
+      !> Symbols R and L in order, each followed by a star for accumulation and rest.
+      character(*), intent(in) :: symbols
       !> Load cycles k in one period.
       integer, intent(in) :: cycles
       type(pattern_type) :: pattern
-      integer :: sides(len(letters)), i, n
+      integer :: sides(len(symbols)), i, n
 
-      pattern = new_pattern(letters, cycles)
+      pattern = new_pattern(symbols, cycles)
       n = 0
-      do i = 1, len(letters)
-         if (letters(i:i) == '*' .and. n > 0) then
+      do i = 1, len(symbols)
+         if (symbols(i:i) == '*' .and. n > 0) then
             if (abs(sides(n)) == 1) then
                sides(n) = 2*sides(n)
                cycle
@@ -75,22 +75,22 @@ contains
       pattern%sides = sides(:n)
    end function starred_pattern
 
-   !> The letters of the sides, the inverse of `starred_pattern`.
-   pure function starred_letters(sides) result(letters)
+   !> The symbols of the sides, the inverse of `starred_pattern`.
+   pure function starred_symbols(sides) result(symbols)
       !> +1 right, -1 left; +2, -2 for accumulation and rest there.
       integer, intent(in) :: sides(:)
-      character(size(sides) + count(abs(sides) > 1)) :: letters
+      character(size(sides) + count(abs(sides) > 1)) :: symbols
       integer :: i, n
 
       n = 0
       do i = 1, size(sides)
          n = n + 1
-         letters(n:n) = merge('R', 'L', sides(i) > 0)
+         symbols(n:n) = merge('R', 'L', sides(i) > 0)
          if (abs(sides(i)) < 2) cycle
          n = n + 1
-         letters(n:n) = '*'
+         symbols(n:n) = '*'
       end do
-   end function starred_letters
+   end function starred_symbols
 
    !> The coefficient of restitution of each impact where the wall alone decides it.
    elemental real(wp) function default_restitution(side, right_value, &

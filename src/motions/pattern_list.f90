@@ -1,6 +1,6 @@
 !> All patterns of impacts up to a size.
 module vi_pattern_list
-   use vi_letters, only: standard_letters
+   use vi_symbols, only: standard_symbols
    use vi_pattern, only: pattern_type
    implicit none (type, external)
    private
@@ -29,10 +29,10 @@ contains
       n = 0
       call list(patterns, n)
    contains
-      !> Counts them, and writes them where there is room.
-      pure subroutine list(room, count)
+      !> Counts them, and writes them where `patterns` is allocated.
+      pure subroutine list(patterns, count)
          !> If allocated, large enough for all patterns. Out: filled.
-         type(pattern_type), allocatable, intent(inout) :: room(:)
+         type(pattern_type), allocatable, intent(inout) :: patterns(:)
          !> In: 0. Out: number of patterns.
          integer, intent(inout) :: count
          integer :: sides(max_impacts), bits, cycles, i, m
@@ -43,7 +43,7 @@ contains
                if (.not. is_standard(sides(:m), alike)) cycle
                do cycles = 1, max_cycles
                   count = count + 1
-                  if (allocated(room)) room(count) = pattern_type(sides(:m), cycles)
+                  if (allocated(patterns)) patterns(count) = pattern_type(sides(:m), cycles)
                end do
             end do
          end do
@@ -59,7 +59,7 @@ contains
       integer :: standard(size(sides)), shift
       logical :: mirrored
 
-      call standard_letters(sides, alike, standard, shift, mirrored)
+      call standard_symbols(sides, alike, standard, shift, mirrored)
       is_standard = all(standard == sides)
    end function is_standard
 

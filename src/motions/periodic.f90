@@ -94,7 +94,7 @@ contains
       integer :: n, i, previous, next, after_next
 
       n = size(motion%phases)
-      call make_room(system, n)
+      call enlarge(system, n)
       system%matrix = 0
       h = eta(motion%osc%xi)
       do i = 1, n
@@ -166,7 +166,7 @@ contains
    end subroutine coefficients
 
    !> Allocates the arrays of a system for n impacts, unless they have that size already.
-   pure subroutine make_room(system, n)
+   pure subroutine enlarge(system, n)
       !> In and out: the system; the contents of its arrays mean nothing afterwards.
       type(linear_system_type), intent(inout) :: system
       !> Number of impacts.
@@ -178,6 +178,6 @@ contains
       end if
       allocate (system%matrix(2*n, n + 2), system%rhs(2*n), &
          system%work(least_squares_work(2*n, n + 2)))
-   end subroutine make_room
+   end subroutine enlarge
 
 end module vi_periodic

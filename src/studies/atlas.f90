@@ -8,14 +8,14 @@
 module vi_atlas
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
-   use vi_letters, only: standard_letters
+   use vi_symbols, only: standard_symbols
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
    use vi_seeds, only: initial_state_of
-   use vi_sheet, only: zone_request_type
+   use vi_zone_request, only: zone_request_type
    use vi_survey, only: attractor_type, settle_from, survey
    use vi_survey_outcome, only: count_outcomes, outcome_names
-   use vi_tally, only: add_sight, is_stopped
+   use vi_progress, only: add_expected_work, is_stopped
    use vi_zone, only: count_zone, find_zone, release_type, simulate_nodes, zone_type, zone_work
    implicit none (type, external)
    private
@@ -33,15 +33,15 @@ module vi_atlas
    end type atlas_request_type
 
    !> One pattern's motions, symmetric or not, and where they are stable and admissible.
-   type, public :: sheet_type
+   type, public :: family_type
       type(pattern_type) :: pattern
       logical :: symmetric = .false.
       type(zone_type) :: zone
-   end type sheet_type
+   end type family_type
 
    !> The zones of all patterns in a window, and the results of the survey.
    type, public :: atlas_type
-      type(sheet_type), allocatable :: sheets(:)
+      type(family_type), allocatable :: families(:)
       !> Every point of the survey, and those with a motion within the limits.
       type(attractor_type), allocatable :: points(:), attractors(:)
       !> Attractors with rest of patterns that the survey did not find, one of each pattern.
@@ -61,13 +61,13 @@ module vi_atlas
 contains
 
    !> All zones in a window.
-   subroutine find_atlas(request, atlas, tally)
+   subroutine find_atlas(request, atlas, progress)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
       !> The zones and the results of the survey.
       type(atlas_type), intent(out) :: atlas
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(release_type), allocatable :: releases(:, :, :)
       real(wp), allocatable :: places(:, :, :)
       logical, allocatable :: again(:)
@@ -75,34 +75,34 @@ contains
 
       ! the work on patterns without rest is known before the survey begins
       allocate (atlas%attractors(0), atlas%sighted(0))
-      call list_sheets(request, atlas)
-      announced = zone_work*size(atlas%sheets)
-      call add_sight(announced, tally)
-      call survey_window(request, atlas, tally)
-      call list_sheets(request, atlas)
-      if (any_rests(request, atlas, tally)) call sight_rests(request, atlas, releases, tally)
+      call list_families(request, atlas)
+      announced = zone_work*size(atlas%families)
+      call add_expected_work(announced, progress)
+      call survey_window(request, atlas, progress)
+      call list_families(request, atlas)
+      if (any_rests(request, atlas, progress)) call sight_rests(request, atlas, releases, progress)
       if (.not. allocated(releases)) allocate (releases(0, 0, 0))
-      call list_sheets(request, atlas)
-      allocate (again(size(atlas%sheets)), source=.true.)
-      call add_sight(zone_work*size(again) - announced, tally)
-      call trace_sheets(request, atlas, again, 1, releases, tally)
+      call list_families(request, atlas)
+      allocate (again(size(atlas%families)), source=.true.)
+      call add_expected_work(zone_work*size(again) - announced, progress)
+      call trace_families(request, atlas, again, 1, releases, progress)
       call explain(request, atlas)
       again = .false.
-      do j = 1, size(atlas%sheets)
+      do j = 1, size(atlas%families)
          do i = 1, size(atlas%attractors)
             again(j) = again(j) .or. (.not. atlas%explained(i) .and. &
-               is_of(atlas%attractors(i), atlas%sheets(j)%pattern))
+               is_of(atlas%attractors(i), atlas%families(j)%pattern))
          end do
          ! on the same lattice nothing else would be found
-         again(j) = again(j) .and. lattice(request, atlas%sheets(j)%pattern, 2) /= &
-            lattice(request, atlas%sheets(j)%pattern, 1)
+         again(j) = again(j) .and. lattice(request, atlas%families(j)%pattern, 2) /= &
+            lattice(request, atlas%families(j)%pattern, 1)
       end do
       if (.not. any(again)) return
-      call add_sight(zone_work*count(again), tally)
-      if (any([(again(j) .and. rests(atlas%sheets(j)%pattern), j=1, size(again))])) then
-         call simulate_lattice(request, 2, releases, places, tally)
+      call add_expected_work(zone_work*count(again), progress)
+      if (any([(again(j) .and. rests(atlas%families(j)%pattern), j=1, size(again))])) then
+         call simulate_lattice(request, 2, releases, places, progress)
       end if
-      call trace_sheets(request, atlas, again, 2, releases, tally)
+      call trace_families(request, atlas, again, 2, releases, progress)
       call explain(request, atlas)
    end subroutine find_atlas
 
@@ -116,18 +116,18 @@ contains
    end function outcomes_of
 
    !> The survey by simulation, and its attractors within the limits.
-   subroutine survey_window(request, atlas, tally)
+   subroutine survey_window(request, atlas, progress)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
       !> In and out: points and attractors are set.
       type(atlas_type), intent(inout) :: atlas
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       integer :: i, n
 
       allocate (atlas%points(request%survey))
       call survey(request%osc, request%r, request%clearance, request%settling, &
-         request%max_impacts, request%max_cycles, request%threads, atlas%points, tally)
+         request%max_impacts, request%max_cycles, request%threads, atlas%points, progress)
       deallocate (atlas%attractors)
       allocate (atlas%attractors(count(atlas%points%found)))
       n = 0
@@ -139,7 +139,7 @@ contains
    end subroutine survey_window
 
    !> The simulations at the nodes of a lattice, which all searches for zones with rest share.
-   subroutine simulate_lattice(request, finer, releases, places, tally)
+   subroutine simulate_lattice(request, finer, releases, places, progress)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
       !> Factor of the number of lattice lines.
@@ -148,34 +148,34 @@ contains
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
       !> (2, r, D): r and D of the nodes.
       real(wp), allocatable, intent(out) :: places(:, :, :)
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
-      type(sheet_type) :: sheet
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(family_type) :: family
 
-      sheet%pattern = pattern_type([2, -2], 1)         ! any with rest will do
-      call simulate_nodes(zone_request(request, sheet, finer), [request%max_impacts, &
-         request%max_cycles], request%threads, releases, places, tally)
+      family%pattern = pattern_type([2, -2], 1)         ! any with rest will do
+      call simulate_nodes(zone_request(request, family, finer), [request%max_impacts, &
+         request%max_cycles], request%threads, releases, places, progress)
    end subroutine simulate_lattice
 
    !> Whether the free mass comes to rest on a wall in the survey's motions within the limits or,
    !! if not, in the second half of a simulation at any node of the lattice.
-   logical function any_rests(request, atlas, tally)
+   logical function any_rests(request, atlas, progress)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
-      !> Its sheets.
+      !> Its families.
       type(atlas_type), intent(in) :: atlas
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(atlas_request_type) :: sparse
       type(release_type), allocatable :: releases(:, :, :)
       real(wp), allocatable :: places(:, :, :)
       integer :: i, j, k
 
-      any_rests = any([(rests(atlas%sheets(i)%pattern), i=1, size(atlas%sheets))])
+      any_rests = any([(rests(atlas%families(i)%pattern), i=1, size(atlas%families))])
       if (any_rests) return
       sparse = request
       sparse%guesses = min(1, request%guesses)
-      call simulate_lattice(sparse, 1, releases, places, tally)
+      call simulate_lattice(sparse, 1, releases, places, progress)
       any_rests = any([(((releases(k, i, j)%late, k=1, size(releases, 1)), &
          i=1, size(releases, 2)), j=1, size(releases, 3))])
    end function any_rests
@@ -185,22 +185,22 @@ contains
    !! Of each pattern that simulations appear to repeat at their end, a few simulations are
    !! continued for as long as those of the survey. The pattern counts if Newton's method confirms
    !! the motion on which they are then.
-   subroutine sight_rests(request, atlas, releases, tally)
+   subroutine sight_rests(request, atlas, releases, progress)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
-      !> In: with its sheets. Out: with the attractors `sighted`.
+      !> In: with its families. Out: with the attractors `sighted`.
       type(atlas_type), intent(inout) :: atlas
       !> (simulations, r, D) as of `simulate_nodes`.
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(sight_type), allocatable :: sights(:)
       type(attractor_type), allocatable :: tried(:)
       real(wp), allocatable :: places(:, :, :)
       integer, allocatable :: nodes(:, :)
       integer :: i, j
 
-      call simulate_lattice(request, 1, releases, places, tally)
+      call simulate_lattice(request, 1, releases, places, progress)
       call list_sights(request, atlas, releases, sights)
       nodes = reshape([(sights(i)%nodes(:, :kept(sights(i))), i=1, size(sights))], &
          [3, sum([(kept(sights(i)), i=1, size(sights))])])
@@ -209,17 +209,17 @@ contains
       do i = 1, size(tried)
          associate (at => places(:, nodes(2, i), nodes(3, i)))
             tried(i) = attractor_type(r=at(1), clearance=at(2))
-            if (is_stopped(tally)) cycle
+            if (is_stopped(progress)) cycle
             call settle_from(request%osc, initial_state_of(nodes(1, i), size(releases, 1), at(2)), &
-               request%settling, request%max_impacts, request%max_cycles, tried(i), tally)
+               request%settling, request%max_impacts, request%max_cycles, tried(i), progress)
          end associate
       end do
       !$omp end parallel do
       do i = 1, size(tried)
          if (.not. tried(i)%found) cycle
-         if (.not. any(abs(tried(i)%letters) == 2)) cycle
-         if (is_listed(atlas%sheets, pattern_type(tried(i)%letters, tried(i)%cycles))) cycle
-         if (any([(is_of(atlas%sighted(j), pattern_type(tried(i)%letters, tried(i)%cycles)), &
+         if (.not. any(abs(tried(i)%symbols) == 2)) cycle
+         if (is_listed(atlas%families, pattern_type(tried(i)%symbols, tried(i)%cycles))) cycle
+         if (any([(is_of(atlas%sighted(j), pattern_type(tried(i)%symbols, tried(i)%cycles)), &
             j=1, size(atlas%sighted))])) cycle
          atlas%sighted = [atlas%sighted, tried(i)]
       end do
@@ -229,7 +229,7 @@ contains
    pure subroutine list_sights(request, atlas, releases, sights)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
-      !> Its sheets.
+      !> Its families.
       type(atlas_type), intent(in) :: atlas
       !> (simulations, r, D) as of `simulate_nodes`.
       type(release_type), intent(in) :: releases(:, :, :)
@@ -245,11 +245,11 @@ contains
             do k = 1, size(releases, 1)
                associate (one => releases(k, i, j))
                   if (one%cycles == 0) cycle
-                  pattern = pattern_type(one%letters, one%cycles)
-                  call standard_letters(one%letters, equal_walls(request%osc), pattern%sides, &
+                  pattern = pattern_type(one%symbols, one%cycles)
+                  call standard_symbols(one%symbols, equal_walls(request%osc), pattern%sides, &
                      shift, mirrored)
                end associate
-               if (is_listed(atlas%sheets, pattern)) cycle
+               if (is_listed(atlas%families, pattern)) cycle
                do m = 1, size(sights)
                   if (same_pattern(sights(m)%pattern, pattern)) exit
                end do
@@ -277,61 +277,61 @@ contains
       equal_walls = abs(osc%restitution(1) - osc%restitution(2)) <= 0
    end function equal_walls
 
-   !> Whether a pattern is that of one of some sheets.
-   pure logical function is_listed(sheets, pattern)
-      !> The sheets.
-      type(sheet_type), intent(in) :: sheets(:)
+   !> Whether a pattern is that of one of some families.
+   pure logical function is_listed(families, pattern)
+      !> The families.
+      type(family_type), intent(in) :: families(:)
       !> The pattern, in standard order.
       type(pattern_type), intent(in) :: pattern
       integer :: i
 
-      is_listed = any([(same_pattern(sheets(i)%pattern, pattern), i=1, size(sheets))])
+      is_listed = any([(same_pattern(families(i)%pattern, pattern), i=1, size(families))])
    end function is_listed
 
-   !> Finds the zones of some sheets; each is a task.
-   subroutine trace_sheets(request, atlas, wanted, finer, releases, tally)
+   !> Finds the zones of some families; each is a task.
+   subroutine trace_families(request, atlas, wanted, finer, releases, progress)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
-      !> In and out: the zones of the wanted sheets are set.
+      !> In and out: the zones of the wanted families are set.
       type(atlas_type), intent(inout) :: atlas
-      !> (sheets) Whether each is to be searched.
+      !> (families) Whether each is to be searched.
       logical, intent(in) :: wanted(:)
       !> Times as many lattice lines.
       integer, intent(in) :: finer
       !> (simulations, r, D) as of `simulate_nodes`, for the same number of lines.
       type(release_type), intent(in) :: releases(:, :, :)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       integer :: j, status
 
       ! patterns with rest and long ones take longest: they come first
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status)
-      do j = size(atlas%sheets), 1, -1
+      do j = size(atlas%families), 1, -1
          if (.not. wanted(j)) cycle
-         ! a sheet without motions has an empty zone, whatever the status
-         if (rests(atlas%sheets(j)%pattern)) then
-            call find_zone(zone_request(request, atlas%sheets(j), finer), seeds_of(atlas, &
-               atlas%sheets(j)%pattern), atlas%sheets(j)%zone, status, tally, releases)
+         ! a family without motions has an empty zone, whatever the status
+         if (rests(atlas%families(j)%pattern)) then
+            call find_zone(zone_request(request, atlas%families(j), finer), seeds_of(atlas, &
+               atlas%families(j)%pattern), atlas%families(j)%zone, status, progress, releases)
          else
-            call find_zone(zone_request(request, atlas%sheets(j), finer), seeds_of(atlas, &
-               atlas%sheets(j)%pattern), atlas%sheets(j)%zone, status, tally)
+            call find_zone(zone_request(request, atlas%families(j), finer), seeds_of(atlas, &
+               atlas%families(j)%pattern), atlas%families(j)%zone, status, progress)
          end if
       end do
       !$omp end parallel do
-   end subroutine trace_sheets
+   end subroutine trace_families
 
-   !> The request for the zone of a sheet.
-   pure function zone_request(request, sheet, finer) result(one)
+   !> The request for the zone of a family.
+   pure function zone_request(request, family, finer) result(one)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
-      !> The sheet.
-      type(sheet_type), intent(in) :: sheet
+      !> The family.
+      type(family_type), intent(in) :: family
       !> Times as many lattice lines.
       integer, intent(in) :: finer
       type(zone_request_type) :: one
 
-      one = zone_request_type(request%osc, sheet%pattern, sheet%symmetric, request%r, &
-         request%clearance, lattice(request, sheet%pattern, finer), request%guesses, &
+      one = zone_request_type(request%osc, family%pattern, family%symmetric, request%r, &
+         request%clearance, lattice(request, family%pattern, finer), request%guesses, &
          request%points)
    end function zone_request
 
@@ -358,60 +358,61 @@ contains
    end function lattice
 
    !> All patterns up to the limits, shortest first, and those with rest that have been found.
-   pure subroutine list_sheets(request, atlas)
+   pure subroutine list_families(request, atlas)
       !> What is asked for.
       type(atlas_request_type), intent(in) :: request
-      !> In: with its attractors. Out: with its sheets, without zones.
+      !> In: with its attractors. Out: with its families, without zones.
       type(atlas_type), intent(inout) :: atlas
-      integer :: letters(request%max_impacts), n, bits, cycles, i
+      integer :: symbols(request%max_impacts), n, bits, cycles, i
 
-      if (allocated(atlas%sheets)) deallocate (atlas%sheets)
-      allocate (atlas%sheets(0))
+      if (allocated(atlas%families)) deallocate (atlas%families)
+      allocate (atlas%families(0))
       do n = 2, request%max_impacts
          do bits = 2**n - 2, 1, -1
-            letters(:n) = [(merge(1, -1, btest(bits, n - i)), i=1, n)]
+            symbols(:n) = [(merge(1, -1, btest(bits, n - i)), i=1, n)]
             do cycles = 1, request%max_cycles
-               call add_sheets(request%osc, pattern_type(letters(:n), cycles), atlas%sheets)
+               call add_families(request%osc, pattern_type(symbols(:n), cycles), atlas%families)
             end do
          end do
       end do
       do i = 1, size(atlas%attractors)
-         if (any(abs(atlas%attractors(i)%letters) == 2)) call add_sheets(request%osc, &
-            pattern_type(atlas%attractors(i)%letters, atlas%attractors(i)%cycles), atlas%sheets)
+         if (any(abs(atlas%attractors(i)%symbols) == 2)) call add_families(request%osc, &
+            pattern_type(atlas%attractors(i)%symbols, atlas%attractors(i)%cycles), atlas%families)
       end do
       do i = 1, size(atlas%sighted)
-         call add_sheets(request%osc, pattern_type(atlas%sighted(i)%letters, &
-            atlas%sighted(i)%cycles), atlas%sheets)
+         call add_families(request%osc, pattern_type(atlas%sighted(i)%symbols, &
+            atlas%sighted(i)%cycles), atlas%families)
       end do
-   end subroutine list_sheets
+   end subroutine list_families
 
-   !> Adds the sheets of a pattern, first the symmetric motions and then the others, if the pattern
+   !> Adds the families of a pattern, first the symmetric motions and then the others, if the
+   !! pattern
    !! is in standard order and not listed yet.
-   pure subroutine add_sheets(osc, pattern, sheets)
+   pure subroutine add_families(osc, pattern, families)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> The pattern.
       type(pattern_type), intent(in) :: pattern
-      !> In and out: the sheets.
-      type(sheet_type), allocatable, intent(inout) :: sheets(:)
-      type(sheet_type), allocatable :: longer(:)
+      !> In and out: the families.
+      type(family_type), allocatable, intent(inout) :: families(:)
+      type(family_type), allocatable :: longer(:)
       integer :: standard(size(pattern%sides)), shift, i, n, more
       logical :: mirrored, symmetric
 
-      call standard_letters(pattern%sides, equal_walls(osc), standard, shift, mirrored)
+      call standard_symbols(pattern%sides, equal_walls(osc), standard, shift, mirrored)
       if (any(standard /= pattern%sides)) return
-      if (is_listed(sheets, pattern)) return
-      n = size(sheets)
+      if (is_listed(families, pattern)) return
+      n = size(families)
       symmetric = can_be_symmetric(pattern, osc%restitution)
       more = merge(2, 1, symmetric)
       allocate (longer(n + more))
-      longer(:n) = sheets
+      longer(:n) = families
       do i = n + 1, n + more
          longer(i)%pattern = pattern
       end do
       longer(n + 1)%symmetric = symmetric
-      call move_alloc(longer, sheets)
-   end subroutine add_sheets
+      call move_alloc(longer, families)
+   end subroutine add_families
 
    !> Whether two patterns are the same.
    pure logical function same_pattern(a, b)
@@ -451,8 +452,8 @@ contains
       type(pattern_type), intent(in) :: pattern
 
       is_of = attractor%cycles == pattern%cycles .and. &
-         size(attractor%letters) == size(pattern%sides)
-      if (is_of) is_of = all(attractor%letters == pattern%sides)
+         size(attractor%symbols) == size(pattern%sides)
+      if (is_of) is_of = all(attractor%symbols == pattern%sides)
    end function is_of
 
    !> Sets which attractors lie in a zone of their pattern, of its symmetric motions or the others.
@@ -467,11 +468,11 @@ contains
       associate (items => atlas%attractors)
          if (.not. allocated(atlas%explained)) allocate (atlas%explained(size(items)))
          atlas%explained = .false.
-         do j = 1, size(atlas%sheets)
+         do j = 1, size(atlas%families)
             mine = pack([(i, i=1, size(items))], &
-               [(is_of(items(i), atlas%sheets(j)%pattern), i=1, size(items))])
+               [(is_of(items(i), atlas%families(j)%pattern), i=1, size(items))])
             if (size(mine) == 0) cycle
-            atlas%explained(mine) = atlas%explained(mine) .or. count_zone(atlas%sheets(j)%zone, &
+            atlas%explained(mine) = atlas%explained(mine) .or. count_zone(atlas%families(j)%zone, &
                request%r, request%clearance, &
                reshape([(items(mine(i))%r, items(mine(i))%clearance, i=1, size(mine))], &
                [2, size(mine)])) > 0

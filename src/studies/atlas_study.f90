@@ -6,11 +6,11 @@ module vi_atlas_study
    use vi_family, only: can_be_symmetric
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
-   use vi_pattern, only: starred_letters
+   use vi_pattern, only: starred_symbols
    use vi_result, only: column_type, result_type, truths, wholes, words
-   use vi_sheet, only: zone_request_type
+   use vi_zone_request, only: zone_request_type
    use vi_survey_outcome, only: beyond, outcome_names, periodic
-   use vi_tally, only: is_stopped
+   use vi_progress, only: is_stopped
    use vi_text, only: counted, exact, line_type, whole, whole_width
    use vi_zone_pieces, only: add_pieces, not_closed, piece_columns, pieces_type, put_pieces, &
       vertex_columns
@@ -35,9 +35,9 @@ module vi_atlas_study
       vertices_key]
 
    type(column_type), parameter, public :: atlas_columns(*) = [ &
-      column_type('sheets', 'sides', words, meaning='walls in the order of impacts'), &
-      column_type('sheets', 'cycles', wholes, meaning='load cycles of the period'), &
-      column_type('sheets', 'symmetric', truths, &
+      column_type('families', 'sides', words, meaning='walls in the order of impacts'), &
+      column_type('families', 'cycles', wholes, meaning='load cycles of the period'), &
+      column_type('families', 'symmetric', truths, &
       meaning='whether the motions are their own mirror images'), &
       piece_columns, vertex_columns, &
       column_type('pieces', 'symmetric', truths, listed=.false., &
@@ -89,15 +89,15 @@ contains
 
    !> Finds all zones in a window, and reports the outcomes of the survey and the attractors that
    !! lie in no zone.
-   subroutine run_atlas(case, threads, result, tally)
+   subroutine run_atlas(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(atlas_request_type) :: request
       type(atlas_type) :: atlas
       type(pieces_type), allocatable :: found(:)
@@ -106,27 +106,27 @@ contains
       integer :: j, lost
 
       request = atlas_request(case, threads)
-      call find_atlas(request, atlas, tally)
-      if (is_stopped(tally)) then
+      call find_atlas(request, atlas, progress)
+      if (is_stopped(progress)) then
          result%cut = 'it was stopped before all zones were found'
          result%empty = .true.
          return
       end if
-      allocate (found(size(atlas%sheets)), sides(size(atlas%sheets)))
+      allocate (found(size(atlas%families)), sides(size(atlas%families)))
       do j = 1, size(found)
-         associate (sheet => atlas%sheets(j))
-            call add_pieces(sheet%zone, zone_request_type(case%osc, sheet%pattern, &
-               sheet%symmetric, request%r, request%clearance), .not. sheet%symmetric .and. &
-               can_be_symmetric(sheet%pattern, case%osc%restitution), found(j))
-            sides(j)%text = starred_letters(sheet%pattern%sides)
+         associate (family => atlas%families(j))
+            call add_pieces(family%zone, zone_request_type(case%osc, family%pattern, &
+               family%symmetric, request%r, request%clearance), .not. family%symmetric .and. &
+               can_be_symmetric(family%pattern, case%osc%restitution), found(j))
+            sides(j)%text = starred_symbols(family%pattern%sides)
          end associate
       end do
       lost = count(.not. atlas%explained)
       call survey_text(atlas, said)
-      call result%open('sheets', 'sheet', [size(found)])
-      call result%put_text('sheets', 'sides', sides)
-      call result%put('sheets', 'cycles', [(atlas%sheets(j)%pattern%cycles, j=1, size(found))])
-      call result%put('sheets', 'symmetric', [(merge(1, 0, atlas%sheets(j)%symmetric), &
+      call result%open('families', 'family', [size(found)])
+      call result%put_text('families', 'sides', sides)
+      call result%put('families', 'cycles', [(atlas%families(j)%pattern%cycles, j=1, size(found))])
+      call result%put('families', 'symmetric', [(merge(1, 0, atlas%families(j)%symmetric), &
          j=1, size(found))])
       call put_pieces(found, result)
       call put_points(atlas, result)
@@ -142,7 +142,7 @@ contains
       call result%say(said)
       do j = 1, size(found)
          if (.not. found(j)%closed) call result%fail(pattern_text( &
-            atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//' '//not_closed)
+            atlas%families(j)%pattern%sides, atlas%families(j)%pattern%cycles)//' '//not_closed)
       end do
       if (lost == 0) return
       call list_patterns(atlas, patterns)
@@ -167,7 +167,7 @@ contains
          associate (point => atlas%points(i))
             sides(i)%text = ''
             if (point%outcome /= periodic .and. point%outcome /= beyond) cycle
-            sides(i)%text = starred_letters(point%letters)
+            sides(i)%text = starred_symbols(point%symbols)
             cycles(i) = point%cycles
             if (.not. point%found) cycle
             found = found + 1
@@ -187,7 +187,7 @@ contains
    pure subroutine remark_survey(atlas, found, said, result)
       !> The atlas.
       type(atlas_type), intent(in) :: atlas
-      !> The pieces of each sheet.
+      !> The pieces of each family.
       type(pieces_type), intent(in) :: found(:)
       !> The outcomes of the survey, in words.
       character(*), intent(in) :: said
@@ -199,20 +199,20 @@ contains
       call result%remark(without_impacts)
       do j = 1, size(found)
          if (.not. found(j)%closed) call result%remark(pattern_text( &
-            atlas%sheets(j)%pattern%sides, atlas%sheets(j)%pattern%cycles)//': '//not_closed// &
+            atlas%families(j)%pattern%sides, atlas%families(j)%pattern%cycles)//': '//not_closed// &
             ' (its loop is 0)')
       end do
       do i = 1, size(atlas%attractors)
          if (atlas%explained(i)) cycle
          associate (item => atlas%attractors(i))
-            call result%remark('in no zone of its pattern: '//pattern_text(item%letters, &
+            call result%remark('in no zone of its pattern: '//pattern_text(item%symbols, &
                item%cycles)//' at r = '//exact(item%r)//', clearance = '//exact(item%clearance))
          end associate
       end do
       do i = 1, size(atlas%points)
          associate (item => atlas%points(i))
             if (item%outcome == beyond) call result%remark('beyond the limits: '//pattern_text( &
-               item%letters, item%cycles)//' at r = '//exact(item%r)//', clearance = '// &
+               item%symbols, item%cycles)//' at r = '//exact(item%r)//', clearance = '// &
                exact(item%clearance))
          end associate
       end do
@@ -247,7 +247,7 @@ contains
       text = ''
       do i = 1, size(atlas%attractors)
          if (atlas%explained(i)) cycle
-         name = ' '//pattern_text(atlas%attractors(i)%letters, atlas%attractors(i)%cycles)
+         name = ' '//pattern_text(atlas%attractors(i)%symbols, atlas%attractors(i)%cycles)
          if (index(text//',', name//',') > 0) cycle
          text = text//trim(merge(',', ' ', len(text) > 0))//name
       end do
@@ -259,7 +259,7 @@ contains
       integer, intent(in) :: sides(:), cycles
       character(size(sides) + count(abs(sides) > 1) + 1 + whole_width(cycles)) :: text
 
-      text = starred_letters(sides)//'/'//whole(cycles)
+      text = starred_symbols(sides)//'/'//whole(cycles)
    end function pattern_text
 
 end module vi_atlas_study

@@ -3,12 +3,13 @@
 module vi_attractor_basin
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_target, only: difference, target_type
-   use vi_drive, only: drive_type, event_type, initial_state, new_drive, release_event, state_type
+   use vi_forced_system, only: forced_system_type, event_type, initial_state, new_forced_system, &
+      release_event, state_type
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
-   use vi_tally, only: add_work, is_stopped
+   use vi_progress, only: add_done_work, is_stopped
    implicit none (type, external)
    private
 
@@ -22,7 +23,7 @@ contains
    !> The number of the attractor of each initial state; 0 if it is not decided within the cycles,
    !! and `not_reached` if the computation was stopped before.
    subroutine decide(osc, r, load, clearance, targets, starts, cycles, threads, labels, impacts, &
-      ends, tally)
+      ends, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio, load amplitude f, clearance.
@@ -37,28 +38,28 @@ contains
       integer, intent(out) :: labels(:), impacts(:)
       !> (5, m): the state at which the simulation ended.
       real(wp), intent(out) :: ends(:, :)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
-      type(drive_type) :: drive
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(forced_system_type) :: system
       integer :: j
 
       labels = not_reached
       impacts = 0
       ends = starts
-      drive = new_drive(osc, r, load, clearance)
+      system = new_forced_system(osc, r, load, clearance)
       !$omp parallel do schedule(dynamic, 64) num_threads(threads)
       do j = 1, size(starts, 2)
-         if (is_stopped(tally)) cycle
-         call follow(drive, targets, starts(:, j), cycles, labels(j), impacts(j), ends(:, j))
-         call add_work(1, tally)
+         if (is_stopped(progress)) cycle
+         call follow(system, targets, starts(:, j), cycles, labels(j), impacts(j), ends(:, j))
+         call add_done_work(1, progress)
       end do
       !$omp end parallel do
    end subroutine decide
 
    !> Simulates one state until it is in a neighbourhood.
-   pure subroutine follow(drive, targets, start, cycles, label, impacts, finish)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine follow(system, targets, start, cycles, label, impacts, finish)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Motions with their neighbourhoods.
       type(target_type), intent(in) :: targets(:)
       !> t, x, x', z, z'
@@ -76,13 +77,13 @@ contains
       real(wp) :: phase
       integer :: n, i, status
 
-      state = initial_state(drive, start)
+      state = initial_state(system, start)
       last = state%cycle + cycles
       phase = state%phase
       label = 0
       impacts = 0
       do
-         call simulate(drive, state, last, phase, events, n, final, status)
+         call simulate(system, state, last, phase, events, n, final, status)
          do i = 1, n
             impacts = impacts + 1
             label = neighbourhood_of(targets, events(i))
@@ -90,7 +91,7 @@ contains
          end do
          if (label > 0 .or. status /= stat%more_events) exit
       end do
-      finish = [final%phase/drive%r, final%x, final%x_dot, final%z, final%z_dot]
+      finish = [final%phase/system%r, final%x, final%x_dot, final%z, final%z_dot]
    end subroutine follow
 
    !> The attractor in whose neighbourhood an event is, or 0.

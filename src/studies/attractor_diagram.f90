@@ -39,7 +39,7 @@ module vi_attractor_diagram
 contains
 
    !> Simulates all runs.
-   subroutine diagram(path, directions, start, settling, keep, points, threads, result, tally)
+   subroutine diagram(path, directions, start, settling, keep, points, threads, result, progress)
       !> The system and the values of its parameter.
       type(path_type), intent(in) :: path
       !> (runs): 1 up, -1 down, 0 anew at each value.
@@ -50,8 +50,8 @@ contains
       integer, intent(in) :: settling, keep, points, threads
       !> Out: all runs, their values in rising order.
       type(diagram_type), intent(out), target :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       real(wp), allocatable, target :: parameters(:, :, :)
       real(wp), allocatable :: starts(:, :), ends(:, :, :)
       real(wp), pointer :: chain_parameters(:, :, :), impacts(:, :, :, :), extremes(:, :, :)
@@ -72,7 +72,7 @@ contains
          starts(:, i::n) = spread_states(path%osc, parameters(1, i, 1), path%load, &
             parameters(2, i, 1), runs)
       end do
-      call make_room(points, n, runs, result)
+      call enlarge(points, n, runs, result)
       chain_parameters(1:6, 1:links, 1:chains) => parameters
       impacts(1:7, 1:points, 1:links, 1:chains) => result%impacts
       labels(1:2, 1:points, 1:links, 1:chains) => result%labels
@@ -81,7 +81,7 @@ contains
       extremes(1:2, 1:links, 1:chains) => result%extremes
       status(1:links, 1:chains) => result%status
       call settle_chains(chain_parameters, path%load, starts, settling, keep, kick, threads, &
-         impacts, labels, found, periods, extremes, ends, status, tally)
+         impacts, labels, found, periods, extremes, ends, status, progress)
       do j = 1, runs
          if (directions(j) < 0) call turn_round(result, j)
       end do
@@ -124,7 +124,7 @@ contains
    end function start_of
 
    !> Allocates the arrays of a diagram.
-   pure subroutine make_room(points, n, runs, result)
+   pure subroutine enlarge(points, n, runs, result)
       !> Impacts kept, values, and runs.
       integer, intent(in) :: points, n, runs
       !> Out: with arrays of undefined contents.
@@ -133,7 +133,7 @@ contains
       allocate (result%impacts(7, points, n, runs), result%labels(2, points, n, runs), &
          result%found(n, runs), result%periods(4, n, runs), result%extremes(2, n, runs), &
          result%status(n, runs))
-   end subroutine make_room
+   end subroutine enlarge
 
    !> Reverses a run that swept down, so that its values rise.
    pure subroutine turn_round(result, j)
@@ -152,7 +152,7 @@ contains
       result%status(:, j) = result%status(n:1:-1, j)
    end subroutine turn_round
 
-   !> The ranges of successive values over which a run keeps its period and its number of letters.
+   !> The ranges of successive values over which a run keeps its period and its number of symbols.
    pure subroutine find_windows(periods, first, last, n)
       !> (4, values)
       integer, intent(in) :: periods(:, :)

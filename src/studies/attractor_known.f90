@@ -3,12 +3,13 @@ module vi_attractor_known
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_neighbourhood, only: find_neighbourhoods
    use vi_attractor_target, only: difference, over_period, period_derivative, target_type
-   use vi_drive, only: drive_type, event_type, impact_event, initial_state, release_event, &
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
+      release_event, &
       state_type, two_pi
-   use vi_event_letters, only: letter_endings
+   use vi_event_symbols, only: symbol_endings
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
-   use vi_letters, only: standard_letters
+   use vi_symbols, only: standard_symbols
    use vi_simulate, only: simulate
    use vi_status, only: stat
    implicit none (type, external)
@@ -22,15 +23,15 @@ module vi_attractor_known
       no_impacts = 5, repeating = 6
 
    !> Events of a period at most.
-   integer, parameter :: room = 2048
+   integer, parameter :: capacity = 2048
 
    !> An attractor.
    type, public :: known_type
       integer :: kind = 0
-      !> Load cycles, and letters of a period: sides, twice them where impacts accumulate, the
+      !> Load cycles, and symbols of a period: sides, twice them where impacts accumulate, the
       !! rotation that comes last in the alphabet.
       integer :: cycles = 0
-      integer, allocatable :: letters(:)
+      integer, allocatable :: symbols(:)
       !> t, x, x', z, z' of a state on it.
       real(wp) :: state(5) = 0
       !> Of a periodic one: its impacts, or its releases, with their neighbourhoods.
@@ -43,9 +44,9 @@ module vi_attractor_known
 contains
 
    !> The stable periodic motion on which a state is, and its neighbourhoods.
-   subroutine identify(drive, end, cycles, threads, known, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine identify(system, end, cycles, threads, known, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
       real(wp), intent(in) :: end(5)
       !> Load cycles of the period, and number of OpenMP threads.
@@ -55,15 +56,15 @@ contains
       !> False if there is none.
       logical, intent(out) :: good
 
-      call exact_period(drive, end, cycles, known, good)
-      if (good) call find_neighbourhoods(drive%osc, drive%r, drive%load, drive%clearance, &
+      call exact_period(system, end, cycles, known, good)
+      if (good) call find_neighbourhoods(system%osc, system%r, system%load, system%clearance, &
          known%targets, threads)
    end subroutine identify
 
    !> The stable periodic motion on which a state is.
-   pure subroutine exact_period(drive, end, cycles, known, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine exact_period(system, end, cycles, known, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
       real(wp), intent(in) :: end(5)
       !> Load cycles of the period.
@@ -81,10 +82,10 @@ contains
       integer :: n, i, status, turns
       logical :: mirrored
 
-      allocate (events(room))
-      state = initial_state(drive, within(end, drive%clearance))
+      allocate (events(capacity))
+      state = initial_state(system, within(end, system%clearance))
       state%cycle = 0
-      call simulate(drive, state, int(cycles, int64), state%phase, events, n, final, status)
+      call simulate(system, state, int(cycles, int64), state%phase, events, n, final, status)
       good = status == stat%ok .and. n > 0
       if (.not. good) return
       i = n
@@ -93,7 +94,7 @@ contains
       good = i > 0
       if (.not. good) return
       call start_target(events(i), cycles, target)
-      call converge(drive, target, events, n, p, good)
+      call converge(system, target, events, n, p, good)
       if (.not. good) return
       call eigenvalues(p, lambda, status)
       known%largest = maxval(abs(lambda))
@@ -101,11 +102,11 @@ contains
       if (.not. good) return
       known%kind = merge(resting, periodic, target%release)
       known%cycles = cycles
-      known%state = within(end, drive%clearance)
-      ring = letter_endings(events(:n), .true.)
+      known%state = within(end, system%clearance)
+      ring = symbol_endings(events(:n), .true.)
       ring = pack(ring, ring /= 0)
-      allocate (known%letters(size(ring)))
-      call standard_letters(ring, .false., known%letters, turns, mirrored)
+      allocate (known%symbols(size(ring)))
+      call standard_symbols(ring, .false., known%symbols, turns, mirrored)
       allocate (known%targets(count(events(:n)%kind == events(n)%kind)))
       n = 0
       do i = 1, size(known%targets)
@@ -147,9 +148,9 @@ contains
    end subroutine start_target
 
    !> Newton's method on the map over a period, from a state that is almost periodic.
-   pure subroutine converge(drive, target, events, n, p, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine converge(system, target, events, n, p, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: event and period of a motion that is almost periodic. Out: of the exact motion.
       type(target_type), intent(inout) :: target
       !> Out: events 1 to n of the period.
@@ -165,14 +166,14 @@ contains
 
       zero = 0
       begin = target%middle
-      scale = drive%clearance
+      scale = system%clearance
       scale(target%n:) = 1
       before = huge(1.0_wp)
       associate (m => target%n)
          do i = 1, 20
-            call over_period(drive, target, zero, events, n, good)
+            call over_period(system, target, zero, events, n, good)
             if (.not. good) return
-            call period_derivative(drive, target, events(:n), p, good)
+            call period_derivative(system, target, events(:n), p, good)
             if (.not. good) return
             step = difference(target, events(n))
             off = maxval(abs(step(:m)/scale(:m)))
@@ -220,7 +221,7 @@ contains
       integer :: i
 
       alike = .false.
-      if (one%cycles /= other%cycles .or. size(one%letters) /= size(other%letters)) return
+      if (one%cycles /= other%cycles .or. size(one%symbols) /= size(other%symbols)) return
       associate (first => one%targets(1))
          do i = 1, size(other%targets)
             associate (t => other%targets(i))

@@ -16,13 +16,14 @@ module vi_attractor_lyapunov
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, orthonormalise, &
       restitution_at
-   use vi_drive, only: drive_type, event_type, impact_event, new_drive, release_event, state_type, &
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, new_forced_system, &
+      release_event, state_type, &
       two_pi
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
-   use vi_tally, only: add_sight, add_work, is_stopped
+   use vi_progress, only: add_expected_work, add_done_work, is_stopped
    use vi_trajectory, only: unpack_state
    implicit none (type, external)
    private
@@ -48,7 +49,7 @@ contains
 
    !> The exponents at m points, from batches of time after a first one that is not counted.
    subroutine lyapunov_points(osc, r, load, clearance, states, contacts, discard, cycles, batches, &
-      threads, exponents, deviations, dimensions, counts, errors, status, tally)
+      threads, exponents, deviations, dimensions, counts, errors, status, progress)
       !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> (m) each
@@ -73,25 +74,25 @@ contains
       real(wp), intent(out) :: errors(:)
       !> (m): `stat%no_motion` if a batch has no two events, `stat%not_computed` if stopped before.
       integer, intent(out) :: status(:)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       integer :: j
 
-      call add_sight(size(r)*(batches + 1), tally)
+      call add_expected_work(size(r)*(batches + 1), progress)
 
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do j = 1, size(r)
-         call exponents_of(new_drive(osc, r(j), load(j), clearance(j)), &
+         call exponents_of(new_forced_system(osc, r(j), load(j), clearance(j)), &
             unpack_state(states(:, j), contacts(:, j)), discard, cycles, batches, exponents(:, j), &
-            deviations(:, j), dimensions(j), counts(:, j), errors(j), status(j), tally)
+            deviations(:, j), dimensions(j), counts(:, j), errors(j), status(j), progress)
       end do
       !$omp end parallel do
    end subroutine lyapunov_points
 
    !> The largest exponent per load cycle of one trajectory, and its standard error.
-   subroutine largest_exponent(drive, start, discard, cycles, batches, largest, deviation, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine largest_exponent(system, start, discard, cycles, batches, largest, deviation, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> State at the start.
       type(state_type), intent(in) :: start
       !> Load cycles before the first batch, which is not counted, and in each.
@@ -105,17 +106,17 @@ contains
       real(wp) :: exponents(4), deviations(4), dimension, error
       integer :: counts(2)
 
-      call exponents_of(drive, start, discard, cycles, batches, exponents, deviations, dimension, &
+      call exponents_of(system, start, discard, cycles, batches, exponents, deviations, dimension, &
          counts, error, status)
-      largest = exponents(1)*(two_pi/drive%r)
-      deviation = deviations(1)*(two_pi/drive%r)
+      largest = exponents(1)*(two_pi/system%r)
+      deviation = deviations(1)*(two_pi/system%r)
    end subroutine largest_exponent
 
    !> The exponents of one trajectory, and their standard errors from its batches.
-   subroutine exponents_of(drive, start, discard, cycles, batches, exponents, deviations, &
-      dimension, counts, error, status, tally)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine exponents_of(system, start, discard, cycles, batches, exponents, deviations, &
+      dimension, counts, error, status, progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> State at the start.
       type(state_type), intent(in) :: start
       !> Load cycles before the first batch, load cycles in each batch, and batches that count.
@@ -129,12 +130,12 @@ contains
       real(wp), intent(out) :: error
       !> As in `lyapunov_points`.
       integer, intent(out) :: status
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       real(wp) :: each(4, 0:batches), mean(4), sum_before
       integer :: i, rank
 
-      call carry_along(drive, start, discard, cycles, each, rank, counts, error, status, tally)
+      call carry_along(system, start, discard, cycles, each, rank, counts, error, status, progress)
       if (status /= stat%ok) then
          exponents = ieee_value(error, ieee_quiet_nan)
          deviations = exponents
@@ -165,10 +166,10 @@ contains
    end subroutine exponents_of
 
    !> The averages over all batches together and over each batch, along a trajectory.
-   subroutine carry_along(drive, start, discard, cycles, exponents, rank, counts, error, status, &
-      tally)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine carry_along(system, start, discard, cycles, exponents, rank, counts, error, status, &
+      progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> State at the start.
       type(state_type), intent(in) :: start
       !> Load cycles before the first batch, and in each batch.
@@ -181,8 +182,8 @@ contains
       real(wp), intent(out) :: error
       !> As in `lyapunov_points`.
       integer, intent(out) :: status
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(state_type) :: state, final
       type(event_type) :: events(chunk)
       type(tangent_type) :: tangent
@@ -195,8 +196,8 @@ contains
       state = start
       last = state%cycle + discard
       do
-         call simulate(drive, state, last, start%phase, events, n, final, status)
-         if (is_stopped(tally)) status = stat%not_computed
+         call simulate(system, state, last, start%phase, events, n, final, status)
+         if (is_stopped(progress)) status = stat%not_computed
          if (status /= stat%more_events) exit
       end do
       first = last + cycles
@@ -206,16 +207,16 @@ contains
          last = last + cycles
          sums(:, 2) = 0
          do
-            call simulate(drive, state, last, start%phase, events, n, final, status)
+            call simulate(system, state, last, start%phase, events, n, final, status)
             do i = 1, n
                done = real(events(i)%cycle - first, wp) + (events(i)%phase - start%phase)/two_pi
-               call carry(drive, events(i), [bump(done/(cycles*(size(exponents, 2) - 1))), &
+               call carry(system, events(i), [bump(done/(cycles*(size(exponents, 2) - 1))), &
                   bump((done + cycles)/cycles - (batch - 1))], tangent, sums)
             end do
-            if (is_stopped(tally)) status = stat%not_computed
+            if (is_stopped(progress)) status = stat%not_computed
             if (status /= stat%more_events) exit
          end do
-         call add_work(1, tally)
+         call add_done_work(1, progress)
          if (batch == 1) then
             tangent%counts = 0                        ! it is not counted: the directions settle
             tangent%difference = 0
@@ -235,9 +236,9 @@ contains
    end subroutine carry_along
 
    !> Carries the directions to the next event and adds the logarithms of their growth.
-   pure subroutine carry(drive, event, weights, tangent, sums)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine carry(system, event, weights, tangent, sums)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The event.
       type(event_type), intent(in) :: event
       !> Weights in the average over all batches together, and over this batch.
@@ -256,30 +257,30 @@ contains
          tangent%event = event
          return
       end if
-      call event_derivative(drive, tangent%event, event, p, regular)
+      call event_derivative(system, tangent%event, event, p, regular)
       if (regular) then
          tangent%q = matmul(p, tangent%q)
          call orthonormalise(tangent%q, lengths)
          if (event%kind == release_event) tangent%rank = min(tangent%rank, 2)
-         if (event%kind == impact_event .and. .not. restitution_at(drive, event) > 0) then
+         if (event%kind == impact_event .and. .not. restitution_at(system, event) > 0) then
             tangent%rank = min(tangent%rank, 3)
          end if
          do j = 1, tangent%rank
             sums(j, :) = sums(j, :) + weights*log(max(lengths(j), tiny(1.0_wp)))
          end do
-         sums(5, :) = sums(5, :) + weights*lapse(drive, tangent%event, event)
-         call compare(drive, event, lengths, tangent)
+         sums(5, :) = sums(5, :) + weights*lapse(system, tangent%event, event)
+         call compare(system, event, lengths, tangent)
       end if
-      tangent%time = tangent%time + lapse(drive, tangent%event, event)
+      tangent%time = tangent%time + lapse(system, tangent%event, event)
       if (event%kind == impact_event) tangent%counts(1) = tangent%counts(1) + 1
       if (event%kind == release_event) tangent%counts(2) = tangent%counts(2) + 1
       tangent%event = event
    end subroutine carry
 
    !> Adds, over a flight, to the difference between the logarithms and those from the volume.
-   pure subroutine compare(drive, event, lengths, tangent)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine compare(system, event, lengths, tangent)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The impact that ends the flight.
       type(event_type), intent(in) :: event
       !> Growth of each direction over the flight.
@@ -289,11 +290,11 @@ contains
       real(wp) :: speeds(2), restitution
 
       if (event%kind /= impact_event .or. tangent%event%kind == release_event) return
-      restitution = restitution_at(drive, event)
+      restitution = restitution_at(system, event)
       speeds = [departure_speed(tangent%event), departure_speed(event)]
       if (.not. minval([restitution, speeds, lengths]) > 0) return
-      tangent%difference = tangent%difference + sum(log(lengths)) + 2*drive%osc%xi* &
-         lapse(drive, tangent%event, event) - 2*log(restitution) - log(speeds(1)/speeds(2))
+      tangent%difference = tangent%difference + sum(log(lengths)) + 2*system%osc%xi* &
+         lapse(system, tangent%event, event) - 2*log(restitution) - log(speeds(1)/speeds(2))
    end subroutine compare
 
    !> A weight that rises from 0 and falls to 0 smoothly over [0, 1].

@@ -6,7 +6,7 @@
 !! with the same number of events. Half of the largest such radius found is used.
 module vi_attractor_neighbourhood
    use vi_attractor_target, only: difference, over_period, period_derivative, target_type
-   use vi_drive, only: drive_type, event_type, new_drive, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, new_forced_system, two_pi
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
    use vi_oscillator, only: oscillator_type
@@ -17,7 +17,7 @@ module vi_attractor_neighbourhood
    public :: find_neighbourhoods
 
    !> States on which a neighbourhood is tested, and largest number of events of a period.
-   integer, parameter :: trials = 1024, room = 2048
+   integer, parameter :: trials = 1024, capacity = 2048
 
 contains
 
@@ -31,44 +31,44 @@ contains
       type(target_type), intent(inout) :: targets(:)
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
       integer :: i
 
-      drive = new_drive(osc, r, load, clearance)
+      system = new_forced_system(osc, r, load, clearance)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do i = 1, size(targets)
-         call find_neighbourhood(drive, targets(i))
+         call find_neighbourhood(system, targets(i))
       end do
       !$omp end parallel do
    end subroutine find_neighbourhoods
 
    !> The neighbourhood of one motion.
-   pure subroutine find_neighbourhood(drive, target)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine find_neighbourhood(system, target)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: event and period of the motion. Out: with metric and radius.
       type(target_type), intent(inout) :: target
       real(wp), parameter :: finer = 0.5_wp**0.25_wp
       real(wp) :: p(4, 4), zero(4)
-      type(event_type) :: events(room)
+      type(event_type) :: events(capacity)
       logical :: good
       integer :: i
 
       target%n = merge(2, 4, target%release)
       target%radius = 0
       zero = 0
-      call over_period(drive, target, zero, events, target%events, good)
+      call over_period(system, target, zero, events, target%events, good)
       if (.not. good) return
-      call period_derivative(drive, target, events(:target%events), p, good)
+      call period_derivative(system, target, events(:target%events), p, good)
       if (.not. good) return
-      call find_metric(drive, target, p, good)
+      call find_metric(system, target, p, good)
       if (.not. good) return
       ! from a ball that covers the whole space between the walls downwards
       target%radius = sqrt(real(target%n, wp))*norm2(matmul(target%metric, &
-         merge([drive%clearance, 1.0_wp, 0.0_wp, 0.0_wp], &
-         [drive%clearance, drive%clearance, drive%clearance, 1.0_wp], target%release)))
+         merge([system%clearance, 1.0_wp, 0.0_wp, 0.0_wp], &
+         [system%clearance, system%clearance, system%clearance, 1.0_wp], target%release)))
       do i = 1, 160
-         call contract(drive, target, events, good)
+         call contract(system, target, events, good)
          if (good) exit
          target%radius = finer*target%radius
       end do
@@ -77,9 +77,9 @@ contains
    end subroutine find_neighbourhood
 
    !> Whether all tested states of a ball come nearer to its centre over a period.
-   pure subroutine contract(drive, target, events, contracts)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine contract(system, target, events, contracts)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The motion with its metric; the ball has its radius.
       type(target_type), intent(in) :: target
       !> Scratch.
@@ -102,7 +102,7 @@ contains
          ! every other one on the surface
          distance = target%radius*merge(1.0_wp, u(5)**0.25_wp, modulo(i, 2) == 0)
          d = distance*matmul(target%inverse, direction)
-         call over_period(drive, target, d, events, n, good)
+         call over_period(system, target, d, events, n, good)
          if (.not. good .or. n /= target%events) return
          next = norm2(matmul(target%metric, difference(target, events(n))))
          if (.not. next <= 0.5_wp*(1 + target%contraction)*distance) return
@@ -111,9 +111,9 @@ contains
    end subroutine contract
 
    !> The norm in which the derivative contracts.
-   pure subroutine find_metric(drive, target, p, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine find_metric(system, target, p, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In and out: metric, inverse and contraction are set.
       type(target_type), intent(inout) :: target
       !> The derivative over a period.
@@ -126,7 +126,7 @@ contains
       integer :: i, n, status
 
       n = target%n
-      scale = drive%clearance
+      scale = system%clearance
       scale(n) = 1
       a = 0
       do i = 1, n

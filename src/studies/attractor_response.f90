@@ -16,7 +16,7 @@ contains
 
    !> max|X|/A of the motions on which evenly spread initial states settle, at n points.
    subroutine respond(osc, r, clearance, load, settling, keep, threads, attenuation, envelope, &
-      periods, status, tally)
+      periods, status, progress)
       !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> (n) each
@@ -31,11 +31,11 @@ contains
       real(wp), intent(out) :: attenuation(:, :)
       !> (2, n): least and greatest over the states; inf and -inf if all failed.
       real(wp), intent(out) :: envelope(:, :)
-      !> (4, states, n): period, letters, impacts, rests; (states, n).
+      !> (4, states, n): period, symbols, impacts, rests; (states, n).
       integer, intent(out) :: periods(:, :, :), status(:, :)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
-      integer, parameter :: room = 1
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      integer, parameter :: capacity = 1
       real(wp), allocatable :: parameters(:, :, :), starts(:, :), impacts(:, :, :, :), &
          extremes(:, :, :), ends(:, :, :)
       integer, allocatable :: labels(:, :, :, :), found(:, :), counts(:, :, :), ends_status(:, :)
@@ -44,7 +44,8 @@ contains
       states = size(attenuation, 1)
       n = size(r)
       m = states*n
-      allocate (parameters(6, 1, m), starts(5, m), impacts(7, room, 1, m), labels(2, room, 1, m), &
+      allocate (parameters(6, 1, m), starts(5, m), impacts(7, capacity, 1, m), labels(2, capacity, &
+         1, m), &
          found(1, m), counts(4, 1, m), extremes(2, 1, m), ends(5, 1, m), ends_status(1, m))
       do j = 1, n
          parameters(:, 1, (j - 1)*states + 1:j*states) = spread([r(j), clearance(j), osc%xi, &
@@ -53,7 +54,7 @@ contains
             states)
       end do
       call settle_chains(parameters, load, starts, settling, keep, 0.0_wp, threads, impacts, &
-         labels, found, counts, extremes, ends, ends_status, tally)
+         labels, found, counts, extremes, ends, ends_status, progress)
       status = reshape(ends_status, [states, n])
       periods = reshape(counts, [4, states, n])
       attenuation = reshape(max(-extremes(1, 1, :), extremes(2, 1, :)), [states, n])

@@ -5,14 +5,15 @@
 module vi_attractor_settled
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_drive, only: drive_type, event_type, impact_event, initial_state, new_drive, &
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
+      new_forced_system, &
       state_time, state_type, stick_event
-   use vi_event_letters, only: letter_endings
+   use vi_event_symbols, only: symbol_endings
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
-   use vi_tally, only: add_sight, add_work, is_stopped
+   use vi_progress, only: add_expected_work, add_done_work, is_stopped
    use vi_trajectory, only: extreme_positions, later, store_events
    implicit none (type, external)
    private
@@ -20,14 +21,14 @@ module vi_attractor_settled
    public :: settle_chains
 
    !> Events kept of a simulation, and largest number of events of a simulation.
-   integer, parameter :: room = 4096, most_events = 50000000
+   integer, parameter :: capacity = 4096, most_events = 50000000
    !> States one period apart count as the same within this share of the clearance.
    real(wp), parameter :: same = 1.0e-5_wp
 
    !> The end of a simulation.
    type :: settled_type
-      !> Load cycles of the period, 0 if there is none; letters, impacts and rests in it.
-      integer :: period = 0, letters = 0, impacts = 0, rests = 0
+      !> Load cycles of the period, 0 if there is none; symbols, impacts and rests in it.
+      integer :: period = 0, symbols = 0, impacts = 0, rests = 0
       real(wp) :: x_min = 0, x_max = 0
       !> Events of the last cycles.
       integer :: n = 0
@@ -39,7 +40,7 @@ contains
 
    !> Chains of simulations, each chain a task of its own.
    subroutine settle_chains(parameters, load, starts, settling, keep, kick, threads, values, &
-      labels, found, periods, extremes, ends, status, tally)
+      labels, found, periods, extremes, ends, status, progress)
       !> (6, links, chains): r, D, xi, mu, R1, R2
       real(wp), intent(in) :: parameters(:, :, :)
       !> Load amplitude f.
@@ -52,11 +53,12 @@ contains
       real(wp), intent(in) :: kick
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
-      !> (7, room, links, chains): the kept impacts as in `store_events`.
+      !> (7, capacity, links, chains): the kept impacts as in `store_events`.
       real(wp), intent(inout) :: values(:, :, :, :)
-      !> (2, room, links, chains): kind and side of the kept impacts; (links, chains): their number.
+      !> (2, capacity, links, chains): kind and side of the kept impacts; (links, chains): their
+      !! number.
       integer, intent(inout) :: labels(:, :, :, :), found(:, :)
-      !> (4, links, chains): load cycles of the period (0 if there is none), letters, impacts,
+      !> (4, links, chains): load cycles of the period (0 if there is none), symbols, impacts,
       !! rests.
       integer, intent(inout) :: periods(:, :, :)
       !> (2, links, chains): least and greatest x; NaN where it was not computed.
@@ -66,46 +68,46 @@ contains
       !> (links, chains): codes of vi_status; `stat%not_computed` from the link on at which it was
       !! stopped.
       integer, intent(inout) :: status(:, :)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(settled_type) :: settled
       type(state_type) :: state
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
       integer :: i, j
 
-      call add_sight(size(parameters, 2)*size(starts, 2), tally)
+      call add_expected_work(size(parameters, 2)*size(starts, 2), progress)
       status = stat%not_computed
       found = 0
       periods = 0
       extremes = ieee_value(load, ieee_quiet_nan)
-      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(settled, state, drive, i)
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(settled, state, system, i)
       do j = 1, size(starts, 2)
          do i = 1, size(parameters, 2)
-            if (is_stopped(tally)) exit
+            if (is_stopped(progress)) exit
             associate (c => parameters(:, i, j))
-               drive = new_drive(oscillator_type(c(3), c(4), c(5:6)), c(1), load, c(2))
+               system = new_forced_system(oscillator_type(c(3), c(4), c(5:6)), c(1), load, c(2))
             end associate
             if (i == 1) then
-               state = initial_state(drive, starts(:, j))
+               state = initial_state(system, starts(:, j))
             else
-               state = carried(drive, state, parameters(2, max(1, i - 1), j), kick)
+               state = carried(system, state, parameters(2, max(1, i - 1), j), kick)
             end if
-            call settle_on(drive, state, settling, keep, settled)
-            call store(settled, values(:, :, i, j), labels(:, :, i, j), drive%r, found(i, j))
-            periods(:, i, j) = [settled%period, settled%letters, settled%impacts, settled%rests]
+            call settle_on(system, state, settling, keep, settled)
+            call store(settled, values(:, :, i, j), labels(:, :, i, j), system%r, found(i, j))
+            periods(:, i, j) = [settled%period, settled%symbols, settled%impacts, settled%rests]
             extremes(:, i, j) = [settled%x_min, settled%x_max]
-            ends(:, i, j) = [state%phase/drive%r, state%x, state%x_dot, state%z, state%z_dot]
+            ends(:, i, j) = [state%phase/system%r, state%x, state%x_dot, state%z, state%z_dot]
             status(i, j) = settled%status
-            call add_work(1, tally)
+            call add_done_work(1, progress)
          end do
       end do
       !$omp end parallel do
    end subroutine settle_chains
 
    !> A state under new parameters: the free mass keeps its relative place between the walls.
-   pure function carried(drive, state, clearance, kick) result(next)
+   pure function carried(system, state, clearance, kick) result(next)
       !> The system with the new parameters.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> The state with the old ones.
       type(state_type), intent(in) :: state
       !> The old clearance.
@@ -115,18 +117,18 @@ contains
       type(state_type) :: next
       real(wp) :: y, half
 
-      half = 0.5_wp*drive%clearance
-      y = (state%z - state%x)*(drive%clearance/clearance)
+      half = 0.5_wp*system%clearance
+      y = (state%z - state%x)*(system%clearance/clearance)
       if (state%side /= 0) y = state%side*half
       y = max(-half, min(half, y))
-      next = initial_state(drive, [state%phase/drive%r, state%x, state%x_dot + kick*half, &
+      next = initial_state(system, [state%phase/system%r, state%x, state%x_dot + kick*half, &
          state%x + y, state%z_dot + merge(kick*half, 0.0_wp, state%side /= 0)])
    end function carried
 
    !> Simulates the transient, and examines the load cycles after it.
-   pure subroutine settle_on(drive, state, settling, keep, settled)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine settle_on(system, state, settling, keep, settled)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Out: the end.
       type(state_type), intent(inout) :: state
       !> Load cycles of the transient, and those examined.
@@ -137,14 +139,14 @@ contains
       integer :: n, first(0:keep), i, k
       integer :: total, stored
 
-      if (.not. allocated(settled%events)) allocate (settled%events(room))
+      if (.not. allocated(settled%events)) allocate (settled%events(capacity))
       settled%period = 0
       settled%n = 0
       total = 0
       state%cycle = 0
       last(0) = state
       ! states are compared at a phase unrelated to that of the start, which may be an impact
-      call advance(drive, state, last(0), settling + 0.6180339887_wp, settled%events, n, total, &
+      call advance(system, state, last(0), settling + 0.6180339887_wp, settled%events, n, total, &
          settled%status)
       first = 1
       stored = 0
@@ -152,7 +154,7 @@ contains
       do i = 1, keep
          if (settled%status /= stat%ok) exit
          last(i) = last(i - 1)
-         call advance(drive, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, total, &
+         call advance(system, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, total, &
             settled%status)
          first(i) = first(i - 1) + n
          stored = stored + n
@@ -160,23 +162,23 @@ contains
       if (settled%status == stat%ok) then
          settled%n = stored
          do k = 1, (keep - 1)/2
-            if (.not. (alike(last(keep), last(keep - k), drive%clearance) .and. &
-               alike(last(keep - k), last(keep - 2*k), drive%clearance))) cycle
+            if (.not. (alike(last(keep), last(keep - k), system%clearance) .and. &
+               alike(last(keep - k), last(keep - 2*k), system%clearance))) cycle
             settled%period = k
             exit
          end do
          k = merge(keep, settled%period, settled%period == 0)
          call read_period(settled, first(keep - k), settled%n)
-         call find_extremes(drive, last(keep - k), last(keep), &
+         call find_extremes(system, last(keep - k), last(keep), &
             settled%events(first(keep - k):settled%n), settled)
       end if
       state = last(merge(keep, 0, settled%status == stat%ok))
    end subroutine settle_on
 
    !> Simulates some load cycles; the last events are kept if there is room.
-   pure subroutine advance(drive, state, final, cycles, events, n, total, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine advance(system, state, final, cycles, events, n, total, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Where the last flight or rest began, and the end from which the cycles count.
       type(state_type), intent(inout) :: state, final
       !> Load cycles to simulate; a single one ends with the status `stat%more_events` if the room
@@ -195,7 +197,7 @@ contains
 
       call later(final, cycles, cycle, phase)
       do
-         call simulate(drive, state, cycle, phase, events, n, final, status)
+         call simulate(system, state, cycle, phase, events, n, final, status)
          total = total + n
          if (status /= stat%more_events .or. total > most_events) exit
          if (.not. cycles > 1) exit
@@ -213,9 +215,9 @@ contains
          same*clearance
    end function alike
 
-   !> Counts letters, impacts and rests of a period; its first event follows its last one.
+   !> Counts symbols, impacts and rests of a period; its first event follows its last one.
    pure subroutine read_period(settled, first, last)
-      !> In: with its events. Out: letters, impacts and rests are set.
+      !> In: with its events. Out: symbols, impacts and rests are set.
       type(settled_type), intent(inout) :: settled
       !> Numbers of the first and last event of the period.
       integer, intent(in) :: first, last
@@ -223,14 +225,14 @@ contains
       associate (events => settled%events(first:last))
          settled%impacts = count(events%kind == impact_event)
          settled%rests = count(events%kind == stick_event)
-         settled%letters = count(letter_endings(events, .true.) /= 0)
+         settled%symbols = count(symbol_endings(events, .true.) /= 0)
       end associate
    end subroutine read_period
 
    !> Extreme positions of the primary mass between two states.
-   pure subroutine find_extremes(drive, begin, finish, events, settled)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine find_extremes(system, begin, finish, events, settled)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The states at both ends.
       type(state_type), intent(in) :: begin, finish
       !> The events in between.
@@ -241,18 +243,18 @@ contains
       integer :: resting(0:size(events)), i
       logical :: complete
 
-      starts(:, 0) = [state_time(begin%cycle, begin%phase, drive%r), begin%phase, begin%x, &
+      starts(:, 0) = [state_time(begin%cycle, begin%phase, system%r), begin%phase, begin%x, &
          begin%x_dot, begin%z, begin%z_dot]
       resting(0) = merge(begin%side, 0, begin%resting)
       do i = 1, size(events)
          associate (e => events(i))
-            starts(:, i) = [state_time(e%cycle, e%phase, drive%r), e%phase, e%x, e%x_dot_after, &
+            starts(:, i) = [state_time(e%cycle, e%phase, system%r), e%phase, e%x, e%x_dot_after, &
                0.0_wp, e%z_dot_after]
             resting(i) = merge(e%side, 0, e%kind == stick_event)
          end associate
       end do
-      call extreme_positions(drive, starts, resting, &
-         state_time(finish%cycle, finish%phase, drive%r), settled%x_min, settled%x_max, complete)
+      call extreme_positions(system, starts, resting, &
+         state_time(finish%cycle, finish%phase, system%r), settled%x_min, settled%x_max, complete)
       if (.not. complete) settled%status = stat%budget
    end subroutine find_extremes
 
@@ -260,9 +262,9 @@ contains
    pure subroutine store(settled, values, labels, r, n)
       !> The end of a simulation.
       type(settled_type), intent(in) :: settled
-      !> (7, room) Out: as in `store_events`.
+      !> (7, capacity) Out: as in `store_events`.
       real(wp), intent(inout) :: values(:, :)
-      !> (2, room) Out: as in `store_events`.
+      !> (2, capacity) Out: as in `store_events`.
       integer, intent(inout) :: labels(:, :)
       !> Frequency ratio.
       real(wp), intent(in) :: r

@@ -5,7 +5,7 @@
 !! and the rest after it leave two directions: at the release the primary mass has no acceleration
 !! and both masses have one velocity.
 module vi_attractor_tangent
-   use vi_drive, only: drive_type, event_type, impact_event, stick_event, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, stick_event, two_pi
    use vi_kinds, only: wp
    use vi_oscillator, only: left, right
    use vi_variation, only: columns, contact_derivative, identity, moment_type, release, &
@@ -18,9 +18,9 @@ module vi_attractor_tangent
 contains
 
    !> The derivative of the state of an event with respect to that of the event before it.
-   pure subroutine event_derivative(drive, before, after, p, regular)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine event_derivative(system, before, after, p, regular)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Two successive events.
       type(event_type), intent(in) :: before, after
       !> (new, old) Derivative of (x, x', z', alpha); undefined where `regular` is false.
@@ -29,17 +29,17 @@ contains
       logical, intent(out) :: regular
 
       if (after%kind == impact_event) then
-         call contact_derivative(drive, moment_of(before), lapse(drive, before, after), &
-            after%side, restitution_at(drive, after), p, regular)
+         call contact_derivative(system, moment_of(before), lapse(system, before, after), &
+            after%side, restitution_at(system, after), p, regular)
       else
-         call rest_derivative(drive, before, after, p, regular)
+         call rest_derivative(system, before, after, p, regular)
       end if
    end subroutine event_derivative
 
    !> As `event_derivative`, for the beginning or the end of a rest.
-   pure subroutine rest_derivative(drive, before, after, p, regular)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine rest_derivative(system, before, after, p, regular)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Two successive events, the later one a stick or a release.
       type(event_type), intent(in) :: before, after
       !> (new, old) Derivative of (x, x', z', alpha); undefined where `regular` is false.
@@ -53,17 +53,17 @@ contains
       change%n = 4
       change%state(:, :4) = identity
       from = moment_of(before)
-      time = lapse(drive, before, after)
+      time = lapse(system, before, after)
       regular = .true.
       if (after%kind == stick_event) then
          ! the common motion begins with the last impact, as far as its derivative goes
-         call through_stick(drive, change)
-         from%x_dot = (from%x_dot + drive%osc%mu*from%z_dot)/(1 + drive%osc%mu)
+         call through_stick(system, change)
+         from%x_dot = (from%x_dot + system%osc%mu*from%z_dot)/(1 + system%osc%mu)
          from%z_dot = from%x_dot
-         call through_rest(drive, from, time, change)
+         call through_rest(system, from, time, change)
       else
-         call through_rest(drive, from, time, change)
-         call release(drive, moment_of(after), change, unused, regular)
+         call through_rest(system, from, time, change)
+         call release(system, moment_of(after), change, unused, regular)
       end if
       p = change%state(:, :4)
    end subroutine rest_derivative
@@ -78,13 +78,13 @@ contains
    end function moment_of
 
    !> Time from one event to a later one.
-   pure real(wp) function lapse(drive, before, after)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure real(wp) function lapse(system, before, after)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The events.
       type(event_type), intent(in) :: before, after
 
-      lapse = (two_pi*real(after%cycle - before%cycle, wp) + (after%phase - before%phase))/drive%r
+      lapse = (two_pi*real(after%cycle - before%cycle, wp) + (after%phase - before%phase))/system%r
    end function lapse
 
    !> Speed at which the masses part after an event.
@@ -96,13 +96,13 @@ contains
    end function departure_speed
 
    !> Coefficient of restitution of the wall of an event.
-   pure real(wp) function restitution_at(drive, event) result(restitution)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure real(wp) function restitution_at(system, event) result(restitution)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The event.
       type(event_type), intent(in) :: event
 
-      restitution = drive%osc%restitution(merge(right, left, event%side > 0))
+      restitution = system%osc%restitution(merge(right, left, event%side > 0))
    end function restitution_at
 
    !> Gram-Schmidt orthonormalisation, applied twice.

@@ -2,7 +2,7 @@
 module vi_attractor_target
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_tangent, only: event_derivative
-   use vi_drive, only: drive_type, event_type, release_event, state_type, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, release_event, state_type, two_pi
    use vi_kinds, only: wp
    use vi_rest_motion, only: release_state
    use vi_simulate, only: simulate
@@ -52,9 +52,9 @@ contains
    end function difference
 
    !> The events of a period that starts from the event of the motion plus a difference.
-   pure subroutine over_period(drive, target, d, events, n, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine over_period(system, target, d, events, n, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The motion.
       type(target_type), intent(in) :: target
       !> The difference of states, as from `difference`; 0 for the motion itself.
@@ -73,19 +73,20 @@ contains
       n = 0
       phase = start(target%n)
       if (target%release) then
-         state = release_state(drive, target%side, [phase, start(1)])
+         state = release_state(system, target%side, [phase, start(1)])
       else
          state%phase = phase
          state%x = start(1)
          state%x_dot = start(2)
          state%z_dot = start(3)
-         state%z = start(1) + 0.5_wp*target%side*drive%clearance
+         state%z = start(1) + 0.5_wp*target%side*system%clearance
          state%side = target%side
          state%speed = target%side*(start(2) - start(3))
          good = state%speed > 0
          if (.not. good) return
       end if
-      call simulate(drive, state, int(target%cycles, int64), phase + 0.5_wp*two_pi, events, found, &
+      call simulate(system, state, int(target%cycles, int64), phase + 0.5_wp*two_pi, events, &
+         found, &
          final, status)
       good = status == stat%ok
       if (.not. good) return
@@ -102,9 +103,9 @@ contains
    end subroutine over_period
 
    !> The derivative of the map over a period, in the coordinates of the event.
-   pure subroutine period_derivative(drive, target, events, p, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine period_derivative(system, target, events, p, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The motion.
       type(target_type), intent(in) :: target
       !> (n) Events of a period; the last one is that of the motion.
@@ -125,12 +126,12 @@ contains
       end do
       if (target%release) then
          ! columns by v and alpha: x = f sin(alpha) - 2 xi v
-         whole(:, 1) = [-2*drive%osc%xi, 1.0_wp, 1.0_wp, 0.0_wp]
-         whole(:, 2) = [drive%load*cos(before%phase), 0.0_wp, 0.0_wp, 1.0_wp]
+         whole(:, 1) = [-2*system%osc%xi, 1.0_wp, 1.0_wp, 0.0_wp]
+         whole(:, 2) = [system%load*cos(before%phase), 0.0_wp, 0.0_wp, 1.0_wp]
       end if
       good = .true.
       do i = 1, size(events)
-         call event_derivative(drive, before, events(i), step, good)
+         call event_derivative(system, before, events(i), step, good)
          if (.not. good) return
          whole = matmul(step, whole)
          before = events(i)

@@ -3,7 +3,8 @@ module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_known, only: chaotic, known_type, quasi_periodic
    use vi_attractor_lyapunov, only: largest_exponent
-   use vi_drive, only: drive_type, event_type, impact_event, initial_state, state_type, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
+      state_type, two_pi
    use vi_kinds, only: wp
    use vi_simulate, only: simulate
    use vi_status, only: stat
@@ -30,9 +31,9 @@ module vi_attractor_wandering
 contains
 
    !> The attractor of a trajectory that does not repeat itself; it may be a new one.
-   subroutine tell_apart(drive, values, sides, known, groups, next, label)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine tell_apart(system, values, sides, known, groups, next, label)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Its last impacts as in `store_events`.
       real(wp), intent(in) :: values(:, :)
       !> (n) Walls of these impacts: +1 right, -1 left.
@@ -50,7 +51,7 @@ contains
       integer :: i, best, shared(size(groups))
 
       do i = 1, size(sides)
-         call mark(own, drive, values(2, i), values(3, i), sides(i))
+         call mark(own, system, values(2, i), values(3, i), sides(i))
       end do
       do i = 1, size(groups)
          shared(i) = count(own%hit .and. groups(i)%hit)
@@ -63,10 +64,10 @@ contains
          end if
       end if
       if (size(groups) >= most_groups) return
-      call find_kind(drive, known)
+      call find_kind(system, known)
       if (known%kind == 0) return
       own = group_type(next)
-      call find_cells(drive, known%state, own)
+      call find_cells(system, known%state, own)
       label = next
       allocate (more(size(groups) + 1))
       more(:size(groups)) = groups
@@ -75,25 +76,25 @@ contains
    end subroutine tell_apart
 
    !> Marks the cell of an impact.
-   pure subroutine mark(group, drive, phase, x, side)
+   pure subroutine mark(group, system, phase, x, side)
       !> In and out: the cells.
       type(group_type), intent(inout) :: group
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Load phase (rad), and position of the primary mass.
       real(wp), intent(in) :: phase, x
       !> Wall: +1 right, -1 left.
       integer, intent(in) :: side
       real(wp) :: place
 
-      place = min(max(x*(cells/drive%clearance), -real(reach, wp)), reach - 1.0_wp)
+      place = min(max(x*(cells/system%clearance), -real(reach, wp)), reach - 1.0_wp)
       group%hit(modulo(floor(phase*(cells/two_pi)), cells), floor(place), side) = .true.
    end subroutine mark
 
    !> The cells in which a long simulation has impacts.
-   pure subroutine find_cells(drive, start, group)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine find_cells(system, start, group)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
       !> In and out: the cells.
@@ -104,13 +105,13 @@ contains
       real(wp) :: phase
       integer :: n, i, status
 
-      state = initial_state(drive, start)
+      state = initial_state(system, start)
       last = state%cycle + exponent_cycles
       phase = state%phase
       do
-         call simulate(drive, state, last, phase, events, n, final, status)
+         call simulate(system, state, last, phase, events, n, final, status)
          do i = 1, n
-            if (events(i)%kind == impact_event) call mark(group, drive, events(i)%phase, &
+            if (events(i)%kind == impact_event) call mark(group, system, events(i)%phase, &
                events(i)%x, events(i)%side)
          end do
          if (status /= stat%more_events) exit
@@ -118,9 +119,9 @@ contains
    end subroutine find_cells
 
    !> Whether a state is on a chaotic or a quasi-periodic attractor; kind 0 if it is on neither.
-   subroutine find_kind(drive, known)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine find_kind(system, known)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: with its state. Out: kind and largest exponent are set.
       type(known_type), intent(inout) :: known
       real(wp) :: deviation
@@ -128,8 +129,8 @@ contains
 
       known%kind = 0
       known%cycles = 0
-      if (allocated(known%letters)) deallocate (known%letters)
-      call largest_exponent(drive, initial_state(drive, known%state), exponent_discard, &
+      if (allocated(known%symbols)) deallocate (known%symbols)
+      call largest_exponent(system, initial_state(system, known%state), exponent_discard, &
          exponent_cycles/batches, batches, known%largest, deviation, status)
       if (status /= stat%ok) return                                     ! impacts die out
       ! a smaller exponent: it was a transient, which has ended meanwhile

@@ -2,22 +2,22 @@
 module vi_basins_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use vi_attractor_basin, only: not_reached
-   use vi_attractor_catalogue, only: catalogue_type, label_states
+   use vi_attractor_list, only: attractor_list_type, label_states
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
    use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
    use vi_attractor_spread, only: random_states
    use vi_case, only: case_type
    use vi_common_keys, only: check_product, clearance_key, half_gap, load_key, state_keys
-   use vi_drive, only: new_drive
+   use vi_forced_system, only: new_forced_system
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
-   use vi_pattern, only: starred_letters
+   use vi_pattern, only: starred_symbols
    use vi_result, only: column_type, result_type, wholes, words
    use vi_spacing, only: even
-   use vi_tally, only: is_stopped
+   use vi_progress, only: is_stopped
    use vi_text, only: counted, exact, exact_list, line_type, shown, whole
    use vi_values, only: values_type
-   use vi_window, only: most_numbers
+   use vi_chart_grid, only: most_numbers
    implicit none (type, external)
    private
 
@@ -213,16 +213,16 @@ contains
    end function plane_states
 
    !> Finds the attractor to which each state goes.
-   subroutine run_basins(case, threads, result, tally)
+   subroutine run_basins(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
-      type(catalogue_type) :: catalogue
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(attractor_list_type) :: list
       type(line_type), allocatable :: names(:)
       real(wp), allocatable :: states(:, :)
       integer, allocatable :: labels(:)
@@ -231,22 +231,22 @@ contains
       integer :: i, n, reached, lost
 
       associate (s => case%study)
-         catalogue%drive = new_drive(case%osc, case%r, s%number('load'), s%number('clearance'))
-         catalogue%max_cycles = s%whole_number('max_cycles')
-         catalogue%threads = threads
+         list%system = new_forced_system(case%osc, case%r, s%number('load'), s%number('clearance'))
+         list%max_cycles = s%whole_number('max_cycles')
+         list%threads = threads
          allocate (states, source=initial_states(case))
          n = size(states, 2)
          allocate (labels(n))
-         call label_states(catalogue, states, s%whole_number('cycles'), s%whole_number('probes'), &
-            labels, events, tally)
+         call label_states(list, states, s%whole_number('cycles'), s%whole_number('probes'), &
+            labels, events, progress)
       end associate
       reached = count(labels /= not_reached)
       lost = count(labels == 0)
-      if (is_stopped(tally) .and. any(labels <= 0)) then
+      if (is_stopped(progress) .and. any(labels <= 0)) then
          result%cut = whole(reached)//' of '//whole(n)//' states were reached'
          if (lost > 0) result%cut = result%cut//', '//whole(lost)//' of them not decided yet'
       end if
-      call find_names(catalogue, names)
+      call find_names(list, names)
       call open_states(case%study, n, result)
       do i = 1, 5
          call result%put('states', trim(state_keys(i)%name), states(i, :))
@@ -255,11 +255,11 @@ contains
       call result%put_codes('states', 'attractor', max(0, labels), names)
       call result%open('run', '', [integer ::])
       call result%put('run', 'events', [events])
-      call put_attractors(case, catalogue, names, labels, result)
+      call put_attractors(case, list, names, labels, result)
       result%empty = lost == reached
       if (.not. result%empty) then
          text = counted(reached, 'state')
-         do i = 1, catalogue%n
+         do i = 1, list%n
             text = text//', '//names(i)%text//' '//shown(100*share(labels, i), 'f12.2')//'% +- '// &
                shown(100*standard_error(labels, i), 'f12.2')//'%'
          end do
@@ -297,30 +297,30 @@ contains
    end subroutine open_states
 
    !> Puts the attractors into the result, with remarks.
-   pure subroutine put_attractors(case, catalogue, names, labels, result)
+   pure subroutine put_attractors(case, list, names, labels, result)
       !> The case.
       type(case_type), intent(in) :: case
       !> The attractors.
-      type(catalogue_type), intent(in) :: catalogue
+      type(attractor_list_type), intent(in) :: list
       !> Names of the attractors.
       type(line_type), intent(in) :: names(:)
       !> (states) Number of the attractor of each state.
       integer, intent(in) :: labels(:)
       !> The result.
       type(result_type), intent(inout) :: result
-      type(line_type), allocatable :: list(:)
+      type(line_type), allocatable :: words(:)
       character(:), allocatable :: text
-      real(wp) :: states(5, catalogue%n), balls(2, catalogue%n), growth(catalogue%n)
+      real(wp) :: states(5, list%n), balls(2, list%n), growth(list%n)
       integer :: i, n
 
-      n = catalogue%n
-      allocate (list(size(kinds)))
+      n = list%n
+      allocate (words(size(kinds)))
       do i = 1, size(kinds)
-         list(i)%text = trim(kinds(i))
+         words(i)%text = trim(kinds(i))
       end do
       call result%open('attractors', 'attractor', [n])
       call result%put_text('attractors', 'name', names)
-      associate (known => catalogue%known(:n))
+      associate (known => list%known(:n))
          do i = 1, n
             states(:, i) = known(i)%state
             balls(:, i) = ball(known(i))
@@ -332,7 +332,7 @@ contains
             call add_details(known(i), text)
             call result%remark(text)
          end do
-         call result%put_codes('attractors', 'kind', known%kind, list)
+         call result%put_codes('attractors', 'kind', known%kind, words)
          call result%put('attractors', 'cycles', known%cycles)
       end associate
       call result%put('attractors', 'growth', growth)
@@ -446,31 +446,31 @@ contains
    end subroutine add_details
 
    !> Names of the attractors: sides and load cycles, or the kind; equal names get a number.
-   pure subroutine find_names(catalogue, names)
+   pure subroutine find_names(list, names)
       !> The attractors.
-      type(catalogue_type), intent(in) :: catalogue
+      type(attractor_list_type), intent(in) :: list
       !> (attractors) Their names.
       type(line_type), allocatable, intent(out) :: names(:)
-      type(line_type) :: plain(catalogue%n)
+      type(line_type) :: plain(list%n)
       integer :: i, j, before, alike
 
-      allocate (names(catalogue%n))
-      do i = 1, catalogue%n
-         associate (known => catalogue%known(i))
+      allocate (names(list%n))
+      do i = 1, list%n
+         associate (known => list%known(i))
             select case (known%kind)
             case (periodic, resting)
-               plain(i)%text = starred_letters(known%letters)//'/'//whole(known%cycles)
+               plain(i)%text = starred_symbols(known%symbols)//'/'//whole(known%cycles)
             case (repeating)
-               plain(i)%text = whole(size(known%letters))//'/'//whole(known%cycles)//'?'
+               plain(i)%text = whole(size(known%symbols))//'/'//whole(known%cycles)//'?'
             case default
                plain(i)%text = trim(kinds(known%kind))
             end select
          end associate
       end do
-      do i = 1, catalogue%n
+      do i = 1, list%n
          before = 0
          alike = 0
-         do j = 1, catalogue%n
+         do j = 1, list%n
             if (plain(j)%text /= plain(i)%text) cycle
             alike = alike + 1
             if (j <= i) before = before + 1

@@ -10,7 +10,7 @@ module vi_bifurcation_study
    use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_status, only: stat, status_text
    use vi_text, only: append, counted, exact, line_type, whole, whole_width
-   use vi_window, only: most_numbers
+   use vi_chart_grid, only: most_numbers
    implicit none (type, external)
    private
 
@@ -82,7 +82,7 @@ module vi_bifurcation_study
       meaning='velocity of the free mass after it'), &
       column_type('cells', 'cycles', wholes, listed=.false., &
       meaning='load cycles of the period; 0 if none was seen'), &
-      column_type('cells', 'letters', wholes, listed=.false., &
+      column_type('cells', 'symbols', wholes, listed=.false., &
       meaning='impacts of a period, each accumulation counted as one'), &
       column_type('cells', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
       column_type('cells', 'rests', wholes, listed=.false., meaning='rests of a period'), &
@@ -187,15 +187,15 @@ contains
    end function start_state
 
    !> Sweeps, or starts anew at each value, and keeps the impacts after the transient.
-   subroutine run_bifurcation(case, threads, result, tally)
+   subroutine run_bifurcation(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(path_type) :: path
       type(diagram_type) :: found
       type(line_type), allocatable :: names(:), labels(:)
@@ -206,7 +206,7 @@ contains
       allocate (directions, source=directions_of(case))
       associate (s => case%study)
          call diagram(path, directions, start_state(case), s%whole_number('settling'), &
-            s%whole_number('keep'), s%whole_number('points'), threads, found, tally)
+            s%whole_number('keep'), s%whole_number('points'), threads, found, progress)
       end associate
       m = size(path%values)
       n = size(directions)
@@ -227,7 +227,7 @@ contains
       call result%open('cells', trim(parameter_of(case))//' run', [m, n])
       call result%put_text('cells', 'label', labels)
       call result%put('cells', 'cycles', [found%periods(1, :, :)])
-      call result%put('cells', 'letters', [found%periods(2, :, :)])
+      call result%put('cells', 'symbols', [found%periods(2, :, :)])
       call result%put('cells', 'impacts', [found%periods(3, :, :)])
       call result%put('cells', 'rests', [found%periods(4, :, :)])
       call result%put('cells', 'x_min', [found%extremes(1, :, :)])
@@ -382,9 +382,9 @@ contains
       end select
    end function padded_name
 
-   !> Letters and load cycles of a period as N/k; empty where no period was found.
+   !> Symbols and load cycles of a period as N/k; empty where no period was found.
    pure function label(period) result(text)
-      !> Load cycles, letters, impacts, rests.
+      !> Load cycles, symbols, impacts, rests.
       integer, intent(in) :: period(4)
       character(merge(whole_width(period(1)) + whole_width(period(2)) + 1, 0, &
          period(1) > 0)) :: text

@@ -7,7 +7,7 @@ module vi_borders
    use vi_loop, only: chained, loop_type, picked, reversed
    use vi_net, only: border_type
    use vi_steps, only: stride_type
-   use vi_tally, only: is_stopped
+   use vi_progress, only: is_stopped
    use vi_trace, only: trace_loop
    implicit none (type, external)
    private
@@ -18,8 +18,8 @@ module vi_borders
    type, public :: zone_type
       type(loop_type), allocatable :: loops(:)
       integer :: n = 0
-      !> The sheets over the window.
-      type(curve_type) :: sheet
+      !> The surface of motions over the window.
+      type(curve_type) :: surface
       !> A point inside, beside each loop (2, n).
       real(wp), allocatable :: inside(:, :)
       !> Motions found in the window, steps of the net, and borders that were not traced.
@@ -40,12 +40,12 @@ module vi_borders
 
    !> Loops kept, and points after which no further loop is begun.
    integer, parameter, public :: most_loops = 400
-   integer, parameter :: room = 150000
+   integer, parameter :: capacity = 150000
 
 contains
 
    !> Traces the boundary from a place on it, unless it is on a loop already.
-   subroutine trace_border(border, apart, most, keep_open, zone, closed, tally)
+   subroutine trace_border(border, apart, most, keep_open, zone, closed, progress)
       !> The place on the boundary.
       type(border_type), intent(in) :: border
       !> Distance at which a motion counts as one that repeats itself.
@@ -58,9 +58,9 @@ contains
       type(zone_type), intent(inout) :: zone
       !> Whether the place lies on a closed loop.
       logical, intent(out) :: closed
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
-      type(curve_type) :: sheet
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(curve_type) :: surface
       type(loop_type) :: loop, other
       type(border_type) :: begin
       integer :: loop_at
@@ -70,19 +70,19 @@ contains
       closed = .false.
       if (loop_at > 0) closed = zone%loops(loop_at)%closed
       if (loop_at > 0) return
-      if (zone%n == most_loops .or. zone%points > room) then
+      if (zone%n == most_loops .or. zone%points > capacity) then
          if (keep_open) zone%untraced = zone%untraced + 1
          return
       end if
-      sheet = zone%sheet
-      sheet%frame%apart = apart
+      surface = zone%surface
+      surface%frame%apart = apart
       begin = border
-      call move_apart(sheet, begin, good)
+      call move_apart(surface, begin, good)
       if (.not. good) return
-      call trace(sheet, begin, most, 1, loop, tally)
+      call trace(surface, begin, most, 1, loop, progress)
       zone%points = zone%points + loop%n
       if (keep_open .and. .not. loop%closed) then
-         call trace(sheet, begin, most, -1, other, tally)
+         call trace(surface, begin, most, -1, other, progress)
          zone%points = zone%points + other%n
          if (other%closed .or. loop%n == 0) then
             loop = other
@@ -92,7 +92,7 @@ contains
       end if
       closed = loop%closed
       if (.not. (closed .or. keep_open)) return
-      stopped = is_stopped(tally)
+      stopped = is_stopped(progress)
       if (loop%n == 0 .or. stopped) then
          zone%untraced = zone%untraced + 1
          return
@@ -102,7 +102,7 @@ contains
       begin%condition = loop%conditions(1)
       call find_border(begin, zone, loop_at)
       if (loop_at > 0 .and. closed) return
-      zone%retraced = zone%retraced .or. apart > zone%sheet%frame%apart
+      zone%retraced = zone%retraced .or. apart > zone%surface%frame%apart
       zone%n = zone%n + 1
       ! without the unused room
       zone%loops(zone%n) = picked(loop, [(loop_at, loop_at=1, loop%n)])
@@ -110,26 +110,26 @@ contains
    end subroutine trace_border
 
    !> Traces a boundary in one direction.
-   subroutine trace(sheet, border, most, way, loop, tally)
-      !> The sheets over the window.
-      type(curve_type), intent(in) :: sheet
+   subroutine trace(surface, border, most, way, loop, progress)
+      !> The surface of motions over the window.
+      type(curve_type), intent(in) :: surface
       !> The place on the boundary.
       type(border_type), intent(in) :: border
       !> Largest number of points, and the direction, as of `trace_loop`.
       integer, intent(in) :: most, way
       !> The boundary.
       type(loop_type), intent(out) :: loop
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
 
-      call trace_loop(sheet, stride_type(longest=0.02_wp, turn=0.15_wp), border%point, &
-         border%condition, most, loop, tally, way)
+      call trace_loop(surface, stride_type(longest=0.02_wp, turn=0.15_wp), border%point, &
+         border%condition, most, loop, progress, way)
    end subroutine trace
 
    !> Moves a place at one distance from a motion that repeats itself to another distance.
-   pure subroutine move_apart(sheet, border, good)
-      !> The sheets over the window, with the new distance.
-      type(curve_type), intent(in) :: sheet
+   pure subroutine move_apart(surface, border, good)
+      !> The surface of motions over the window, with the new distance.
+      type(curve_type), intent(in) :: surface
       !> In and out: the place; not changed unless its condition is a repetition.
       type(border_type), intent(inout) :: border
       !> Whether it was found.
@@ -139,13 +139,13 @@ contains
 
       good = .true.
       if (border%condition%kind /= repetition) return
-      if (.not. abs(border%condition%bound - sheet%frame%apart) > 0) return
+      if (.not. abs(border%condition%bound - surface%frame%apart) > 0) return
       along = 0
       along(size(along)) = 1
-      call tangent_at(sheet, [border%condition], border%point, along, tangent, good)
+      call tangent_at(surface, [border%condition], border%point, along, tangent, good)
       if (.not. good) return
-      border%condition%bound = sheet%frame%apart
-      call correct(sheet, [border%condition], border%point, iterations, tangent)
+      border%condition%bound = surface%frame%apart
+      call correct(surface, [border%condition], border%point, iterations, tangent)
       good = iterations > 0
    end subroutine move_apart
 
@@ -169,18 +169,18 @@ contains
       type(zone_type), intent(in) :: zone
       !> Number of the loop; 0 if none.
       integer, intent(out) :: found
-      type(curve_type) :: sheet
+      type(curve_type) :: surface
       type(border_type) :: moved
       integer :: i
       logical :: good
 
       call find_loop(border, zone, found)
       if (found > 0 .or. border%condition%kind /= repetition .or. .not. zone%retraced) return
-      sheet = zone%sheet
+      surface = zone%surface
       do i = 1, size(distances)
-         sheet%frame%apart = distances(i)*zone%sheet%frame%apart
+         surface%frame%apart = distances(i)*zone%surface%frame%apart
          moved = border
-         call move_apart(sheet, moved, good)
+         call move_apart(surface, moved, good)
          if (good) call find_loop(moved, zone, found)
          if (found > 0) return
       end do
@@ -201,12 +201,12 @@ contains
 
       image = border
       n = size(border%point) - 2
-      do j = 0, size(zone%sheet%frame%repetitions)
+      do j = 0, size(zone%surface%frame%repetitions)
          do k = 1, merge(1, n/2, j == 0)
-            if (j > 0) image%point(:n) = image_of(zone%sheet%frame%family, &
-               zone%sheet%frame%repetitions(j), image%point(:n))
+            if (j > 0) image%point(:n) = image_of(zone%surface%frame%family, &
+               zone%surface%frame%repetitions(j), image%point(:n))
             do found = 1, zone%n
-               if (lies_on(zone%sheet%frame, image, zone%loops(found))) return
+               if (lies_on(zone%surface%frame, image, zone%loops(found))) return
             end do
          end do
       end do

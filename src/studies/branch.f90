@@ -12,7 +12,7 @@ module vi_branch
    use vi_kinds, only: wp
    use vi_spectrum, only: is_neutral_saddle, outside_circle
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
-   use vi_tally, only: is_stopped, tell_share
+   use vi_progress, only: is_stopped, report_share
    implicit none (type, external)
    private
 
@@ -39,7 +39,7 @@ module vi_branch
 contains
 
    !> Follows a family in one direction from a point, until it leaves the bounds of the parameter.
-   subroutine follow_branch(curve, stride, point, way, most, branch, work, told, tally)
+   subroutine follow_branch(curve, stride, point, way, most, branch, work, reported, progress)
       !> With one active parameter and edges at its bounds.
       type(curve_type), intent(in) :: curve
       !> Limits on steps.
@@ -52,12 +52,12 @@ contains
       integer, intent(in) :: most
       !> The branch; its arrays have room for `most` points.
       type(branch_type), intent(out) :: branch
-      !> Units of work of this branch in the progress counters, see vi_tally.
+      !> Units of work of this branch in the progress counters, see vi_progress.
       integer, intent(in) :: work
       !> In: units reported so far. Out: with those reported here.
-      integer, intent(inout) :: told
+      integer, intent(inout) :: reported
       !> Progress counters.
-      integer, intent(inout), optional :: tally(3)
+      integer, intent(inout), optional :: progress(3)
       type(condition_type) :: none(0)
       type(place_type) :: before, now, next
       real(wp) :: along(size(point))
@@ -77,7 +77,7 @@ contains
       end if
       before = now
       do while (branch%n + size(now%values) < most)
-         if (is_stopped(tally)) then
+         if (is_stopped(progress)) then
             branch%reason = end_stopped
             return
          end if
@@ -99,7 +99,7 @@ contains
             return
          end if
          call append(branch, next, condition_type())
-         call tell_share(max(covered(branch), branch%n/real(most, wp)), work, told, tally)
+         call report_share(max(covered(branch), branch%n/real(most, wp)), work, reported, progress)
          before = now
          now = next
       end do

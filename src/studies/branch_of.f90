@@ -28,7 +28,7 @@ module vi_branch_of
 contains
 
    !> Follows a motion in both directions along a parameter.
-   subroutine branch_of(motion, parameter, tied, bounds, longest, most, points, tally)
+   subroutine branch_of(motion, parameter, tied, bounds, longest, most, points, progress)
       !> The motion at the start, exact.
       type(motion_type), intent(in) :: motion
       !> Place of the parameter in the core (`by_r` .. `by_left`).
@@ -42,10 +42,10 @@ contains
       integer, intent(in) :: most
       !> The branch.
       type(points_type), intent(out) :: points
-      !> Progress counters, see vi_tally; the caller has added the work to those known.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; the caller has added the work to those known.
+      integer, intent(inout), optional :: progress(3)
       type(branch_request_type) :: request
-      integer :: n, room
+      integer :: n, capacity
 
       associate (osc => motion%osc, p => points)
          p%mirrored = can_be_symmetric(motion%pattern, osc%restitution)
@@ -56,13 +56,14 @@ contains
             log(motion%clearance), osc%xi, osc%mu, osc%restitution], parameter, tied, bounds, &
             longest)
          n = size(motion%x)
-         room = 2*most
-         allocate (p%parameters(6, room), p%phases(n, room), p%impacts(n, 6, room), &
-            p%scalars(6, room), p%multipliers(4, room), p%verdicts(3, room), p%codes(room), &
-            p%special(3, room))
+         capacity = 2*most
+         allocate (p%parameters(6, capacity), p%phases(n, capacity), p%impacts(n, 6, capacity), &
+            p%scalars(6, capacity), p%multipliers(4, capacity), p%verdicts(3, capacity), &
+            p%codes(capacity), &
+            p%special(3, capacity))
          call branch_arrays(request, [motion%x/motion%clearance, motion%phases + motion%tau], &
             p%parameters, p%phases, p%impacts, p%scalars, p%multipliers, p%verdicts, p%codes, &
-            p%special, p%n, p%reasons, p%status, tally)
+            p%special, p%n, p%reasons, p%status, progress)
       end associate
    end subroutine branch_of
 

@@ -17,7 +17,7 @@ module vi_branch_study
    use vi_periodic, only: linear_system_type
    use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
    use vi_status, only: stat, status_text
-   use vi_tally, only: add_sight, add_work, is_stopped
+   use vi_progress, only: add_expected_work, add_done_work, is_stopped
    use vi_text, only: line_type, number_text, whole
    use vi_values, only: values_type
    implicit none (type, external)
@@ -196,13 +196,13 @@ contains
    end function start_value
 
    !> Follows the branches of the motions of a case.
-   subroutine run_branch(case, result, tally)
+   subroutine run_branch(case, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(motion_type), allocatable :: motions(:)
       type(points_type), allocatable :: branches(:)
       type(motion_type), allocatable :: starts(:)
@@ -215,11 +215,11 @@ contains
       call parameter_place(trim(parameter_of(case)), place, tied)
       allocate (branches(size(motions)), starts(size(motions)))
       n = 0
-      call add_sight(branch_work*size(motions), tally)
+      call add_expected_work(branch_work*size(motions), progress)
       do i = 1, size(motions)
          ! at least one, so that there is something to keep
          if (n > 0) then
-            if (is_stopped(tally)) exit
+            if (is_stopped(progress)) exit
          end if
          start = motions(i)
          if (start%status == stat%ok .and. .not. case%start%is('kind', 'exact')) then
@@ -230,13 +230,13 @@ contains
             if (i == 1 .or. any(motions%status == stat%ok)) then
                call result%fail(status_text(start%status))
             end if
-            call add_work(branch_work, tally)
+            call add_done_work(branch_work, progress)
             cycle
          end if
          n = n + 1
          call branch_of(start, place, tied, [case%study%number('low'), case%study%number('high')], &
             case%study%number('longest_step'), case%study%whole_number('max_points'), &
-            branches(n), tally)
+            branches(n), progress)
          starts(n) = start
          if (branches(n)%n > 0) cycle
          call result%fail( &

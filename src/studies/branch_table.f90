@@ -12,7 +12,7 @@ module vi_branch_table
    use vi_points, only: member_point
    use vi_status, only: stat
    use vi_steps, only: stride_type
-   use vi_tally, only: is_stopped, tell_share
+   use vi_progress, only: is_stopped, report_share
    implicit none (type, external)
    private
 
@@ -41,20 +41,20 @@ contains
 
    !> Follows a branch in both directions; the points are in order along it.
    subroutine branch_arrays(request, unknowns, parameters, phases, impacts, scalars, multipliers, &
-      verdicts, codes, special, n, reasons, status, tally)
+      verdicts, codes, special, n, reasons, status, progress)
       !> What to follow.
       type(branch_request_type), intent(in) :: request
       !> (2N) x_i/D and theta_i at the start.
       real(wp), intent(in) :: unknowns(:)
-      !> (6, room): r, D, xi, mu, R1, R2.
+      !> (6, capacity): r, D, xi, mu, R1, R2.
       real(wp), intent(out) :: parameters(:, :)
-      !> (N, room), (N, 6, room), (6, room) as in vi_points.
+      !> (N, capacity), (N, 6, capacity), (6, capacity) as in vi_points.
       real(wp), intent(out) :: phases(:, :), impacts(:, :, :), scalars(:, :)
-      !> (4, room) By falling modulus.
+      !> (4, capacity) By falling modulus.
       complex(wp), intent(out) :: multipliers(:, :)
-      !> (3, room) consistent, admissible, stable; (room) codes of vi_status.
+      !> (3, capacity) consistent, admissible, stable; (capacity) codes of vi_status.
       integer, intent(out) :: verdicts(:, :), codes(:)
-      !> (3, room): kind of the condition that is zero (0: none), its index, its side.
+      !> (3, capacity): kind of the condition that is zero (0: none), its index, its side.
       integer, intent(out) :: special(:, :)
       !> Number of points; 0 if the start is a singular point.
       integer, intent(out) :: n
@@ -62,13 +62,13 @@ contains
       integer, intent(out) :: reasons(2)
       !> `stat%ok`, or `stat%no_motion` if the pattern has no such family.
       integer, intent(out) :: status
-      !> Progress counters, see vi_tally; the caller has added the work to those known.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; the caller has added the work to those known.
+      integer, intent(inout), optional :: progress(3)
       type(curve_type) :: curve
       type(condition_type), allocatable :: conditions(:)
       real(wp), allocatable :: start(:), points(:, :)
       logical :: cut
-      integer :: told
+      integer :: reported
 
       parameters = 0
       phases = 0
@@ -80,34 +80,34 @@ contains
       special = 0
       n = 0
       reasons = 0
-      told = 0
+      reported = 0
       call make_curve(request, unknowns, curve, start, status)
       if (status == stat%ok) then
          call follow_both(curve, stride_type(longest=request%longest, turn=0.3_wp), start, &
-            size(codes)/2, points, conditions, reasons, tally)
-         told = follow_work
+            size(codes)/2, points, conditions, reasons, progress)
+         reported = follow_work
          ! what was followed until it was stopped is written
-         cut = is_stopped(tally)
+         cut = is_stopped(progress)
          do n = 1, size(conditions)
             call write_point(request, curve, points(:, n), conditions(n), parameters(:, n), &
                phases(:, n), impacts(:, :, n), scalars(:, n), multipliers(:, n), verdicts(:, n), &
                codes(n))
             special(:, n) = [conditions(n)%kind, conditions(n)%index, conditions(n)%side]
-            call tell_share((follow_work + (branch_work - follow_work)*n/real(size(conditions), &
-               wp))/branch_work, branch_work, told, tally)
-            if (is_stopped(tally) .and. .not. cut .and. n < size(conditions)) then
+            call report_share((follow_work + (branch_work - follow_work)*n/real(size(conditions), &
+               wp))/branch_work, branch_work, reported, progress)
+            if (is_stopped(progress) .and. .not. cut .and. n < size(conditions)) then
                reasons(2) = end_stopped
                exit
             end if
          end do
          n = min(n, size(conditions))
       end if
-      call tell_share(1.0_wp, branch_work, told, tally)
+      call report_share(1.0_wp, branch_work, reported, progress)
    end subroutine branch_arrays
 
    !> The points of a branch in both directions from its start; none if the start is a singular
    !! point.
-   subroutine follow_both(curve, stride, start, most, points, conditions, reasons, tally)
+   subroutine follow_both(curve, stride, start, most, points, conditions, reasons, progress)
       !> The curve of motions, with edges at the bounds of the parameter.
       type(curve_type), intent(in) :: curve
       !> Limits on steps.
@@ -122,18 +122,19 @@ contains
       type(condition_type), allocatable, intent(out) :: conditions(:)
       !> The reasons why it ends, at its first and at its last point.
       integer, intent(out) :: reasons(2)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(branch_type) :: half(2)
-      integer :: i, n, told, work(2)
+      integer :: i, n, reported, work(2)
 
       ! each way counts as much as it has of the range
       work(1) = nint(follow_work*start(size(start)))
       work(2) = follow_work - work(1)
       do i = 1, 2
-         told = 0
-         call follow_branch(curve, stride, start, 2*i - 3, most, half(i), work(i), told, tally)
-         call tell_share(1.0_wp, work(i), told, tally)
+         reported = 0
+         call follow_branch(curve, stride, start, 2*i - 3, most, half(i), work(i), reported, &
+            progress)
+         call report_share(1.0_wp, work(i), reported, progress)
          reasons(i) = half(i)%reason
       end do
       n = max(0, half(1)%n + half(2)%n - 1)

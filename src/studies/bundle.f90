@@ -6,7 +6,8 @@ module vi_bundle
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
-   use vi_simulate, only: drive_type, event_type, impact_event, new_drive, simulate, state_type, &
+   use vi_simulate, only: forced_system_type, event_type, impact_event, new_forced_system, &
+      simulate, state_type, &
       stick_event
    use vi_status, only: stat
    use vi_trajectory, only: later, pack_state, unpack_state
@@ -45,7 +46,8 @@ contains
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(state)
       do j = 1, size(r)
          state = unpack_state(states(:, j), contacts(:, j))
-         call simulate_counting(new_drive(osc, r(j), load(j), clearance(j)), state, cycles, &
+         call simulate_counting(new_forced_system(osc, r(j), load(j), clearance(j)), state, &
+            cycles, &
             most_events, counts(:, j), status(j))
          call pack_state(state, states(:, j), contacts(:, j))
       end do
@@ -53,9 +55,9 @@ contains
    end subroutine simulate_bundle
 
    !> One simulation of which only the end and the numbers of impacts and rests are kept.
-   pure subroutine simulate_counting(drive, state, cycles, most_events, counts, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine simulate_counting(system, state, cycles, most_events, counts, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: the initial state. Out: the final one; if `most_events` were reached, that after the
       !! last event.
       type(state_type), intent(inout) :: state
@@ -75,7 +77,7 @@ contains
       counts = 0
       total = 0
       do
-         call simulate(drive, state, last_cycle, last_phase, &
+         call simulate(system, state, last_cycle, last_phase, &
             events(:min(chunk, most_events - total)), n, final, status)
          counts(1) = counts(1) + count(events(:n)%kind == impact_event)
          counts(2) = counts(2) + count(events(:n)%kind == stick_event)

@@ -7,16 +7,16 @@ module vi_chart
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_equispaced_row, only: new_row, row_pairs, row_type, summary_type
    use vi_exact, only: setting_type
-   use vi_flood, only: seed_flood, sweep_flood
+   use vi_grid_continuation, only: seed_grid, sweep_grid
    use vi_kinds, only: wp
    use vi_likeness, only: length_scale
    use vi_motion, only: unknown
    use vi_oscillator, only: oscillator_type
    use vi_points, only: exact_point
-   use vi_sheets, only: assign_slots
+   use vi_chart_slots, only: assign_slots
    use vi_processor, only: runs_wide
    use vi_status, only: stat
-   use vi_tally, only: add_sight, add_work, is_stopped
+   use vi_progress, only: add_expected_work, add_done_work, is_stopped
    implicit none (type, external)
    private
 
@@ -29,7 +29,7 @@ contains
 
    !> Both equispaced motions at every point of a grid; a slot holds one of them throughout.
    subroutine equispaced_chart(osc, r, clearance, cycles, with_multipliers, threads, scalars, &
-      multipliers, verdicts, status, tally)
+      multipliers, verdicts, status, progress)
       !> Oscillator with equal coefficients of restitution.
       type(oscillator_type), intent(in) :: osc
       !> (n) and (m): frequency ratios and clearances of the grid.
@@ -48,18 +48,18 @@ contains
       integer, intent(out) :: verdicts(:, :, :, :)
       !> (2, m, n) Codes of vi_status.
       integer, intent(out) :: status(:, :, :)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(row_type) :: row
       type(summary_type), allocatable :: pairs(:, :)
       logical :: wide
       integer :: i, j, k
 
       wide = runs_wide() /= 0
-      call add_sight(size(r), tally)
+      call add_expected_work(size(r), progress)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(row, pairs, i, j)
       do k = 1, size(r)
-         if (is_stopped(tally)) then
+         if (is_stopped(progress)) then
             status(:, :, k) = stat%not_computed
             verdicts(:, :, :, k) = unknown
             scalars(:, :, :, k) = ieee_value(1.0_wp, ieee_quiet_nan)
@@ -75,30 +75,32 @@ contains
                   verdicts(:, i, j, k), status(i, j, k))
             end do
          end do
-         call add_work(1, tally)
+         call add_done_work(1, progress)
       end do
       !$omp end parallel do
    end subroutine equispaced_chart
 
    !> The exact motions of a pattern at every point of a grid, continued from some of its points.
    subroutine exact_chart(setting, r, clearance, points, guesses, symmetry, threads, phases, &
-      impacts, scalars, multipliers, verdicts, status, found, tally)
+      impacts, scalars, multipliers, verdicts, status, found, progress)
       !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
       !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
       !> (2, p) points of the search, guesses at each, which motions, and OpenMP threads, as in
-      !! `seed_flood`.
+      !! `seed_grid`.
       integer, intent(in) :: points(:, :), guesses, symmetry, threads
-      !> (N, room, m, n), (N, 6, room, m, n), (6, room, m, n) as in vi_points; NaN in empty slots.
+      !> (N, capacity, m, n), (N, 6, capacity, m, n), (6, capacity, m, n) as in vi_points; NaN in
+      !! empty slots.
       real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
-      !> (4, room, m, n) By falling modulus; NaN in empty slots.
+      !> (4, capacity, m, n) By falling modulus; NaN in empty slots.
       complex(wp), intent(out) :: multipliers(:, :, :, :)
-      !> (3, room, m, n); (room, m, n) codes of vi_status, `stat%no_motion` in empty slots; (m, n)
+      !> (3, capacity, m, n); (capacity, m, n) codes of vi_status, `stat%no_motion` in empty slots;
+      !! (m, n)
       !! motions found, those without a slot included.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :), found(:, :)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       real(wp), allocatable :: unknowns(:, :, :, :)
       integer, allocatable :: marks(:, :, :, :), counts(:, :, :)
       integer :: gained, i, last, sweeps, left
@@ -107,29 +109,29 @@ contains
          allocate (unknowns(2*size(phases, 1), keep, m, n), source=0.0_wp)
          allocate (marks(2, keep, m, n), counts(2, m, n), source=0)
       end associate
-      ! a flood crosses the grid in about as many sweeps as it has lines
+      ! a continuation over the grid crosses the grid in about as many sweeps as it has lines
       sweeps = size(r) + size(clearance)
       left = 2*sweeps
-      call add_sight(size(points, 2) + left, tally)
+      call add_expected_work(size(points, 2) + left, progress)
       do i = 1, size(points, 2), 4*threads
-         if (is_stopped(tally)) exit
+         if (is_stopped(progress)) exit
          last = min(i + 4*threads - 1, size(points, 2))
-         call seed_flood(setting, r, clearance, points(:, i:last), guesses, symmetry, threads, &
+         call seed_grid(setting, r, clearance, points(:, i:last), guesses, symmetry, threads, &
             unknowns, marks, counts)
-         call add_work(last - i + 1, tally)
+         call add_done_work(last - i + 1, progress)
       end do
-      do while (.not. is_stopped(tally))
-         call sweep_flood(setting, r, clearance, max(1, sweeps/20), symmetry, threads, unknowns, &
-            marks, counts, gained, tally)
+      do while (.not. is_stopped(progress))
+         call sweep_grid(setting, r, clearance, max(1, sweeps/20), symmetry, threads, unknowns, &
+            marks, counts, gained, progress)
          if (gained == 0) exit
-         call add_work(min(left, max(1, sweeps/20)), tally)
+         call add_done_work(min(left, max(1, sweeps/20)), progress)
          left = left - min(left, max(1, sweeps/20))
       end do
-      call add_work(left, tally)
+      call add_done_work(left, progress)
       found = counts(2, :, :)
       call finish_chart(setting, r, clearance, threads, unknowns, marks(1, :, :, :), found, &
          phases, impacts, scalars, multipliers, verdicts, status)
-      if (is_stopped(tally)) where (status == stat%no_motion) status = stat%not_computed
+      if (is_stopped(progress)) where (status == stat%no_motion) status = stat%not_computed
    end subroutine exact_chart
 
    !> Puts the motions found into slots, and computes them once more with their verdicts.
@@ -143,13 +145,15 @@ contains
       integer, intent(in) :: threads
       !> (2N, keep, m, n) x_i (F0/K) and theta_i (rad) of the motions found.
       real(wp), intent(in) :: unknowns(:, :, :, :)
-      !> (keep, m, n) ranks of the motions, as in vi_flood; (m, n) number of motions at each point.
+      !> (keep, m, n) ranks of the motions, as in vi_grid_continuation; (m, n) number of motions at
+      !! each point.
       integer, intent(in) :: ranks(:, :, :), found(:, :)
-      !> (N, room, m, n), (N, 6, room, m, n), (6, room, m, n), (4, room, m, n): as in vi_points
+      !> (N, capacity, m, n), (N, 6, capacity, m, n), (6, capacity, m, n), (4, capacity, m, n): as
+      !! in vi_points
       real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
-      !> (4, room, m, n) By falling modulus; NaN in empty slots.
+      !> (4, capacity, m, n) By falling modulus; NaN in empty slots.
       complex(wp), intent(out) :: multipliers(:, :, :, :)
-      !> (3, room, m, n) consistent, admissible, stable; (room, m, n) codes of vi_status,
+      !> (3, capacity, m, n) consistent, admissible, stable; (capacity, m, n) codes of vi_status,
       !! `stat%no_motion` in empty slots.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :)
       integer :: slots(size(ranks, 1), size(ranks, 2), size(ranks, 3))

@@ -5,14 +5,14 @@ module vi_chart_study
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_likeness, only: allows_symmetry
-   use vi_pattern, only: new_pattern, pattern_type, side_letters
+   use vi_pattern, only: new_pattern, pattern_type, side_symbols
    use vi_motion, only: yes
    use vi_result, only: column_type, complexes, result_type, verdicts, wholes
    use vi_spacing, only: even, spaced
    use vi_status, only: stat
    use vi_text, only: whole
    use vi_values, only: values_type
-   use vi_window, only: chart_window, map_type, most_numbers, most_points, window_type
+   use vi_chart_grid, only: compute_chart, chart_type, most_numbers, most_points, chart_grid_type
    implicit none (type, external)
    private
 
@@ -51,7 +51,7 @@ module vi_chart_study
       takes='''linear'' or ''geometric'' (of the clearances)', never='clearance', &
       meaning='spacing of the clearances'), &
       symmetric_key, &
-      key_type('room', a_whole, default='4', low=1.0_wp, high=32.0_wp, &
+      key_type('slots', a_whole, default='4', low=1.0_wp, high=32.0_wp, &
       meaning='slots for motions that have no closed form'), &
       key_type('guesses', a_whole, default='32', low=1.0_wp, high=1.0e4_wp, &
       meaning='guesses of a search'), &
@@ -84,7 +84,7 @@ module vi_chart_study
       column_type('motions', 'status', wholes, absent=[stat%no_motion, stat%not_computed], &
       meaning='code of what failed; 0: none'), &
       column_type('points', 'found', wholes, listed=.false., &
-      meaning='motions at the point, with those for which there was no room')]
+      meaning='motions at the point, with those for which there was no slot')]
 
 contains
 
@@ -93,7 +93,7 @@ contains
       !> The case.
       type(case_type), intent(inout) :: case
       type(pattern_type) :: pattern
-      type(window_type) :: window
+      type(chart_grid_type) :: grid
       real(wp) :: points
       integer :: n
 
@@ -111,18 +111,18 @@ contains
             'r'))//' is '//whole(points_of(case%study, 'r')))
          return
       end if
-      window = chart_window_of(case%study)
-      call check_axis(case%study, 'r', window%r)
-      call check_axis(case%study, 'clearance', window%clearance)
-      if (window%symmetry > 0 .and. .not. allows_symmetry(case%osc, pattern)) then
+      grid = chart_grid_of(case%study)
+      call check_axis(case%study, 'r', grid%r)
+      call check_axis(case%study, 'clearance', grid%clearance)
+      if (grid%symmetry > 0 .and. .not. allows_symmetry(case%osc, pattern)) then
          call case%study%refuse('symmetric', '''yes'' takes equal restitution, an odd number of &
             &cycles and sides whose second half mirrors the first')
-      else if (.not. (window%symmetry > 0 .and. n == 2) .and. points*max(window%room, 4)*n > &
+      else if (.not. (grid%symmetry > 0 .and. n == 2) .and. points*max(grid%slots, 4)*n > &
          most_numbers) then
-         call case%study%refuse(points_key(case%study, 'r'), 'points x room x impacts must be at &
+         call case%study%refuse(points_key(case%study, 'r'), 'points x slots x impacts must be at &
             &most '//whole(most_numbers))
       else
-         call case%study%set_word('sides', side_letters(pattern%sides))
+         call case%study%set_word('sides', side_symbols(pattern%sides))
       end if
    end subroutine check_chart
 
@@ -176,92 +176,92 @@ contains
       !> The group.
       type(values_type), intent(in) :: study
       type(pattern_type) :: pattern
-      character(:), allocatable :: letters
+      character(:), allocatable :: symbols
 
-      call study%text('sides', letters)
-      pattern = new_pattern(letters, study%whole_number('cycles'))
+      call study%text('sides', symbols)
+      pattern = new_pattern(symbols, study%whole_number('cycles'))
    end function chart_pattern
 
    !> The grid, and how it is searched.
-   pure function chart_window_of(study) result(window)
+   pure function chart_grid_of(study) result(grid)
       !> The group.
       type(values_type), intent(in) :: study
-      type(window_type) :: window
+      type(chart_grid_type) :: grid
 
       if (study%has('r')) then
-         window%r = study%numbers('r')
+         grid%r = study%numbers('r')
       else
-         window%r = even(study%number('r_min'), study%number('r_max'), points_of(study, 'r'))
+         grid%r = even(study%number('r_min'), study%number('r_max'), points_of(study, 'r'))
       end if
       if (study%has('clearance')) then
-         window%clearance = study%numbers('clearance')
+         grid%clearance = study%numbers('clearance')
       else
-         window%clearance = spaced(study%number('clearance_min'), study%number('clearance_max'), &
+         grid%clearance = spaced(study%number('clearance_min'), study%number('clearance_max'), &
             points_of(study, 'clearance'), study%is('spacing', 'geometric'))
       end if
-      window%room = study%whole_number('room')
-      window%guesses = study%whole_number('guesses')
-      window%seeds = study%whole_number('seeds')
-      if (study%has('multipliers')) window%multipliers = study%is('multipliers', 'yes')
-      if (study%is('symmetric', 'yes')) window%symmetry = 1
-      if (study%is('symmetric', 'no')) window%symmetry = -1
-   end function chart_window_of
+      grid%slots = study%whole_number('slots')
+      grid%guesses = study%whole_number('guesses')
+      grid%seeds = study%whole_number('seeds')
+      if (study%has('multipliers')) grid%multipliers = study%is('multipliers', 'yes')
+      if (study%is('symmetric', 'yes')) grid%symmetry = 1
+      if (study%is('symmetric', 'no')) grid%symmetry = -1
+   end function chart_grid_of
 
    !> Finds the motions of a pattern on a grid.
-   subroutine run_chart(case, result, tally)
+   subroutine run_chart(case, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
-      type(map_type) :: map
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(chart_type) :: chart
       type(pattern_type) :: pattern
-      type(window_type) :: window
+      type(chart_grid_type) :: grid
       character(:), allocatable :: what
       integer :: i, slots, m, n, reached
 
       pattern = chart_pattern(case%study)
-      window = chart_window_of(case%study)
-      call chart_window(case%osc, pattern, window, map, tally)
-      what = side_letters(pattern%sides)//'/'//whole(pattern%cycles)
-      slots = size(map%status, 1)
-      m = size(map%status, 2)
-      n = size(map%status, 3)
+      grid = chart_grid_of(case%study)
+      call compute_chart(case%osc, pattern, grid, chart, progress)
+      what = side_symbols(pattern%sides)//'/'//whole(pattern%cycles)
+      slots = size(chart%status, 1)
+      m = size(chart%status, 2)
+      n = size(chart%status, 3)
       call result%open('ratios', 'r', [n])
-      call result%put('ratios', 'r', window%r)
+      call result%put('ratios', 'r', grid%r)
       call result%open('clearances', 'clearance', [m])
-      call result%put('clearances', 'clearance', window%clearance)
+      call result%put('clearances', 'clearance', grid%clearance)
       call result%open('slots', 'slot', [slots])
       call result%put('slots', 'slot', [(i, i=1, slots)])
       call result%open('motions', 'slot clearance r', [slots, m, n])
-      call result%put('motions', 'consistent', [map%verdicts(1, :, :, :)])
-      call result%put('motions', 'admissible', [map%verdicts(2, :, :, :)])
-      call result%put('motions', 'stable', [map%verdicts(3, :, :, :)])
-      call result%put('motions', 'leading', [abs(map%multipliers(1, :, :, :))])
-      call result%put('motions', 'multipliers', [map%multipliers])
-      call result%put('motions', 'x_min', [map%x_min])
-      call result%put('motions', 'x_max', [map%x_max])
-      call result%put('motions', 'tau', [map%tau])
-      call result%put('motions', 'phases', [map%phases])
-      call result%put('motions', 'X', [map%x])
-      call result%put('motions', 'status', [map%status])
+      call result%put('motions', 'consistent', [chart%verdicts(1, :, :, :)])
+      call result%put('motions', 'admissible', [chart%verdicts(2, :, :, :)])
+      call result%put('motions', 'stable', [chart%verdicts(3, :, :, :)])
+      call result%put('motions', 'leading', [abs(chart%multipliers(1, :, :, :))])
+      call result%put('motions', 'multipliers', [chart%multipliers])
+      call result%put('motions', 'x_min', [chart%x_min])
+      call result%put('motions', 'x_max', [chart%x_max])
+      call result%put('motions', 'tau', [chart%tau])
+      call result%put('motions', 'phases', [chart%phases])
+      call result%put('motions', 'X', [chart%x])
+      call result%put('motions', 'status', [chart%status])
       call result%open('points', 'clearance r', [m, n])
-      call result%put('points', 'found', [map%found])
-      reached = count(any(map%status /= stat%not_computed, 1))
+      call result%put('points', 'found', [chart%found])
+      reached = count(any(chart%status /= stat%not_computed, 1))
       if (reached < m*n) then
          result%cut = whole(reached)//' of '//whole(m*n)//' points were reached'
          ! a search that was stopped does not know where there are no motions
-         if (.not. (window%symmetry > 0 .and. size(pattern%sides) == 2)) result%cut = &
+         if (.not. (grid%symmetry > 0 .and. size(pattern%sides) == 2)) result%cut = &
             'motions were found at '//whole(reached)//' of '//whole(m*n)//' points so far'
       end if
-      result%empty = all(map%status /= stat%ok)
+      result%empty = all(chart%status /= stat%ok)
       if (result%empty) then
          call result%fail('no motion '//what//' was found anywhere in the window')
       else
-         call result%say(whole(count(map%status == stat%ok))//' motions '//what//' at '//whole( &
-            count(any(map%status == stat%ok, 1)))//' of '//whole(m*n)//' points, '//whole(count( &
-            all(map%verdicts == yes, 1)))//' admissible and stable')
+         call result%say(whole(count(chart%status == stat%ok))//' motions '//what//' at '//whole( &
+            count(any(chart%status == stat%ok, 1)))//' of '//whole(m*n)//' points, '//whole(count( &
+            all(chart%verdicts == yes, 1)))//' admissible and stable')
       end if
    end subroutine run_chart
 

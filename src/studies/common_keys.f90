@@ -7,7 +7,7 @@ module vi_common_keys
    use vi_spacing, only: spaced
    use vi_text, only: exact, number_text
    use vi_values, only: values_type
-   use vi_window, only: most_numbers
+   use vi_chart_grid, only: most_numbers
    implicit none (type, external)
    private
 

@@ -31,7 +31,7 @@ module vi_curve
    integer, parameter :: most_iterations = 8
    !> Residual due to rounding, relative to the coefficients of an equation.
    real(wp), parameter :: rounding = 1.0e-13_wp
-   !> A residual that makes Newton's method fail: the period has other letters.
+   !> A residual that makes Newton's method fail: the period has other symbols.
    real(wp), parameter :: at_fault = huge(1.0_wp)
 
 contains
@@ -164,7 +164,7 @@ contains
       type(condition_type), intent(in) :: conditions(:)
       !> A guess.
       real(wp), intent(in) :: point(:)
-      !> Out: b(1, j): residual j, or huge where the letters cannot be followed; a(:, j): its
+      !> Out: b(1, j): residual j, or huge where the symbols cannot be followed; a(:, j): its
       !! gradient by the coordinates.
       real(wp), intent(inout) :: b(2, most), a(most, most)
       type(rest_period_type) :: period

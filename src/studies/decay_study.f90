@@ -3,14 +3,14 @@ module vi_decay_study
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_case, only: case_type
    use vi_common_keys, only: check_product, clearance_key, half_gap, state_keys
-   use vi_drive, only: two_pi
+   use vi_forced_system, only: two_pi
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_peaks, only: find_peaks, peak_type
    use vi_result, only: column_type, result_type, wholes
    use vi_status, only: stat, status_text
    use vi_text, only: counted, shown, whole
-   use vi_window, only: most_numbers
+   use vi_chart_grid, only: most_numbers
    implicit none (type, external)
    private
 
@@ -83,15 +83,15 @@ contains
    end function clearance_values
 
    !> Finds the peaks of each free vibration, and its damping from peak to peak.
-   subroutine run_decay(case, threads, result, tally)
+   subroutine run_decay(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(peak_type), allocatable :: peaks(:, :), listed(:)
       real(wp), allocatable :: clearance(:), decrement(:)
       integer, allocatable :: counts(:), status(:), done(:), owners(:)
@@ -103,7 +103,7 @@ contains
          most = 2*s%whole_number('cycles') + 1
          allocate (peaks(most, n), counts(n), status(n))
          call find_peaks(case%osc, clearance, [s%number('amplitude'), s%number('x_dot'), &
-            s%number('y'), s%number('z_dot')], threads, peaks, counts, status, tally)
+            s%number('y'), s%number('z_dot')], threads, peaks, counts, status, progress)
       end associate
       ! only the clearances that were completed before a stop
       done = pack([(j, j=1, n)], status /= stat%not_computed)

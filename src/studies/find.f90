@@ -5,20 +5,20 @@
 !! the return map of releases adds motions with rest. Simulations from initial states that are
 !! spread evenly add the motions on which they settle, with any number of impacts and load cycles.
 module vi_find
-   use vi_drive, only: drive_type
+   use vi_forced_system, only: forced_system_type
    use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored, new_found, &
-      new_resting, tell_motion, told_type
+      new_resting, describe_motion, described_type
    use vi_kinds, only: wp
    use vi_likeness, only: length_scale
    use vi_motion, only: yes
    use vi_oscillator, only: left, right
    use vi_passages, only: begin_lines, birth_type, follow_birth, lines_type
-   use vi_pattern, only: pattern_type, starred_letters
+   use vi_pattern, only: pattern_type, starred_symbols
    use vi_pattern_list, only: side_patterns
    use vi_settled_motion, only: n_outcomes, settle_on
    use vi_starts, only: release_start, state_start
    use vi_status, only: stat
-   use vi_tally, only: add_sight, add_work, is_stopped, tell_share
+   use vi_progress, only: add_expected_work, add_done_work, is_stopped, report_share
    implicit none (type, external)
    private
 
@@ -33,7 +33,7 @@ module vi_find
 
    !> What to search, and the effort.
    type, public :: find_request_type
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
       !> Limits of the patterns that are searched.
       integer :: max_impacts = 6, max_cycles = 2
       !> Guesses for each pattern; initial states simulated, and load cycles of the transient;
@@ -44,7 +44,7 @@ module vi_find
    !> The motions found, and counts of the search.
    type, public :: findings_type
       !> The motions, stable ones first.
-      type(told_type), allocatable :: motions(:)
+      type(described_type), allocatable :: motions(:)
       !> Patterns searched, and all there are; Newton iterations started from guesses; solutions
       !! that would pass through a wall; releases that Newton's method was started from; motions
       !! that could not be confirmed as they are written.
@@ -68,37 +68,37 @@ contains
 
    !> All motions at a point; the result does not depend on the number of threads. A search that is
    !! stopped gives what the patterns, releases and states led to that were begun.
-   subroutine find_motions(request, findings, tally)
+   subroutine find_motions(request, findings, progress)
       !> What is asked for.
       type(find_request_type), intent(in) :: request
       !> The motions found.
       type(findings_type), intent(out) :: findings
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       real(wp) :: scale
 
-      call add_sight(all_work, tally)
-      associate (drive => request%drive)
-         scale = max(drive%clearance, drive%load*length_scale(drive%osc, drive%r, 0.0_wp))
+      call add_expected_work(all_work, progress)
+      associate (system => request%system)
+         scale = max(system%clearance, system%load*length_scale(system%osc, system%r, 0.0_wp))
       end associate
       allocate (findings%gathered(64))
-      call from_patterns(request, scale, findings, tally)
-      call from_releases(request, scale, findings, tally)
-      call from_states(request, scale, findings, tally)
+      call from_patterns(request, scale, findings, progress)
+      call from_releases(request, scale, findings, progress)
+      call from_states(request, scale, findings, progress)
       call verify(request, findings)
       call tell_all(request, findings)
    end subroutine find_motions
 
    !> Adds the motions of all patterns without rest.
-   subroutine from_patterns(request, scale, findings, tally)
+   subroutine from_patterns(request, scale, findings, progress)
       !> What is asked for.
       type(find_request_type), intent(in) :: request
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
       !> In and out: motions are added.
       type(findings_type), intent(inout) :: findings
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(pattern_type), allocatable :: patterns(:)
       type(lines_type), allocatable :: lines(:)
       type(batch_type), allocatable :: batches(:)
@@ -106,37 +106,38 @@ contains
       integer :: i, total
 
       allocate (patterns, source=side_patterns(request%max_impacts, request%max_cycles, &
-         walls_alike(request%drive)))
+         walls_alike(request%system)))
       findings%all_patterns = size(patterns)
       allocate (batches(size(patterns)), lines(size(patterns)))
       total = sum([(size(patterns(i)%sides)**2, i=1, size(patterns))])
-      associate (drive => request%drive, osc => request%drive%osc)
+      associate (system => request%system, osc => request%system%osc)
          ! without load there is no clearance in units of it: so large that nothing is there
-         c = [drive%r, log(drive%clearance/max(drive%load, drive%clearance*1.0e-300_wp)), osc%xi, &
+         c = [system%r, log(system%clearance/max(system%load, system%clearance*1.0e-300_wp)), &
+            osc%xi, &
             osc%mu, osc%restitution(right), osc%restitution(left)]
       end associate
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(patterns)
-         if (is_stopped(tally)) cycle
+         if (is_stopped(progress)) cycle
          batches(i)%begun = .true.
          call begin_lines(patterns(i), c, request%guesses, request%max_impacts, lines(i), &
             batches(i)%tried)
-         call add_work(int(real(pattern_work, wp)*size(patterns(i)%sides)**2/total), tally)
+         call add_done_work(int(real(pattern_work, wp)*size(patterns(i)%sides)**2/total), progress)
       end do
       !$omp end parallel do
       findings%patterns = count(batches%begun)
-      if (.not. is_stopped(tally)) call follow_births(request, patterns, lines)
+      if (.not. is_stopped(progress)) call follow_births(request, patterns, lines)
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(patterns)
          if (.not. batches(i)%begun) cycle
-         call keep_admissible(request%drive, patterns(i), lines(i)%unknowns(:, :lines(i)%n), &
+         call keep_admissible(request%system, patterns(i), lines(i)%unknowns(:, :lines(i)%n), &
             batches(i))
       end do
       !$omp end parallel do
       do i = 1, size(patterns)
          findings%guesses = findings%guesses + batches(i)%tried
          findings%inadmissible = findings%inadmissible + batches(i)%inadmissible
-         call add_batch(request%drive, batches(i), scale, findings)
+         call add_batch(request%system, batches(i), scale, findings)
       end do
    end subroutine from_patterns
 
@@ -192,9 +193,9 @@ contains
    end function place_of
 
    !> The admissible motions among those of one pattern.
-   pure subroutine keep_admissible(drive, pattern, unknowns, batch)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine keep_admissible(system, pattern, unknowns, batch)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The pattern.
       type(pattern_type), intent(in) :: pattern
       !> x_i/D and theta_i of each (2N, m).
@@ -207,7 +208,8 @@ contains
       n = size(pattern%sides)
       allocate (batch%motions(size(unknowns, 2)))
       do i = 1, size(unknowns, 2)
-         call new_found(drive, pattern, drive%clearance*unknowns(:n, i), unknowns(n + 1:, i), found)
+         call new_found(system, pattern, system%clearance*unknowns(:n, i), unknowns(n + 1:, i), &
+            found)
          if (found%status /= stat%ok) cycle
          if (found%admissible == yes) then
             batch%n = batch%n + 1
@@ -219,87 +221,89 @@ contains
    end subroutine keep_admissible
 
    !> Adds the motions with rest to which Newton's method leads from releases.
-   subroutine from_releases(request, scale, findings, tally)
+   subroutine from_releases(request, scale, findings, progress)
       !> What is asked for.
       type(find_request_type), intent(in) :: request
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
       !> In and out: motions are added.
       type(findings_type), intent(inout) :: findings
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(batch_type), allocatable :: batches(:)
-      integer :: i, n, cycles, side, told
+      integer :: i, n, cycles, side, reported
 
       n = request%releases
       allocate (batches(2*n*request%max_cycles))
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(cycles, side)
       do i = 1, size(batches)
-         if (is_stopped(tally)) cycle
+         if (is_stopped(progress)) cycle
          batches(i)%begun = .true.
          cycles = (i - 1)/(2*n) + 1
          side = merge(1, -1, modulo(i - 1, 2*n) < n)
          allocate (batches(i)%motions(1))
-         associate (drive => request%drive, found => batches(i)%motions(1))
-            call new_resting(drive, side, cycles, release_start(drive%osc, drive%r, drive%load, &
-               drive%clearance, side, modulo(i - 1, n)), few_events, found)
+         associate (system => request%system, found => batches(i)%motions(1))
+            call new_resting(system, side, cycles, release_start(system%osc, system%r, &
+               system%load, &
+               system%clearance, side, modulo(i - 1, n)), few_events, found)
             batches(i)%n = merge(1, 0, found%status == stat%ok)
          end associate
       end do
       !$omp end parallel do
       findings%releases = count(batches%begun)
       do i = 1, size(batches)
-         call add_batch(request%drive, batches(i), scale, findings)
+         call add_batch(request%system, batches(i), scale, findings)
       end do
-      told = 0
-      call tell_share(1.0_wp, release_work, told, tally)
+      reported = 0
+      call report_share(1.0_wp, release_work, reported, progress)
    end subroutine from_releases
 
    !> Adds the motions on which simulations settle.
-   subroutine from_states(request, scale, findings, tally)
+   subroutine from_states(request, scale, findings, progress)
       !> What is asked for.
       type(find_request_type), intent(in) :: request
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
       !> In and out: motions are added.
       type(findings_type), intent(inout) :: findings
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(batch_type), allocatable :: batches(:)
       integer :: i
 
       allocate (batches(request%states))
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(batches)
-         if (is_stopped(tally)) cycle
+         if (is_stopped(progress)) cycle
          allocate (batches(i)%motions(most_a_state))
-         associate (drive => request%drive, batch => batches(i))
-            call settle_on(drive, state_start(drive%osc, drive%r, drive%load, drive%clearance, i), &
+         associate (system => request%system, batch => batches(i))
+            call settle_on(system, state_start(system%osc, system%r, system%load, &
+               system%clearance, i), &
                request%settling, scale, batch%outcome, batch%motions, batch%n)
          end associate
-         call add_work(state_work/size(batches), tally)
+         call add_done_work(state_work/size(batches), progress)
       end do
       !$omp end parallel do
       do i = 1, n_outcomes
          findings%outcomes(i) = count(batches%outcome == i)
       end do
       do i = 1, size(batches)
-         call add_batch(request%drive, batches(i), scale, findings)
+         call add_batch(request%system, batches(i), scale, findings)
       end do
    end subroutine from_states
 
    !> Whether both walls have the same coefficient of restitution.
-   pure logical function walls_alike(drive)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure logical function walls_alike(system)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
 
-      walls_alike = abs(drive%osc%restitution(1) - drive%osc%restitution(2)) <= 0
+      walls_alike = abs(system%osc%restitution(1) - system%osc%restitution(2)) <= 0
    end function walls_alike
 
    !> Adds the motions that are not known yet, with their mirror images if the walls are alike.
-   pure subroutine add_batch(drive, batch, scale, findings)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine add_batch(system, batch, scale, findings)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The motions of one task.
       type(batch_type), intent(in) :: batch
       !> Unit of positions, as `length_scale`.
@@ -312,7 +316,7 @@ contains
       do i = 1, batch%n
          once = in_standard_form(batch%motions(i), scale)
          call add(once, scale, findings)
-         if (walls_alike(drive)) call add(in_standard_form(mirrored(once), scale), scale, findings)
+         if (walls_alike(system)) call add(in_standard_form(mirrored(once), scale), scale, findings)
       end do
    end subroutine add_batch
 
@@ -354,7 +358,7 @@ contains
          associate (motion => findings%gathered(i))
             n = size(motion%pattern%sides)
             if (n == 0) cycle
-            call new_found(request%drive, motion%pattern, motion%unknowns(:n), &
+            call new_found(request%system, motion%pattern, motion%unknowns(:n), &
                motion%unknowns(n + 1:), again)
             if (again%admissible /= yes .and. again%status == stat%ok) again%status = stat%no_motion
             motion%status = again%status
@@ -371,43 +375,43 @@ contains
       findings%n = n
    end subroutine verify
 
-   !> The motions with all that is to be told of them, in order.
+   !> The motions with their descriptions, in order.
    subroutine tell_all(request, findings)
       !> Where.
       type(find_request_type), intent(in) :: request
       !> With the motions that were gathered.
       type(findings_type), intent(inout) :: findings
-      type(told_type), allocatable :: told(:)
+      type(described_type), allocatable :: described(:)
       integer, allocatable :: order(:)
       integer :: i, j, n
 
-      allocate (told(findings%n))
+      allocate (described(findings%n))
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, findings%n
-         call tell_motion(request%drive, findings%gathered(i), told(i))
+         call describe_motion(request%system, findings%gathered(i), described(i))
       end do
       !$omp end parallel do
-      order = pack([(i, i=1, size(told))], told%motion%status == stat%ok)
-      findings%lost = size(told) - size(order)
+      order = pack([(i, i=1, size(described))], described%motion%status == stat%ok)
+      findings%lost = size(described) - size(order)
       ! by insertion: what is equal keeps its order
       do i = 2, size(order)
          n = order(i)
          do j = i, 2, -1
-            if (.not. comes_before(told(n), told(order(j - 1)))) exit
+            if (.not. comes_before(described(n), described(order(j - 1)))) exit
             order(j) = order(j - 1)
          end do
          order(j) = n
       end do
-      allocate (findings%motions, source=told(order))
+      allocate (findings%motions, source=described(order))
    end subroutine tell_all
 
    !> Whether a motion is listed before another: stable ones first, then by load cycles, impacts,
    !! sides, and position.
    pure logical function comes_before(one, other) result(before)
       !> Both with their impacts.
-      type(told_type), intent(in) :: one, other
+      type(described_type), intent(in) :: one, other
       real(wp), parameter :: places = 1.0e6_wp
-      character(:), allocatable :: letters, others
+      character(:), allocatable :: symbols, others
       integer :: ranks(3, 2), i
 
       associate (a => one%motion, b => other%motion)
@@ -417,10 +421,10 @@ contains
             before = ranks(i, 1) < ranks(i, 2)
             if (ranks(i, 1) /= ranks(i, 2)) return
          end do
-         letters = starred_letters(a%pattern%sides)
-         others = starred_letters(b%pattern%sides)
-         before = llt(letters, others)
-         if (letters /= others) return
+         symbols = starred_symbols(a%pattern%sides)
+         others = starred_symbols(b%pattern%sides)
+         before = llt(symbols, others)
+         if (symbols /= others) return
          before = anint(places*a%x(1)) > anint(places*b%x(1))
       end associate
    end function comes_before

@@ -2,16 +2,17 @@
 module vi_find_study
    use vi_case, only: case_type
    use vi_common_keys, only: clearance_key, load_key
-   use vi_drive, only: event_type, impact_event, new_drive, release_event, stick_event
+   use vi_forced_system, only: event_type, impact_event, new_forced_system, release_event, &
+      stick_event
    use vi_find, only: find_motions, find_request_type, findings_type
-   use vi_found_motion, only: told_type
+   use vi_found_motion, only: described_type
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_motion, only: yes
    use vi_motion_study, only: motion_columns, put_motions
    use vi_result, only: column_type, result_type, wholes, words
    use vi_settled_motion, only: no_impacts, not_stable, settled, unconfirmed, unfinished, wandering
-   use vi_tally, only: is_stopped
+   use vi_progress, only: is_stopped
    use vi_text, only: counted, whole
    use vi_trajectory, only: store_events
    implicit none (type, external)
@@ -88,27 +89,27 @@ module vi_find_study
 contains
 
    !> Searches at the point of a case.
-   subroutine run_find(case, threads, result, tally)
+   subroutine run_find(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> Threads; the answer does not depend on them.
       integer, intent(in) :: threads
       !> Started.
       type(result_type), intent(inout) :: result
-      !> As of vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> As of vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(find_request_type) :: request
       type(findings_type) :: findings
       character(:), allocatable :: text
 
       associate (s => case%study)
-         request = find_request_type(new_drive(case%osc, case%r, s%number('load'), &
+         request = find_request_type(new_forced_system(case%osc, case%r, s%number('load'), &
             s%number('clearance')), s%whole_number('max_impacts'), s%whole_number('max_cycles'), &
             s%whole_number('guesses'), s%whole_number('states'), s%whole_number('settling'), &
             s%whole_number('releases'), threads)
       end associate
-      call find_motions(request, findings, tally)
-      if (is_stopped(tally)) result%cut = whole(findings%patterns)//' of '// &
+      call find_motions(request, findings, progress)
+      if (is_stopped(progress)) result%cut = whole(findings%patterns)//' of '// &
          whole(findings%all_patterns)//' patterns were searched, '//whole(findings%releases)// &
          ' releases and '//whole(sum(findings%outcomes))//' of '//whole(request%states)// &
          ' states were tried'
@@ -133,7 +134,7 @@ contains
       !> Frequency ratio.
       real(wp), intent(in) :: r
       !> The motions.
-      type(told_type), intent(in) :: motions(:)
+      type(described_type), intent(in) :: motions(:)
       !> The result.
       type(result_type), intent(inout) :: result
       character(*), parameter :: names(7) = [character(12) :: 'time', 'phase', 'x', &

@@ -22,11 +22,11 @@ module vi_flags
    public :: stability_flags
 
    !> Room for one block of points, and for one point of the reference chain.
-   type :: room_type
+   type :: workspace_type
       real(wp), allocatable :: phases(:, :), system(:, :, :), x(:, :), flight(:, :, :)
       type(linear_system_type) :: linear
       type(motion_type) :: motion
-   end type room_type
+   end type workspace_type
 
 contains
 
@@ -55,7 +55,7 @@ contains
       !> Points that went through the reference chain.
       integer, intent(out) :: referred
       type(plan_type) :: plan
-      type(room_type) :: room
+      type(workspace_type) :: workspace
       integer :: k, first, last, n
       logical :: wide_here
 
@@ -64,26 +64,28 @@ contains
       wide_here = .false.
       if (wide) wide_here = runs_wide() /= 0
       if (n <= most_impacts) plan = new_plan(osc, pattern, restitution, acceptance)
-      !$omp parallel do schedule(dynamic, 16) num_threads(threads) private(room, first, last) &
+      !$omp parallel do schedule(dynamic, 16) num_threads(threads) private(workspace, first, last) &
       !$omp& reduction(+:referred)
       do k = 1, (size(r) + lanes - 1)/lanes
          first = (k - 1)*lanes + 1
          last = min(k*lanes, size(r))
          if (n <= most_impacts) then
-            call block(plan, r(first:last), phases(first:last, :), with_radius, wide_here, room, &
+            call block(plan, r(first:last), phases(first:last, :), with_radius, wide_here, &
+               workspace, &
                consistent(first:last), stable(first:last), radius(first:last))
          else
             stable(first:last) = unsure
          end if
          call refer(osc, r(first:last), pattern, restitution, phases(first:last, :), acceptance, &
-            with_radius, room, consistent(first:last), stable(first:last), radius(first:last), &
+            with_radius, workspace, consistent(first:last), stable(first:last), &
+            radius(first:last), &
             status(first:last), referred)
       end do
       !$omp end parallel do
    end subroutine stability_flags
 
    !> One block of at most `lanes` points; unused lanes repeat the last point.
-   pure subroutine block(plan, r, phases, with_radius, wide, room, consistent, stable, radius)
+   pure subroutine block(plan, r, phases, with_radius, wide, workspace, consistent, stable, radius)
       !> Data that all points share.
       type(plan_type), intent(in) :: plan
       !> (m) Frequency ratios, and (m, N) phases (rad) of the points.
@@ -92,7 +94,7 @@ contains
       !! called.
       logical, intent(in) :: with_radius, wide
       !> Scratch, kept between calls.
-      type(room_type), intent(inout) :: room
+      type(workspace_type), intent(inout) :: workspace
       !> (m) 1, 0 or `unsure`.
       integer, intent(out) :: consistent(:), stable(:)
       !> (m) Spectral radius; NaN if it is not wanted.
@@ -100,23 +102,23 @@ contains
       real(wp) :: ratio(lanes), spectral(lanes)
       integer :: verdict(lanes, 2), i, m
 
-      if (.not. allocated(room%x)) then
-         allocate (room%phases(lanes, plan%n), room%system(lanes, 2*plan%n, plan%n + 3), &
-            room%x(lanes, plan%n + 2), room%flight(lanes, 7, plan%n))
+      if (.not. allocated(workspace%x)) then
+         allocate (workspace%phases(lanes, plan%n), workspace%system(lanes, 2*plan%n, plan%n + 3), &
+            workspace%x(lanes, plan%n + 2), workspace%flight(lanes, 7, plan%n))
       end if
       m = size(r)
       ratio(:m) = r
       ratio(m + 1:) = r(m)
       do i = 1, plan%n
-         room%phases(:m, i) = phases(:, i)
-         room%phases(m + 1:, i) = phases(m, i)
+         workspace%phases(:m, i) = phases(:, i)
+         workspace%phases(m + 1:, i) = phases(m, i)
       end do
       if (wide) then
-         call lane_verdicts_wide(plan, plan%n, 2*plan%n, ratio, room%phases, with_radius, &
-            room%system, room%x, room%flight, verdict(:, 1), verdict(:, 2), spectral)
+         call lane_verdicts_wide(plan, plan%n, 2*plan%n, ratio, workspace%phases, with_radius, &
+            workspace%system, workspace%x, workspace%flight, verdict(:, 1), verdict(:, 2), spectral)
       else
-         call lane_verdicts(plan, plan%n, 2*plan%n, ratio, room%phases, with_radius, &
-            room%system, room%x, room%flight, verdict(:, 1), verdict(:, 2), spectral)
+         call lane_verdicts(plan, plan%n, 2*plan%n, ratio, workspace%phases, with_radius, &
+            workspace%system, workspace%x, workspace%flight, verdict(:, 1), verdict(:, 2), spectral)
       end if
       consistent = verdict(:m, 1)
       stable = verdict(:m, 2)
@@ -125,7 +127,7 @@ contains
    end subroutine block
 
    !> The points of a block that are unsure, by the reference chain.
-   subroutine refer(osc, r, pattern, restitution, phases, acceptance, with_radius, room, &
+   subroutine refer(osc, r, pattern, restitution, phases, acceptance, with_radius, workspace, &
       consistent, stable, radius, status, referred)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
@@ -137,7 +139,7 @@ contains
       !> Whether the spectral radius is wanted.
       logical, intent(in) :: with_radius
       !> Scratch, kept between calls.
-      type(room_type), intent(inout) :: room
+      type(workspace_type), intent(inout) :: workspace
       !> In: verdicts (m) of the block, and the points referred so far. Out: without `unsure`, and
       !! with those of this block.
       integer, intent(inout) :: consistent(:), stable(:), referred
@@ -153,12 +155,13 @@ contains
          if (min(consistent(j), stable(j)) > unsure) cycle
          referred = referred + 1
          call periodic_chain(osc, r(j), pattern, restitution, phases(j, :), acceptance, .false., &
-            room%linear, room%motion)
-         consistent(j) = room%motion%consistent
-         stable(j) = room%motion%stable
-         status(j) = room%motion%status
+            workspace%linear, workspace%motion)
+         consistent(j) = workspace%motion%consistent
+         stable(j) = workspace%motion%stable
+         status(j) = workspace%motion%status
          radius(j) = ieee_value(1.0_wp, ieee_quiet_nan)
-         if (with_radius .and. status(j) == stat%ok) radius(j) = abs(room%motion%multipliers(1))
+         if (with_radius .and. status(j) == stat%ok) radius(j) = &
+            abs(workspace%motion%multipliers(1))
       end do
    end subroutine refer
 

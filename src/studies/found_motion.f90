@@ -5,10 +5,10 @@
 !! as the mirror image of a known one.
 module vi_found_motion
    use vi_assess, only: assess_exact, assess_flights
-   use vi_drive, only: drive_type, event_type, release_event, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, release_event, two_pi
    use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
-   use vi_letters, only: standard_letters
+   use vi_symbols, only: standard_symbols
    use vi_likeness, only: distance, same, shortest_repetition
    use vi_motion, only: motion_type, unknown, yes
    use vi_pattern, only: default_restitution, pattern_type
@@ -17,7 +17,8 @@ module vi_found_motion
    implicit none (type, external)
    private
 
-   public :: are_same, in_standard_form, mirrored, new_found, new_resting, setting_of, tell_motion
+   public :: are_same, in_standard_form, mirrored, new_found, new_resting, setting_of, &
+      describe_motion
 
    !> Newton iterations for a motion without rest.
    integer, parameter :: most_iterations = 50
@@ -37,20 +38,20 @@ module vi_found_motion
       integer :: status = stat%no_motion
    end type found_type
 
-   !> A motion with all that is to be told of it.
-   type, public :: told_type
+   !> A motion with its full description.
+   type, public :: described_type
       !> Of one with rest as `find_rest_motion` gives it.
       type(motion_type) :: motion
       !> With rest: all events of a period.
       type(event_type), allocatable :: events(:)
-   end type told_type
+   end type described_type
 
 contains
 
    !> The exact motion of a pattern near a guess, with its verdicts.
-   pure subroutine new_found(drive, pattern, x, theta, found)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine new_found(system, pattern, x, theta, found)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Sides of the n impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> (n) Guess: positions x_i and theta_i = alpha_i + tau (rad).
@@ -64,7 +65,7 @@ contains
 
       x_now = x
       theta_now = theta
-      call solve_exact(setting_of(drive, pattern), x_now, theta_now, most_iterations, none, &
+      call solve_exact(setting_of(system, pattern), x_now, theta_now, most_iterations, none, &
          motion, iterations)
       found%status = motion%status
       if (found%status /= stat%ok) return
@@ -79,15 +80,15 @@ contains
    end subroutine new_found
 
    !> The periodic motion with rest near a release, with its verdicts.
-   pure subroutine new_resting(drive, side, cycles, guess, room, found)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine new_resting(system, side, cycles, guess, capacity, found)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The wall of the release, and the load cycles of the period.
       integer, intent(in) :: side, cycles
       !> (phase, v) at the release.
       real(wp), intent(in) :: guess(2)
       !> Events that the period may have.
-      integer, intent(in) :: room
+      integer, intent(in) :: capacity
       !> The motion with its verdicts; without its arrays unless its status is `stat%ok`.
       type(found_type), intent(out) :: found
       type(event_type), allocatable :: events(:)
@@ -95,9 +96,9 @@ contains
       real(wp) :: point(2)
       integer :: i, n, m
 
-      allocate (events(room))
+      allocate (events(capacity))
       point = guess
-      call solve_rest_motion(drive, side, cycles, point, motion, events, n)
+      call solve_rest_motion(system, side, cycles, point, motion, events, n)
       found%status = motion%status
       if (found%status /= stat%ok) return
       found%status = merge(stat%ok, stat%no_convergence, motion%consistent == yes)
@@ -118,61 +119,62 @@ contains
       found%releases(:, m) = [real(side, wp), point]
    end subroutine new_resting
 
-   !> Solves once more for a motion, with all that is to be told of it.
-   pure subroutine tell_motion(drive, found, told)
+   !> Solves once more for a motion, with its full description.
+   pure subroutine describe_motion(system, found, described)
       !> The system.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> The motion.
       type(found_type), intent(in) :: found
       !> The same; its status tells whether it could be confirmed.
-      type(told_type), intent(out) :: told
+      type(described_type), intent(out) :: described
       real(wp) :: unknowns(size(found%unknowns)), none(size(found%unknowns), 0)
       integer :: n, iterations
 
       n = size(found%pattern%sides)
       if (n == 0) then
-         call tell_resting(drive, nint(found%releases(1, 1)), found%pattern%cycles, &
-            found%releases(2:, 1), told)
+         call tell_resting(system, nint(found%releases(1, 1)), found%pattern%cycles, &
+            found%releases(2:, 1), described)
          return
       end if
       unknowns = found%unknowns
-      call solve_exact(setting_of(drive, found%pattern), unknowns(:n), unknowns(n + 1:), &
-         most_iterations, none, told%motion, iterations)
-      call assess_exact(told%motion)
-      call assess_flights(told%motion)
-   end subroutine tell_motion
+      call solve_exact(setting_of(system, found%pattern), unknowns(:n), unknowns(n + 1:), &
+         most_iterations, none, described%motion, iterations)
+      call assess_exact(described%motion)
+      call assess_flights(described%motion)
+   end subroutine describe_motion
 
    !> The motion with rest near a release.
-   pure subroutine tell_resting(drive, side, cycles, guess, told)
+   pure subroutine tell_resting(system, side, cycles, guess, described)
       !> The system.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> The wall of the release, and the load cycles of the period.
       integer, intent(in) :: side, cycles
       !> (phase, v) at the release.
       real(wp), intent(in) :: guess(2)
       !> The motion.
-      type(told_type), intent(out) :: told
+      type(described_type), intent(out) :: described
       integer :: i
 
       do i = 1, size(rooms)
-         call find_rest_motion(drive, side, cycles, guess, rooms(i), told%motion, told%events)
-         if (told%motion%status /= stat%more_events) return
+         call find_rest_motion(system, side, cycles, guess, rooms(i), described%motion, &
+            described%events)
+         if (described%motion%status /= stat%more_events) return
       end do
    end subroutine tell_resting
 
    !> The given data of a motion of a pattern.
-   pure function setting_of(drive, pattern) result(setting)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function setting_of(system, pattern) result(setting)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Sides of the impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       type(setting_type) :: setting
 
-      setting = setting_type(drive%osc, drive%r, drive%load, drive%clearance, pattern, &
-         default_restitution(pattern%sides, drive%osc%restitution(1), drive%osc%restitution(2)))
+      setting = setting_type(system%osc, system%r, system%load, system%clearance, pattern, &
+         default_restitution(pattern%sides, system%osc%restitution(1), system%osc%restitution(2)))
    end function setting_of
 
-   !> The same motion over its shortest period, beginning with the impact that `standard_letters`
+   !> The same motion over its shortest period, beginning with the impact that `standard_symbols`
    !! puts first.
    pure function in_standard_form(found, scale) result(standard)
       !> The motion.
@@ -180,7 +182,7 @@ contains
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
       type(found_type) :: standard
-      integer, allocatable :: letters(:)
+      integer, allocatable :: symbols(:)
       integer :: i, n, m, parts, shift
       logical :: unused
 
@@ -196,9 +198,9 @@ contains
       standard%pattern%sides = found%pattern%sides(:m)
       standard%pattern%cycles = found%pattern%cycles*m/n
       standard%unknowns = [found%unknowns(:m), found%unknowns(n + 1:n + m)]
-      allocate (letters(m))
-      call standard_letters(standard%pattern%sides, .false., letters, shift, unused)
-      standard%pattern%sides = letters
+      allocate (symbols(m))
+      call standard_symbols(standard%pattern%sides, .false., symbols, shift, unused)
+      standard%pattern%sides = symbols
       standard%unknowns(:m) = cshift(standard%unknowns(:m), shift)
       associate (theta => standard%unknowns(m + 1:))
          theta(:shift) = theta(:shift) + two_pi*standard%pattern%cycles

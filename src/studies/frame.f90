@@ -1,4 +1,5 @@
-!> What is fixed along a curve or sheet of motions, and the conditions that can bound a zone on it.
+!> What is fixed along a curve or surface of motions, and the conditions that can bound a zone on
+!! it.
 module vi_frame
    use vi_family, only: repetition_type
    use vi_kinds, only: wp
@@ -26,7 +27,7 @@ module vi_frame
       real(wp) :: bound = 0
    end type condition_type
 
-   !> What is fixed along a curve or sheet of motions.
+   !> What is fixed along a curve or surface of motions.
    type, public :: frame_type
       type(family_type) :: family
       type(repetition_type), allocatable :: repetitions(:)
@@ -68,7 +69,7 @@ contains
       integer :: n
 
       if (frame%resting) then
-         n = size(frame%rest%letters)
+         n = size(frame%rest%symbols)
          offset(3:2 + n) = offset(3:2 + n) - two_pi*nint(offset(1)/two_pi)
          offset(1) = offset(1) - two_pi*nint(offset(1)/two_pi)
       else
@@ -83,7 +84,7 @@ contains
       type(frame_type), intent(in) :: frame
 
       if (frame%resting) then
-         condition_count = 3 + 3*size(frame%rest%letters) + size(frame%edges)
+         condition_count = 3 + 3*size(frame%rest%symbols) + size(frame%edges)
       else
          condition_count = 3 + 2*size(frame%family%sides) + size(frame%repetitions) &
             + size(frame%edges)
@@ -95,13 +96,13 @@ contains
       !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
       !> 1 to 3: fold, flip, Neimark-Sacker; then zero approach, grazing, and repetition or
-      !! vanishing rest, by impact, flight, letter or repetition; then the edges.
+      !! vanishing rest, by impact, flight, symbol or repetition; then the edges.
       integer, intent(in) :: j
       type(condition_type) :: condition
       integer :: n, m
 
       if (frame%resting) then
-         n = size(frame%rest%letters)
+         n = size(frame%rest%symbols)
          m = n
       else
          n = size(frame%family%sides)

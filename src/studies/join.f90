@@ -68,7 +68,7 @@ contains
          offset = a%points(:, merge(1, a%n, end_of_i == 1)) &
             - b%points(:, merge(1, b%n, end_of_j == 1))
       end associate
-      call wrap_phases(zone%sheet%frame, offset)
+      call wrap_phases(zone%surface%frame, offset)
       m = size(offset) - 2
       if (maxval(abs(offset(:m))) < join_motions) distance = norm2(offset(m + 1:))
    end function between
@@ -83,13 +83,13 @@ contains
       integer :: k
 
       if (which(1) == which(2)) then
-         call add_joint(zone%sheet%frame, zone%loops(which(1)))
+         call add_joint(zone%surface%frame, zone%loops(which(1)))
          zone%loops(which(1))%closed = .true.
          return
       end if
       whole = zone%loops(which(1))
       if (side(1) == 1) whole = reversed(whole)
-      call add_joint(zone%sheet%frame, whole, zone%loops(which(2)), side(2) == 2)
+      call add_joint(zone%surface%frame, whole, zone%loops(which(2)), side(2) == 2)
       zone%loops(which(1)) = whole
       do k = which(2), zone%n - 1
          zone%loops(k) = zone%loops(k + 1)

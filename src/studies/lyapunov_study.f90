@@ -4,7 +4,7 @@ module vi_lyapunov_study
    use vi_case, only: case_type
    use vi_common_keys, only: check_parameter, check_start, clearance_key, load_key, parameter_of, &
       parameter_values, resonance, spacing_key, state_keys, state_of, window_keys
-   use vi_drive, only: initial_state, new_drive, two_pi
+   use vi_forced_system, only: initial_state, new_forced_system, two_pi
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_result, only: column_type, result_type, wholes
@@ -158,15 +158,15 @@ contains
    end subroutine spread_out
 
    !> Computes the exponents along a line of points, or at one.
-   subroutine run_lyapunov(case, threads, result, tally)
+   subroutine run_lyapunov(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       real(wp), allocatable :: r(:), clearance(:), states(:, :), loads(:), exponents(:, :), &
          deviations(:, :), dimensions(:), errors(:), cycle_times(:, :)
       integer, allocatable :: contacts(:, :), counts(:, :), status(:), done(:)
@@ -181,12 +181,13 @@ contains
          loads = s%number('load')
          batches = s%whole_number('batches')
          do j = 1, n
-            call pack_state(initial_state(new_drive(case%osc, r(j), loads(j), clearance(j)), &
+            call pack_state(initial_state(new_forced_system(case%osc, r(j), loads(j), &
+               clearance(j)), &
                state_of(s)), states(:, j), contacts(:, j))
          end do
          call lyapunov_points(case%osc, r, loads, clearance, states, contacts, &
             s%whole_number('discard'), s%whole_number('cycles')/batches, batches, threads, &
-            exponents, deviations, dimensions, counts, errors, status, tally)
+            exponents, deviations, dimensions, counts, errors, status, progress)
       end associate
       ! only the points that were completed before a stop
       done = pack([(j, j=1, n)], status /= stat%not_computed)

@@ -8,8 +8,8 @@ module vi_motion_study
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion, unknown, yes
    use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_letters, &
-      starred_letters
+   use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_symbols, &
+      starred_symbols
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
    use vi_result, only: column_type, complexes, result_type, verdicts, wholes, words
@@ -122,7 +122,7 @@ contains
       !> The group; complete on return.
       type(values_type), intent(inout) :: values
       type(pattern_type) :: pattern
-      character(:), allocatable :: letters
+      character(:), allocatable :: symbols
       integer :: n, given
 
       if (len(values%fault) > 0) return
@@ -133,15 +133,15 @@ contains
             '''equispaced'' needs equal restitution on both walls')
          return
       end if
-      call values%text('sides', letters)
-      pattern = new_pattern(letters, 1)
+      call values%text('sides', symbols)
+      pattern = new_pattern(symbols, 1)
       n = size(pattern%sides)
       if (n < 2 .or. n > most_impacts .or. any(pattern%sides == 0) .or. abs(sum(pattern%sides)) &
          == n) then
          call values%refuse('sides')
          return
       end if
-      call values%set_word('sides', side_letters(pattern%sides))
+      call values%set_word('sides', side_symbols(pattern%sides))
       if (values%is('kind', 'exact') .and. values%is('precision', 'single')) call values%refuse( &
          'precision', 'and ''double'' for kind = ''exact''')
       call check_phases(values, n)
@@ -193,12 +193,12 @@ contains
       type(values_type), intent(in) :: values
       !> The data of the motion.
       type(motion_request_type), intent(out) :: request
-      character(:), allocatable :: letters
+      character(:), allocatable :: symbols
 
-      letters = 'RL'
-      if (values%has('sides')) call values%text('sides', letters)
+      symbols = 'RL'
+      if (values%has('sides')) call values%text('sides', symbols)
       request%kind = values%word('kind')
-      request%pattern = new_pattern(letters, values%whole_number('cycles'))
+      request%pattern = new_pattern(symbols, values%whole_number('cycles'))
       if (request%kind == 'equispaced') then
          request%phases = [0.0_wp, request%pattern%cycles*pi]
       else
@@ -336,7 +336,7 @@ contains
          sides(i)%text = ''
          if (motions(i)%status /= stat%ok) cycle
          associate (motion => motions(i))
-            sides(i)%text = starred_letters(motion%pattern%sides)
+            sides(i)%text = starred_symbols(motion%pattern%sides)
             m = size(motion%x)
             owners(total + 1:total + m) = i
             numbers(total + 1:total + m) = [(j, j=1, m)]

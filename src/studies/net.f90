@@ -1,9 +1,10 @@
-!> A net of curves over the sheets of motions in a window, and where they cross the boundary of a
+!> A net of curves over the surface of motions in a window, and where they cross the boundary of a
 !! zone.
 !!
-!! The lines of a lattice in the window are followed on every sheet that the seeds belong to,
+!! The lines of a lattice in the window are followed on every part of the surface that the seeds
+!! belong to,
 !! through folds as well. A motion where two lines cross is a node; from every node both lines are
-!! followed, so that all connected sheets are covered.
+!! followed, so that all its connected parts are covered.
 module vi_net
    use vi_crossing, only: hidden_zero, innermost_zero
    use vi_curve, only: curve_type
@@ -12,14 +13,14 @@ module vi_net
    use vi_lattice, only: lattice_type, line_spacing
    use vi_net_line, only: leaves, line_of, may_pass, pass, start_type
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
-   use vi_tally, only: is_stopped
+   use vi_progress, only: is_stopped
    implicit none (type, external)
    private
 
    public :: new_net, add_seed, cover, cover_from
 
    !> Room for crossings of one line with those of the lattice.
-   integer, parameter :: crossing_room = 64
+   integer, parameter :: crossing_capacity = 64
 
    !> A point on the boundary of a zone: the condition that is zero there, and a point inside
    !! nearby.
@@ -31,8 +32,8 @@ module vi_net
 
    !> The net over one window.
    type, public :: net_type
-      !> The sheets: both parameters are active, 0 at the lower corner of the window.
-      type(curve_type) :: sheet
+      !> The surface: both parameters are active, 0 at the lower corner of the window.
+      type(curve_type) :: surface
       type(lattice_type) :: lines
       !> Nodes: place in the lattice, unknowns, and whether its two lines have been followed.
       integer :: n = 0
@@ -43,32 +44,32 @@ module vi_net
       type(border_type), allocatable :: borders(:)
       integer :: n_borders = 0
       !> Places where a line that does not belong to the lattice has crossed lines of the lattice.
-      type(start_type) :: crossings(crossing_room)
+      type(start_type) :: crossings(crossing_capacity)
       integer :: n_crossings = 0
       !> Steps made.
       integer :: steps = 0
    end type net_type
 
    !> Room for nodes and borders, and steps that may be made.
-   integer, parameter :: room = 40000, border_room = 20000, most_steps = 4000000
+   integer, parameter :: capacity = 40000, border_capacity = 20000, most_steps = 4000000
 
 contains
 
    !> An empty net.
-   pure subroutine new_net(sheet, lines, net)
-      !> The sheets over the window.
-      type(curve_type), intent(in) :: sheet
+   pure subroutine new_net(surface, lines, net)
+      !> The surface of motions over the window.
+      type(curve_type), intent(in) :: surface
       !> The lattice.
       type(lattice_type), intent(in) :: lines
       !> Out: without nodes.
       type(net_type), intent(out) :: net
       integer :: n
 
-      n = unknown_count(sheet%frame)
-      net%sheet = sheet
+      n = unknown_count(surface%frame)
+      net%surface = surface
       net%lines = lines
-      allocate (net%lattice(2, room), net%follower(room), net%unknowns(n, room), &
-         net%followed(2, room), net%borders(border_room))
+      allocate (net%lattice(2, capacity), net%follower(capacity), net%unknowns(n, capacity), &
+         net%followed(2, capacity), net%borders(border_capacity))
       allocate (net%head(size(lines%axes(1)%at), size(lines%axes(2)%at)), source=0)
    end subroutine new_net
 
@@ -87,11 +88,11 @@ contains
       node = net%head(i, j)
       do while (node > 0)
          offset = net%unknowns(:, node) - unknowns
-         call wrap_phases(net%sheet%frame, offset)
+         call wrap_phases(net%surface%frame, offset)
          if (maxval(abs(offset)) < 1.0e-6_wp) return
          node = net%follower(node)
       end do
-      if (net%n == room) return
+      if (net%n == capacity) return
       net%n = net%n + 1
       node = net%n
       net%lattice(:, node) = [i, j]
@@ -102,13 +103,13 @@ contains
    end subroutine add_seed
 
    !> Follows both lines through every node, also through the nodes found on the way.
-   subroutine cover(net, first, tally)
+   subroutine cover(net, first, progress)
       !> In and out: the net.
       type(net_type), intent(inout) :: net
       !> The first node whose lines may not have been followed.
       integer, intent(in) :: first
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       integer :: node, direction, way
 
       node = first
@@ -117,7 +118,7 @@ contains
             if (net%followed(direction, node)) cycle
             net%followed(direction, node) = .true.
             do way = -1, 1, 2
-               call follow_line(net, start_of(net, node), direction, way, tally)
+               call follow_line(net, start_of(net, node), direction, way, progress)
             end do
          end do
          node = node + 1
@@ -125,16 +126,16 @@ contains
    end subroutine cover
 
    !> Follows the lines through a motion that is no node, then the lattice lines that they cross,
-   !! and covers the sheet from there.
-   subroutine cover_from(net, at, unknowns, tally)
+   !! and covers the surface from there.
+   subroutine cover_from(net, at, unknowns, progress)
       !> In and out: the net.
       type(net_type), intent(inout) :: net
       !> Its place in the window.
       real(wp), intent(in) :: at(2)
       !> Unknowns of the motion.
       real(wp), intent(in) :: unknowns(:)
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(start_type) :: begin
       integer :: direction, first, i, way
 
@@ -143,15 +144,15 @@ contains
       do direction = 1, 2
          net%n_crossings = 0
          do way = -1, 1, 2
-            call follow_line(net, begin, direction, way, tally)
+            call follow_line(net, begin, direction, way, progress)
          end do
          do i = 1, net%n_crossings
             do way = -1, 1, 2
-               call follow_line(net, net%crossings(i), 3 - direction, way, tally)
+               call follow_line(net, net%crossings(i), 3 - direction, way, progress)
             end do
          end do
       end do
-      call cover(net, first, tally)
+      call cover(net, first, progress)
    end subroutine cover_from
 
    !> A node as the start of a line.
@@ -169,7 +170,7 @@ contains
 
    !> Follows a line from a motion in one direction, until it leaves the window or its motions are
    !! far from physical.
-   subroutine follow_line(net, begin, direction, way, tally)
+   subroutine follow_line(net, begin, direction, way, progress)
       !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
       !> Start of the line.
@@ -177,8 +178,8 @@ contains
       !> Number of the parameter that changes along the line, and the sign of its change at the
       !! start.
       integer, intent(in) :: direction, way
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(curve_type) :: line
       type(place_type) :: before, now, next
       type(stride_type) :: stride
@@ -188,7 +189,7 @@ contains
       integer :: taken
       logical :: good, known, leaving, left, passes
 
-      call line_of(net%sheet, begin, direction, line)
+      call line_of(net%surface, begin, direction, line)
       along = 0
       along(size(along)) = way
       mark = [begin%unknowns, begin%at(direction)]
@@ -202,7 +203,7 @@ contains
       leaving = share < 0.8_wp .and. &
          any(now%values < 0 .and. now%conditions%kind == repetition)
       do while (net%steps < most_steps)
-         if (is_stopped(tally)) return
+         if (is_stopped(progress)) return
          stride%longest = share*line_spacing(net%lines, direction, now%point(size(now%point)))
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
@@ -221,7 +222,7 @@ contains
          ! a closed curve between the lattice lines returns to a point of its own
          call pass(line, mark(size(mark)), now, next, point, passes)
          point = point - mark
-         call wrap_phases(net%sheet%frame, point)
+         call wrap_phases(net%surface%frame, point)
          if (passes .and. maxval(abs(point)) < 1.0e-6_wp) return
          taken = taken + 1
          if (iand(taken, taken - 1) == 0) mark = next%point
@@ -276,7 +277,7 @@ contains
       !> The point of the line at the crossing.
       real(wp), intent(in) :: point(:)
 
-      if (net%n_crossings == crossing_room) return
+      if (net%n_crossings == crossing_capacity) return
       net%n_crossings = net%n_crossings + 1
       associate (crossing => net%crossings(net%n_crossings))
          crossing = start_type(point(:size(point) - 1), begin%at)
@@ -304,7 +305,7 @@ contains
 
       inside = is_inside(now%conditions, now%values, line%active(1))
       if (inside .eqv. is_inside(next%conditions, next%values, line%active(1))) return
-      if (net%n_borders == border_room) return
+      if (net%n_borders == border_capacity) return
       call innermost_zero(line, now, next, inside, best, which)
       if (which == 0) return
       other = begin%at(3 - direction)

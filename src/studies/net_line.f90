@@ -1,4 +1,4 @@
-!> Lines over the sheets of motions in a window, along which one parameter is constant.
+!> Lines over the surface of motions in a window, along which one parameter is constant.
 module vi_net_line
    use vi_curve, only: correct, curve_type
    use vi_frame, only: condition_type, edge, grazing, repetition, rest_vanishes, zero_approach
@@ -23,9 +23,9 @@ module vi_net_line
 contains
 
    !> The curve of motions along a line through a place, parallel to the lattice lines.
-   pure subroutine line_of(sheet, begin, direction, line)
-      !> The sheets over the window.
-      type(curve_type), intent(in) :: sheet
+   pure subroutine line_of(surface, begin, direction, line)
+      !> The surface of motions over the window.
+      type(curve_type), intent(in) :: surface
       !> Start of the line.
       type(start_type), intent(in) :: begin
       !> Number of the parameter that changes along the line: 1 for r, 2 for log D.
@@ -35,11 +35,11 @@ contains
       integer :: other
 
       other = 3 - direction
-      line = sheet
-      line%active = sheet%active([direction])
-      line%origin = sheet%origin([direction])
-      line%scale = sheet%scale([direction])
-      line%c(sheet%active(other)) = sheet%origin(other) + sheet%scale(other)*begin%at(other)
+      line = surface
+      line%active = surface%active([direction])
+      line%origin = surface%origin([direction])
+      line%scale = surface%scale([direction])
+      line%c(surface%active(other)) = surface%origin(other) + surface%scale(other)*begin%at(other)
    end subroutine line_of
 
    !> Whether a line has left the window, or its motions are far from physical.

@@ -1,4 +1,4 @@
-!> Loops over the sheets as curves in the plane (r, D).
+!> Loops over the surface of motions as curves in the plane (r, D).
 module vi_outline
    use vi_curve, only: curve_type
    use vi_frame, only: wrap_phases
@@ -13,9 +13,9 @@ module vi_outline
 contains
 
    !> (5, n): r, D, the derivatives of r and log D by the length of the curve, length to the next.
-   pure function vertices_of(sheet, loop) result(vertices)
-      !> The sheets over the window.
-      type(curve_type), intent(in) :: sheet
+   pure function vertices_of(surface, loop) result(vertices)
+      !> The surface of motions over the window.
+      type(curve_type), intent(in) :: surface
       !> The loop.
       type(loop_type), intent(in) :: loop
       real(wp) :: vertices(5, loop%n)
@@ -23,20 +23,20 @@ contains
 
       m = size(loop%points, 1) - 2
       do j = 1, loop%n
-         vertices(:2, j) = sheet%origin + sheet%scale*loop%points(m + 1:, j)
+         vertices(:2, j) = surface%origin + surface%scale*loop%points(m + 1:, j)
          vertices(2, j) = exp(vertices(2, j))
-         vertices(3:4, j) = sheet%scale*loop%tangents(m + 1:, j)
-         vertices(5, j) = arc(sheet, loop, j)
+         vertices(3:4, j) = surface%scale*loop%tangents(m + 1:, j)
+         vertices(5, j) = arc(surface, loop, j)
       end do
    end function vertices_of
 
    !> A closed loop as a polygon, counter-clockwise around a zone and clockwise around a hole.
-   pure subroutine ring_of(sheet, loop, inside, r, clearance, ring)
-      !> The sheets over the window.
-      type(curve_type), intent(in) :: sheet
+   pure subroutine ring_of(surface, loop, inside, r, clearance, ring)
+      !> The surface of motions over the window.
+      type(curve_type), intent(in) :: surface
       !> The loop.
       type(loop_type), intent(in) :: loop
-      !> A point inside, beside the loop: in the units of the sheet.
+      !> A point inside, beside the loop: in the units of the surface.
       real(wp), intent(in) :: inside(2)
       !> The window.
       real(wp), intent(in) :: r(2), clearance(2)
@@ -44,14 +44,14 @@ contains
       real(wp), allocatable, intent(out) :: ring(:, :)
       real(wp) :: place(2)
 
-      place = sheet%origin + sheet%scale*inside
-      call dense_ring(vertices_of(sheet, loop), r, clearance, [place(1), exp(place(2))], ring)
+      place = surface%origin + surface%scale*inside
+      call dense_ring(vertices_of(surface, loop), r, clearance, [place(1), exp(place(2))], ring)
    end subroutine ring_of
 
    !> Length of a loop from a vertex to the next, to fourth order.
-   pure real(wp) function arc(sheet, loop, j) result(length)
-      !> The sheets over the window.
-      type(curve_type), intent(in) :: sheet
+   pure real(wp) function arc(surface, loop, j) result(length)
+      !> The surface of motions over the window.
+      type(curve_type), intent(in) :: surface
       !> The loop.
       type(loop_type), intent(in) :: loop
       !> Number of the vertex.
@@ -61,7 +61,7 @@ contains
 
       next = merge(1, j + 1, j == loop%n)
       chord = loop%points(:, next) - loop%points(:, j)
-      call wrap_phases(sheet%frame, chord)
+      call wrap_phases(surface%frame, chord)
       length = norm2(chord)
       if (.not. length > 0) return
       cosine = dot_product(chord, loop%tangents(:, j))/length

@@ -10,7 +10,7 @@ module vi_passages
    use vi_curve, only: correct, curve_type, tangent_at
    use vi_frame, only: condition_type, edge, grazing
    use vi_kinds, only: wp
-   use vi_letters, only: standard_letters
+   use vi_symbols, only: standard_symbols
    use vi_likeness, only: distance, same
    use vi_orbit, only: by_clearance, by_left, by_r, by_right, by_xi, orbit_type, set_orbit
    use vi_oscillator, only: gain
@@ -30,7 +30,7 @@ module vi_passages
    real(wp), parameter :: depth = 0.5_wp
    !> Largest number of motions and of births kept of a pattern, and of steps along its lines; a
    !! search with few guesses makes no more steps than the square of their number.
-   integer, parameter :: room = 128, most_births = 32, most_steps = 3000
+   integer, parameter :: capacity = 128, most_births = 32, most_steps = 3000
 
    !> A motion that just touches a wall, written with the touch as an impact: in standard order.
    type, public :: birth_type
@@ -52,11 +52,11 @@ module vi_passages
       !> Steps made, and at most.
       integer :: steps = 0, most_steps = 0
       !> Most impacts of a pattern that is begun, and whether the walls are alike.
-      integer :: letters = 0
+      integer :: symbols = 0
       logical :: alike = .false.
       integer, public :: n = 0, n_births = 0
-      !> Of each motion x_i/D and theta_i (2N, room), and whether its lines of constant D and of
-      !> constant r have been followed (2, room).
+      !> Of each motion x_i/D and theta_i (2N, capacity), and whether its lines of constant D and of
+      !> constant r have been followed (2, capacity).
       real(wp), allocatable, public :: unknowns(:, :)
       logical, allocatable :: followed(:, :)
       type(birth_type), public :: births(most_births)
@@ -65,7 +65,7 @@ module vi_passages
 contains
 
    !> The motions of a pattern at a point, admissible or not, and their lines.
-   pure subroutine begin_lines(pattern, c, guesses, letters, lines, tried)
+   pure subroutine begin_lines(pattern, c, guesses, symbols, lines, tried)
       !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
@@ -73,14 +73,14 @@ contains
       !> Guesses for Newton's method.
       integer, intent(in) :: guesses
       !> Most impacts of a pattern that begins where another one grazes.
-      integer, intent(in) :: letters
+      integer, intent(in) :: symbols
       !> Out: the motions found, their lines and births.
       type(lines_type), intent(inout) :: lines
       !> Newton iterations that were started.
       integer, intent(out) :: tried
 
       call new_lines(pattern, c, lines)
-      lines%letters = letters
+      lines%symbols = symbols
       lines%most_steps = min(most_steps, min(guesses, most_steps)**2)
       lines%alike = abs(c(by_right) - c(by_left)) <= 0
       call search_pattern(pattern, c, guesses, lines%unknowns, lines%n, tried, 0)
@@ -146,8 +146,8 @@ contains
       lines%curve%active = [by_r]
       lines%curve%origin = [0.0_wp]
       lines%curve%scale = [1.0_wp]
-      allocate (lines%unknowns(2*size(pattern%sides), room))
-      allocate (lines%followed(2, room), source=.false.)
+      allocate (lines%unknowns(2*size(pattern%sides), capacity))
+      allocate (lines%followed(2, capacity), source=.false.)
    end subroutine new_lines
 
    !> Follows a line in one direction, until it leaves the range of the parameter, an impact loses
@@ -173,7 +173,7 @@ contains
       lines%curve%origin = lines%curve%c(direction)
       lines%curve%scale = unit(direction)
       now%point = [unknowns, place]
-      looks = size(gaps) < lines%letters
+      looks = size(gaps) < lines%symbols
       call look(lines%curve, now%point, looks, o, right, gaps, touches)
       ! at a birth the new approach is zero
       if (.not. (right .or. abs(place) > 0)) return
@@ -289,7 +289,7 @@ contains
       type(condition_type) :: there
       real(wp), dimension(size(point)/2 + 1) :: x, theta
       real(wp) :: c(size(lines%curve%c)), gap, z
-      integer, dimension(size(x)) :: sides, letters
+      integer, dimension(size(x)) :: sides, symbols
       integer :: i, n, shift
       logical :: mirrored
 
@@ -309,7 +309,7 @@ contains
       theta = [point(n + 1:n + i), o%theta(i) + there%share*(o%theta(i + 1) - o%theta(i)), &
          point(n + i + 1:2*n)]
       sides = [lines%pattern%sides(:i), touch%side, lines%pattern%sides(i + 1:)]
-      call standard_letters(sides, lines%alike, letters, shift, mirrored)
+      call standard_symbols(sides, lines%alike, symbols, shift, mirrored)
       theta(:shift) = theta(:shift) + 2*pi*lines%pattern%cycles
       x = cshift(x, shift)
       theta = cshift(theta, shift)
@@ -317,7 +317,7 @@ contains
          x = -x
          theta = theta + pi
       end if
-      birth%pattern = pattern_type(letters, lines%pattern%cycles)
+      birth%pattern = pattern_type(symbols, lines%pattern%cycles)
       birth%unknowns = [x, theta]
    end subroutine insert
 
@@ -382,7 +382,7 @@ contains
          if (distance(lines%pattern, lines%scale, point(:n - 1), lines%unknowns(:, i)) < same) exit
       end do
       if (i > lines%n) then
-         if (i > room) return
+         if (i > capacity) return
          lines%n = i
          lines%unknowns(:, i) = point(:n - 1)
       end if

@@ -6,14 +6,15 @@
 !! peak is missed, and none is sampled.
 module vi_peaks
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_drive, only: drive_type, event_type, flight_from, impact_event, initial_state, &
-      new_drive, rest_from, state_time, state_type, stick_event, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, flight_from, impact_event, &
+      initial_state, &
+      new_forced_system, rest_from, state_time, state_type, stick_event, two_pi
    use vi_kinds, only: wp
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: eta, oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
-   use vi_tally, only: add_sight, add_work, is_stopped, tell_share
+   use vi_progress, only: add_expected_work, add_done_work, is_stopped, report_share
    implicit none (type, external)
    private
 
@@ -55,7 +56,7 @@ module vi_peaks
 contains
 
    !> The peaks of free vibrations from one state, for several clearances.
-   subroutine find_peaks(osc, clearances, start, threads, peaks, counts, status, tally)
+   subroutine find_peaks(osc, clearances, start, threads, peaks, counts, status, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> (n) Clearances, in the unit of length of the start.
@@ -71,26 +72,27 @@ contains
       !> (n) `stat%ok`, `stat%more_events` (too many impacts), `stat%budget`, or
       !! `stat%not_computed` if the computation was stopped before the end of the run.
       integer, intent(out) :: status(:)
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       integer :: j
 
-      call add_sight(work*size(clearances), tally)
+      call add_expected_work(work*size(clearances), progress)
       counts = 0
       status = stat%not_computed
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do j = 1, size(clearances)
-         if (is_stopped(tally)) cycle
-         call follow(new_drive(osc, clock, 0.0_wp, clearances(j)), start, peaks(:, j), counts(j), &
-            status(j), tally)
+         if (is_stopped(progress)) cycle
+         call follow(new_forced_system(osc, clock, 0.0_wp, clearances(j)), start, peaks(:, j), &
+            counts(j), &
+            status(j), progress)
       end do
       !$omp end parallel do
    end subroutine find_peaks
 
    !> The peaks of one free vibration.
-   subroutine follow(drive, start, peaks, n, status, tally)
+   subroutine follow(system, start, peaks, n, status, progress)
       !> The system, with load 0.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> x, x', y and z' at the start.
       real(wp), intent(in) :: start(4)
       !> (most) Out: the peaks.
@@ -99,59 +101,59 @@ contains
       integer, intent(out) :: n
       !> As of `find_peaks`.
       integer, intent(out) :: status
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
-      integer, parameter :: room = 128
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      integer, parameter :: capacity = 128
       !> Times the slowest oscillation, that of both masses together, after which a run ends.
       real(wp), parameter :: patience = 4
-      type(event_type) :: events(room)
+      type(event_type) :: events(capacity)
       type(state_type) :: state, begin, final
       type(half_type) :: half
       real(wp) :: longest
       integer(int64) :: last
-      integer :: i, found, total, told
+      integer :: i, found, total, reported
 
       n = 0
       total = 0
-      told = 0
-      longest = patience*two_pi*(size(peaks) + 1)*sqrt(1 + drive%osc%mu)/eta(drive%osc%xi)
-      state = initial_state(drive, [0.0_wp, start(1), start(2), start(1) + start(3), start(4)])
+      reported = 0
+      longest = patience*two_pi*(size(peaks) + 1)*sqrt(1 + system%osc%mu)/eta(system%osc%xi)
+      state = initial_state(system, [0.0_wp, start(1), start(2), start(1) + start(3), start(4)])
       begin = state
       half%is_peak = .not. start(1)*start(2) < 0
-      if (.not. start(1)*start(2) > 0) call take(point(drive, begin, half), half, peaks, n)
+      if (.not. start(1)*start(2) > 0) call take(point(system, begin, half), half, peaks, n)
       last = chunk
       do
-         call simulate(drive, state, last, 0.0_wp, events, found, final, status)
+         call simulate(system, state, last, 0.0_wp, events, found, final, status)
          do i = 1, found
-            call walk(drive, begin, state_time(events(i)%cycle, events(i)%phase, drive%r), half, &
+            call walk(system, begin, state_time(events(i)%cycle, events(i)%phase, system%r), half, &
                peaks, n)
-            call pass(drive, events(i), half, peaks, n, begin)
+            call pass(system, events(i), half, peaks, n, begin)
          end do
          total = total + found
          if (status == stat%budget .or. n == size(peaks)) exit
          if (status == stat%ok) then
-            call walk(drive, begin, state_time(last, 0.0_wp, drive%r), half, peaks, n)
-            if (n == size(peaks) .or. state_time(last, 0.0_wp, drive%r) > longest) exit
+            call walk(system, begin, state_time(last, 0.0_wp, system%r), half, peaks, n)
+            if (n == size(peaks) .or. state_time(last, 0.0_wp, system%r) > longest) exit
             begin = final
             state = final
             last = last + chunk
          else if (total >= most_events) then
             exit
          end if
-         if (is_stopped(tally)) then
+         if (is_stopped(progress)) then
             status = stat%not_computed
             return
          end if
-         call tell_share(real(n, wp)/size(peaks), work, told, tally)
+         call report_share(real(n, wp)/size(peaks), work, reported, progress)
       end do
       if (n == size(peaks)) status = stat%ok
-      call add_work(work - told, tally)
+      call add_done_work(work - reported, progress)
    end subroutine follow
 
    !> Counts an event, with which the next segment begins; it may be a peak.
-   pure subroutine pass(drive, event, half, peaks, n, begin)
+   pure subroutine pass(system, event, half, peaks, n, begin)
       !> The system.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> The event.
       type(event_type), intent(in) :: event
       !> In and out: the half oscillation in progress.
@@ -173,26 +175,27 @@ contains
       begin%resting = event%kind == stick_event
       ! the primary mass is turned back
       if (event%x*event%x_dot_before >= 0 .and. event%x*event%x_dot_after <= 0) call take( &
-         point(drive, begin, half), half, peaks, n)
+         point(system, begin, half), half, peaks, n)
    end subroutine pass
 
    !> The start of a segment as a point that may be a peak.
-   pure type(peak_type) function point(drive, begin, half)
+   pure type(peak_type) function point(system, begin, half)
       !> The system.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> The state.
       type(state_type), intent(in) :: begin
       !> The half oscillation in progress.
       type(half_type), intent(in) :: half
 
-      point = peak_type(state_time(begin%cycle, begin%phase, drive%r), begin%x, 0.5_wp*(begin%x**2 &
-         + begin%x_dot**2 + drive%osc%mu*begin%z_dot**2), half%impacts, half%rests)
+      point = peak_type(state_time(begin%cycle, begin%phase, system%r), begin%x, &
+         0.5_wp*(begin%x**2 &
+         + begin%x_dot**2 + system%osc%mu*begin%z_dot**2), half%impacts, half%rests)
    end function point
 
    !> Takes the stationary points of x in a flight or rest, or in a part of it, into account.
-   pure subroutine walk(drive, begin, end_time, half, peaks, n)
+   pure subroutine walk(system, begin, end_time, half, peaks, n)
       !> The system.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> The state at the start of the segment.
       type(state_type), intent(in) :: begin
       !> Time (1/omega) at its end.
@@ -208,16 +211,16 @@ contains
       real(wp) :: time, duration, first, last, top, kinetic, d(0:5)
       integer :: k
 
-      time = state_time(begin%cycle, begin%phase, drive%r)
+      time = state_time(begin%cycle, begin%phase, system%r)
       duration = end_time - time
       if (begin%resting) then
-         o = rest_from(drive, begin)
+         o = rest_from(system, begin)
          kinetic = 0
       else
-         associate (flight => flight_from(drive, begin, duration))
+         associate (flight => flight_from(system, begin, duration))
             o = flight%oscillation_type
          end associate
-         kinetic = 0.5_wp*drive%osc%mu*begin%z_dot**2
+         kinetic = 0.5_wp*system%osc%mu*begin%z_dot**2
       end if
       ! the smallest numbers: the oscillation has ended
       if (.not. hypot(o%a, o%b) > sqrt(tiny(1.0_wp))) return

@@ -9,7 +9,7 @@ module vi_response_study
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
    use vi_text, only: counted, shown, whole
-   use vi_window, only: most_numbers
+   use vi_chart_grid, only: most_numbers
    implicit none (type, external)
    private
 
@@ -46,7 +46,7 @@ module vi_response_study
       column_type('runs', 'attenuation', meaning='max|X|/A', listed=.false.), &
       column_type('runs', 'cycles', wholes, listed=.false., &
       meaning='load cycles of the period; 0 if none was seen'), &
-      column_type('runs', 'letters', wholes, listed=.false., &
+      column_type('runs', 'symbols', wholes, listed=.false., &
       meaning='impacts of a period, each accumulation counted as one'), &
       column_type('runs', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
       column_type('runs', 'rests', wholes, listed=.false., meaning='rests of a period'), &
@@ -116,15 +116,15 @@ contains
    end function clearance_values
 
    !> Finds max|X|/A of the attractors at each frequency ratio, and its least and greatest value.
-   subroutine run_response(case, threads, result, tally)
+   subroutine run_response(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       real(wp), allocatable :: r(:), clearance(:), attenuation(:, :), envelope(:, :)
       integer, allocatable :: periods(:, :, :), status(:, :), done(:)
       integer :: n, states, lost, i
@@ -136,7 +136,7 @@ contains
       allocate (attenuation(states, n), envelope(2, n), periods(4, states, n), status(states, n))
       call respond(case%osc, r, clearance, case%study%number('load'), &
          case%study%whole_number('settling'), case%study%whole_number('keep'), threads, &
-         attenuation, envelope, periods, status, tally)
+         attenuation, envelope, periods, status, progress)
       ! only the points that were completed before a stop
       done = pack([(i, i=1, n)], all(status /= stat%not_computed, 1))
       if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'
@@ -148,7 +148,7 @@ contains
       call result%open('runs', 'state r', [states, size(done)])
       call result%put('runs', 'attenuation', [attenuation(:, done)])
       call result%put('runs', 'cycles', [periods(1, :, done)])
-      call result%put('runs', 'letters', [periods(2, :, done)])
+      call result%put('runs', 'symbols', [periods(2, :, done)])
       call result%put('runs', 'impacts', [periods(3, :, done)])
       call result%put('runs', 'rests', [periods(4, :, done)])
       call result%put('runs', 'status', [status(:, done)])

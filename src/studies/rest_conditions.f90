@@ -12,7 +12,7 @@ module vi_rest_conditions
 
 contains
 
-   !> The values of all conditions of a motion with rest; -1 where its letters cannot be followed.
+   !> The values of all conditions of a motion with rest; -1 where its symbols cannot be followed.
    pure subroutine rest_conditions(frame, unknowns, c, values, found)
       !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
@@ -40,7 +40,7 @@ contains
       end do
    end subroutine rest_conditions
 
-   !> The value of one condition of a motion with rest; not a number where its letters cannot be
+   !> The value of one condition of a motion with rest; not a number where its symbols cannot be
    !> followed.
    pure real(wp) function rest_condition(frame, unknowns, c, condition) result(value)
       !> The family.

@@ -1,11 +1,11 @@
 !> Families of motions with rest: one period from a release on a wall to the next one.
 !!
 !! Where a rest ends both masses have the same velocity v and the primary mass has no acceleration,
-!! so x = f sin(phase) - 2 xi v: two numbers describe the state at a release. A letter is an impact,
+!! so x = f sin(phase) - 2 xi v: two numbers describe the state at a release. A symbol is an impact,
 !! or all the impacts that accumulate on a wall and the rest there. The unknowns are the load phase
-!! and asinh(v/D) at the release that ends the last letter (v/D grows without bound as D falls; its
+!! and asinh(v/D) at the release that ends the last symbol (v/D grows without bound as D falls; its
 !! logarithm changes at about the same rate as log D), and the load phases of the first impacts of
-!! all letters. The equations state that the free mass is at the wall at each of these phases, and
+!! all symbols. The equations state that the free mass is at the wall at each of these phases, and
 !! that the state at the end of the period is that at its start.
 !!
 !! The equations stay smooth where the free mass touches a wall during a flight and where an
@@ -15,7 +15,8 @@
 !! log D are computed along with them (vi_variation).
 module vi_rest_family
    use vi_contact, only: contact_type, departure_type, first_contact
-   use vi_drive, only: drive_type, event_type, new_drive, release_event, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, new_forced_system, release_event, &
+      two_pi
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
    use vi_bounce, only: bounce
@@ -29,7 +30,7 @@ module vi_rest_family
    implicit none (type, external)
    private
 
-   public :: follow_letters, last_release, new_rest_family, plane_map, rest_period, &
+   public :: follow_symbols, last_release, new_rest_family, plane_map, rest_period, &
       rest_stability, rest_unknowns
 
    !> Impacts of one accumulation that are followed.
@@ -37,10 +38,10 @@ module vi_rest_family
 
    !> What the motions of one family with rest have in common.
    type, public :: rest_family_type
-      !> +1, -1 for an impact, +2, -2 for accumulation and rest; the last letter is one of these.
-      integer, allocatable :: letters(:)
+      !> +1, -1 for an impact, +2, -2 for accumulation and rest; the last symbol is one of these.
+      integer, allocatable :: symbols(:)
       integer :: cycles = 1
-      !> Number of letters by which the given pattern was rotated to get this order.
+      !> Number of symbols by which the given pattern was rotated to get this order.
       integer :: turned = 0
    end type rest_family_type
 
@@ -53,13 +54,13 @@ module vi_rest_family
    type, public :: rest_period_type
       !> Residuals: phase (less 2 pi k) and asinh(v/D) at the next release, less those at the start;
       !! then the distance, over D, of the free mass beyond its wall at the first impact of each
-      !! letter.
+      !! symbol.
       type(measure_type), allocatable :: equations(:)
-      !> Of each letter: approach speed of its first impact over D; a measure of the duration of the
+      !> Of each symbol: approach speed of its first impact over D; a measure of the duration of the
       !! rest, negative where the accumulation is not completed (1 for an impact); least gap over D
       !! at a stationary point of its flights, to either wall.
       type(measure_type), allocatable :: approach(:), rest(:), gap(:)
-      !> Where that gap is: the wall, and the flight (0 after the last event of the letter, 1, 2 ..
+      !> Where that gap is: the wall, and the flight (0 after the last event of the symbol, 1, 2 ..
       !! after its impacts) plus the share of its duration.
       integer, allocatable :: touched(:)
       real(wp), allocatable :: touched_at(:)
@@ -80,25 +81,25 @@ module vi_rest_family
 
 contains
 
-   !> The family of a pattern: its letters turned so that a rest is last.
-   pure function new_rest_family(letters, cycles) result(family)
+   !> The family of a pattern: its symbols turned so that a rest is last.
+   pure function new_rest_family(symbols, cycles) result(family)
       !> +1, -1, +2, -2
-      integer, intent(in) :: letters(:)
+      integer, intent(in) :: symbols(:)
       !> Load cycles k of the period.
       integer, intent(in) :: cycles
       type(rest_family_type) :: family
 
-      family%turned = findloc(abs(letters) == 2, .true., dim=1, back=.true.)
-      allocate (family%letters(size(letters)), source=cshift(letters, family%turned))
+      family%turned = findloc(abs(symbols) == 2, .true., dim=1, back=.true.)
+      allocate (family%symbols(size(symbols)), source=cshift(symbols, family%turned))
       family%cycles = cycles
    end function new_rest_family
 
-   !> Unknowns of a family: the release, and the first impact of each letter.
+   !> Unknowns of a family: the release, and the first impact of each symbol.
    pure integer function rest_unknowns(family)
       !> The family.
       type(rest_family_type), intent(in) :: family
 
-      rest_unknowns = 2 + size(family%letters)
+      rest_unknowns = 2 + size(family%symbols)
    end function rest_unknowns
 
    !> One period from a release.
@@ -109,40 +110,40 @@ contains
       real(wp), intent(in) :: unknowns(:)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Equations and measures; `right` is false, and they mean nothing, where the letters cannot
+      !> Equations and measures; `right` is false, and they mean nothing, where the symbols cannot
       !! be followed.
       type(rest_period_type), intent(out) :: period
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
       type(place_type) :: here
       real(wp) :: last
       logical :: good
       integer :: i, n, m, before
 
-      n = size(family%letters)
+      n = size(family%symbols)
       m = rest_unknowns(family)
-      drive = drive_of(c)
+      system = system_of(c)
       allocate (period%equations(m), period%approach(n), period%rest(n), period%gap(n), &
          period%touched(n), period%touched_at(n))
       period%rest%value = 1
       period%gap%value = 0.5_wp
       period%touched = 0
       period%touched_at = 0
-      here = start_of(drive, sign(1, family%letters(n)), unknowns, m)
+      here = start_of(system, sign(1, family%symbols(n)), unknowns, m)
       last = unknowns(1) + 2*two_pi*family%cycles
       do i = 1, n
          before = modulo(i - 2, n) + 1
          if (.not. unknowns(2 + i) > here%at%phase) return
-         call fly(drive, sign(1, family%letters(i)), 2 + i, unknowns(2 + i), here, &
+         call fly(system, sign(1, family%symbols(i)), 2 + i, unknowns(2 + i), here, &
             period%equations(2 + i), period%approach(i), period%gap(before), &
             period%touched(before), period%touched_at(before))
-         if (abs(family%letters(i)) == 1) cycle
-         call accumulate(drive, last, here, period%rest(i), period%gap(i), period%touched(i), &
+         if (abs(family%symbols(i)) == 1) cycle
+         call accumulate(system, last, here, period%rest(i), period%gap(i), period%touched(i), &
             period%touched_at(i), good)
          if (.not. good) return
       end do
       period%equations(1) = measure_type(here%at%phase - two_pi*family%cycles - unknowns(1), &
          here%change%state(4, :))
-      associate (d => drive%clearance, v => here%at%x_dot)
+      associate (d => system%clearance, v => here%at%x_dot)
          period%equations(2) = measure_type(asinh(v/d) - unknowns(2), (here%change%state(2, :) &
             - v/d*here%change%clearance)/hypot(v, d))
       end associate
@@ -240,20 +241,21 @@ contains
       end do
    end function determinant
 
-   !> The driven system with given parameters, for a load amplitude of 1.
-   pure function drive_of(c) result(drive)
+   !> The forced system with given parameters, for a load amplitude of 1.
+   pure function system_of(c) result(system)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
 
-      drive = new_drive(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
+      system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
+         c(by_r), &
          1.0_wp, exp(c(by_clearance)))
-   end function drive_of
+   end function system_of
 
    !> The release with which a period starts.
-   pure function start_of(drive, side, unknowns, m) result(start)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function start_of(system, side, unknowns, m) result(start)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The wall, +1 or -1.
       integer, intent(in) :: side
       !> Phase and asinh(v/D).
@@ -262,11 +264,11 @@ contains
       integer, intent(in) :: m
       type(place_type) :: start
 
-      associate (d => drive%clearance, f => drive%load, at => start%at, change => start%change)
+      associate (d => system%clearance, f => system%load, at => start%at, change => start%change)
          at%phase = unknowns(1)
          at%x_dot = sinh(unknowns(2))*d
          at%z_dot = at%x_dot
-         at%x = f*sin(at%phase) - 2*drive%osc%xi*at%x_dot
+         at%x = f*sin(at%phase) - 2*system%osc%xi*at%x_dot
          at%side = side
          change%n = m + 2
          change%r(m + 1) = 1
@@ -275,16 +277,16 @@ contains
          change%state(2, [2, m + 2]) = [hypot(at%x_dot, d), at%x_dot]
          change%state(3, :) = change%state(2, :)
          change%state(1, :) = f*cos(at%phase)*change%state(4, :) &
-            - 2*drive%osc%xi*change%state(2, :)
+            - 2*system%osc%xi*change%state(2, :)
       end associate
       start%released = .true.
    end function start_of
 
    !> Advances to an impact at a given load phase, and through it.
-   pure subroutine fly(drive, side, column, phase, here, equation, approach, gap, touched, &
+   pure subroutine fly(system, side, column, phase, here, equation, approach, gap, touched, &
       touched_at)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Wall of the impact: +1 right, -1 left.
       integer, intent(in) :: side
       !> Number of the unknown that is this phase.
@@ -295,7 +297,7 @@ contains
       type(place_type), intent(inout) :: here
       !> Distance of the free mass beyond the wall, and approach speed, both over D.
       type(measure_type), intent(out) :: equation, approach
-      !> Least gap so far of the letter that the flight belongs to.
+      !> Least gap so far of the symbol that the flight belongs to.
       type(measure_type), intent(inout) :: gap
       !> Wall of that gap: +1 right, -1 left; changed with it.
       integer, intent(inout) :: touched
@@ -306,17 +308,17 @@ contains
       real(wp) :: time, d(0:5), speed, restitution
       integer :: n
 
-      time = (phase - here%at%phase)/drive%r
-      flight = flight_from(drive, here%at, time)
+      time = (phase - here%at%phase)/system%r
+      flight = flight_from(system, here%at, time)
       d = derivatives(flight, time)
-      call note_gap(drive, here, time, 0, gap, touched, touched_at)
+      call note_gap(system, here, time, 0, gap, touched, touched_at)
       n = here%change%n
       longer = 0
-      longer(:n) = -(here%change%state(4, :n) + time*here%change%r(:n))/drive%r
-      longer(column) = longer(column) + 1/drive%r
-      restitution = drive%osc%restitution(merge(right, left, side > 0))
-      call through_flight(drive, here%at, time, longer, restitution, here%change, y, before)
-      associate (at => here%at, clearance => drive%clearance, mu => drive%osc%mu)
+      longer(:n) = -(here%change%state(4, :n) + time*here%change%r(:n))/system%r
+      longer(column) = longer(column) + 1/system%r
+      restitution = system%osc%restitution(merge(right, left, side > 0))
+      call through_flight(system, here%at, time, longer, restitution, here%change, y, before)
+      associate (at => here%at, clearance => system%clearance, mu => system%osc%mu)
          equation%value = side*(flight_position(flight, time) - d(0))/clearance - 0.5_wp
          equation%by = (side*y - (equation%value + 0.5_wp)*here%change%clearance)/clearance
          speed = side*(at%z_dot - d(1))
@@ -332,9 +334,9 @@ contains
       here%released = .false.
    end subroutine fly
 
-   !> All unknowns from those of a release: the first impacts of the letters are searched from
+   !> All unknowns from those of a release: the first impacts of the symbols are searched from
    !! there.
-   pure subroutine follow_letters(family, release, c, unknowns, good)
+   pure subroutine follow_symbols(family, release, c, unknowns, good)
       !> The family.
       type(rest_family_type), intent(in) :: family
       !> Phase and asinh(v/D).
@@ -343,42 +345,42 @@ contains
       real(wp), intent(in) :: c(:)
       !> (2 + n) phase and asinh(v/D) at the release, phases of the first impacts.
       real(wp), intent(out) :: unknowns(:)
-      !> False where a letter of the family does not follow from the release.
+      !> False where a symbol of the family does not follow from the release.
       logical, intent(out) :: good
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
       type(place_type) :: here
       type(contact_type) :: contact
       type(measure_type) :: rest, gap
       real(wp) :: limit, touched_at
       integer :: i, touched
 
-      drive = drive_of(c)
+      system = system_of(c)
       unknowns = 0
       unknowns(:2) = release
-      here = start_of(drive, sign(1, family%letters(size(family%letters))), release, 2)
+      here = start_of(system, sign(1, family%symbols(size(family%symbols))), release, 2)
       touched = 0
       touched_at = 0
-      do i = 1, size(family%letters)
-         associate (side => sign(1, family%letters(i)))
-            limit = (release(1) + 2*two_pi*family%cycles - here%at%phase)/drive%r
-            call next_contact(drive, flight_from(drive, here%at, limit), here, side, limit, &
+      do i = 1, size(family%symbols)
+         associate (side => sign(1, family%symbols(i)))
+            limit = (release(1) + 2*two_pi*family%cycles - here%at%phase)/system%r
+            call next_contact(system, flight_from(system, here%at, limit), here, side, limit, &
                contact, good)
-            if (good) call impact_at(drive, here, side, contact%time, contact%d(0), contact%d(1), &
+            if (good) call impact_at(system, here, side, contact%time, contact%d(0), contact%d(1), &
                contact%speed, good)
             if (.not. good) return
          end associate
          unknowns(2 + i) = here%at%phase
-         if (abs(family%letters(i)) == 1) cycle
-         call accumulate(drive, release(1) + 2*two_pi*family%cycles, here, rest, gap, touched, &
+         if (abs(family%symbols(i)) == 1) cycle
+         call accumulate(system, release(1) + 2*two_pi*family%cycles, here, rest, gap, touched, &
             touched_at, good)
          if (.not. good) return
       end do
-   end subroutine follow_letters
+   end subroutine follow_symbols
 
    !> The next contact with one wall.
-   pure subroutine next_contact(drive, flight, here, side, limit, contact, found)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine next_contact(system, flight, here, side, limit, contact, found)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The flight that begins at `here`.
       type(flight_type), intent(in) :: flight
       !> State after the last event.
@@ -396,18 +398,18 @@ contains
       real(wp) :: beyond
 
       ! the other wall is put so far away that a motion that reaches it is none
-      beyond = 2*drive%clearance
+      beyond = 2*system%clearance
       moved = flight
       moved%z = moved%z + side*beyond
       if (here%at%side == side) departure = departure_type(side, here%speed, here%released)
-      contact = first_contact(moved, 0.5_wp*drive%clearance + beyond, departure, limit)
+      contact = first_contact(moved, 0.5_wp*system%clearance + beyond, departure, limit)
       found = contact%side == side
    end subroutine next_contact
 
    !> Advances through an impact a given time after the start of a flight.
-   pure subroutine impact_at(drive, here, side, time, x, x_dot, speed, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine impact_at(system, here, side, time, x, x_dot, speed, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: after the last event. Out: after the impact.
       type(place_type), intent(inout) :: here
       !> Wall of the impact: +1 right, -1 left.
@@ -420,15 +422,15 @@ contains
       logical, intent(out) :: good
       real(wp) :: before(columns), restitution
 
-      associate (at => here%at, mu => drive%osc%mu)
-         restitution = drive%osc%restitution(merge(right, left, side > 0))
-         call through_contact(drive, at, time, side, restitution, here%change, before, good)
+      associate (at => here%at, mu => system%osc%mu)
+         restitution = system%osc%restitution(merge(right, left, side > 0))
+         call through_contact(system, at, time, side, restitution, here%change, before, good)
          ! velocities from the approach speed, which keeps its relative accuracy
          here%speed = restitution*speed
          at%x = x
          at%x_dot = x_dot + mu/(1 + mu)*(side*(speed + here%speed))
          at%z_dot = at%x_dot - side*here%speed
-         at%phase = at%phase + drive%r*time
+         at%phase = at%phase + system%r*time
          at%side = side
       end associate
       here%released = .false.
@@ -438,16 +440,16 @@ contains
    !!
    !! The accumulation is cut off where this changes the state by less than rounding, or, if it is
    !! not completed, where it comes nearest to that.
-   pure subroutine accumulate(drive, last, here, rest, gap, touched, touched_at, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine accumulate(system, last, here, rest, gap, touched, touched_at, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Load phase (rad) at which the search ends.
       real(wp), intent(in) :: last
       !> In: after the first impact of the accumulation. Out: after the release.
       type(place_type), intent(inout) :: here
       !> Measure of the duration of the rest.
       type(measure_type), intent(out) :: rest
-      !> Least gap so far of the letter; lowered where a bounce has a smaller one.
+      !> Least gap so far of the symbol; lowered where a bounce has a smaller one.
       type(measure_type), intent(inout) :: gap
       !> Wall of that gap.
       integer, intent(inout) :: touched
@@ -461,16 +463,16 @@ contains
       real(wp) :: restitution, cost, least, time, x, x_dot, speed, scale, closing
       integer :: bounces
 
-      restitution = drive%osc%restitution(merge(right, left, here%at%side > 0))
+      restitution = system%osc%restitution(merge(right, left, here%at%side > 0))
       least = huge(1.0_wp)
       good = here%speed >= 0
       if (.not. good) return
       do bounces = 1, most_hops
-         closing = closing_acceleration(drive, here%at)
+         closing = closing_acceleration(system, here%at)
          cost = huge(1.0_wp)
          if (closing > 1.0e-15_wp*(1 + here%speed**2)) cost = here%speed**3/closing**2 &
             /max(1.0e-3_wp, 1 - restitution**3)
-         scale = drive%clearance + abs(here%at%x) + abs(here%at%x_dot)
+         scale = system%clearance + abs(here%at%x) + abs(here%at%x_dot)
          if (cost < least) then
             least = cost
             best = here
@@ -478,33 +480,33 @@ contains
          if (cost <= fine*scale) exit
          ! it was nearly completed, and now the bounces become longer again
          if (least <= coarse*scale .and. 1.0e-3_wp*cost > least) exit
-         call next_hop(drive, here, last, time, x, x_dot, speed)
+         call next_hop(system, here, last, time, x, x_dot, speed)
          if (.not. time > 0) exit
-         if (here%speed*time > 0.2_wp*drive%clearance) call note_gap(drive, here, time, bounces, &
+         if (here%speed*time > 0.2_wp*system%clearance) call note_gap(system, here, time, bounces, &
             gap, touched, touched_at)
-         call impact_at(drive, here, here%at%side, time, x, x_dot, speed, good)
+         call impact_at(system, here, here%at%side, time, x, x_dot, speed, good)
          if (.not. good) exit
       end do
-      good = least <= coarse*(drive%clearance + abs(best%at%x) + abs(best%at%x_dot))
+      good = least <= coarse*(system%clearance + abs(best%at%x) + abs(best%at%x_dot))
       if (.not. good) return
       here = best
-      call rest_on(drive, restitution, last, here, rest, good)
+      call rest_on(system, restitution, last, here, rest, good)
    end subroutine accumulate
 
    !> The acceleration that closes the gap after an impact.
-   pure real(wp) function closing_acceleration(drive, at) result(a)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure real(wp) function closing_acceleration(system, at) result(a)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> State just after the impact.
       type(moment_type), intent(in) :: at
 
-      a = -at%side*(drive%load*sin(at%phase) - 2*drive%osc%xi*at%x_dot - at%x)
+      a = -at%side*(system%load*sin(at%phase) - 2*system%osc%xi*at%x_dot - at%x)
    end function closing_acceleration
 
    !> The next impact on the wall just left; a time of 0 if there is none.
-   pure subroutine next_hop(drive, here, last, time, x, x_dot, speed)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine next_hop(system, here, last, time, x, x_dot, speed)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> State just after an impact.
       type(place_type), intent(in) :: here
       !> Load phase (rad) at which the search ends.
@@ -517,8 +519,8 @@ contains
       logical :: found
 
       associate (at => here%at)
-         call bounce(drive%transition, drive%load, sin(at%phase), cos(at%phase), at%x, at%x_dot, &
-            at%side, here%speed, 4*drive%clearance, time, speed)
+         call bounce(system%transition, system%load, sin(at%phase), cos(at%phase), at%x, at%x_dot, &
+            at%side, here%speed, 4*system%clearance, time, speed)
          if (time > 0) then
             x = at%x + at%z_dot*time
             x_dot = at%z_dot - at%side*speed
@@ -526,8 +528,8 @@ contains
          end if
          x = at%x
          x_dot = at%x_dot
-         limit = (last - at%phase)/drive%r
-         call next_contact(drive, flight_from(drive, at, limit), here, at%side, limit, &
+         limit = (last - at%phase)/system%r
+         call next_contact(system, flight_from(system, at, limit), here, at%side, limit, &
             contact, found)
          if (.not. found) return
          time = contact%time
@@ -541,9 +543,9 @@ contains
    !!
    !! The measure of its duration passes zero about linearly where the accumulation just fails to
    !! complete (see `critical`).
-   pure subroutine rest_on(drive, restitution, last, here, rest, good)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine rest_on(system, restitution, last, here, rest, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Coefficient of restitution of the wall, and load phase (rad) at which the search ends.
       real(wp), intent(in) :: restitution, last
       !> In: after the last impact. Out: after the release.
@@ -557,26 +559,26 @@ contains
       real(wp) :: closing, speed, time, d(0:5), limit, power, share
       logical :: complete
 
-      associate (at => here%at, change => here%change, side => here%at%side, mu => drive%osc%mu)
-         closing = closing_acceleration(drive, at)
-         closing_by = -side*(drive%load*cos(at%phase)*change%state(4, :) &
-            - 2*drive%osc%xi*change%state(2, :) - change%state(1, :))
+      associate (at => here%at, change => here%change, side => here%at%side, mu => system%osc%mu)
+         closing = closing_acceleration(system, at)
+         closing_by = -side*(system%load*cos(at%phase)*change%state(4, :) &
+            - 2*system%osc%xi*change%state(2, :) - change%state(1, :))
          speed = here%speed
          speed_by = side*(change%state(2, :) - change%state(3, :))
          at%x_dot = at%x_dot - side*mu/(1 + mu)*speed
          at%z_dot = at%x_dot
-         call through_stick(drive, change)
-         joint = new_rest(drive%osc%xi, mu, drive%r, drive%load, at%phase, at%x, at%x_dot)
-         call release_time(joint, side, (last - at%phase)/drive%r, time, complete)
-         good = complete .and. time <= (last - at%phase)/drive%r
+         call through_stick(system, change)
+         joint = new_rest(system%osc%xi, mu, system%r, system%load, at%phase, at%x, at%x_dot)
+         call release_time(joint, side, (last - at%phase)/system%r, time, complete)
+         good = complete .and. time <= (last - at%phase)/system%r
          if (.not. good) return
-         call through_rest(drive, at, time, change)
+         call through_rest(system, at, time, change)
          d = derivatives(joint, time)
          at%x = d(0)
          at%x_dot = d(1)
          at%z_dot = d(1)
-         at%phase = at%phase + drive%r*time
-         call release(drive, at, change, instant, good)
+         at%phase = at%phase + system%r*time
+         call release(system, at, change, instant, good)
          here%speed = 0
          here%released = .true.
          call critical(restitution, limit, power)
@@ -625,23 +627,23 @@ contains
    end subroutine critical
 
    !> The flight that begins after an event.
-   pure function flight_from(drive, at, duration) result(flight)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function flight_from(system, at, duration) result(flight)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> State after the event.
       type(moment_type), intent(in) :: at
       !> Time until the end of the flight (1/omega).
       real(wp), intent(in) :: duration
       type(flight_type) :: flight
 
-      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, at%phase - drive%lag, at%x, &
-         at%x_dot, at%x + 0.5_wp*at%side*drive%clearance, at%z_dot, duration)
+      flight = new_flight(system%osc%xi, system%r, system%amplitude, at%phase - system%lag, at%x, &
+         at%x_dot, at%x + 0.5_wp*at%side*system%clearance, at%z_dot, duration)
    end function flight_from
 
    !> Updates the least gap with those at the stationary points inside a flight.
-   pure subroutine note_gap(drive, here, duration, flight_number, gap, touched, touched_at)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine note_gap(system, here, duration, flight_number, gap, touched, touched_at)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> State at the start of the flight.
       type(place_type), intent(in) :: here
       !> Duration of the flight (1/omega).
@@ -660,28 +662,28 @@ contains
       logical :: complete
       integer :: i, side
 
-      flight = flight_from(drive, here%at, duration)
+      flight = flight_from(system, here%at, duration)
       begin = 0
       if (here%released .and. duration > 2*early) then
          ! a release is a stationary point itself, and not one that touches the wall anew
          begin = early
          call flight_state(flight, early, x, x_dot, x_ddot)
-         flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, flight%phase &
-            + drive%r*early, x, x_dot, flight_position(flight, early), flight%z_dot, &
+         flight = new_flight(system%osc%xi, system%r, system%amplitude, flight%phase &
+            + system%r*early, x, x_dot, flight_position(flight, early), flight%z_dot, &
             duration - early)
       end if
       call relative_extrema(flight, extreme(2), extreme(1), complete, at(2), at(1))
       do i = 1, 2
          if (at(i) < 0) cycle
          side = 3 - 2*i
-         least = 0.5_wp - side*extreme(i)/drive%clearance
+         least = 0.5_wp - side*extreme(i)/system%clearance
          if (least >= gap%value) cycle
          ! only where the free mass turns back from the wall
          d = derivatives(flight, at(i))
          if (.not. side*d(2) > 0) cycle
-         y = side*extreme(i)/drive%clearance
-         gap = measure_type(least, -(side*gap_change(drive, here%at, begin + at(i), here%change) &
-            - y*here%change%clearance)/drive%clearance)
+         y = side*extreme(i)/system%clearance
+         gap = measure_type(least, -(side*gap_change(system, here%at, begin + at(i), here%change) &
+            - y*here%change%clearance)/system%clearance)
          touched = side
          touched_at = flight_number + (begin + at(i))/duration
       end do

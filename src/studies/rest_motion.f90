@@ -2,17 +2,18 @@
 !!
 !! A motion is a fixed point of the map from one release to the release k load cycles later, a map
 !! of the plane (phase, v). Its two eigenvalues and two zeros, which the accumulation brings, are
-!! the multipliers. What a simulation does in a period gives the letters; the map along these
-!! letters (vi_rest_family) is smooth where the simulated one is not, and its derivative is known
+!! the multipliers. What a simulation does in a period gives the symbols; the map along these
+!! symbols (vi_rest_family) is smooth where the simulated one is not, and its derivative is known
 !! in closed form. A solution counts if the simulation from it comes back to it.
 module vi_rest_motion
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_assess, only: assess_rest, is_near_circle
    use vi_doubt, only: caution, worst_change
-   use vi_drive, only: drive_type, event_type, impact_event, release_event, state_time, &
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, release_event, &
+      state_time, &
       state_type, stick_event, two_pi
-   use vi_event_letters, only: read_letters, reading_type, total_phase
+   use vi_event_symbols, only: read_symbols, symbol_sequence_type, total_phase
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
    use vi_motion, only: motion_type
@@ -33,9 +34,9 @@ module vi_rest_motion
 contains
 
    !> The map from one release on a wall to the release k load cycles later.
-   pure subroutine return_map(drive, side, cycles, start, finish, events, n, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine return_map(system, side, cycles, start, finish, events, n, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The wall, +1 or -1, and the load cycles k.
       integer, intent(in) :: side, cycles
       !> (phase, v) at the first release.
@@ -57,8 +58,9 @@ contains
       ! most periods end close to their start: a search farther ahead finds no nearer release
       horizon = 0.1_wp
       do while (n == 0)
-         state = release_state(drive, side, start)
-         call simulate(drive, state, int(cycles, int64), start(1) + horizon, events, found, final, &
+         state = release_state(system, side, start)
+         call simulate(system, state, int(cycles, int64), start(1) + horizon, events, found, &
+            final, &
             status)
          if (status /= stat%ok) return
          nearest = horizon
@@ -77,9 +79,9 @@ contains
    end subroutine return_map
 
    !> The state at a release. The phase may lie a little outside [0, 2 pi).
-   pure function release_state(drive, side, start) result(state)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function release_state(system, side, start) result(state)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The wall, +1 or -1.
       integer, intent(in) :: side
       !> (phase, v)
@@ -89,16 +91,16 @@ contains
       state%phase = start(1)
       state%x_dot = start(2)
       state%z_dot = start(2)
-      state%x = drive%load*sin(start(1)) - 2*drive%osc%xi*start(2)
-      state%z = state%x + 0.5_wp*side*drive%clearance
+      state%x = system%load*sin(start(1)) - 2*system%osc%xi*start(2)
+      state%z = state%x + 0.5_wp*side*system%clearance
       state%side = side
       state%released = .true.
    end function release_state
 
    !> Newton's method for a fixed point of the return map.
-   pure subroutine solve_rest_motion(drive, side, cycles, point, motion, events, n)
+   pure subroutine solve_rest_motion(system, side, cycles, point, motion, events, n)
       !> The system.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> The wall, +1 or -1, and the load cycles k.
       integer, intent(in) :: side, cycles
       !> In: a guess of (phase, v) at the release. Out: the fixed point.
@@ -111,9 +113,9 @@ contains
       type(event_type), intent(inout) :: events(:)
       !> Number of events of the period.
       integer, intent(out) :: n
-      !> Newton steps in all, and times that letters are held.
+      !> Newton steps in all, and times that symbols are held.
       integer, parameter :: most = 40, most_rounds = 4
-      !> A simulated period that changes the state by less holds the letters of the motion.
+      !> A simulated period that changes the state by less holds the symbols of the motion.
       real(wp), parameter :: close_by = 0.02_wp
       type(rest_family_type) :: family
       type(rest_period_type) :: period
@@ -125,21 +127,21 @@ contains
       n = 0
       motion%residual = huge(1.0_wp)
       motion%status = stat%no_motion
-      if (.not. drive%load > 0) return
-      c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [drive%r, &
-         log(drive%clearance/drive%load), drive%osc%xi, drive%osc%mu, &
-         drive%osc%restitution([right, left])]
+      if (.not. system%load > 0) return
+      c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [system%r, &
+         log(system%clearance/system%load), system%osc%xi, system%osc%mu, &
+         system%osc%restitution([right, left])]
       rounds = 0
       do i = 1, most
-         call simulate_period(drive, side, cycles, point, image, motion%residual, events, n, &
+         call simulate_period(system, side, cycles, point, image, motion%residual, events, n, &
             family, unknowns, motion%status)
          if (motion%status /= stat%ok) return
          if (rounds > 0 .and. motion%residual < 1.0e-11_wp) exit
          if (motion%residual < close_by .and. rounds < most_rounds) then
             rounds = rounds + 1
-            call hold_letters(family, c, unknowns, good)
+            call hold_symbols(family, c, unknowns, good)
             if (good) then
-               point = [unknowns(1), sinh(unknowns(2))*drive%clearance]
+               point = [unknowns(1), sinh(unknowns(2))*system%clearance]
                cycle
             end if
          end if
@@ -149,16 +151,16 @@ contains
          matrix = -plane_map(period)
          matrix(1, 1) = matrix(1, 1) + 1
          matrix(2, 2) = matrix(2, 2) + 1
-         step = [image(1), asinh(image(2)/drive%clearance)] - unknowns(:2)
+         step = [image(1), asinh(image(2)/system%clearance)] - unknowns(:2)
          call solve(matrix, step, motion%status)
          if (motion%status /= stat%ok) return
          step = unknowns(:2) + step*min(1.0_wp, 0.3_wp/maxval(abs(step)))
-         point = [step(1), sinh(step(2))*drive%clearance]
+         point = [step(1), sinh(step(2))*system%clearance]
       end do
       motion%status = merge(stat%ok, stat%no_convergence, motion%residual < 1.0e-10_wp)
       if (motion%status /= stat%ok) return
       point(1) = modulo(point(1), two_pi)
-      call simulate_period(drive, side, cycles, point, image, motion%residual, events, n, family, &
+      call simulate_period(system, side, cycles, point, image, motion%residual, events, n, family, &
          unknowns, motion%status)
       if (motion%status /= stat%ok) return
       motion%status = stat%no_convergence
@@ -189,7 +191,7 @@ contains
    !> Largest error of the modulus of the leading multiplier by rounding of the unknowns. As in
    !! vi_doubt, their worst change is applied forward and backward; huge where nothing is certain.
    pure real(wp) function modulus_doubt(family, unknowns, c, period, leading) result(doubt)
-      !> The letters.
+      !> The symbols.
       type(rest_family_type), intent(in) :: family
       !> Those of vi_rest_family (m), and r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
@@ -226,55 +228,55 @@ contains
    end function modulus_doubt
 
    !> The periodic motion with rest near a release, complete with its events.
-   pure subroutine find_rest_motion(drive, side, cycles, guess, room, motion, events)
+   pure subroutine find_rest_motion(system, side, cycles, guess, capacity, motion, events)
       !> The system.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> The wall of the release, +1 or -1, and the load cycles of the period.
       integer, intent(in) :: side, cycles
       !> (phase, v) at the release.
       real(wp), intent(in) :: guess(2)
       !> Events that the period may have.
-      integer, intent(in) :: room
-      !> Its impacts are the first ones of the letters, counted from the first letter after the
+      integer, intent(in) :: capacity
+      !> Its impacts are the first ones of the symbols, counted from the first symbol after the
       !! release; +2 and -2 among the sides are accumulation and rest.
       type(motion_type), intent(out) :: motion
       !> Events of the period, the last one the release.
       type(event_type), allocatable, intent(out) :: events(:)
       type(event_type), allocatable :: found(:)
-      type(reading_type) :: reading
+      type(symbol_sequence_type) :: reading
       real(wp) :: point(2), period
       real(wp), allocatable :: times(:)
       logical :: complete
       integer :: n
 
-      allocate (found(room))
+      allocate (found(capacity))
       point = guess
-      call solve_rest_motion(drive, side, cycles, point, motion, found, n)
+      call solve_rest_motion(system, side, cycles, point, motion, found, n)
       if (motion%status /= stat%ok) return
       allocate (events, source=found(:n))
-      call read_letters(events, reading)
-      motion%osc = drive%osc
-      motion%r = drive%r
-      motion%clearance = drive%clearance
-      motion%amplitude = drive%amplitude
-      motion%pattern = pattern_type(reading%letters, cycles)
-      times = event_times(drive, events)
-      associate (first => events(reading%first), letters => reading%letters)
-         motion%restitution = default_restitution(letters, drive%osc%restitution(right), &
-            drive%osc%restitution(left))
-         motion%phases = times(reading%first)*drive%r
-         motion%tau = first(1)%phase - drive%lag
+      call read_symbols(events, reading)
+      motion%osc = system%osc
+      motion%r = system%r
+      motion%clearance = system%clearance
+      motion%amplitude = system%amplitude
+      motion%pattern = pattern_type(reading%symbols, cycles)
+      times = event_times(system, events)
+      associate (first => events(reading%first), symbols => reading%symbols)
+         motion%restitution = default_restitution(symbols, system%osc%restitution(right), &
+            system%osc%restitution(left))
+         motion%phases = times(reading%first)*system%r
+         motion%tau = first(1)%phase - system%lag
          motion%tau = motion%tau - two_pi*anint(motion%tau/two_pi)
          motion%x = first%x
-         motion%z = first%x + 0.5_wp*sign(1, letters)*drive%clearance
+         motion%z = first%x + 0.5_wp*sign(1, symbols)*system%clearance
          motion%x_dot_before = first%x_dot_before
          motion%x_dot_after = first%x_dot_after
          motion%z_dot_before = first%z_dot_before
          motion%z_dot_after = first%z_dot_after
       end associate
-      period = two_pi*cycles/drive%r
-      call extreme_positions(drive, transpose(reshape([times, events%phase, events%x, &
-         events%x_dot_after, events%x + 0.5_wp*events%side*drive%clearance, events%z_dot_after], &
+      period = two_pi*cycles/system%r
+      call extreme_positions(system, transpose(reshape([times, events%phase, events%x, &
+         events%x_dot_after, events%x + 0.5_wp*events%side*system%clearance, events%z_dot_after], &
          [n, 6])), merge(events%side, 0, events%kind == stick_event), period, motion%x_min, &
          motion%x_max, complete)
       if (.not. complete) then
@@ -284,25 +286,26 @@ contains
    end subroutine find_rest_motion
 
    !> Times of events since the first one, in 1/omega.
-   pure function event_times(drive, events) result(times)
+   pure function event_times(system, events) result(times)
       !> The system.
-      type(drive_type), intent(in) :: drive
+      type(forced_system_type), intent(in) :: system
       !> In the order of time (n).
       type(event_type), intent(in) :: events(:)
       real(wp) :: times(size(events))
       integer :: i
 
       do i = 1, size(events)
-         times(i) = state_time(events(i)%cycle, events(i)%phase, drive%r)
+         times(i) = state_time(events(i)%cycle, events(i)%phase, system%r)
       end do
       times = times - times(1)
    end function event_times
 
-   !> Simulates a period: the state at its end, its events, letters and unknowns.
-   pure subroutine simulate_period(drive, side, cycles, point, image, residual, events, n, family, &
+   !> Simulates a period: the state at its end, its events, symbols and unknowns.
+   pure subroutine simulate_period(system, side, cycles, point, image, residual, events, n, &
+      family, &
       unknowns, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The wall, +1 or -1, and the load cycles k.
       integer, intent(in) :: side, cycles
       !> (phase, v) at the release.
@@ -315,7 +318,7 @@ contains
       type(event_type), intent(inout) :: events(:)
       !> Number of events of the period; 0 if there is no such release.
       integer, intent(out) :: n
-      !> Letters of the period.
+      !> Symbols of the period.
       type(rest_family_type), intent(out) :: family
       !> As of vi_rest_family: phase and asinh(v/D) at the release, phases of the first impacts.
       real(wp), allocatable, intent(out) :: unknowns(:)
@@ -324,17 +327,17 @@ contains
       logical :: good
 
       residual = huge(1.0_wp)
-      call return_map(drive, side, cycles, point, image, events, n, status)
+      call return_map(system, side, cycles, point, image, events, n, status)
       if (status /= stat%ok) return
-      residual = maxval(abs(image - point)/[1.0_wp, drive%clearance])
-      call read_period(events(:n), cycles, [point(1), asinh(point(2)/drive%clearance)], family, &
+      residual = maxval(abs(image - point)/[1.0_wp, system%clearance])
+      call read_period(events(:n), cycles, [point(1), asinh(point(2)/system%clearance)], family, &
          unknowns, good)
       if (.not. good) status = stat%no_motion
    end subroutine simulate_period
 
-   !> Newton's method for the motion of given letters.
-   pure subroutine hold_letters(family, c, unknowns, good)
-      !> The letters.
+   !> Newton's method for the motion of given symbols.
+   pure subroutine hold_symbols(family, c, unknowns, good)
+      !> The symbols.
       type(rest_family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
@@ -370,7 +373,7 @@ contains
          if (good) exit
       end do
       if (good) unknowns = here
-   end subroutine hold_letters
+   end subroutine hold_symbols
 
    !> The family and the unknowns of a period from one release to the next, from its events.
    pure subroutine read_period(events, cycles, start, family, unknowns, good)
@@ -380,22 +383,22 @@ contains
       integer, intent(in) :: cycles
       !> Phase and asinh(v/D) at the first release.
       real(wp), intent(in) :: start(2)
-      !> Letters in the order of the events.
+      !> Symbols in the order of the events.
       type(rest_family_type), intent(out) :: family
       !> As of vi_rest_family: the release, and the phases of the first impacts.
       real(wp), allocatable, intent(out) :: unknowns(:)
-      !> False if the last letter is none with rest, if a rest begins without an impact, or if
-      !! there are too many letters.
+      !> False if the last symbol is none with rest, if a rest begins without an impact, or if
+      !! there are too many symbols.
       logical, intent(out) :: good
-      type(reading_type) :: reading
+      type(symbol_sequence_type) :: reading
 
-      call read_letters(events, reading)
+      call read_symbols(events, reading)
       good = reading%n > 1 .and. reading%n <= most_impacts
       ! the unknowns tell no rest from a start without impact
-      if (good) good = abs(reading%letters(reading%n)) == 2 .and. &
+      if (good) good = abs(reading%symbols(reading%n)) == 2 .and. &
          all(events(reading%first)%kind == impact_event)
       if (.not. good) return
-      family = new_rest_family(reading%letters, cycles)
+      family = new_rest_family(reading%symbols, cycles)
       unknowns = [start, total_phase(events(reading%first))]
    end subroutine read_period
 

@@ -36,7 +36,8 @@ contains
       real(wp), intent(in) :: c(:)
       !> Guesses to start from.
       integer, intent(in) :: guesses
-      !> Unknowns (x_i/D, theta_i) of motions (2N, room): those known beforehand, then those found;
+      !> Unknowns (x_i/D, theta_i) of motions (2N, capacity): those known beforehand, then those
+      !! found;
       !! the search ends when it is full.
       real(wp), intent(inout) :: found(:, :)
       !> In: motions known beforehand. Out: all.

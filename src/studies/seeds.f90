@@ -1,15 +1,16 @@
 !> Motions of a family at a point, from guesses or from simulation.
 module vi_seeds
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_event_letters, only: last_of_period, mismatch, read_window, reading_type, total_phase
+   use vi_event_symbols, only: last_of_period, mismatch, symbols_between, symbol_sequence_type, &
+      total_phase
    use vi_frame, only: frame_type, unknown_count
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
    use vi_oscillator, only: left, oscillator_type, right
    use vi_pattern, only: pattern_type
-   use vi_rest_family, only: follow_letters, last_release
+   use vi_rest_family, only: follow_symbols, last_release
    use vi_search, only: search_pattern
-   use vi_simulate, only: drive_type, event_type, new_drive, simulate, state_type
+   use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate, state_type
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -17,11 +18,11 @@ module vi_seeds
    public :: initial_state_of, motions_at, part_of, simulate_releases
 
    !> Largest number of motions of a pattern at a point; load cycles simulated to find a release.
-   integer, parameter :: room = 64, settling = 60
+   integer, parameter :: capacity = 64, settling = 60
    !> Most simulations at a point for motions with rest.
    integer, parameter, public :: most_simulations = 6
 
-   !> Largest difference in phase (rad) between the letters of two successive periods, and the
+   !> Largest difference in phase (rad) between the symbols of two successive periods, and the
    !! factor by which that of a longer period must be smaller.
    real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
@@ -34,9 +35,9 @@ module vi_seeds
       !> Whether one of them is in the second half of the simulation.
       logical :: late = .false.
       !> The period up to the last release that nearly repeats the one before: its load cycles, 0 if
-      !! there is none among the lengths examined, and its letters.
+      !! there is none among the lengths examined, and its symbols.
       integer :: cycles = 0
-      integer, allocatable :: letters(:)
+      integer, allocatable :: symbols(:)
    end type release_type
 
 contains
@@ -59,7 +60,7 @@ contains
       !> Those of simulations at this point, if they have been made.
       type(release_type), intent(in), optional :: releases(:)
       type(release_type) :: simulated(min(guesses, most_simulations))
-      real(wp) :: whole(2*size(pattern%sides), room)
+      real(wp) :: whole(2*size(pattern%sides), capacity)
       integer :: k, n, tried
 
       if (frame%resting) then
@@ -95,7 +96,7 @@ contains
       n = size(unknowns)/2
       total = size(whole)/2
       if (frame%resting) then
-         call follow_letters(frame%rest, [whole(1), asinh(whole(2))], c, unknowns, good)
+         call follow_symbols(frame%rest, [whole(1), asinh(whole(2))], c, unknowns, good)
          if (.not. good) unknowns(3:) = unknowns(1)
       else
          unknowns = [whole(:n), whole(total + 1:total + n)]
@@ -110,17 +111,17 @@ contains
       real(wp), intent(in) :: c(:)
       !> One of each simulation.
       type(release_type), intent(in) :: releases(:)
-      !> (unknowns, m) The guesses whose letters can be followed.
+      !> (unknowns, m) The guesses whose symbols can be followed.
       real(wp), allocatable, intent(out) :: found(:, :)
       real(wp) :: list(unknown_count(frame), size(releases))
       integer :: k, kept, wall
       logical :: good
 
-      wall = merge(right, left, frame%rest%letters(size(frame%rest%letters)) > 0)
+      wall = merge(right, left, frame%rest%symbols(size(frame%rest%symbols)) > 0)
       kept = 0
       do k = 1, size(releases)
          if (.not. releases(k)%there(wall)) cycle
-         call follow_letters(frame%rest, releases(k)%at(:, wall), c, list(:, kept + 1), good)
+         call follow_symbols(frame%rest, releases(k)%at(:, wall), c, list(:, kept + 1), good)
          if (good) kept = kept + 1
       end do
       found = list(:, :kept)
@@ -132,29 +133,30 @@ contains
       real(wp), intent(in) :: c(:)
       !> (simulations) Out: the last releases of each; none if it failed.
       type(release_type), intent(out) :: releases(:)
-      !> Letters and load cycles of the longest period searched at the end; no search if absent.
+      !> Symbols and load cycles of the longest period searched at the end; no search if absent.
       integer, intent(in), optional :: longest(2)
       integer, parameter :: chunk = 4000
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
       type(state_type) :: state, final
       type(event_type), allocatable :: events(:)
       integer :: k, n, status, calls
 
-      drive = new_drive(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
+      system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
+         c(by_r), &
          1.0_wp, exp(c(by_clearance)))
       allocate (events(chunk))
       do k = 1, size(releases)
-         state = initial_state_of(k, size(releases), drive%clearance)
+         state = initial_state_of(k, size(releases), system%clearance)
          status = stat%more_events
          calls = 0
          do while (status == stat%more_events .and. calls < 10)
-            call simulate(drive, state, int(settling, int64), 0.0_wp, events, n, final, status)
+            call simulate(system, state, int(settling, int64), 0.0_wp, events, n, final, status)
             calls = calls + 1
          end do
          if (status /= stat%ok) cycle
-         call last_release(1, events(:n), drive%clearance, releases(k)%at(:, right), &
+         call last_release(1, events(:n), system%clearance, releases(k)%at(:, right), &
             releases(k)%there(right))
-         call last_release(-1, events(:n), drive%clearance, releases(k)%at(:, left), &
+         call last_release(-1, events(:n), system%clearance, releases(k)%at(:, left), &
             releases(k)%there(left))
          if (present(longest)) call read_end(events(:n), longest, releases(k))
       end do
@@ -176,11 +178,11 @@ contains
    pure subroutine read_end(events, longest, release)
       !> (n) Last events of a simulation, in the order of time.
       type(event_type), intent(in) :: events(:)
-      !> Most letters and load cycles.
+      !> Most symbols and load cycles.
       integer, intent(in) :: longest(2)
-      !> In: with its releases. Out: `late`, `cycles` and `letters` are set.
+      !> In: with its releases. Out: `late`, `cycles` and `symbols` are set.
       type(release_type), intent(inout) :: release
-      type(reading_type) :: now, before
+      type(symbol_sequence_type) :: now, before
       real(wp) :: finish, apart, least
       integer :: k, last
 
@@ -191,14 +193,14 @@ contains
       finish = total_phase(events(last)) + 1.0e-3_wp*two_pi
       least = about
       do k = 1, longest(2)
-         call read_window(events(:last), finish - two_pi*k, finish, now)
-         call read_window(events(:last), finish - 2*two_pi*k, finish - two_pi*k, before)
+         call symbols_between(events(:last), finish - two_pi*k, finish, now)
+         call symbols_between(events(:last), finish - 2*two_pi*k, finish - two_pi*k, before)
          if (now%n > longest(1)) exit
          apart = mismatch(events, now, before, k)
          if (.not. apart < least) cycle
          least = nearer*apart
          release%cycles = k
-         release%letters = now%letters
+         release%symbols = now%symbols
       end do
    end subroutine read_end
 

@@ -4,8 +4,9 @@
 !! intermittent chaos, it does so for a long time. A state counts as settled only if Newton's
 !! method, started from its last period, leads to an admissible, stable motion near that period.
 module vi_settled_motion
-   use vi_drive, only: drive_type, event_type, initial_state, state_type, two_pi
-   use vi_event_letters, only: last_of_period, mismatch, read_window, reading_type, total_phase
+   use vi_forced_system, only: forced_system_type, event_type, initial_state, state_type, two_pi
+   use vi_event_symbols, only: last_of_period, mismatch, symbols_between, symbol_sequence_type, &
+      total_phase
    use vi_found_motion, only: found_type, new_found, new_resting
    use vi_kinds, only: wp
    use vi_motion, only: yes
@@ -25,10 +26,10 @@ module vi_settled_motion
       no_impacts = 5, unfinished = 6
    integer, parameter, public :: n_outcomes = 6
 
-   !> Longest period considered, in load cycles, and its largest number of letters.
-   integer, parameter :: longest = 16, most_letters = 100
+   !> Longest period considered, in load cycles, and its largest number of symbols.
+   integer, parameter :: longest = 16, most_symbols = 100
    !> Events kept of the end of a simulation, and of a period with rest.
-   integer, parameter :: room = 40000, rest_room = 20000
+   integer, parameter :: capacity = 40000, rest_capacity = 20000
    !> Largest number of events of a simulation.
    integer, parameter :: most_events = 100000000
    !> Largest difference of impact phases (rad) from period to period; the factor by which it must
@@ -39,9 +40,9 @@ module vi_settled_motion
 contains
 
    !> Simulates a state, and confirms the motion on which it settles.
-   pure subroutine settle_on(drive, start, settling, scale, outcome, found, n_found)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine settle_on(system, start, settling, scale, outcome, found, n_found)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
       !> Load cycles of the transient.
@@ -56,20 +57,20 @@ contains
       integer, intent(out) :: n_found
       type(state_type) :: state
       type(event_type), allocatable :: events(:)
-      type(reading_type) :: now, before
+      type(symbol_sequence_type) :: now, before
       type(found_type) :: motion
       real(wp) :: finish, apart, least
       integer :: cycles, last, left, n, status
       logical :: nearby
 
-      allocate (events(room))
+      allocate (events(capacity))
       n_found = 0
       outcome = unfinished
-      state = initial_state(drive, start)
+      state = initial_state(system, start)
       left = most_events
-      call simulate_cycles(drive, state, settling, left, events(:1000), n, status)
+      call simulate_cycles(system, state, settling, left, events(:1000), n, status)
       if (status /= stat%ok) return
-      call simulate_cycles(drive, state, 2*longest + 2, left, events, n, status)
+      call simulate_cycles(system, state, 2*longest + 2, left, events, n, status)
       if (status /= stat%ok) return
       outcome = no_impacts
       if (n == 0) return
@@ -79,13 +80,14 @@ contains
       finish = total_phase(events(last)) + 1.0e-3_wp*two_pi
       least = about
       do cycles = 1, longest
-         call read_window(events(:last), finish - two_pi*cycles, finish, now)
-         call read_window(events(:last), finish - 2*two_pi*cycles, finish - two_pi*cycles, before)
-         if (now%n > most_letters) exit
+         call symbols_between(events(:last), finish - two_pi*cycles, finish, now)
+         call symbols_between(events(:last), finish - 2*two_pi*cycles, finish - two_pi*cycles, &
+            before)
+         if (now%n > most_symbols) exit
          apart = mismatch(events, now, before, cycles)
          if (.not. apart < least) cycle
          least = nearer*apart
-         call confirm(drive, events(:last), now, cycles, scale, motion, nearby)
+         call confirm(system, events(:last), now, cycles, scale, motion, nearby)
          if (motion%status == stat%ok .and. motion%admissible == yes .and. &
             n_found < size(found)) then
             n_found = n_found + 1
@@ -103,13 +105,13 @@ contains
    end subroutine settle_on
 
    !> Newton's method from the last period of a simulation.
-   pure subroutine confirm(drive, events, reading, cycles, scale, motion, nearby)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine confirm(system, events, reading, cycles, scale, motion, nearby)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Events up to the end of the period.
       type(event_type), intent(in) :: events(:)
-      !> Letters of the last period among these events.
-      type(reading_type), intent(in) :: reading
+      !> Symbols of the last period among these events.
+      type(symbol_sequence_type), intent(in) :: reading
       !> Load cycles of the period.
       integer, intent(in) :: cycles
       !> Unit of positions, as `length_scale`.
@@ -122,10 +124,10 @@ contains
       integer :: n
 
       n = reading%n
-      if (any(abs(reading%letters(:n)) == 2)) then
+      if (any(abs(reading%symbols(:n)) == 2)) then
          associate (release => events(size(events)))
-            call new_resting(drive, release%side, cycles, [release%phase, release%x_dot_after], &
-               rest_room, motion)
+            call new_resting(system, release%side, cycles, [release%phase, release%x_dot_after], &
+               rest_capacity, motion)
             nearby = motion%status == stat%ok
             if (.not. nearby) return
             associate (at => motion%releases(:, size(motion%releases, 2)))
@@ -136,9 +138,9 @@ contains
          return
       end if
       x = events(reading%first(:n))%x
-      theta = total_phase(events(reading%first(:n))) - drive%lag
+      theta = total_phase(events(reading%first(:n))) - system%lag
       theta = theta - two_pi*floor(theta(1)/two_pi)
-      call new_found(drive, pattern_type(reading%letters(:n), cycles), x, theta, motion)
+      call new_found(system, pattern_type(reading%symbols(:n), cycles), x, theta, motion)
       nearby = motion%status == stat%ok
       if (nearby) nearby = all(abs(motion%unknowns(:n) - x) < near*scale) .and. &
          all(abs(motion%unknowns(n + 1:) - theta) < near)

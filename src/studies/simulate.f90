@@ -2,8 +2,9 @@
 module vi_simulate
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_contact, only: contact_type, first_contact
-   use vi_drive, only: departure_from, drive_type, event_type, flight_from, impact_event, &
-      new_drive, release_event, rest_from, state_time, state_type, stick_event, two_pi
+   use vi_forced_system, only: departure_from, forced_system_type, event_type, flight_from, &
+      impact_event, &
+      new_forced_system, release_event, rest_from, state_time, state_type, stick_event, two_pi
    use vi_bounce, only: bounce
    use vi_kinds, only: wp
    use vi_march, only: march, touch_type
@@ -15,7 +16,7 @@ module vi_simulate
    private
 
    public :: simulate, simulate_cycles
-   public :: drive_type, event_type, new_drive, state_time, state_type
+   public :: forced_system_type, event_type, new_forced_system, state_time, state_type
    public :: impact_event, stick_event, release_event
 
 contains
@@ -23,9 +24,9 @@ contains
    !> Simulates from a state to a final time, or until the array of events is full.
    !!
    !! If the array is full, a further call continues with the same bits as one long call.
-   pure subroutine simulate(drive, state, last_cycle, last_phase, events, n, final, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine simulate(system, state, last_cycle, last_phase, events, n, final, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: the initial state. Out: the state at which the last flight or rest began; a call that
       !! starts from there continues with the same bits.
       type(state_type), intent(inout) :: state
@@ -49,12 +50,12 @@ contains
       n = 0
       status = stat%ok
       do
-         remaining = time_left(drive, state, last_cycle, last_phase)
+         remaining = time_left(system, state, last_cycle, last_phase)
          if (n < size(events)) then
-            call go_on(drive, state, remaining, events(n + 1), found, status)
+            call go_on(system, state, remaining, events(n + 1), found, status)
          else
             next = state
-            call go_on(drive, next, remaining, extra, found, status)
+            call go_on(system, next, remaining, extra, found, status)
             if (found) status = stat%more_events
          end if
          if (.not. found .or. status /= stat%ok) exit
@@ -62,15 +63,15 @@ contains
       end do
       final = state
       if (status /= stat%ok) return
-      call move_on(drive, remaining, final)
+      call move_on(system, remaining, final)
       final%cycle = last_cycle
       final%phase = last_phase
    end subroutine simulate
 
    !> Simulates some load cycles with any number of events, of which only the last ones are kept.
-   pure subroutine simulate_cycles(drive, state, cycles, left, events, n, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine simulate_cycles(system, state, cycles, left, events, n, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: the initial state. Out: the state at the end.
       type(state_type), intent(inout) :: state
       !> Whole load cycles to simulate.
@@ -90,7 +91,7 @@ contains
       last_cycle = state%cycle + cycles
       last_phase = state%phase
       do
-         call simulate(drive, state, last_cycle, last_phase, events, n, final, status)
+         call simulate(system, state, last_cycle, last_phase, events, n, final, status)
          left = left - n
          if (status /= stat%more_events .or. left <= 0) exit
       end do
@@ -98,9 +99,9 @@ contains
    end subroutine simulate_cycles
 
    !> Time from a state to the end.
-   pure real(wp) function time_left(drive, state, last_cycle, last_phase)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure real(wp) function time_left(system, state, last_cycle, last_phase)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state.
       type(state_type), intent(in) :: state
       !> Load cycles at the end.
@@ -108,13 +109,13 @@ contains
       !> Load phase above them (rad).
       real(wp), intent(in) :: last_phase
 
-      time_left = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase - state%phase))/drive%r
+      time_left = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase - state%phase))/system%r
    end function time_left
 
    !> Advances to the next event and through it. If there is none, the state is not changed.
-   pure subroutine go_on(drive, state, remaining, event, found, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine go_on(system, state, remaining, event, found, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: the state. Out: just after the event, if one is found.
       type(state_type), intent(inout) :: state
       !> Time to the end (1/omega).
@@ -129,7 +130,7 @@ contains
       logical :: over
 
       if (state%resting) then
-         call rest_on(drive, state, remaining, event, found, status)
+         call rest_on(system, state, remaining, event, found, status)
          return
       end if
       s = sin(state%phase)
@@ -137,15 +138,15 @@ contains
       found = .false.
       over = .false.
       if (state%side /= 0 .and. .not. state%released) then
-         call accumulate(drive, state, s, c, remaining, event, found, over)
+         call accumulate(system, state, s, c, remaining, event, found, over)
       end if
-      if (.not. (found .or. over)) call fly_on(drive, state, s, c, remaining, event, found, status)
+      if (.not. (found .or. over)) call fly_on(system, state, s, c, remaining, event, found, status)
    end subroutine go_on
 
    !> Advances to the next impact and through it, with vi_bounce or vi_march where they can decide.
-   pure subroutine fly_on(drive, state, s, c, remaining, event, found, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine fly_on(system, state, s, c, remaining, event, found, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: the state. Out: just after the impact, if one is found.
       type(state_type), intent(inout) :: state
       !> Sine and cosine of the load phase.
@@ -162,35 +163,35 @@ contains
       real(wp) :: half, time, approach
 
       found = .false.
-      half = 0.5_wp*drive%clearance
+      half = 0.5_wp*system%clearance
       if (state%side /= 0 .and. state%speed > 0) then
-         call bounce(drive%transition, drive%load, s, c, state%x, state%x_dot, state%side, &
-            state%speed, drive%clearance, time, approach)
+         call bounce(system%transition, system%load, s, c, state%x, state%x_dot, state%side, &
+            state%speed, system%clearance, time, approach)
          if (time > 0) then
             touch = touch_type(state%side, time, state%x + state%z_dot*time, &
                state%z_dot - state%side*approach)
          else
-            call march(drive%transition, s, c, state%x, state%x_dot, state%z, state%z_dot, half, &
+            call march(system%transition, s, c, state%x, state%x_dot, state%z, state%z_dot, half, &
                state%side, state%speed, remaining, touch)
             approach = max(0.0_wp, touch%side*(state%z_dot - touch%x_dot))
          end if
          if (touch%time > remaining) return
       end if
-      if (touch%side == 0) call search(drive, state, half, remaining, touch, approach, status)
+      if (touch%side == 0) call search(system, state, half, remaining, touch, approach, status)
       if (touch%side == 0) return
       found = .true.
       state%released = .false.
-      call move(state, drive%r*touch%time)
+      call move(state, system%r*touch%time)
       state%x = touch%x
       state%side = touch%side
       state%z = touch%x + touch%side*half
-      call collide(drive%osc, touch%side, approach, touch%x_dot, state, event)
+      call collide(system%osc, touch%side, approach, touch%x_dot, state, event)
    end subroutine fly_on
 
    !> The reference search for the next contact, from the time at which the march ended.
-   pure subroutine search(drive, state, half, remaining, touch, approach, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine search(system, state, half, remaining, touch, approach, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state at the start of the flight.
       type(state_type), intent(in) :: state
       !> Half the clearance, and the time to the end (1/omega).
@@ -203,7 +204,7 @@ contains
       integer, intent(inout) :: status
       type(contact_type) :: contact
 
-      contact = first_contact(flight_from(drive, state, remaining), half, &
+      contact = first_contact(flight_from(system, state, remaining), half, &
          departure_from(state, half), remaining, touch%time)
       if (.not. contact%complete) status = stat%budget
       touch = touch_type(contact%side, contact%time, contact%d(0), contact%d(1))
@@ -246,9 +247,9 @@ contains
    !! take T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next
    !! order is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
    !! that has to be below 1e-16.
-   pure subroutine accumulate(drive, state, s, c, remaining, event, found, over)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine accumulate(system, state, s, c, remaining, event, found, over)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: just after an impact. Out: resting on the wall, if the accumulation is completed.
       type(state_type), intent(inout) :: state
       !> Sine and cosine of the load phase.
@@ -263,8 +264,8 @@ contains
       real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
       real(wp) :: x_ddot, closing, jerk, lost, duration, velocity
 
-      associate (osc => drive%osc)
-         x_ddot = drive%load*s - 2*osc%xi*state%x_dot - state%x
+      associate (osc => system%osc)
+         x_ddot = system%load*s - 2*osc%xi*state%x_dot - state%x
          closing = -state%side*x_ddot
          if (.not. closing > 0) return
          duration = 0
@@ -272,7 +273,7 @@ contains
             lost = closing*(1 - osc%restitution(merge(right, left, state%side > 0)))
             if (.not. 2*state%speed <= longest*lost) return
             duration = 2*state%speed/lost
-            jerk = abs(drive%load*drive%r*c) + 2*osc%xi*abs(x_ddot) + abs(state%x_dot)
+            jerk = abs(system%load*system%r*c) + 2*osc%xi*abs(x_ddot) + abs(state%x_dot)
             if (jerk*duration**2 > time_error*closing) return
             over = duration > remaining
             if (over) return
@@ -281,10 +282,10 @@ contains
          state%x = state%x + (velocity + 0.5_wp*x_ddot/(1 + osc%mu)*duration)*duration
          state%x_dot = velocity + x_ddot/(1 + osc%mu)*duration
          state%z_dot = state%x_dot
-         state%z = state%x + 0.5_wp*state%side*drive%clearance
+         state%z = state%x + 0.5_wp*state%side*system%clearance
          state%speed = 0
          state%resting = .true.
-         call move(state, drive%r*duration)
+         call move(state, system%r*duration)
          event = event_type(stick_event, state%side, state%cycle, state%phase, state%x, &
             state%x_dot, state%x_dot, state%z_dot, state%z_dot)
          found = .true.
@@ -292,9 +293,9 @@ contains
    end subroutine accumulate
 
    !> Advances through a rest on a wall to the release.
-   pure subroutine rest_on(drive, state, remaining, event, found, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine rest_on(system, state, remaining, event, found, status)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: resting. Out: just released, if that happens before the end.
       type(state_type), intent(inout) :: state
       !> Time to the end (1/omega).
@@ -308,12 +309,12 @@ contains
       real(wp) :: time
       logical :: complete
 
-      call release_time(rest_from(drive, state), state%side, remaining, time, complete)
+      call release_time(rest_from(system, state), state%side, remaining, time, complete)
       if (.not. complete) status = stat%budget
       found = complete .and. time <= remaining
       if (.not. found) return
-      call move_on(drive, time, state)
-      call move(state, drive%r*time)
+      call move_on(system, time, state)
+      call move(state, system%r*time)
       state%resting = .false.
       state%released = .true.
       event = event_type(release_event, state%side, state%cycle, state%phase, state%x, &
@@ -321,9 +322,9 @@ contains
    end subroutine rest_on
 
    !> Advances both masses over a time without events; the load phase is not changed.
-   pure subroutine move_on(drive, time, state)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine move_on(system, time, state)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Time to advance (1/omega).
       real(wp), intent(in) :: time
       !> In: at the start. Out: positions and velocities after that time.
@@ -331,11 +332,11 @@ contains
       real(wp) :: d(0:5)
 
       if (state%resting) then
-         d = derivatives(rest_from(drive, state), time)
-         state%z = d(0) + 0.5_wp*state%side*drive%clearance
+         d = derivatives(rest_from(system, state), time)
+         state%z = d(0) + 0.5_wp*state%side*system%clearance
          state%z_dot = d(1)
       else
-         d = derivatives(flight_from(drive, state, time), time)
+         d = derivatives(flight_from(system, state, time), time)
          state%z = state%z + state%z_dot*time
          state%side = 0
          state%speed = 0

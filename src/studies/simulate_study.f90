@@ -2,7 +2,7 @@
 module vi_simulate_study
    use vi_case, only: case_type
    use vi_common_keys, only: check_start, clearance_key, load_key, state_keys, state_of
-   use vi_drive, only: new_drive, state_time, state_type
+   use vi_forced_system, only: new_forced_system, state_time, state_type
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_result, only: column_type, result_type, words
@@ -54,22 +54,23 @@ contains
    end subroutine check_simulate
 
    !> Simulates a case.
-   subroutine run_simulate(case, result, tally)
+   subroutine run_simulate(case, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(event_type), allocatable :: events(:)
       type(state_type) :: final
       real(wp) :: state(5)
       integer :: status, i
 
       associate (s => case%study)
-         call simulate_case(new_drive(case%osc, case%r, s%number('load'), s%number('clearance')), &
+         call simulate_case(new_forced_system(case%osc, case%r, s%number('load'), &
+            s%number('clearance')), &
             state_of(s), s%number('cycles'), s%number('discard'), s%whole_number('max_events'), &
-            final, events, status, tally)
+            final, events, status, progress)
       end associate
       if (status /= stat%ok .and. status /= stat%more_events) then
          result%empty = .true.

@@ -135,8 +135,8 @@ contains
          call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent, correction)
          if (iterations > 0 .and. curve%frame%resting) then
             call survey(curve, to)
-            ! all are -1 at once: the period has other letters there
-            if (count(to%values <= -1) > size(curve%frame%rest%letters)) iterations = 0
+            ! all are -1 at once: the period has other symbols there
+            if (count(to%values <= -1) > size(curve%frame%rest%symbols)) iterations = 0
          end if
          if (iterations > 0) then
             turn = turn_of(from%tangent, to%tangent, size(curve%active))

@@ -149,15 +149,15 @@ contains
    end subroutine list_columns_of
 
    !> Runs a case.
-   subroutine run_study(case, threads, result, tally)
+   subroutine run_study(case, threads, result, progress)
       !> Checked.
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
       !> The result, with notes on what failed.
       type(result_type), intent(out) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(column_type), allocatable :: columns(:)
       type(line_type), allocatable :: lines(:)
       character(16) :: row
@@ -169,27 +169,27 @@ contains
       case ('motion')
          call run_motion(case, result)
       case ('simulate')
-         call run_simulate(case, result, tally)
+         call run_simulate(case, result, progress)
       case ('find')
-         call run_find(case, threads, result, tally)
+         call run_find(case, threads, result, progress)
       case ('chart')
-         call run_chart(case, result, tally)
+         call run_chart(case, result, progress)
       case ('branch')
-         call run_branch(case, result, tally)
+         call run_branch(case, result, progress)
       case ('zone')
-         call run_zone(case, result, tally)
+         call run_zone(case, result, progress)
       case ('atlas')
-         call run_atlas(case, threads, result, tally)
+         call run_atlas(case, threads, result, progress)
       case ('lyapunov')
-         call run_lyapunov(case, threads, result, tally)
+         call run_lyapunov(case, threads, result, progress)
       case ('bifurcation')
-         call run_bifurcation(case, threads, result, tally)
+         call run_bifurcation(case, threads, result, progress)
       case ('response')
-         call run_response(case, threads, result, tally)
+         call run_response(case, threads, result, progress)
       case ('decay')
-         call run_decay(case, threads, result, tally)
+         call run_decay(case, threads, result, progress)
       case default
-         call run_basins(case, threads, result, tally)
+         call run_basins(case, threads, result, progress)
       end select
    end subroutine run_study
 

@@ -6,20 +6,22 @@
 module vi_survey
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type
-   use vi_event_letters, only: last_of_period, mismatch, read_window, reading_type, total_phase
+   use vi_event_symbols, only: last_of_period, mismatch, symbols_between, symbol_sequence_type, &
+      total_phase
    use vi_family, only: new_family
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_kinds, only: wp
-   use vi_letters, only: standard_letters
+   use vi_symbols, only: standard_symbols
    use vi_orbit, only: by_clearance, by_r, most_impacts, n_parameters
    use vi_oscillator, only: left, oscillator_type, right
    use vi_pattern, only: pattern_type
-   use vi_rest_family, only: follow_letters, new_rest_family
-   use vi_simulate, only: drive_type, event_type, new_drive, simulate_cycles, state_type
+   use vi_rest_family, only: follow_symbols, new_rest_family
+   use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate_cycles, &
+      state_type
    use vi_status, only: stat
    use vi_survey_outcome, only: beyond, chaotic, event_limit, is_chaotic, is_free, no_impacts, &
       not_confirmed, not_settled, periodic, stable_period
-   use vi_tally, only: add_sight, add_work, is_stopped
+   use vi_progress, only: add_expected_work, add_done_work, is_stopped
    implicit none (type, external)
    private
 
@@ -32,14 +34,14 @@ module vi_survey
    integer, parameter :: longest_period = 16, longer = 3
    !> Events kept of the end of a simulation, largest number of events of a simulation, and load
    !! cycles between two checks whether to stop.
-   integer, parameter :: room = 4000, most_events = 4000000, between_looks = 10000
+   integer, parameter :: capacity = 4000, most_events = 4000000, between_looks = 10000
    !> Impacts of two periods that repeat each other are nearer than this in phase.
    real(wp), parameter :: same_phase = 1.0e-3_wp
    !> Load cycles of each of ten batches for a Lyapunov exponent, at first and at last.
    integer, parameter :: short_batch = 20, long_batch = 200
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
-   !> The motion on which a simulation settled. A stable periodic motion has its letters in standard
+   !> The motion on which a simulation settled. A stable periodic motion has its symbols in standard
    !! order; one within the limits also its unknowns.
    type, public :: attractor_type
       !> Whether it is one within the limits.
@@ -48,7 +50,7 @@ module vi_survey
       integer :: outcome = not_settled
       real(wp) :: r = 0, clearance = 0
       integer :: cycles = 0
-      integer, allocatable :: letters(:)
+      integer, allocatable :: symbols(:)
       !> x_i/D and theta_i of the whole pattern; with rest phase and velocity over D at the last
       !> release, then zeros.
       real(wp), allocatable :: unknowns(:)
@@ -56,14 +58,14 @@ module vi_survey
 
    !> The limits of the motions of an atlas.
    type :: limits_type
-      integer :: letters, cycles
+      integer :: symbols, cycles
    end type limits_type
 
 contains
 
    !> The motions on which simulations settle, at points spread evenly over a window.
-   subroutine survey(osc, r, clearance, settling, most_letters, most_cycles, threads, attractors, &
-      tally)
+   subroutine survey(osc, r, clearance, settling, most_symbols, most_cycles, threads, attractors, &
+      progress)
       !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> The window.
@@ -71,17 +73,17 @@ contains
       !> Load cycles of the transient.
       integer, intent(in) :: settling
       !> Limits of the motions kept.
-      integer, intent(in) :: most_letters, most_cycles
+      integer, intent(in) :: most_symbols, most_cycles
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
       !> (points) Out: the outcome of each point.
       type(attractor_type), intent(inout) :: attractors(:)
-      !> As of vi_tally, in units of `survey_work`; points after a stop are not settled.
-      integer, intent(inout), optional :: tally(3)
+      !> As of vi_progress, in units of `survey_work`; points after a stop are not settled.
+      integer, intent(inout), optional :: progress(3)
       real(wp) :: u(5), c(2), golden
       integer :: i, j
 
-      call add_sight(survey_work*size(attractors), tally)
+      call add_expected_work(survey_work*size(attractors), progress)
       golden = 1
       do j = 1, 40
          golden = (1 + golden)**(1.0_wp/6)
@@ -91,10 +93,11 @@ contains
          u = [(modulo(0.5_wp + i/golden**j, 1.0_wp), j=1, 5)]
          c = [r(1) + (r(2) - r(1))*u(1), clearance(1)*(clearance(2)/clearance(1))**u(2)]
          attractors(i) = attractor_type(r=c(1), clearance=c(2))
-         if (is_stopped(tally)) cycle
-         call settle(osc, u(3:5), settling, limits_type(most_letters, most_cycles), attractors(i), &
-            tally)
-         call add_work(survey_work, tally)
+         if (is_stopped(progress)) cycle
+         call settle_point(osc, u(3:5), settling, limits_type(most_symbols, most_cycles), &
+            attractors(i), &
+            progress)
+         call add_done_work(survey_work, progress)
       end do
       !$omp end parallel do
    end subroutine survey
@@ -103,7 +106,7 @@ contains
    !!
    !! It is examined after the transient. A trajectory that is then neither periodic nor certainly
    !! chaotic is examined once more, after a longer transient and for longer periods.
-   subroutine settle(osc, u, settling, limits, attractor, tally)
+   subroutine settle_point(osc, u, settling, limits, attractor, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> Three numbers in [0, 1) for the initial state.
@@ -114,33 +117,33 @@ contains
       type(limits_type), intent(in) :: limits
       !> In: the point (r, clearance). Out: the outcome.
       type(attractor_type), intent(inout) :: attractor
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
-      type(drive_type) :: drive
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(forced_system_type) :: system
       type(state_type) :: state
       real(wp) :: size_x
       logical :: chaos
 
-      drive = new_drive(osc, attractor%r, 1.0_wp, attractor%clearance)
-      size_x = min(abs(drive%amplitude), 3*attractor%clearance)
+      system = new_forced_system(osc, attractor%r, 1.0_wp, attractor%clearance)
+      size_x = min(abs(system%amplitude), 3*attractor%clearance)
       state%x = size_x*(2*u(1) - 1)
       state%x_dot = size_x*(2*u(2) - 1)
       state%z = state%x + 0.499_wp*attractor%clearance*(2*u(3) - 1)
-      call look(osc, drive, settling, limits%cycles, limits, state, attractor, tally)
+      call look(osc, system, settling, limits%cycles, limits, state, attractor, progress)
       if (attractor%outcome /= not_settled .and. attractor%outcome /= not_confirmed) return
-      if (is_stopped(tally)) return
-      call is_chaotic(drive, state, short_batch, chaos)
+      if (is_stopped(progress)) return
+      call is_chaotic(system, state, short_batch, chaos)
       if (.not. chaos) then
-         call look(osc, drive, longer*settling, longest_period, limits, state, attractor, tally)
+         call look(osc, system, longer*settling, longest_period, limits, state, attractor, progress)
          if (attractor%outcome /= not_settled) return
-         call is_chaotic(drive, state, long_batch, chaos)
+         call is_chaotic(system, state, long_batch, chaos)
       end if
       if (chaos) attractor%outcome = chaotic
-   end subroutine settle
+   end subroutine settle_point
 
    !> The motion on which a simulation from a given state is after some load cycles, if it repeats
    !! itself by then.
-   subroutine settle_from(osc, state, settling, most_letters, most_cycles, attractor, tally)
+   subroutine settle_from(osc, state, settling, most_symbols, most_cycles, attractor, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> State at the start.
@@ -148,24 +151,24 @@ contains
       !> Load cycles of the transient.
       integer, intent(in) :: settling
       !> Limits of the motions kept.
-      integer, intent(in) :: most_letters, most_cycles
+      integer, intent(in) :: most_symbols, most_cycles
       !> In: the point (r, clearance). Out: the outcome.
       type(attractor_type), intent(inout) :: attractor
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(state_type) :: final
 
       final = state
-      call look(osc, new_drive(osc, attractor%r, 1.0_wp, attractor%clearance), settling, &
-         most_cycles, limits_type(most_letters, most_cycles), final, attractor, tally)
+      call look(osc, new_forced_system(osc, attractor%r, 1.0_wp, attractor%clearance), settling, &
+         most_cycles, limits_type(most_symbols, most_cycles), final, attractor, progress)
    end subroutine settle_from
 
    !> Simulates the transient, then examines the cycles after it.
-   subroutine look(osc, drive, settling, longest, limits, state, attractor, tally)
+   subroutine look(osc, system, settling, longest, limits, state, attractor, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
-      !> The driven system of this point.
-      type(drive_type), intent(in) :: drive
+      !> The forced system of this point.
+      type(forced_system_type), intent(in) :: system
       !> Load cycles of the transient, and of the longest period considered.
       integer, intent(in) :: settling, longest
       !> Limits of the motions kept.
@@ -174,53 +177,53 @@ contains
       type(state_type), intent(inout) :: state
       !> In: the point. Out: the outcome; `not_settled` also if it was stopped.
       type(attractor_type), intent(inout) :: attractor
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
-      type(event_type) :: events(room)
-      type(reading_type) :: now, before
-      integer, allocatable :: letters(:)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(event_type) :: events(capacity)
+      type(symbol_sequence_type) :: now, before
+      integer, allocatable :: symbols(:)
       real(wp) :: end_phase
       logical :: shorter
       integer :: n, k, last, status
 
       attractor%outcome = not_settled
-      call run(drive, state, settling, events, n, status, tally)
-      if (status == stat%ok) call run(drive, state, 2*longest + 2, events, n, status, tally)
+      call run(system, state, settling, events, n, status, progress)
+      if (status == stat%ok) call run(system, state, 2*longest + 2, events, n, status, progress)
       if (status /= stat%ok) then
          if (status /= stat%not_computed) attractor%outcome = event_limit
          return
       end if
       if (n == 0) then
-         if (is_free(drive, state)) attractor%outcome = no_impacts
+         if (is_free(system, state)) attractor%outcome = no_impacts
          return
       end if
       last = last_of_period(events(:n))
       do k = 1, longest
          ! a thousandth of a cycle: the event one period before belongs to the window before
          end_phase = total_phase(events(last)) + 1.0e-3_wp*two_pi
-         call read_window(events(:last), end_phase - two_pi*k, end_phase, now)
-         call read_window(events(:last), end_phase - 2*two_pi*k, end_phase - two_pi*k, before)
+         call symbols_between(events(:last), end_phase - two_pi*k, end_phase, now)
+         call symbols_between(events(:last), end_phase - 2*two_pi*k, end_phase - two_pi*k, before)
          if (.not. mismatch(events, now, before, k) < same_phase) cycle
          attractor%outcome = not_confirmed
-         if (now%n <= limits%letters .and. k <= limits%cycles) then
-            call identify(osc, drive, events, now, k, attractor)
+         if (now%n <= limits%symbols .and. k <= limits%cycles) then
+            call identify(osc, system, events, now, k, attractor)
             if (attractor%found) attractor%outcome = periodic
             if (attractor%found) return
          end if
-         call stable_period(drive, state, k, letters, shorter)
+         call stable_period(system, state, k, symbols, shorter)
          if (shorter) then
             attractor%outcome = not_settled
-         else if (size(letters) > 0) then
-            call name_it(osc, letters, k, limits, attractor)
+         else if (size(symbols) > 0) then
+            call name_it(osc, symbols, k, limits, attractor)
          end if
          return
       end do
    end subroutine look
 
    !> Simulates some load cycles and keeps the last events.
-   subroutine run(drive, state, cycles, events, n, status, tally)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine run(system, state, cycles, events, n, status, progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: at the start. Out: at the end.
       type(state_type), intent(inout) :: state
       !> Load cycles to simulate.
@@ -230,18 +233,18 @@ contains
       !> Number of events kept; `stat%more_events` if there are too many, `stat%not_computed` if it
       !! was stopped, otherwise as of `simulate`.
       integer, intent(out) :: n, status
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       integer :: done, step, left
 
       left = most_events
       done = 0
       do
          step = min(cycles - done, between_looks)
-         call simulate_cycles(drive, state, step, left, events, n, status)
+         call simulate_cycles(system, state, step, left, events, n, status)
          done = done + step
          if (status /= stat%ok .or. done == cycles) exit
-         if (is_stopped(tally)) then
+         if (is_stopped(progress)) then
             status = stat%not_computed
             exit
          end if
@@ -249,71 +252,71 @@ contains
    end subroutine run
 
    !> Records the pattern of a stable motion beyond the limits; one within the limits, which the
-   !! equations of its family have not confirmed, becomes periodic if its letters were read
+   !! equations of its family have not confirmed, becomes periodic if its symbols were read
    !! correctly.
-   pure subroutine name_it(osc, letters, cycles, limits, attractor)
+   pure subroutine name_it(osc, symbols, cycles, limits, attractor)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
-      !> Letters of the period, beginning with any of them.
-      integer, intent(in) :: letters(:)
+      !> Symbols of the period, beginning with any of them.
+      integer, intent(in) :: symbols(:)
       !> Load cycles of the period.
       integer, intent(in) :: cycles
       !> Limits of the motions kept.
       type(limits_type), intent(in) :: limits
       !> In and out: the outcome is changed.
       type(attractor_type), intent(inout) :: attractor
-      integer :: standard(size(letters)), shift
+      integer :: standard(size(symbols)), shift
       logical :: mirrored
 
-      call standard_letters(letters, abs(osc%restitution(1) - osc%restitution(2)) <= 0, standard, &
+      call standard_symbols(symbols, abs(osc%restitution(1) - osc%restitution(2)) <= 0, standard, &
          shift, mirrored)
-      if (size(letters) > limits%letters .or. cycles > limits%cycles) then
+      if (size(symbols) > limits%symbols .or. cycles > limits%cycles) then
          attractor%outcome = beyond
          attractor%cycles = cycles
-         attractor%letters = standard
-      else if (allocated(attractor%letters)) then
-         if (size(letters) == size(attractor%letters)) attractor%found = &
-            all(standard == attractor%letters)
+         attractor%symbols = standard
+      else if (allocated(attractor%symbols)) then
+         if (size(symbols) == size(attractor%symbols)) attractor%found = &
+            all(standard == attractor%symbols)
          if (attractor%found) attractor%outcome = periodic
       end if
    end subroutine name_it
 
    !> The exact motion of a window of events, in standard order, if it is stable and admissible.
-   pure subroutine identify(osc, drive, events, reading, cycles, attractor)
+   pure subroutine identify(osc, system, events, reading, cycles, attractor)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The events.
       type(event_type), intent(in) :: events(:)
-      !> Letters of one period among them.
-      type(reading_type), intent(in) :: reading
+      !> Symbols of one period among them.
+      type(symbol_sequence_type), intent(in) :: reading
       !> Load cycles of the period.
       integer, intent(in) :: cycles
-      !> In: the point. Out: letters, cycles and unknowns; `found` if it is confirmed.
+      !> In: the point. Out: symbols, cycles and unknowns; `found` if it is confirmed.
       type(attractor_type), intent(inout) :: attractor
       integer :: order(reading%n), shift, n, i, side
       logical :: mirrored, resting
       real(wp) :: theta(reading%n), x(reading%n)
 
       n = reading%n
-      if (allocated(attractor%letters)) deallocate (attractor%letters, attractor%unknowns)
-      allocate (attractor%letters(n))
-      call standard_letters(reading%letters(:n), abs(osc%restitution(1) - osc%restitution(2)) &
-         <= 0, attractor%letters, shift, mirrored)
+      if (allocated(attractor%symbols)) deallocate (attractor%symbols, attractor%unknowns)
+      allocate (attractor%symbols(n))
+      call standard_symbols(reading%symbols(:n), abs(osc%restitution(1) - osc%restitution(2)) &
+         <= 0, attractor%symbols, shift, mirrored)
       side = merge(-1, 1, mirrored)
       order = cshift([(i, i=1, n)], shift)
       attractor%cycles = cycles
-      resting = any(abs(attractor%letters) == 2)
+      resting = any(abs(attractor%symbols) == 2)
       allocate (attractor%unknowns(2*n), source=0.0_wp)
       if (resting) then
-         i = reading%last(order(findloc(abs(attractor%letters), 2, dim=1, back=.true.)))
+         i = reading%last(order(findloc(abs(attractor%symbols), 2, dim=1, back=.true.)))
          attractor%unknowns(:2) = [events(i)%phase + merge(0.5_wp*two_pi, 0.0_wp, mirrored), &
-            side*events(i)%x_dot_after/drive%clearance]
+            side*events(i)%x_dot_after/system%clearance]
       else
          do i = 1, n
-            x(i) = side*events(reading%first(order(i)))%x/drive%clearance
-            theta(i) = total_phase(events(reading%first(order(i)))) - drive%lag
+            x(i) = side*events(reading%first(order(i)))%x/system%clearance
+            theta(i) = total_phase(events(reading%first(order(i)))) - system%lag
             if (order(i) < order(1)) theta(i) = theta(i) + two_pi*cycles
          end do
          theta = theta - two_pi*floor(theta(1)/two_pi) + merge(0.5_wp*two_pi, 0.0_wp, mirrored)
@@ -326,12 +329,12 @@ contains
    pure subroutine polish(osc, attractor, resting)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
-      !> In: the point, letters, cycles and about the unknowns. Out: exact unknowns and `found`, if
+      !> In: the point, symbols, cycles and about the unknowns. Out: exact unknowns and `found`, if
       !! it is confirmed.
       type(attractor_type), intent(inout) :: attractor
       !> Whether the pattern has rests.
       logical, intent(in) :: resting
-      type(curve_type) :: sheet
+      type(curve_type) :: surface
       type(condition_type) :: fixed(2)
       type(condition_type), allocatable :: conditions(:)
       real(wp), allocatable :: point(:), values(:)
@@ -339,36 +342,37 @@ contains
       logical :: possible
       integer :: n, iterations
 
-      if (size(attractor%letters) > most_impacts) return
-      allocate (sheet%frame%edges(0))
-      sheet%frame%resting = resting
+      if (size(attractor%symbols) > most_impacts) return
+      allocate (surface%frame%edges(0))
+      surface%frame%resting = resting
       if (resting) then
-         sheet%frame%rest = new_rest_family(attractor%letters, attractor%cycles)
-         allocate (sheet%frame%repetitions(0))
+         surface%frame%rest = new_rest_family(attractor%symbols, attractor%cycles)
+         allocate (surface%frame%repetitions(0))
       else
-         call new_family(pattern_type(attractor%letters, attractor%cycles), .false., .true., &
-            sheet%frame%family, sheet%frame%repetitions, possible)
+         call new_family(pattern_type(attractor%symbols, attractor%cycles), .false., .true., &
+            surface%frame%family, surface%frame%repetitions, possible)
       end if
       c = [attractor%r, log(attractor%clearance), osc%xi, osc%mu, osc%restitution(right), &
          osc%restitution(left)]
-      sheet%c = c
-      sheet%active = [by_r, by_clearance]
-      sheet%origin = c(:2)
-      sheet%scale = [1.0_wp, 1.0_wp]
+      surface%c = c
+      surface%active = [by_r, by_clearance]
+      surface%origin = c(:2)
+      surface%scale = [1.0_wp, 1.0_wp]
       fixed = [condition_type(edge, by_r, 1, bound=c(1)), &
          condition_type(edge, by_clearance, 1, bound=c(2))]
-      n = unknown_count(sheet%frame)
+      n = unknown_count(surface%frame)
       allocate (point(n + 2), source=0.0_wp)
       point(:min(n, size(attractor%unknowns))) = &
          attractor%unknowns(:min(n, size(attractor%unknowns)))
       if (resting) then
-         call follow_letters(sheet%frame%rest, [point(1), asinh(point(2))], c, point(:n), possible)
+         call follow_symbols(surface%frame%rest, [point(1), asinh(point(2))], c, point(:n), &
+            possible)
          if (.not. possible) return
       end if
-      call correct(sheet, fixed, point, iterations)
+      call correct(surface, fixed, point, iterations)
       if (iterations == 0) return
-      allocate (values(condition_count(sheet%frame)), conditions(condition_count(sheet%frame)))
-      call all_conditions(sheet%frame, point(:n), c, values, conditions)
+      allocate (values(condition_count(surface%frame)), conditions(condition_count(surface%frame)))
+      call all_conditions(surface%frame, point(:n), c, values, conditions)
       ! one that repeats itself is stable all the same
       if (any(values <= 0 .and. conditions%kind /= repetition)) return
       if (resting) then

@@ -2,7 +2,7 @@
 module vi_survey_outcome
    use vi_attractor_known, only: exact_period, known_type
    use vi_attractor_lyapunov, only: largest_exponent
-   use vi_drive, only: drive_type, state_type, two_pi
+   use vi_forced_system, only: forced_system_type, state_type, two_pi
    use vi_kinds, only: wp
    use vi_oscillator, only: eta
    use vi_status, only: stat
@@ -11,7 +11,7 @@ module vi_survey_outcome
 
    public :: count_outcomes, is_chaotic, is_free, stable_period
 
-   !> A stable periodic motion within the limits of letters and cycles; one beyond them; the free
+   !> A stable periodic motion within the limits of symbols and cycles; one beyond them; the free
    !! mass at rest and never touched; a positive Lyapunov exponent; none of these so far; a
    !! simulation that repeats itself, but Newton's method confirms no stable motion; too many
    !! events.
@@ -21,8 +21,8 @@ module vi_survey_outcome
       'beyond the limits', 'without impacts', 'chaotic', 'not settled', 'not confirmed', &
       'event limit reached']
 
-   !> Largest number of letters of a pattern.
-   integer, parameter :: most_letters = 1000
+   !> Largest number of symbols of a pattern.
+   integer, parameter :: most_symbols = 1000
    !> Least largest exponent of chaos per load cycle, and over its standard error.
    real(wp), parameter :: least_chaos = 2.0e-3_wp, least_ratio = 4
 
@@ -42,54 +42,55 @@ contains
    !!
    !! The primary mass moves as A sin(rt - lag) plus a decaying free vibration: the sum of their
    !! present amplitudes bounds |x| from now on.
-   pure logical function is_free(drive, state)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure logical function is_free(system, state)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The present state.
       type(state_type), intent(in) :: state
       real(wp) :: x, x_dot, most
 
       is_free = .false.
       if (state%side /= 0 .or. state%resting .or. abs(state%z_dot) > 0) return
-      associate (osc => drive%osc, angle => state%phase - drive%lag)
-         x = state%x - drive%amplitude*sin(angle)
-         x_dot = state%x_dot - drive%r*drive%amplitude*cos(angle)
-         most = drive%amplitude + hypot(x, (x_dot + osc%xi*x)/eta(osc%xi))
+      associate (osc => system%osc, angle => state%phase - system%lag)
+         x = state%x - system%amplitude*sin(angle)
+         x_dot = state%x_dot - system%r*system%amplitude*cos(angle)
+         most = system%amplitude + hypot(x, (x_dot + osc%xi*x)/eta(osc%xi))
       end associate
-      is_free = abs(state%z) + most < 0.5_wp*drive%clearance
+      is_free = abs(state%z) + most < 0.5_wp*system%clearance
    end function is_free
 
-   !> The letters of the stable periodic motion on which a state is, by Newton's method on the map
+   !> The symbols of the stable periodic motion on which a state is, by Newton's method on the map
    !! over the period.
-   subroutine stable_period(drive, state, cycles, letters, shorter)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine stable_period(system, state, cycles, symbols, shorter)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state.
       type(state_type), intent(in) :: state
       !> Load cycles of the period.
       integer, intent(in) :: cycles
-      !> As of vi_letters; empty if there is no such motion.
-      integer, allocatable, intent(out) :: letters(:)
+      !> As of vi_symbols; empty if there is no such motion.
+      integer, allocatable, intent(out) :: symbols(:)
       !> Whether its period is only a part of these cycles; a simulation that approaches it slowly
       !! can look like that.
       logical, intent(out) :: shorter
       type(known_type) :: known
       logical :: good
 
-      call exact_period(drive, [state%phase/drive%r, state%x, state%x_dot, state%z, state%z_dot], &
+      call exact_period(system, [state%phase/system%r, state%x, state%x_dot, state%z, &
+         state%z_dot], &
          cycles, known, good)
-      if (good) good = size(known%letters) <= most_letters
-      if (good) good = any(known%letters > 0) .and. any(known%letters < 0)
+      if (good) good = size(known%symbols) <= most_symbols
+      if (good) good = any(known%symbols > 0) .and. any(known%symbols < 0)
       shorter = .false.
-      if (good) shorter = is_shorter(drive, known)
-      allocate (letters(0))
-      if (good) letters = known%letters
+      if (good) shorter = is_shorter(system, known)
+      allocate (symbols(0))
+      if (good) symbols = known%symbols
    end subroutine stable_period
 
    !> Whether a motion repeats itself after a part of its period already.
-   pure logical function is_shorter(drive, known)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure logical function is_shorter(system, known)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The motion.
       type(known_type), intent(in) :: known
       real(wp) :: off(4)
@@ -100,7 +101,7 @@ contains
       do parts = 2, known%cycles
          if (modulo(known%cycles, parts) /= 0 .or. modulo(n, parts) /= 0) cycle
          associate (one => known%targets(1), other => known%targets(1 + n/parts))
-            off = (one%middle - other%middle)/drive%clearance
+            off = (one%middle - other%middle)/system%clearance
             off(one%n) = one%middle(one%n) - other%middle(one%n)
             off(one%n) = off(one%n) - two_pi*anint(off(one%n)/two_pi)
             is_shorter = one%side == other%side .and. all(abs(off) < 1.0e-6_wp)
@@ -110,9 +111,9 @@ contains
    end function is_shorter
 
    !> Whether the largest Lyapunov exponent of a trajectory is positive by more than its error.
-   subroutine is_chaotic(drive, state, cycles, chaos)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine is_chaotic(system, state, cycles, chaos)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> State at the start.
       type(state_type), intent(in) :: state
       !> Load cycles of each of ten batches.
@@ -122,7 +123,7 @@ contains
       real(wp) :: largest, deviation
       integer :: status
 
-      call largest_exponent(drive, state, 0, cycles, 10, largest, deviation, status)
+      call largest_exponent(system, state, 0, cycles, 10, largest, deviation, status)
       chaos = status == stat%ok
       if (chaos) chaos = largest > least_chaos .and. largest > least_ratio*deviation
    end subroutine is_chaotic

@@ -1,6 +1,6 @@
 !> Traces the boundary of a zone, as a closed curve of named pieces.
 !!
-!! The motions of a family over the plane (r, D) are sheets. On a sheet, a zone is where all
+!! The motions of a family over the plane (r, D) form a surface. On it, a zone is where all
 !! conditions are positive. Its boundary is followed along the one condition that is zero; where
 !! another one becomes zero there is a corner, and the boundary is followed along that one.
 module vi_trace
@@ -11,7 +11,7 @@ module vi_trace
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type
    use vi_steps, only: begin_walk, can_shorten, exchange, place_type, stride_type, take_step
-   use vi_tally, only: is_stopped
+   use vi_progress, only: is_stopped
    implicit none (type, external)
    private
 
@@ -23,12 +23,12 @@ module vi_trace
 contains
 
    !> Follows the boundary of a zone from a point where one condition is zero.
-   subroutine trace_loop(curve, stride, point, condition, most, loop, tally, way)
+   subroutine trace_loop(curve, stride, point, condition, most, loop, progress, way)
       !> With two active parameters.
       type(curve_type), intent(in) :: curve
       !> Limits on steps.
       type(stride_type), intent(in) :: stride
-      !> A point of the boundary: the unknowns, then r and log D in the units of the sheet.
+      !> A point of the boundary: the unknowns, then r and log D in the units of the surface.
       real(wp), intent(in) :: point(:)
       !> The condition that is zero there.
       type(condition_type), intent(in) :: condition
@@ -36,8 +36,8 @@ contains
       integer, intent(in) :: most
       !> The boundary; its arrays have room for `most` points.
       type(loop_type), intent(out) :: loop
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       !> +1 (the default): towards larger D at first, or towards larger r where D is constant; -1:
       !! in the opposite direction.
       integer, intent(in), optional :: way
@@ -56,7 +56,7 @@ contains
       call append(loop, now, active, 0)
       before = now%values
       do while (loop%n < most)
-         if (is_stopped(tally)) return
+         if (is_stopped(progress)) return
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
          call first_violation(curve, active, now, next, 64*stride%shortest, corner, which, met)
@@ -90,7 +90,7 @@ contains
 
    !> The first place of a trace, directed towards larger D or, where D is constant, larger r.
    pure subroutine set_out(curve, active, point, place, good)
-      !> The sheet.
+      !> The surface.
       type(curve_type), intent(in) :: curve
       !> The condition that is zero along the boundary.
       type(condition_type), intent(in) :: active
@@ -132,7 +132,7 @@ contains
    !> Closes a loop that has reached one of its earlier corners; the points before that corner are
    !! removed.
    pure subroutine close_at_corner(curve, loop)
-      !> The sheet.
+      !> The surface.
       type(curve_type), intent(in) :: curve
       !> In: ends with a corner. Out: closed, if that corner is an earlier one or its start.
       type(loop_type), intent(inout) :: loop
@@ -159,7 +159,7 @@ contains
 
    !> Whether a step passes the start of the loop, with the same condition being zero.
    pure logical function closes(curve, loop, now, next, active, met, corner)
-      !> The sheet.
+      !> The surface.
       type(curve_type), intent(in) :: curve
       !> The loop so far.
       type(loop_type), intent(in) :: loop
@@ -197,7 +197,7 @@ contains
    !! A condition that is zero at the start of the step, at a corner, does not count there. If it is
    !! violated at the end, it has another zero within the step, which a shorter step will show.
    pure subroutine first_violation(curve, active, now, next, shortest, corner, which, met)
-      !> The sheet.
+      !> The surface.
       type(curve_type), intent(in) :: curve
       !> The condition that is zero along the step.
       type(condition_type), intent(in) :: active
@@ -239,7 +239,7 @@ contains
 
    !> Turns at a corner: follows the new condition in the direction in which the old one increases.
    pure subroutine turn(curve, active, corner, which, now, good)
-      !> The sheet.
+      !> The surface.
       type(curve_type), intent(in) :: curve
       !> In: the old condition. Out: the new one.
       type(condition_type), intent(inout) :: active
@@ -267,7 +267,7 @@ contains
    !! points of the curve: the gradient across the curve can be so much larger that rounding hides
    !! the part of the gradient along it.
    pure real(wp) function uphill(curve, active, rising, place)
-      !> The sheet.
+      !> The surface.
       type(curve_type), intent(in) :: curve
       !> The condition that is zero along the curve, and the one in question.
       type(condition_type), intent(in) :: active, rising

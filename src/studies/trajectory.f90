@@ -1,16 +1,16 @@
 !> Simulations as plain arrays: states, events, and the time history between them.
 module vi_trajectory
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_drive, only: initial_state, two_pi
+   use vi_forced_system, only: initial_state, two_pi
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_type, new_flight
    use vi_kinds, only: wp
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: left, right
    use vi_rest, only: new_rest
-   use vi_simulate, only: drive_type, event_type, simulate, state_time, state_type
+   use vi_simulate, only: forced_system_type, event_type, simulate, state_time, state_type
    use vi_status, only: stat
-   use vi_tally, only: add_sight, add_work
+   use vi_progress, only: add_expected_work, add_done_work
    implicit none (type, external)
    private
 
@@ -26,10 +26,11 @@ contains
    !!
    !! A column of `table` is the record of an event: time, four words of `names`, phase, x, x'
    !! before and after, z' before and after.
-   pure subroutine simulate_arrays(drive, state, contact, last_cycle, last_phase, names, table, n, &
+   pure subroutine simulate_arrays(system, state, contact, last_cycle, last_phase, names, table, &
+      n, &
       final_state, final_contact, status)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> (7) as in `pack_state`. In: the initial state. Out: where the last flight or rest began.
       real(wp), intent(inout) :: state(:)
       !> (3) as in `pack_state`. In and out like `state`.
@@ -39,7 +40,7 @@ contains
       !> (4, right and left, kind) Four words that the records have for each wall and kind of event;
       !! they are copied only.
       real(wp), intent(in) :: names(4, 2, 3)
-      !> (11, room) Out: columns 1 to n are the records; the others keep their values.
+      !> (11, capacity) Out: columns 1 to n are the records; the others keep their values.
       real(wp), intent(inout), contiguous :: table(:, :)
       !> Number of events found.
       integer, intent(out) :: n
@@ -57,11 +58,11 @@ contains
       now = unpack_state(state, contact)
       n = 0
       do
-         call simulate(drive, now, int(last_cycle, int64), last_phase, &
+         call simulate(system, now, int(last_cycle, int64), last_phase, &
             events(:min(block, size(table, 2) - n)), found, final, status)
          do i = 1, found
             associate (e => events(i), record => table(:, n + i))
-               record(1) = state_time(e%cycle, e%phase, drive%r)
+               record(1) = state_time(e%cycle, e%phase, system%r)
                record(2:5) = names(:, merge(right, left, e%side > 0), e%kind)
                record(6:11) = [e%phase, e%x, e%x_dot_before, e%x_dot_after, e%z_dot_before, &
                   e%z_dot_after]
@@ -75,10 +76,10 @@ contains
    end subroutine simulate_arrays
 
    !> A whole simulation: the discarded cycles, then those that are kept.
-   subroutine simulate_case(drive, start, duration, discard, max_events, final, events, status, &
-      tally)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine simulate_case(system, start, duration, discard, max_events, final, events, status, &
+      progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> t (1/omega), x, x', z, z'.
       real(wp), intent(in) :: start(5)
       !> Load cycles kept and, before them, discarded.
@@ -91,29 +92,29 @@ contains
       type(event_type), allocatable, intent(out) :: events(:)
       !> `stat%ok`, `stat%more_events` (max_events was reached) or `stat%budget`.
       integer, intent(out) :: status
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(state_type) :: state
       integer :: first
 
-      call add_sight(simulation_work, tally)
+      call add_expected_work(simulation_work, progress)
       first = 0
       if (discard > 0) first = int(simulation_work*(discard/(discard + duration)))
-      state = initial_state(drive, start)
+      state = initial_state(system, start)
       final = state
       allocate (events(0))
       status = stat%ok
-      if (discard > 0) call gather(drive, state, final, discard, max_events, .false., events, &
-         status, first, tally)
+      if (discard > 0) call gather(system, state, final, discard, max_events, .false., events, &
+         status, first, progress)
       if (status /= stat%ok) return
-      call gather(drive, state, final, duration, max_events, .true., events, status, &
-         simulation_work - first, tally)
+      call gather(system, state, final, duration, max_events, .true., events, status, &
+         simulation_work - first, progress)
    end subroutine simulate_case
 
    !> Simulates some cycles in chunks and appends the events, if they are kept.
-   subroutine gather(drive, state, final, cycles, max_events, keep, events, status, work, tally)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   subroutine gather(system, state, final, cycles, max_events, keep, events, status, work, progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> In: where the last flight or rest began, and the state from which the cycles count. Out:
       !! the same at the end.
       type(state_type), intent(inout) :: state, final
@@ -129,10 +130,10 @@ contains
       integer, intent(out) :: status
       !> Units of work of these cycles in the progress counters.
       integer, intent(in) :: work
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       integer, parameter :: chunk = 65536
-      type(event_type), allocatable :: room(:)
+      type(event_type), allocatable :: chunk_events(:)
       integer(int64) :: last_cycle, first_cycle
       real(wp) :: last_phase
       integer :: n, total, told, now
@@ -142,15 +143,16 @@ contains
       told = 0
       first_cycle = final%cycle
       do
-         allocate (room(min(chunk, max_events - total)))
-         call simulate(drive, state, last_cycle, last_phase, room, n, final, status)
-         if (keep) events = [events, room(:n)]
+         allocate (chunk_events(min(chunk, max_events - total)))
+         call simulate(system, state, last_cycle, last_phase, chunk_events, n, final, status)
+         if (keep) events = [events, chunk_events(:n)]
          total = total + n
          now = work
-         if (status == stat%more_events) now = int(work*((room(n)%cycle - first_cycle)/cycles))
-         call add_work(now - told, tally)
+         if (status == stat%more_events) now = int(work*((chunk_events(n)%cycle - &
+            first_cycle)/cycles))
+         call add_done_work(now - told, progress)
          told = now
-         deallocate (room)
+         deallocate (chunk_events)
          if (status /= stat%more_events .or. total >= max_events) return
       end do
    end subroutine gather
@@ -196,9 +198,9 @@ contains
    end subroutine store_events
 
    !> Least and greatest x over segments, from certified extrema.
-   pure subroutine extreme_positions(drive, starts, resting, last, x_min, x_max, complete)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine extreme_positions(system, starts, resting, last, x_min, x_max, complete)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> Start of each segment, as in `sample_segments`.
       real(wp), intent(in) :: starts(:, :)
       !> Wall of the rest in each segment, as in `sample_segments`.
@@ -222,10 +224,11 @@ contains
          if (i < size(resting)) duration = starts(1, i + 1) - starts(1, i)
          associate (s => starts(:, i))
             if (resting(i) /= 0) then
-               flight%oscillation_type = new_rest(drive%osc%xi, drive%osc%mu, drive%r, &
-                  drive%load, s(2), s(3), s(4))
+               flight%oscillation_type = new_rest(system%osc%xi, system%osc%mu, system%r, &
+                  system%load, s(2), s(3), s(4))
             else
-               flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, s(2) - drive%lag, s(3), &
+               flight = new_flight(system%osc%xi, system%r, system%amplitude, s(2) - system%lag, &
+                  s(3), &
                   s(4), 0.0_wp, 0.0_wp, duration)
             end if
          end associate
@@ -243,9 +246,9 @@ contains
    !!
    !! A segment begins at an event (or at the start) and lasts until the next; at an event the
    !! velocities are those just after it.
-   pure subroutine sample_segments(drive, starts, resting, times, values)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine sample_segments(system, starts, resting, times, values)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> (6, n): time (increasing), phase, x, x', z, z' at the start of each segment.
       real(wp), intent(in) :: starts(:, :)
       !> (n): the side if the free mass rests on that wall during the segment, otherwise 0.
@@ -264,18 +267,20 @@ contains
          t = times(j) - starts(1, i)
          associate (s => starts(:, i))
             if (resting(i) /= 0) then
-               rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, s(2), s(3), s(4))
+               rest = new_rest(system%osc%xi, system%osc%mu, system%r, system%load, s(2), s(3), &
+                  s(4))
                d = derivatives(rest, t)
-               z = d(0) + 0.5_wp*resting(i)*drive%clearance
+               z = d(0) + 0.5_wp*resting(i)*system%clearance
                z_dot = d(1)
             else
-               flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, s(2) - drive%lag, s(3), &
+               flight = new_flight(system%osc%xi, system%r, system%amplitude, s(2) - system%lag, &
+                  s(3), &
                   s(4), s(5), s(6), t)
                d = derivatives(flight, t)
                z = flight_position(flight, t)
                z_dot = s(6)
             end if
-            values(:, j) = [d(0), d(1), z, z_dot, z - d(0), drive%load*sin(s(2) + drive%r*t)]
+            values(:, j) = [d(0), d(1), z, z_dot, z - d(0), system%load*sin(s(2) + system%r*t)]
          end associate
       end do
    end subroutine sample_segments

@@ -12,7 +12,7 @@
 !! motion so defined; as a map of changes at one instant it is the projection on the common motion,
 !! with the dashpot's part in the velocity.
 module vi_variation
-   use vi_drive, only: drive_type
+   use vi_forced_system, only: forced_system_type
    use vi_kinds, only: wp
    use vi_oscillation, only: oscillation_type
    use vi_oscillator, only: eta
@@ -62,9 +62,9 @@ module vi_variation
 contains
 
    !> A flight that ends with an impact on a wall.
-   pure subroutine through_contact(drive, from, time, side, restitution, change, before, regular)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine through_contact(system, from, time, side, restitution, change, before, regular)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Duration of the flight in 1/omega.
@@ -81,14 +81,14 @@ contains
       logical, intent(out) :: regular
 
       before = 0
-      call vary_contact(drive, from, time, side, restitution, change%n, change%state, change%r, &
+      call vary_contact(system, from, time, side, restitution, change%n, change%state, change%r, &
          change%clearance, before, regular)
    end subroutine through_contact
 
    !> The derivative of the state just after an impact by that just after the previous event.
-   pure subroutine contact_derivative(drive, from, time, side, restitution, p, regular)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine contact_derivative(system, from, time, side, restitution, p, regular)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Duration of the flight in 1/omega.
@@ -105,14 +105,14 @@ contains
       real(wp) :: unused(4)
 
       p = identity
-      call vary_contact(drive, from, time, side, restitution, 4, p, none, none, unused, regular)
+      call vary_contact(system, from, time, side, restitution, 4, p, none, none, unused, regular)
    end subroutine contact_derivative
 
    !> A flight that ends with an impact on a wall, varied by the first n quantities.
-   pure subroutine vary_contact(drive, from, time, side, restitution, n, state, r, clearance, &
+   pure subroutine vary_contact(system, from, time, side, restitution, n, state, r, clearance, &
       before, regular)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Duration of the flight in 1/omega.
@@ -135,24 +135,24 @@ contains
       real(wp) :: rate, k(4), x, x_dot, longer
       integer :: i
 
-      flow = flight_flow(drive, from, time, any(abs(r) > 0))
+      flow = flight_flow(system, from, time, any(abs(r) > 0))
       rate = from%z_dot - flow%x_dot
       regular = abs(rate) > 8*epsilon(rate)*(abs(from%z_dot) + abs(flow%x_dot))
       if (.not. regular) return
-      k = shares(drive%osc%mu, restitution)
+      k = shares(system%osc%mu, restitution)
       do i = 1, n
          call carry(flow, state(:, i), r(i), x, x_dot)
          ! z - x is where the wall is
          longer = (0.5_wp*side*clearance(i) - gap_by(from%side, time, state(:, i), clearance(i), &
             x))/rate
-         call strike(drive%r, flow, k, longer, x, x_dot, r(i), state(:, i), before(i))
+         call strike(system%r, flow, k, longer, x, x_dot, r(i), state(:, i), before(i))
       end do
    end subroutine vary_contact
 
    !> A flight of given duration that ends with an impact.
-   pure subroutine through_flight(drive, from, time, longer, restitution, change, y, before)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine through_flight(system, from, time, longer, restitution, change, y, before)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Duration of the flight in 1/omega, and its changes.
@@ -167,8 +167,8 @@ contains
       real(wp) :: k(4), x, x_dot
       integer :: i
 
-      flow = flight_flow(drive, from, time, any(abs(change%r(:change%n)) > 0))
-      k = shares(drive%osc%mu, restitution)
+      flow = flight_flow(system, from, time, any(abs(change%r(:change%n)) > 0))
+      k = shares(system%osc%mu, restitution)
       y = 0
       before = 0
       associate (state => change%state, r => change%r, clearance => change%clearance)
@@ -176,7 +176,7 @@ contains
             call carry(flow, state(:, i), r(i), x, x_dot)
             y(i) = gap_by(from%side, time, state(:, i), clearance(i), x) &
                + (from%z_dot - flow%x_dot)*longer(i)
-            call strike(drive%r, flow, k, longer(i), x, x_dot, r(i), state(:, i), before(i))
+            call strike(system%r, flow, k, longer(i), x, x_dot, r(i), state(:, i), before(i))
          end do
       end associate
    end subroutine through_flight
@@ -219,22 +219,22 @@ contains
    end subroutine strike
 
    !> Both masses take the velocity of their centre of mass.
-   pure subroutine through_stick(drive, change)
-      !> The driven system; mu is read.
-      type(drive_type), intent(in) :: drive
+   pure subroutine through_stick(system, change)
+      !> The forced system; mu is read.
+      type(forced_system_type), intent(in) :: system
       !> In: just before. Out: with the common velocity.
       type(variation_type), intent(inout) :: change
 
-      associate (mu => drive%osc%mu, state => change%state, n => change%n)
+      associate (mu => system%osc%mu, state => change%state, n => change%n)
          state(2, :n) = (state(2, :n) + mu*state(3, :n))/(1 + mu)
          state(3, :n) = state(2, :n)
       end associate
    end subroutine through_stick
 
    !> The common motion of both masses for a given time.
-   pure subroutine through_rest(drive, from, time, change)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine through_rest(system, from, time, change)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state with which the common motion begins.
       type(moment_type), intent(in) :: from
       !> Duration (1/omega).
@@ -245,8 +245,8 @@ contains
       real(wp) :: x, x_dot
       integer :: i
 
-      flow = new_flow(new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, from%phase, &
-         from%x, from%x_dot), from%x, from%x_dot, 1 + drive%osc%mu, drive%osc%xi, time, &
+      flow = new_flow(new_rest(system%osc%xi, system%osc%mu, system%r, system%load, from%phase, &
+         from%x, from%x_dot), from%x, from%x_dot, 1 + system%osc%mu, system%osc%xi, time, &
          any(abs(change%r(:change%n)) > 0))
       associate (state => change%state, r => change%r)
          do i = 1, change%n
@@ -257,9 +257,9 @@ contains
    end subroutine through_rest
 
    !> The end of a rest, where the acceleration of both masses rises through 0 on the wall's side.
-   pure subroutine release(drive, at, change, instant, regular)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure subroutine release(system, at, change, instant, regular)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state at the release.
       type(moment_type), intent(in) :: at
       !> In: at the time of the release. Out: at the release.
@@ -272,21 +272,21 @@ contains
 
       associate (state => change%state, n => change%n)
          ! (1 + mu) x'' = f sin(alpha) - 2 xi x' - x, and its derivative by time
-         rate = drive%load*drive%r*cos(at%phase) - at%x_dot
+         rate = system%load*system%r*cos(at%phase) - at%x_dot
          instant = 0
-         regular = abs(rate) > 8*epsilon(rate)*(drive%load*drive%r + abs(at%x_dot))
+         regular = abs(rate) > 8*epsilon(rate)*(system%load*system%r + abs(at%x_dot))
          if (.not. regular) return
-         instant(:n) = -(drive%load*cos(at%phase)*state(4, :n) - 2*drive%osc%xi*state(2, :n) &
+         instant(:n) = -(system%load*cos(at%phase)*state(4, :n) - 2*system%osc%xi*state(2, :n) &
             - state(1, :n))/rate
          state(1, :n) = state(1, :n) + at%x_dot*instant(:n)
-         state(4, :n) = state(4, :n) + drive%r*instant(:n)
+         state(4, :n) = state(4, :n) + system%r*instant(:n)
       end associate
    end subroutine release
 
    !> Changes of the relative position z - x a given time after the beginning of a flight.
-   pure function gap_change(drive, from, time, change) result(y)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function gap_change(system, from, time, change) result(y)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Time after the start of the flight (1/omega).
@@ -298,7 +298,7 @@ contains
       real(wp) :: x, x_dot
       integer :: i
 
-      flow = flight_flow(drive, from, time, any(abs(change%r(:change%n)) > 0))
+      flow = flight_flow(system, from, time, any(abs(change%r(:change%n)) > 0))
       y = 0
       do i = 1, change%n
          call carry(flow, change%state(:, i), change%r(i), x, x_dot)
@@ -319,9 +319,9 @@ contains
    end function gap_by
 
    !> The motion of the primary mass, and its derivatives, in the flight that begins at an event.
-   pure function flight_flow(drive, from, time, with_r) result(flow)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function flight_flow(system, from, time, with_r) result(flow)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state with which the flight begins.
       type(moment_type), intent(in) :: from
       !> Time after the start of the flight (1/omega).
@@ -330,9 +330,10 @@ contains
       logical, intent(in) :: with_r
       type(flow_type) :: flow
 
-      flow = new_flow(oscillation_type(decay=drive%osc%xi, frequency=eta(drive%osc%xi), a=0.0_wp, &
-         b=0.0_wp, r=drive%r, amplitude=drive%amplitude, phase=from%phase - drive%lag), from%x, &
-         from%x_dot, 1.0_wp, drive%osc%xi, time, with_r)
+      flow = new_flow(oscillation_type(decay=system%osc%xi, frequency=eta(system%osc%xi), &
+         a=0.0_wp, &
+         b=0.0_wp, r=system%r, amplitude=system%amplitude, phase=from%phase - system%lag), from%x, &
+         from%x_dot, 1.0_wp, system%osc%xi, time, with_r)
    end function flight_flow
 
    !> An oscillation over a given time.

@@ -1,7 +1,7 @@
 !> Zones of stable, admissible motions of a pattern in a window of the plane (r, D).
 !!
 !! Newton's method finds motions at points spread over the window, and a net of lines covers the
-!! sheets on which they lie. Where a line enters or leaves a zone the boundary is traced, unless it
+!! surface on which they lie. Where a line enters or leaves a zone the boundary is traced, unless it
 !! is known.
 module vi_zone
    use vi_borders, only: distances, most_loops, trace_border, zone_type
@@ -17,10 +17,10 @@ module vi_zone
    use vi_outline, only: ring_of
    use vi_rings, only: passes, winding
    use vi_seeds, only: most_simulations, motions_at, part_of, release_type, simulate_releases
-   use vi_settle, only: settle
-   use vi_sheet, only: is_neutral, make_sheet, zone_request_type
+   use vi_repetition_vertices, only: move_to_repetition
+   use vi_zone_request, only: is_neutral, make_surface, zone_request_type
    use vi_status, only: stat
-   use vi_tally, only: is_stopped, tell_share
+   use vi_progress, only: is_stopped, report_share
    implicit none (type, external)
    private
 
@@ -47,7 +47,7 @@ module vi_zone
 contains
 
    !> All zones of a pattern in a window.
-   subroutine find_zone(request, seeds, zone, status, tally, releases)
+   subroutine find_zone(request, seeds, zone, status, progress, releases)
       !> What is asked for.
       type(zone_request_type), intent(in) :: request
       !> Motions known beforehand, in the whole pattern: r, D, x_i/D, theta_i (2 + 2N, m).
@@ -56,50 +56,50 @@ contains
       type(zone_type), intent(out) :: zone
       !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
-      !> Progress counters, see vi_tally; a zone that was stopped has untraced borders.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress; a zone that was stopped has untraced borders.
+      integer, intent(inout), optional :: progress(3)
       !> Those of `simulate_nodes` for the same lattice; all patterns with rest can share them.
       type(release_type), intent(in), optional :: releases(:, :, :)
       type(net_type) :: net
       type(seed_type) :: items(size(seeds, 2))
-      integer :: i, told
+      integer :: i, reported
 
-      call make_sheet(request, zone%sheet, status)
+      call make_surface(request, zone%surface, status)
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
       allocate (zone%open_seeds(size(items)), source=.false.)
-      told = 0
+      reported = 0
       if (status /= stat%ok .or. is_neutral(request%osc)) then
-         call tell_share(1.0_wp, zone_work, told, tally)
+         call report_share(1.0_wp, zone_work, reported, progress)
          return
       end if
-      call new_net(zone%sheet, new_lattice(request%lines, [request%r, log(request%clearance)], &
-         zone%sheet%scale), net)
+      call new_net(zone%surface, new_lattice(request%lines, [request%r, log(request%clearance)], &
+         zone%surface%scale), net)
       zone%lines = shape(net%head)
       do i = 1, size(items)
          call sow(net, [seeds(1, i), log(seeds(2, i))], seeds(3:, i), items(i))
       end do
-      call cover(net, 1, tally)
+      call cover(net, 1, progress)
       ! gfortran evaluates the bounds of an absent array that is passed on
       if (present(releases)) then
-         call search_window(request, net, told, tally, releases)
+         call search_window(request, net, reported, progress, releases)
       else
-         call search_window(request, net, told, tally)
+         call search_window(request, net, reported, progress)
       end if
-      call trace_borders(request, net, items, zone, told, tally)
+      call trace_borders(request, net, items, zone, reported, progress)
       zone%nodes = net%n
       zone%steps = net%steps
       do i = 1, zone%n
-         call settle(zone%sheet, zone%loops(i))
+         call move_to_repetition(zone%surface, zone%loops(i))
       end do
       if (any(items%inside .and. .not. items%enclosed)) call enclose(request, zone, items)
       zone%open_seeds = items%inside .and. .not. items%enclosed
-      if (is_stopped(tally)) zone%untraced = zone%untraced + 1
-      call tell_share(1.0_wp, zone_work, told, tally)
+      if (is_stopped(progress)) zone%untraced = zone%untraced + 1
+      call report_share(1.0_wp, zone_work, reported, progress)
    end subroutine find_zone
 
    !> Traces the boundary from all places found on it; then also from those found on lines through
    !! the seeds that no closed loop encloses so far.
-   subroutine trace_borders(request, net, seeds, zone, told, tally)
+   subroutine trace_borders(request, net, seeds, zone, reported, progress)
       !> What is asked for.
       type(zone_request_type), intent(in) :: request
       !> In and out: the net; the lines through seeds are added.
@@ -109,9 +109,9 @@ contains
       !> In and out: loops are added.
       type(zone_type), intent(inout) :: zone
       !> Units of work reported so far; in and out.
-      integer, intent(inout) :: told
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      integer, intent(inout) :: reported
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       logical, allocatable :: is_open(:)
       logical :: closed
       integer :: i, first, pass
@@ -121,11 +121,12 @@ contains
          first = size(is_open) + 1
          is_open = [is_open, [(.true., i=first, net%n_borders)]]
          do i = first, net%n_borders
-            if (is_stopped(tally)) return
-            call trace_border(net%borders(i), net%sheet%frame%apart, request%points, .false., &
-               zone, closed, tally)
+            if (is_stopped(progress)) return
+            call trace_border(net%borders(i), net%surface%frame%apart, request%points, .false., &
+               zone, closed, progress)
             is_open(i) = .not. closed
-            if (pass == 1) call tell_share(0.5_wp + 0.5_wp*i/net%n_borders, zone_work, told, tally)
+            if (pass == 1) call report_share(0.5_wp + 0.5_wp*i/net%n_borders, zone_work, reported, &
+               progress)
          end do
          if (pass == 2) exit
          call enclose(request, zone, seeds)
@@ -133,16 +134,16 @@ contains
             if (seeds(i)%enclosed) cycle
             call examine(net, seeds(i))
             if (.not. seeds(i)%there .or. (seeds(i)%at_node .and. .not. seeds(i)%inside)) cycle
-            call cover_from(net, seeds(i)%at, seeds(i)%unknowns, tally)
+            call cover_from(net, seeds(i)%at, seeds(i)%unknowns, progress)
          end do
       end do
-      if (size(net%sheet%frame%repetitions) > 0) then
+      if (size(net%surface%frame%repetitions) > 0) then
          do pass = 2, size(distances)
             do i = 1, net%n_borders
                if (.not. is_open(i)) cycle
-               if (is_stopped(tally)) exit
-               call trace_border(net%borders(i), distances(pass)*net%sheet%frame%apart, &
-                  request%points, .false., zone, closed, tally)
+               if (is_stopped(progress)) exit
+               call trace_border(net%borders(i), distances(pass)*net%surface%frame%apart, &
+                  request%points, .false., zone, closed, progress)
                is_open(i) = .not. closed
             end do
          end do
@@ -150,9 +151,9 @@ contains
       ! boundaries that cannot be closed are kept
       do i = 1, net%n_borders
          if (.not. is_open(i)) cycle
-         if (is_stopped(tally)) exit
-         call trace_border(net%borders(i), net%sheet%frame%apart, request%points, .true., zone, &
-            closed, tally)
+         if (is_stopped(progress)) exit
+         call trace_border(net%borders(i), net%surface%frame%apart, request%points, .true., zone, &
+            closed, progress)
       end do
       call join_loose_ends(zone)
    end subroutine trace_borders
@@ -171,13 +172,14 @@ contains
 
       if (size(seeds) == 0) return
       do i = 1, size(seeds)
-         points(:, i) = zone%sheet%origin + zone%sheet%scale*seeds(i)%at
+         points(:, i) = zone%surface%origin + zone%surface%scale*seeds(i)%at
          points(2, i) = exp(points(2, i))
       end do
       turns = 0
       do i = 1, zone%n
          if (.not. zone%loops(i)%closed) cycle
-         call ring_of(zone%sheet, zone%loops(i), zone%inside(:, i), request%r, request%clearance, &
+         call ring_of(zone%surface, zone%loops(i), zone%inside(:, i), request%r, &
+            request%clearance, &
             ring)
          turns = turns + winding(ring, points)
       end do
@@ -185,7 +187,8 @@ contains
       if (all(seeds%enclosed .or. .not. seeds%inside)) return
       do i = 1, zone%n
          if (.not. zone%loops(i)%closed) cycle
-         call ring_of(zone%sheet, zone%loops(i), zone%inside(:, i), request%r, request%clearance, &
+         call ring_of(zone%surface, zone%loops(i), zone%inside(:, i), request%r, &
+            request%clearance, &
             ring)
          do j = 1, size(seeds)
             if (seeds(j)%inside .and. .not. seeds(j)%enclosed) seeds(j)%enclosed = passes(ring, &
@@ -194,20 +197,20 @@ contains
       end do
    end subroutine enclose
 
-   !> Searches motions at the nodes of the lattice and follows the sheets on which they lie.
+   !> Searches motions at the nodes of the lattice and follows the surface on which they lie.
    !!
    !! The first pass takes every second node in each direction with all guesses, the second pass the
    !! other nodes with few: near resonance motions may exist on a strip of the window that the first
    !! pass misses.
-   subroutine search_window(request, net, told, tally, releases)
+   subroutine search_window(request, net, reported, progress, releases)
       !> What is asked for.
       type(zone_request_type), intent(in) :: request
       !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
       !> Units of work reported so far; in and out.
-      integer, intent(inout) :: told
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
+      integer, intent(inout) :: reported
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       !> (simulations, r, D) of `simulate_nodes`.
       type(release_type), intent(in), optional :: releases(:, :, :)
       real(wp), allocatable :: found(:, :)
@@ -217,39 +220,39 @@ contains
 
       skip = 0
       ! motions with rest are found by simulation, which takes longer and needs no second pass
-      passes = merge(1, 2, net%sheet%frame%resting)
+      passes = merge(1, 2, net%surface%frame%resting)
       do pass = 1, passes
          guesses = merge(request%guesses, request%guesses/4, pass == 1)
          do j = 1, size(net%lines%axes(2)%at)
             do i = 1, size(net%lines%axes(1)%at)
                if ((mod(i, 2) == 1 .and. mod(j, 2) == 1) .neqv. pass == 1) cycle
                q = [net%lines%axes(1)%at(i), net%lines%axes(2)%at(j)]
-               c = parameters_of(net%sheet, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
+               c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
                if (present(releases)) then
-                  call motions_at(net%sheet%frame, request%pattern, c, guesses, skip, found, &
+                  call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found, &
                      releases(:, i, j))
                else
-                  call motions_at(net%sheet%frame, request%pattern, c, guesses, skip, found)
+                  call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found)
                end if
                skip = skip + guesses
                first = net%n + 1
                do k = 1, size(found, 2)
                   call place_at_node(net, q, found(:, k), [i, j], at_node)
                end do
-               call cover(net, first, tally)
-               if (is_stopped(tally)) return
+               call cover(net, first, progress)
+               if (is_stopped(progress)) return
             end do
-            call tell_share(0.5_wp*(pass - 1 + j/real(size(net%head, 2), wp))/passes, zone_work, &
-               told, tally)
+            call report_share(0.5_wp*(pass - 1 + j/real(size(net%head, 2), wp))/passes, zone_work, &
+               reported, progress)
          end do
       end do
    end subroutine search_window
 
    !> The simulations at the nodes of the lattice for patterns with rest.
-   subroutine simulate_nodes(request, longest, threads, releases, places, tally)
+   subroutine simulate_nodes(request, longest, threads, releases, places, progress)
       !> What is asked for; its window and lattice.
       type(zone_request_type), intent(in) :: request
-      !> Letters and load cycles of the longest period searched at the end of a simulation.
+      !> Symbols and load cycles of the longest period searched at the end of a simulation.
       integer, intent(in) :: longest(2)
       !> Number of OpenMP threads; each column of nodes is a task.
       integer, intent(in) :: threads
@@ -257,24 +260,24 @@ contains
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
       !> (2, r, D): r and D of the nodes.
       real(wp), allocatable, intent(out) :: places(:, :, :)
-      !> Progress counters, see vi_tally; read to stop.
-      integer, intent(inout), optional :: tally(3)
-      type(curve_type) :: sheet
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(curve_type) :: surface
       real(wp) :: c(n_parameters)
       type(lattice_type) :: lines
       integer :: i, j, k, n(2), status
 
-      call make_sheet(request, sheet, status)
-      lines = new_lattice(request%lines, [request%r, log(request%clearance)], sheet%scale)
+      call make_surface(request, surface, status)
+      lines = new_lattice(request%lines, [request%r, log(request%clearance)], surface%scale)
       n = [size(lines%axes(1)%at), size(lines%axes(2)%at)]
       allocate (releases(min(request%guesses, most_simulations), n(1), n(2)), places(2, n(1), n(2)))
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(i, k, c)
       do j = 1, n(2)
          do i = 1, n(1)
-            c = parameters_of(sheet, [(0.0_wp, k=1, unknown_count(sheet%frame)), &
+            c = parameters_of(surface, [(0.0_wp, k=1, unknown_count(surface%frame)), &
                lines%axes(1)%at(i), lines%axes(2)%at(j)])
             places(:, i, j) = [c(by_r), exp(c(by_clearance))]
-            if (is_stopped(tally)) exit
+            if (is_stopped(progress)) exit
             call simulate_releases(c, releases(:, i, j), longest)
          end do
       end do
@@ -291,9 +294,9 @@ contains
       type(seed_type), intent(out) :: seed
       integer :: i
 
-      seed%at = (place - net%sheet%origin)/net%sheet%scale
-      seed%unknowns = part_of(net%sheet%frame, parameters_of(net%sheet, &
-         [(0.0_wp, i=1, unknown_count(net%sheet%frame)), seed%at]), whole)
+      seed%at = (place - net%surface%origin)/net%surface%scale
+      seed%unknowns = part_of(net%surface%frame, parameters_of(net%surface, &
+         [(0.0_wp, i=1, unknown_count(net%surface%frame)), seed%at]), whole)
       call place_at_node(net, seed%at, seed%unknowns, nearest_lines(net%lines, seed%at), &
          seed%at_node)
    end subroutine sow
@@ -305,23 +308,23 @@ contains
       type(net_type), intent(in) :: net
       !> In and out: `there`, `inside` and the unknowns are set.
       type(seed_type), intent(inout) :: seed
-      type(condition_type) :: conditions(condition_count(net%sheet%frame))
+      type(condition_type) :: conditions(condition_count(net%surface%frame))
       real(wp) :: point(size(seed%unknowns) + 2), values(size(conditions)), place(2)
       integer :: i, n, iterations
 
-      associate (sheet => net%sheet)
-         place = sheet%origin + sheet%scale*seed%at
-         if (any(seed%at < 0) .or. any(place > sheet%frame%edges([2, 4])%bound)) return
+      associate (surface => net%surface)
+         place = surface%origin + surface%scale*seed%at
+         if (any(seed%at < 0) .or. any(place > surface%frame%edges([2, 4])%bound)) return
          n = size(seed%unknowns)
          point = [seed%unknowns, seed%at]
-         call correct(sheet, [(condition_type(edge, i, 1, bound=place(i)), i=1, 2)], point, &
+         call correct(surface, [(condition_type(edge, i, 1, bound=place(i)), i=1, 2)], point, &
             iterations)
          if (iterations == 0) return
          if (maxval(abs(point(:n) - seed%unknowns)) > same) return
          if (repeats(net, point(:n), 1.0e-6_wp)) return
          seed%there = .true.
          seed%unknowns = point(:n)
-         call all_conditions(sheet%frame, point(:n), parameters_of(sheet, point), values, &
+         call all_conditions(surface%frame, point(:n), parameters_of(surface, point), values, &
             conditions)
          seed%inside = all(values > 0 .or. conditions%kind == repetition)
       end associate
@@ -335,7 +338,7 @@ contains
       real(wp), intent(in) :: unknowns(:), distance
       integer :: i
 
-      associate (frame => net%sheet%frame)
+      associate (frame => net%surface%frame)
          repeats = any([(repetition_distance(frame%family, frame%repetitions(i), unknowns) < &
             distance, i=1, size(frame%repetitions))])
       end associate
@@ -365,12 +368,12 @@ contains
       parts = merge(1, 4, all(abs(q - from) <= 0))
       do part = 1, parts
          point(n + 1:) = from + (q - from)*part/parts
-         fixed = [(condition_type(edge, i, 1, bound=net%sheet%origin(i) &
-            + net%sheet%scale(i)*point(n + i)), i=1, 2)]
-         call correct(net%sheet, fixed, point, iterations)
+         fixed = [(condition_type(edge, i, 1, bound=net%surface%origin(i) &
+            + net%surface%scale(i)*point(n + i)), i=1, 2)]
+         call correct(net%surface, fixed, point, iterations)
          if (iterations == 0) return
       end do
-      if (repeats(net, point(:n), 10*net%sheet%frame%apart)) return
+      if (repeats(net, point(:n), 10*net%surface%frame%apart)) return
       call add_seed(net, place(1), place(2), point(:n), node)
       at_node = node > 0
    end subroutine place_at_node
@@ -390,7 +393,7 @@ contains
       counts = 0
       do i = 1, zone%n
          if (.not. zone%loops(i)%closed) cycle
-         call ring_of(zone%sheet, zone%loops(i), zone%inside(:, i), r, clearance, ring)
+         call ring_of(zone%surface, zone%loops(i), zone%inside(:, i), r, clearance, ring)
          counts = counts + winding(ring, points)
       end do
    end function count_zone

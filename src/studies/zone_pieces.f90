@@ -9,8 +9,8 @@ module vi_zone_pieces
    use vi_loop, only: begins, loop_type
    use vi_outline, only: ring_of
    use vi_result, only: column_type, result_type, truths, wholes, words
-   use vi_sheet, only: zone_request_type
-   use vi_tally, only: add_sight
+   use vi_zone_request, only: zone_request_type
+   use vi_progress, only: add_expected_work
    use vi_text, only: line_type
    use vi_zone, only: find_zone, zone_type, zone_work
    implicit none (type, external)
@@ -21,7 +21,8 @@ module vi_zone_pieces
    character(*), parameter, public :: not_closed = &
       'not closed: a boundary could not be followed until it closes'
 
-   !> Columns of the results of zones and atlases. A sheet is what was searched at once: the motions
+   !> Columns of the results of zones and atlases. A family is what was searched at once: the
+   !! motions
    !! of a pattern, of an atlas the symmetric ones or the others.
    type(column_type), parameter, public :: piece_columns(*) = [ &
       column_type('pieces', 'loop', wholes, &
@@ -41,15 +42,15 @@ module vi_zone_pieces
       meaning='frequency ratio along a closed loop, counter-clockwise around a zone'), &
       column_type('rings', 'clearance', unit='F0/K', listed=.false., &
       meaning='clearance along a closed loop'), &
-      column_type('sheets', 'motions', wholes, listed=.false., &
+      column_type('families', 'motions', wholes, listed=.false., &
       meaning='motions at nodes of the lattice'), &
-      column_type('sheets', 'steps', wholes, listed=.false., &
+      column_type('families', 'steps', wholes, listed=.false., &
       meaning='steps along the lattice lines'), &
-      column_type('sheets', 'untraced', wholes, listed=.false., &
+      column_type('families', 'untraced', wholes, listed=.false., &
       meaning='places on a boundary from which it could not be followed'), &
-      column_type('sheets', 'lines', wholes, each='axis', listed=.false., &
+      column_type('families', 'lines', wholes, each='axis', listed=.false., &
       meaning='lattice lines of constant r and of constant clearance'), &
-      column_type('sheets', 'closed', truths, listed=.false., &
+      column_type('families', 'closed', truths, listed=.false., &
       meaning='whether all boundaries that were met could be closed')]
 
    !> One piece: its first and last vertices are corners, unless the whole loop is one piece.
@@ -90,7 +91,7 @@ module vi_zone_pieces
 contains
 
    !> The zones of a pattern: of symmetric motions, of the others, or of both, in this order.
-   subroutine zone_pieces(request, seeds, families, found, tally)
+   subroutine zone_pieces(request, seeds, families, found, progress)
       !> What is asked for; `symmetric` is not read.
       type(zone_request_type), intent(in) :: request
       !> Known motions, as in `find_zone`.
@@ -99,8 +100,8 @@ contains
       logical, intent(in) :: families(2)
       !> The pieces.
       type(pieces_type), intent(out) :: found
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(zone_request_type) :: one
       type(zone_type) :: zone
       logical :: possible, wanted(2)
@@ -111,11 +112,11 @@ contains
       ! simulation finds a motion with rest only inside its zone, which may be narrow
       if (any(abs(one%pattern%sides) == 2)) one%lines = max(33, one%lines)
       wanted = families .and. [possible, .true.]
-      call add_sight(zone_work*count(wanted), tally)
+      call add_expected_work(zone_work*count(wanted), progress)
       do i = 1, 2
          if (.not. wanted(i)) cycle
          one%symmetric = i == 1
-         call find_zone(one, seeds, zone, status, tally)
+         call find_zone(one, seeds, zone, status, progress)
          call add_pieces(zone, one, possible .and. .not. one%symmetric, found)
          if (.not. allocated(found%open_seeds)) allocate ( &
             found%open_seeds(size(seeds, 2)), source=.false.)
@@ -165,7 +166,7 @@ contains
       n = size(found%rings)
       allocate (longer(n + 1))
       longer(:n) = found%rings
-      call ring_of(zone%sheet, zone%loops(j), zone%inside(:, j), request%r, request%clearance, &
+      call ring_of(zone%surface, zone%loops(j), zone%inside(:, j), request%r, request%clearance, &
          longer(n + 1)%points)
       call move_alloc(longer, found%rings)
    end subroutine add_ring
@@ -236,17 +237,18 @@ contains
          allocate (piece%vertices(2, size(run)))
          m = size(loop%points, 1) - 2
          do j = 1, size(run)
-            piece%vertices(:, j) = zone%sheet%origin + zone%sheet%scale*loop%points(m + 1:, run(j))
+            piece%vertices(:, j) = zone%surface%origin + zone%surface%scale*loop%points(m + 1:, &
+               run(j))
             piece%vertices(2, j) = exp(piece%vertices(2, j))
          end do
-         call write_motions(zone%sheet, loop, run, piece)
+         call write_motions(zone%surface, loop, run, piece)
       end associate
    end subroutine append
 
    !> Writes the motions at the vertices of a piece.
-   pure subroutine write_motions(sheet, loop, run, piece)
-      !> The sheet of the loop.
-      type(curve_type), intent(in) :: sheet
+   pure subroutine write_motions(surface, loop, run, piece)
+      !> The surface of the loop.
+      type(curve_type), intent(in) :: surface
       !> The loop.
       type(loop_type), intent(in) :: loop
       !> Its vertices on the piece.
@@ -258,15 +260,15 @@ contains
 
       m = size(loop%points, 1) - 2
       n = 1
-      if (.not. sheet%frame%resting) n = size(whole_unknowns(sheet%frame%family, &
+      if (.not. surface%frame%resting) n = size(whole_unknowns(surface%frame%family, &
          loop%points(:m, 1)))/2
       allocate (piece%x(n, size(run)), piece%theta(n, size(run)))
       do j = 1, size(run)
          associate (point => loop%points(:, run(j)))
-            if (sheet%frame%resting) then
+            if (surface%frame%resting) then
                whole = [sinh(point(2)), point(1)]
             else
-               whole = whole_unknowns(sheet%frame%family, point(:m))
+               whole = whole_unknowns(surface%frame%family, point(:m))
             end if
             piece%x(:, j) = whole(:n)
             piece%theta(:, j) = whole(n + 1:)
@@ -274,9 +276,9 @@ contains
       end do
    end subroutine write_motions
 
-   !> Puts the pieces of sheets into the result, and their rings.
+   !> Puts the pieces of families into the result, and their rings.
    pure subroutine put_pieces(found, result)
-      !> The pieces of each sheet.
+      !> The pieces of each family.
       type(pieces_type), intent(in) :: found(:)
       !> The result.
       type(result_type), intent(inout) :: result
@@ -320,12 +322,12 @@ contains
             end associate
          end do
       end do
-      call result%put('sheets', 'motions', found%motions)
-      call result%put('sheets', 'steps', found%steps)
-      call result%put('sheets', 'untraced', found%untraced)
-      call result%put('sheets', 'lines', [(found(j)%lines, j=1, size(found))])
-      call result%put('sheets', 'closed', merge(1, 0, found%closed))
-      call result%open('pieces', 'piece', [k], 'sheets', owners)
+      call result%put('families', 'motions', found%motions)
+      call result%put('families', 'steps', found%steps)
+      call result%put('families', 'untraced', found%untraced)
+      call result%put('families', 'lines', [(found(j)%lines, j=1, size(found))])
+      call result%put('families', 'closed', merge(1, 0, found%closed))
+      call result%open('pieces', 'piece', [k], 'families', owners)
       call result%put('pieces', 'symmetric', symmetric)
       call result%put('pieces', 'loop', loops)
       call result%put('pieces', 'piece', numbers)
@@ -342,7 +344,7 @@ contains
 
    !> Puts the closed loops into the result.
    pure subroutine put_rings(found, result)
-      !> The pieces of each sheet.
+      !> The pieces of each family.
       type(pieces_type), intent(in) :: found(:)
       !> The result.
       type(result_type), intent(inout) :: result
@@ -370,7 +372,7 @@ contains
             n = n + m
          end do
       end do
-      call result%open('loops', 'ring', [k], 'sheets', owners)
+      call result%open('loops', 'ring', [k], 'families', owners)
       call result%open('rings', 'ring_point', [n], 'loops', point_owners)
       call result%put('rings', 'r', points(1, :))
       call result%put('rings', 'clearance', points(2, :))

@@ -6,10 +6,10 @@ module vi_zone_study
    use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_orbit, only: most_impacts
-   use vi_pattern, only: pattern_type, starred_letters, starred_pattern
+   use vi_pattern, only: pattern_type, starred_symbols, starred_pattern
    use vi_result, only: column_type, result_type, truths, wholes, words
-   use vi_sheet, only: zone_request_type
-   use vi_tally, only: is_stopped
+   use vi_zone_request, only: zone_request_type
+   use vi_progress, only: is_stopped
    use vi_text, only: counted, exact, whole
    use vi_values, only: values_type
    use vi_zone_pieces, only: not_closed, piece_columns, pieces_type, put_pieces, vertex_columns, &
@@ -27,7 +27,7 @@ module vi_zone_study
 
    type(key_type), parameter, public :: zone_keys(*) = [ &
       key_type('sides', a_word, takes='letters R and L, one an impact, 2 to 24 of them, each wall &
-      &at least once; a star after a letter for impacts that accumulate and end in rest', &
+      &at least once; a star after a symbol for impacts that accumulate and end in rest', &
       meaning='walls of the impacts in order, as RRL, or RL* with rest on L'), &
       cycles_key, symmetric_key, window_keys, lines_key, &
       key_type('guesses', a_whole, default='12', low=0.0_wp, high=1.0e5_wp, &
@@ -36,7 +36,7 @@ module vi_zone_study
       key_type('seeds', most=100000, may_miss=.true., &
       takes='for each motion r, clearance, then x/D and load phase of all its impacts; with rest &
       &load phase and velocity over D of the last release, then zeros', &
-      meaning='motions that are known to be there, for sheets that the search could miss')]
+      meaning='motions that are known to exist and that the search could miss')]
 
    type(column_type), parameter, public :: zone_columns(*) = [piece_columns, &
       column_type('pieces', 'symmetric', truths, &
@@ -71,7 +71,7 @@ contains
       else if (modulo(seed_numbers(case%study), 2 + 2*n) > 0) then
          call case%study%refuse('seeds', whole(2 + 2*n)//' numbers each')
       else
-         call case%study%set_word('sides', starred_letters(pattern%sides))
+         call case%study%set_word('sides', starred_symbols(pattern%sides))
          call check_window(case)
       end if
    end subroutine check_zone
@@ -81,10 +81,10 @@ contains
       !> The group.
       type(values_type), intent(in) :: study
       type(pattern_type) :: pattern
-      character(:), allocatable :: letters
+      character(:), allocatable :: symbols
 
-      call study%text('sides', letters)
-      pattern = starred_pattern(letters, study%whole_number('cycles'))
+      call study%text('sides', symbols)
+      pattern = starred_pattern(symbols, study%whole_number('cycles'))
    end function zone_pattern
 
    !> The request for the search.
@@ -101,13 +101,13 @@ contains
    end function zone_request
 
    !> Finds the zones of a pattern in a window.
-   subroutine run_zone(case, result, tally)
+   subroutine run_zone(case, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> The result, started.
       type(result_type), intent(inout) :: result
-      !> Progress counters, see vi_tally.
-      integer, intent(inout), optional :: tally(3)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(pieces_type) :: found
       character(:), allocatable :: what, types
 
@@ -115,13 +115,13 @@ contains
       what = what//'/'//whole(case%study%whole_number('cycles'))
       call zone_pieces(zone_request(case), seeds_of(case), .not. [case%study%is('symmetric', &
          'no'), &
-         case%study%is('symmetric', 'yes')], found, tally)
-      if (is_stopped(tally)) then
+         case%study%is('symmetric', 'yes')], found, progress)
+      if (is_stopped(progress)) then
          result%cut = 'it was stopped before all boundaries were followed'
          result%empty = .true.
          return
       end if
-      call result%open('sheets', 'sheet', [1])
+      call result%open('families', 'family', [1])
       call put_pieces([found], result)
       if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
       call put_open_seeds(case, found%open_seeds, result)

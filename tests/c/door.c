@@ -205,14 +205,14 @@ static int write_all(const char *text)
     return 0;
 }
 
-static int32_t tally[3];
+static int32_t counters[3];
 
 static void *stop_soon(void *unused)
 {
     (void)unused;
-    while (__atomic_load_n(&tally[0], __ATOMIC_RELAXED) == 0)
+    while (__atomic_load_n(&counters[0], __ATOMIC_RELAXED) == 0)
         usleep(1000);
-    __atomic_store_n(&tally[2], 1, __ATOMIC_RELAXED);
+    __atomic_store_n(&counters[2], 1, __ATOMIC_RELAXED);
     return NULL;
 }
 
@@ -223,10 +223,10 @@ static int stop(const char *text)
     pthread_t thread;
     int status;
     CHECK(pthread_create(&thread, NULL, stop_soon, NULL) == 0);
-    status = vibroimpact_run(text, 1, tally, &result);
+    status = vibroimpact_run(text, 1, counters, &result);
     pthread_join(thread, NULL);
     CHECK(status != VIBROIMPACT_WRONG);
-    CHECK(tally[0] > 0 && tally[0] < tally[1]); /* work was left */
+    CHECK(counters[0] > 0 && counters[0] < counters[1]); /* work was left */
     print_text(result, VIBROIMPACT_CUT);
     vibroimpact_free(result);
     return 0;

@@ -149,7 +149,7 @@ def test_each_case_of_a_text(run):
 
 @pytest.mark.parametrize("name", ["response", "lyapunov", "basins"])
 def test_stop_from_another_thread(run, name):
-    """A tally that is written by another thread ends the case before its work is done."""
+    """A counters that are written by another thread ends the case before its work is done."""
     longer = {
         "response": ("r_points = 3", "r_points = 400"),
         "lyapunov": ("values = 5", "values = 500"),

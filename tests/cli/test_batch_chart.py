@@ -98,7 +98,7 @@ def test_empty_window(batch):
         ("cycles = 1", "cycles = 0", "1 <= cycles"),
         ("'RL'", "'RR'", "each wall at least once"),
         ("'RL'", "'RLRLRLRLRLRLRL'", "2 to 12"),
-        ("cycles = 1", "room = 33", "room <= 32"),
+        ("cycles = 1", "slots = 33", "slots <= 32"),
         ("cycles = 1", "seeds = 0", "1 <= seeds"),
         ("cycles = 1", "guesses = 0", "1 <= guesses"),
         ("cycles = 1", "load = 1", "is not a key of &chart"),

@@ -120,7 +120,7 @@ def test_table_of_motions(tool, found):
     assert len(table) == len(found)
     for motion, expected in zip(table, found, strict=True):
         assert_same(motion, expected)
-        assert motion["side"] == expected.pattern.letters
+        assert motion["side"] == expected.pattern.symbols
         assert floats(motion, "phase") == expected.phases.tolist()
     head = [line for line in (tool.cwd / "out/find.csv").read_text().split("\n") if line[:1] == "#"]
     assert head[-1] == f"# ! searched: {found.search}"
@@ -172,7 +172,7 @@ def test_labels_of_motions_with_rest(tool):
         for i, motion in enumerate(found):
             own = data.impacts_motions.values == i
             np.testing.assert_array_equal(data.X[own], motion.X)
-            assert data.impacts_side.values[own].tolist() == motion.pattern.letters
+            assert data.impacts_side.values[own].tolist() == motion.pattern.symbols
             np.testing.assert_array_equal(data.multipliers_real[i], motion.multipliers.real)
             times = data.time.values[data.events_motions.values == i]
             wanted = motion.rest_events["time"] if motion.pattern.has_rest else []

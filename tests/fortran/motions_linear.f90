@@ -8,7 +8,7 @@ module motions_linear
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: gain, oscillator_type
-   use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_letters
+   use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_symbols
    use vi_periodic, only: assemble, linear_system_type, solve_periodic
    use vi_status, only: stat
    implicit none (type, external)
@@ -29,7 +29,7 @@ contains
       call test_no_load()
    end subroutine test_linear
 
-   !> Letters and sides are each other's inverse; durations are positive and fill the period.
+   !> Symbols and sides are each other's inverse; durations are positive and fill the period.
    subroutine test_pattern()
       type(pattern_type) :: pattern
       type(motion_type) :: motion
@@ -42,8 +42,8 @@ contains
          cycles = draw_integer(random, 1, 4)
          allocate (sides(n), phases(n))
          call random_sides(random, sides)
-         pattern = new_pattern(side_letters(sides), cycles)
-         call check(all(pattern%sides == sides) .and. pattern%cycles == cycles, 'letters and sides')
+         pattern = new_pattern(side_symbols(sides), cycles)
+         call check(all(pattern%sides == sides) .and. pattern%cycles == cycles, 'symbols and sides')
          call random_phases(random, cycles, phases)
          call start_motion(motion, oscillator_type(0.1_wp, 0.2_wp, 0.5_wp), 1.3_wp, pattern, &
             spread(0.5_wp, 1, n), phases)
@@ -59,7 +59,7 @@ contains
          deallocate (sides, phases)
       end do
       pattern = new_pattern('rLx', 1)
-      call check(all(pattern%sides == [1, -1, 0]), 'small letters, and letters that are no wall')
+      call check(all(pattern%sides == [1, -1, 0]), 'small symbols, and symbols that are no wall')
       call check_close(default_restitution(1, 0.3_wp, 0.4_wp), 0.3_wp, 0.0_wp, 'right wall')
       call check_close(default_restitution(-1, 0.3_wp, 0.4_wp), 0.4_wp, 0.0_wp, 'left wall')
    end subroutine test_pattern

@@ -6,7 +6,7 @@ module studies_atlas
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: pattern_type
    use vi_rings, only: dense_ring, winding
-   use vi_sheet, only: zone_request_type
+   use vi_zone_request, only: zone_request_type
    use vi_survey, only: attractor_type, survey, survey_work
    use vi_survey_outcome, only: beyond, chaotic, count_outcomes, no_impacts, not_settled, periodic
    use vi_zone, only: find_zone, release_type, simulate_nodes, zone_type, zone_work
@@ -52,17 +52,17 @@ contains
       type(atlas_request_type) :: request
       type(atlas_type) :: one, two
       character(80) :: told
-      integer :: tally(3), i, j
+      integer :: progress(3), i, j
 
       request = atlas_request_type(oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.75_wp]), &
          [1.0_wp, 1.1_wp], [20.0_wp, 60.0_wp], max_impacts=3, survey=30, guesses=6)
-      tally = 0
-      call find_atlas(request, one, tally)
-      call check(tally(1) == survey_work*request%survey + zone_work*size(one%sheets) .and. &
-         tally(2) == tally(1), 'all points and sheets are counted')
+      progress = 0
+      call find_atlas(request, one, progress)
+      call check(progress(1) == survey_work*request%survey + zone_work*size(one%families) .and. &
+         progress(2) == progress(1), 'all points and sheets are counted')
       call check(size(one%attractors) > 10 .and. all(one%explained), 'attractors lie in zones')
-      call check(size(one%sheets) == 3, 'up to three impacts: RL of two kinds, RRL')
-      call check(one%sheets(1)%symmetric .and. .not. one%sheets(2)%symmetric, &
+      call check(size(one%families) == 3, 'up to three impacts: RL of two kinds, RRL')
+      call check(one%families(1)%symmetric .and. .not. one%families(2)%symmetric, &
          'symmetric motions first')
       request%threads = 2
       call find_atlas(request, two)
@@ -71,8 +71,8 @@ contains
          call check(all(abs(one%attractors(i)%unknowns - two%attractors(i)%unknowns) <= 0), &
             'threads settle on the same attractors')
       end do
-      do j = 1, size(one%sheets)
-         associate (a => one%sheets(j)%zone, b => two%sheets(j)%zone)
+      do j = 1, size(one%families)
+         associate (a => one%families(j)%zone, b => two%families(j)%zone)
             call check(a%n == b%n .and. a%n > 0, 'threads find the same loops')
             do i = 1, min(a%n, b%n)
                write (told, '(a, 4(1x, i0))') 'threads trace the same vertices:', j, i, &
@@ -87,7 +87,7 @@ contains
       request%survey = 0
       request%guesses = 0
       call find_atlas(request, two)
-      call check(size(two%attractors) == 0 .and. all([(two%sheets(j)%zone%n == 0, j=1, 3)]), &
+      call check(size(two%attractors) == 0 .and. all([(two%families(j)%zone%n == 0, j=1, 3)]), &
          'nothing comes from nothing')
       ! seeds of the survey alone lead to the zones that they lie in
       request%survey = 30
@@ -123,10 +123,10 @@ contains
             do k = 1, size(one, 1)
                call check(one(k, i, j)%cycles == two(k, i, j)%cycles, 'threads change no period')
                if (one(k, i, j)%cycles == 0) cycle
-               associate (letters => one(k, i, j)%letters)
-                  call check(size(letters) <= 3 .and. abs(letters(size(letters))) == 2, &
+               associate (symbols => one(k, i, j)%symbols)
+                  call check(size(symbols) <= 3 .and. abs(symbols(size(symbols))) == 2, &
                      'a period ends with a rest')
-                  call check(any(letters > 0) .and. any(letters < 0), 'a period has both walls')
+                  call check(any(symbols > 0) .and. any(symbols < 0), 'a period has both walls')
                end associate
             end do
          end do
@@ -153,7 +153,7 @@ contains
       type(attractor_type) :: points(60), same(60), wide(60)
       type(atlas_request_type) :: request
       type(atlas_type) :: stopped
-      integer :: counts(7), tally(3), i, n
+      integer :: counts(7), progress(3), i, n
 
       osc = oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.61_wp])
       call survey(osc, window(:, 1), window(:, 2), 400, 2, 1, 1, points)
@@ -166,9 +166,9 @@ contains
          associate (point => points(i))
             if (point%outcome == no_impacts) call check(point%clearance > 2*gain(osc%xi, point%r), &
                'without impacts only where D > 2A')
-            if (point%outcome == periodic) call check(size(point%letters) <= 2 .and. &
+            if (point%outcome == periodic) call check(size(point%symbols) <= 2 .and. &
                point%cycles == 1, 'within the limits')
-            if (point%outcome == beyond) call check(size(point%letters) > 2 .or. &
+            if (point%outcome == beyond) call check(size(point%symbols) > 2 .or. &
                point%cycles > 1, 'beyond the limits')
          end associate
       end do
@@ -179,27 +179,27 @@ contains
       n = 0
       do i = 1, size(points)
          if (points(i)%outcome /= beyond) cycle
-         if (size(points(i)%letters) > 8 .or. points(i)%cycles > 4) cycle
+         if (size(points(i)%symbols) > 8 .or. points(i)%cycles > 4) cycle
          n = n + 1
          call check(wide(i)%outcome == periodic, 'wider limits hold what was beyond')
          if (wide(i)%outcome /= periodic) cycle
          call check(wide(i)%cycles == points(i)%cycles .and. &
-            same_letters(wide(i)%letters, points(i)%letters), 'as the same pattern')
+            same_symbols(wide(i)%symbols, points(i)%symbols), 'as the same pattern')
       end do
       call check(n > 3, 'some are beyond the narrow limits alone')
       ! a stop is heard, and what was not begun is not settled
       request = atlas_request_type(osc, window(:, 1), window(:, 2), max_impacts=2, survey=60)
-      tally = [0, 0, 1]
-      call find_atlas(request, stopped, tally)
+      progress = [0, 0, 1]
+      call find_atlas(request, stopped, progress)
       counts = outcomes_of(stopped)
       call check(counts(not_settled) == 60, 'a stopped survey has settled nothing')
    end subroutine test_outcomes
 
-   pure logical function same_letters(one, other)
+   pure logical function same_symbols(one, other)
       integer, intent(in) :: one(:), other(:)
 
-      same_letters = size(one) == size(other)
-      if (same_letters) same_letters = all(one == other)
-   end function same_letters
+      same_symbols = size(one) == size(other)
+      if (same_symbols) same_symbols = all(one == other)
+   end function same_symbols
 
 end module studies_atlas

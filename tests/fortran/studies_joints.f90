@@ -62,8 +62,8 @@ contains
       zone%n = 2
       allocate (zone%loops(4), zone%inside(2, 4))
       zone%inside = 0
-      zone%sheet%frame%resting = .true.
-      allocate (zone%sheet%frame%rest%letters(0))
+      zone%surface%frame%resting = .true.
+      allocate (zone%surface%frame%rest%symbols(0))
       zone%loops(1) = arc(0.5_wp*gaps(1), pi - 0.5_wp*gaps(2), fold)
       zone%loops(2) = arc(pi + 0.5_wp*gaps(2), 2*pi - 0.5_wp*gaps(1), flip)
       if (btest(turned, 0)) zone%loops(1) = reversed(zone%loops(1))

@@ -3,14 +3,14 @@ module studies_rest
    use checks, only: check, check_close
    use random_numbers, only: fill, random_type
    use vi_kinds, only: wp
-   use vi_rest_family, only: follow_letters, measure_type, new_rest_family, plane_map, &
+   use vi_rest_family, only: follow_symbols, measure_type, new_rest_family, plane_map, &
       rest_family_type, rest_period, rest_period_type, rest_stability, rest_unknowns
    implicit none (type, external)
    private
 
    public :: test_rest
 
-   !> Measures of a period of n letters: equations, approaches, rests, gaps.
+   !> Measures of a period of n symbols: equations, approaches, rests, gaps.
    integer, parameter :: most = 40
    type(random_type) :: random
 
@@ -39,7 +39,7 @@ contains
       call check(followed > 30, 'rest: periods that could be followed')
    end subroutine test_rest
 
-   !> Derivatives of one period against differences, and the map of the plane against its letters.
+   !> Derivatives of one period against differences, and the map of the plane against its symbols.
    subroutine check_period(family, release, c, followed)
       type(rest_family_type), intent(in) :: family
       !> Phase and asinh(v/D) at the release.
@@ -55,7 +55,7 @@ contains
       integer :: i, j, k, n, m
 
       m = size(unknowns)
-      call follow_letters(family, release, c, unknowns, good(1))
+      call follow_symbols(family, release, c, unknowns, good(1))
       if (.not. good(1)) return
       call rest_period(family, unknowns, c, period)
       call check(period%right, 'rest: what was followed is a period')

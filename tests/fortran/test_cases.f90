@@ -1,4 +1,4 @@
-!> The room of cases: values as they are written, and the descriptions of keys.
+!> Tests of cases: values as they are written, and the descriptions of keys.
 program test_cases
    use checks, only: check, check_close, finish
    use random_numbers, only: draw, draw_integer, random_type

@@ -1,4 +1,4 @@
-!> The room of mechanics: the oscillator, impacts, flights and their extrema.
+!> Tests of mechanics: the oscillator, impacts, flights and their extrema.
 program test_mechanics
    use checks, only: check, check_close, finish
    use mechanics_extrema, only: test_extrema

@@ -1,4 +1,4 @@
-!> The room of motions: linear problem, equispaced pair, stability, verdicts, time histories.
+!> Tests of motions: linear problem, equispaced pair, stability, verdicts, time histories.
 program test_motions
    use checks, only: finish
    use motions_assess, only: test_assess

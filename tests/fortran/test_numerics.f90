@@ -1,4 +1,4 @@
-!> The room of numerics: linear algebra in both kinds, and the status codes.
+!> Tests of numerics: linear algebra in both kinds, and the status codes.
 program test_numerics
    use, intrinsic :: iso_fortran_env, only: real32
    use checks, only: check, check_close, finish

@@ -116,11 +116,13 @@ def test_layout_of_lines():
 
 def test_core_is_silent():
     """Below the command line nothing prints, stops, or reads and writes files."""
-    for room in ("numerics", "mechanics", "motions", "cases", "studies", "c"):
-        for path in (SOURCE / room).rglob("*.f90"):
+    for folder in ("numerics", "mechanics", "motions", "cases", "studies", "c"):
+        for path in (SOURCE / folder).rglob("*.f90"):
             for line in code_lines(path):
                 verb = re.match(r"\s*(print|stop|error stop|open|close|read|write)\b", line)
-                if room == "cases" and re.match(r"\s*(read|write) \((text|buffer|digits)\b", line):
+                if folder == "cases" and re.match(
+                    r"\s*(read|write) \((text|buffer|digits)\b", line
+                ):
                     continue  # numbers to and from text
                 assert not verb, f"{path}: {line.strip()}"
 

@@ -1,4 +1,4 @@
-!> The room of studies: many points in one call, and the same in single precision.
+!> Tests of studies: many points in one call, and the same in single precision.
 program test_studies
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use checks, only: check, finish
@@ -9,7 +9,7 @@ program test_studies
    use studies_attractors, only: test_attractors
    use studies_conditions, only: test_conditions
    use studies_joints, only: test_joints
-   use studies_letters, only: test_letters
+   use studies_symbols, only: test_symbols
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
    use vi_assess, only: paper_acceptance
@@ -46,7 +46,7 @@ program test_studies
    call test_outcomes()
    call test_shared_simulations()
    call test_conditions()
-   call test_letters()
+   call test_symbols()
    call test_rest()
    call test_rows()
    call test_attractors()
@@ -54,13 +54,13 @@ program test_studies
 
 contains
 
-   pure function room(n, m) result(results)
+   pure function empty_results(n, m) result(results)
       integer, intent(in) :: n, m
       type(results_type) :: results
 
       allocate (results%impacts(n, 6, m), results%scalars(6, m), results%multipliers(4, m), &
          results%verdicts(3, m), results%status(m))
-   end function room
+   end function empty_results
 
    !> Bit for bit, not-a-number included.
    elemental logical function same(a, b)
@@ -129,7 +129,7 @@ contains
       logical, intent(in) :: single, flights
       type(results_type) :: results
 
-      results = room(size(phases, 1), size(r))
+      results = empty_results(size(phases, 1), size(r))
       call periodic_points(osc, r, pattern, restitution, phases, paper_acceptance, single, &
          flights, results%impacts, results%scalars, results%multipliers, results%verdicts, &
          results%status)
@@ -150,7 +150,7 @@ contains
          r(j) = random_frequency(random)
          clearance(j) = gain(osc%xi, r(j))*draw_log(random, 0.1_wp, 100.0_wp)
       end do
-      many = room(2, 2*m)
+      many = empty_results(2, 2*m)
       call equispaced_points(osc, r, clearance, 1, paper_acceptance, .false., .true., &
          many%impacts, many%scalars, many%multipliers, many%verdicts, many%status)
       missing = 0

@@ -319,7 +319,7 @@ def section_of(motion):
 
 def matches(motion, orbit_, tolerance=1e-8):
     """Whether an exact motion is an orbit: letters, phases and states after the first impacts."""
-    letters = motion.pattern.letters
+    letters = motion.pattern.symbols
     n, turn = len(letters), ls.TURN * motion.pattern.cycles
     # what the residual of the orbit's Newton iteration leaves open
     error = orbit_.residual / np.abs(1 - orbit_.multipliers).min()

@@ -109,7 +109,7 @@ def test_exact_points(three):
 def test_nothing_missed(sides, cycles):
     """What an independent, denser search finds at random points is in the chart."""
     pattern = vi.Pattern(sides, cycles)
-    data = vi.chart(OSC, pattern, R, D, room=12)
+    data = vi.chart(OSC, pattern, R, D, slots=12)
     rng = np.random.default_rng(7)
     seen = 0
     for _ in range(40):
@@ -186,9 +186,9 @@ def test_slots_are_continuous(sides):
     worst = []
     for n in (41, 81):
         r, clearance = np.linspace(0.85, 0.93, n), np.geomspace(4, 12, n)
-        data = vi.chart(OSC, vi.Pattern(sides), r, clearance, room=12)
+        data = vi.chart(OSC, vi.Pattern(sides), r, clearance, slots=12)
         there = (data.status == 0).values
-        assert (there.sum(axis=0) == data.found).all()  # there was room for all
+        assert (there.sum(axis=0) == data.found).all()  # there was a slot for each
         x = data.X.values / data.clearance.values[:, None]
         tau = np.exp(1j * data.tau.values)
         steps = []
@@ -204,9 +204,9 @@ def test_slots_are_continuous(sides):
 
 
 def test_best_motions_come_first():
-    """With room for one motion, no admissible and stable one gives way to another."""
+    """With a slot for one motion, no admissible and stable one gives way to another."""
     pattern = vi.Pattern("RRL")
-    one, many = (vi.chart(OSC, pattern, R, D, room=room) for room in (1, 8))
+    one, many = (vi.chart(OSC, pattern, R, D, slots=slots) for slots in (1, 8))
     good = [((item.admissible == 1) & (item.stable == 1)).any("motion") for item in (one, many)]
     assert int(good[1].sum()) > 30
     assert good[0].equals(good[1])
@@ -315,7 +315,10 @@ def test_missing_xarray(monkeypatch):
             {"r": np.linspace(0.5, 1, 2000), "clearance": np.linspace(1, 2, 2000)},
             "clearance = 2000: .*r x clearance <= 1000000; r is 2000",
         ),
-        ({"r": np.linspace(0.5, 1, 999), "clearance": np.linspace(1, 2, 999), "room": 32}, "room"),
+        (
+            {"r": np.linspace(0.5, 1, 999), "clearance": np.linspace(1, 2, 999), "slots": 32},
+            "slots",
+        ),
         ({"symmetric": "yes"}, "symmetric"),
         (
             {"pattern": vi.Pattern("RL", 2), "symmetric": True},
@@ -328,7 +331,7 @@ def test_missing_xarray(monkeypatch):
         ({"pattern": vi.Pattern("RL*")}, "exact and find"),
         ({"pattern": vi.Pattern("RL" * 7)}, "pattern = .*2 to 12 of them"),
         ({"clearance": [-math.inf, 20.0]}, "clearance = -inf, 20.0: must be increasing"),
-        ({"room": 0}, "room = 0"),
+        ({"slots": 0}, "slots = 0"),
         ({"guesses": 0}, "guesses = 0"),
         ({"seeds": 0}, "seeds = 0"),
         ({"threads": 0}, "threads = 0"),
@@ -347,7 +350,7 @@ def test_bad_input(change, words):
         {"r": ["a"]},
         {"osc": 1},
         {"pattern": "RL"},
-        {"room": "4"},
+        {"slots": "4"},
         {"multipliers": "no"},
         {"progress": 5},
     ],

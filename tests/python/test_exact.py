@@ -136,7 +136,7 @@ def test_every_kind_of_guess_leads_to_the_same_motion():
     run = vi.simulate(TABLE, 0.94, 37.0, 8, after_impact(first), discard=100.3)
     settled_run = vi.exact(TABLE, 0.94, 37.0, run)
     for other in (near, paper, settled_run):
-        shift = int(other.pattern.letters[0] != first.pattern.letters[0])
+        shift = int(other.pattern.symbols[0] != first.pattern.symbols[0])
         phases = np.append(other.phases, other.phases[0] + TURN)[shift : shift + 2]
         assert phases - phases[0] == pytest.approx(first.phases, abs=1e-10)
         assert np.roll(other.X, -shift) == pytest.approx(first.X, abs=1e-9)
@@ -155,7 +155,7 @@ def test_a_trajectory_may_end_at_an_impact(impact, part):
     run = vi.simulate(TABLE, 0.94, 37.0, 8 + part, after_impact(motion, impact))
     again = vi.exact(TABLE, 0.94, 37.0, run)
     assert again.pattern.cycles == 1
-    assert sorted(again.pattern.letters) == ["L", "R"]
+    assert sorted(again.pattern.symbols) == ["L", "R"]
     assert np.sort(again.X) == pytest.approx(np.sort(motion.X), abs=1e-9)
 
 

@@ -15,7 +15,7 @@ def test_motion_with_completed_chatter():
     """The example is a motion RL*: one impact, one accumulation with rest, residual at rounding."""
     motion = rest_motion()
     assert motion.pattern.cycles == 1
-    assert sorted(motion.pattern.letters) == ["L*", "R"]
+    assert sorted(motion.pattern.symbols) == ["L*", "R"]
     assert motion.residual <= 1e-12
     assert motion.consistent
     assert motion.admissible

@@ -15,10 +15,10 @@ from shared_explorer_states import RUN, STATES
 from vibroimpact.command import main
 from vibroimpact.commands.explore import EXAMPLE
 from vibroimpact.errors import MissingExtraError, ParameterError
+from vibroimpact.explorer.definition import Definition
 from vibroimpact.explorer.explorer import Explorer, settles_on
 from vibroimpact.explorer.motions import fuller, quick
 from vibroimpact.explorer.process import start
-from vibroimpact.explorer.recipe import Recipe
 from vibroimpact.explorer.server import loopback, panel
 from vibroimpact.explorer.session import Session
 from vibroimpact.explorer.shapes import thinned, zone_shapes
@@ -66,7 +66,7 @@ def test_a_bad_part_of_a_link_is_named_and_the_rest_kept(query, word):
 
 def test_a_motion_that_is_not_there_is_named():
     """A link whose motion does not exist at its point restores everything else."""
-    explorer = Explorer(State(clearance=200.0, motion=Recipe.read("RL/1/equispaced/0")))
+    explorer = Explorer(State(clearance=200.0, motion=Definition.read("RL/1/equispaced/0")))
     (fault,) = explorer.restore()
     assert "RL/1/equispaced/0" in fault
     assert explorer.state == State(clearance=200.0)
@@ -87,15 +87,15 @@ def test_a_change_that_is_refused_changes_nothing():
 @pytest.mark.parametrize(("r", "clearance", "walls"), [
     (0.94, 37.0, (0.75, 0.75)), (1.04, 25.0, (0.75, 0.75)), (0.9, 6.0, (0.75, 0.61)),
     (1.1, 9.0, (0.6, 0.6))])  # fmt: skip
-def test_recipes_give_the_same_bits(r, clearance, walls):
-    """Every motion that is shown is what its recipe makes, and all that `find` finds are shown."""
+def test_definitions_give_the_same_bits(r, clearance, walls):
+    """Every motion that is shown is what its definition makes, and all that `find` finds are shown."""
     osc = vi.Oscillator(0.0114, 0.028, walls)
     found = vi.find(osc, r, clearance)
     shown = fuller(osc, r, clearance, quick(osc, r, clearance))
     assert all(any(same(motion, item.motion) for item in shown) for motion in found)
     assert len(shown) >= len(found) > 0
     for item in shown:
-        again = Recipe.read(item.recipe.text).solve(osc, r, clearance)
+        again = Definition.read(item.definition.text).solve(osc, r, clearance)
         assert again.X.tolist() == item.motion.X.tolist()
         assert again.multipliers.tolist() == item.motion.multipliers.tolist()
     stable = [item.motion.stable for item in shown]
@@ -144,9 +144,9 @@ def test_a_motion_that_has_gone_is_not_chosen():
     gone = {"kind": "choose", "number": 1, "motion": "RLL/1/phases/0.0,2.0,4.0"}
     session.heard(gone)
     assert (told[-1]["fault"], session.explorer.state) == ("", before)
-    last = told[-1]["table"][-1]["recipe"]
+    last = told[-1]["table"][-1]["definition"]
     session.heard(gone | {"number": 2, "motion": last})
-    assert session.explorer.state == replace(before, motion=Recipe.read(last))
+    assert session.explorer.state == replace(before, motion=Definition.read(last))
     assert [row["chosen"] for row in told[-1]["table"]][-1]
 
 
@@ -206,7 +206,7 @@ def test_what_is_known_is_kept():
     explorer.learn(fuller(explorer.state.osc, 1.04, 25.0, explorer.shown))
     before = explorer.shown
     explorer.look()
-    assert [item.recipe for item in explorer.shown] == [item.recipe for item in before]
+    assert [item.definition for item in explorer.shown] == [item.definition for item in before]
     explorer.move(1.0401, 25.0)
     assert {item.label for item in before} <= {item.label for item in explorer.shown}
 

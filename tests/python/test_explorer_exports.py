@@ -1,4 +1,4 @@
-"""What is taken along from the explorer: Python, namelists, recipes of motions."""
+"""What is taken along from the explorer: Python, namelists, definitions of motions."""
 
 import subprocess
 import sys
@@ -8,10 +8,10 @@ import pytest
 import vibroimpact as vi
 from shared_explorer_states import STATES
 from vibroimpact.case import read_namelist
+from vibroimpact.explorer.definition import definition_of
 from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
 from vibroimpact.explorer.export import as_namelist, as_python
 from vibroimpact.explorer.motions import fuller
-from vibroimpact.explorer.recipe import recipe_of
 from vibroimpact.explorer.state import State
 from vibroimpact.explorer.zones import FINE, compute, families
 from vibroimpact.likeness import same
@@ -63,7 +63,7 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
             )
     assert sum(motion.admissible for motion in found) + len(rests) == len(explorer.shown)
     for item in explorer.shown:
-        if item.recipe.kind == "state":
+        if item.definition.kind == "state":
             assert any(
                 same(vi.exact(run.osc, run.r, run.clearance, run), item.motion) for run in rests
             )
@@ -101,11 +101,11 @@ def test_an_oblique_line_is_left_to_python():
     assert text.splitlines()[-1].startswith("! a line across both axes")
 
 
-def test_motions_without_phases_have_a_recipe():
+def test_motions_without_phases_have_a_definition():
     """A motion with rest is computed from a state on it."""
     osc = vi.Oscillator(0.0114, 0.028, (0.75, 0.61))
     motion = vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
-    recipe, made = recipe_of(motion)
-    assert recipe.kind == "state"
+    definition, made = definition_of(motion)
+    assert definition.kind == "state"
     assert made.pattern == motion.pattern
     assert abs(made.multipliers[0]) == pytest.approx(abs(motion.multipliers[0]), rel=1e-9)

@@ -56,8 +56,8 @@ def test_datasets_are_labelled(name, results):
             here = data.sel(ring_point=data.rings_loops == i)
             np.testing.assert_array_equal(np.c_[here.rings_r, here.rings_clearance], ring)
     else:
-        sheets = np.unique(data.pieces_sheets)
-        assert data.sheets_sides.values[sheets].tolist() == [
+        sheets = np.unique(data.pieces_families)
+        assert data.families_sides.values[sheets].tolist() == [
             zone.pattern.sides for zone in result.zones
         ]
         assert data.sizes["vertex"] == sum(len(p) for zone in result.zones for p in zone.boundary)

@@ -19,9 +19,9 @@ def same_orbit(one, other):
     n, k = len(one.pattern), one.pattern.cycles
     if (n, k) != (len(other.pattern), other.pattern.cycles):
         return False
-    letters = one.pattern.letters
+    letters = one.pattern.symbols
     for j in range(n):
-        if letters[j:] + letters[:j] != other.pattern.letters:
+        if letters[j:] + letters[:j] != other.pattern.symbols:
             continue
         phases = np.append(one.phases[j:], one.phases[:j] + TURN * k) + one.load_phase
         gap = phases - other.phases - other.load_phase
@@ -69,7 +69,7 @@ def is_mirror(one, other):
     """Whether a motion is the mirror image of another, half a load period later."""
     letters = other.pattern.sides.translate(str.maketrans("RL", "LR"))
     for j in range(len(one.pattern)):
-        turned = one.pattern.letters[j:] + one.pattern.letters[:j]
+        turned = one.pattern.symbols[j:] + one.pattern.symbols[:j]
         if "".join(turned) != letters or one.pattern.cycles != other.pattern.cycles:
             continue
         if np.allclose(-np.roll(one.X, -j), other.X, atol=1e-7):
@@ -122,7 +122,7 @@ def test_motion_with_rest_is_found():
     resting = [m for m in found if m.pattern.has_rest]
     assert len(resting) == 1
     assert resting[0].stable
-    assert sorted(resting[0].pattern.letters) == ["L*", "R"]
+    assert sorted(resting[0].pattern.symbols) == ["L*", "R"]
     assert np.array_equal(resting[0].multipliers[2:], [0, 0])
     assert [m.stable for m in found].count(True) == 1
 
@@ -357,7 +357,7 @@ def test_attractor_of_many_letters_is_listed():
     assert found.search.settled == found.search.states == 24
     (motion,) = [m for m in found if m.stable]
     # twenty impacts on the left and one accumulation on the right, by an independent simulation
-    assert sorted(motion.pattern.letters) == ["L"] * 20 + ["R*"]
+    assert sorted(motion.pattern.symbols) == ["L"] * 20 + ["R*"]
     assert attracts(motion)
 
 

@@ -94,7 +94,7 @@ BROKEN = [
     ("zone", ["tables", "pieces", "parent"], "nothing", "pieces.parent = 'nothing': must be one of the tables"),
     ("zone", ["tables"], [], r"tables = '\[\]': must be an object"),
     ("zone", ["case"], 3, "case = 3: must be of type str"),
-    ("atlas", ["tables", "sheets", "columns", "lines"], [[1]], "sheets.lines = .*: must be numbers"),
+    ("atlas", ["tables", "families", "columns", "lines"], [[1]], "families.lines = .*: must be numbers"),
     ("atlas", ["tables", "points", "dims"], 7, "points.dims = '7': must be an object"),
     ("atlas", ["notes"], [1], r"notes = \[1\]: must be pairs"),
 ]  # fmt: skip

@@ -58,7 +58,7 @@ def test_mirror_images_and_turns(make):
         assert same(standard(image, mirrored=True), form)
         assert same(image, form, mirrored=True)
         assert [same(one, form) for one in images(form)] == [True, False]
-    letters = form.pattern.letters
+    letters = form.pattern.symbols
     if not form.pattern.has_rest:
         assert letters == max(letters[j:] + letters[:j] for j in range(len(letters)))
 

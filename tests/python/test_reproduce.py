@@ -18,7 +18,7 @@ from vibroimpact.reproduce import (
     captions,
     damper,
     experiment,
-    reading,
+    phase_errors,
     run,
     scan,
     statements,
@@ -179,17 +179,17 @@ def test_unit_of_length(unit):
 
 def test_phases_read_without_error_are_consistent():
     """With exact phases the overdetermined equations hold to rounding, and no verdict is wrong."""
-    motions = reading.family(0.90, 8.0, 4)
-    row = reading.misread(motions, 0.0, 2)
+    motions = phase_errors.family(0.90, 8.0, 4)
+    row = phase_errors.misread(motions, 0.0, 2)
     assert row["residual"][2] < 1e-12
     assert row["accepted"] == [1.0, 1.0]
     assert row["wrong"] == [0.0, 0.0]
     assert row["clearance_off"] < 1e-10
-    assert reading.misread(motions, 0.05, 20)["accepted"][0] < 1
+    assert phase_errors.misread(motions, 0.05, 20)["accepted"][0] < 1
 
 
 @pytest.mark.parametrize(
-    ("point", "sides"), list(zip(reading.POINTS, ("RRL", "RRLL", "RRRLL"), strict=True))
+    ("point", "sides"), list(zip(phase_errors.POINTS, ("RRL", "RRLL", "RRRLL"), strict=True))
 )
 def test_patterns_are_found(point, sides):
     """A search of all patterns at a point of Figure 7 finds three, four and five impacts a cycle stable."""

@@ -37,7 +37,7 @@ def motions():
 def test_letters(motions, sides):
     """A rest that follows on a release from the same wall is a letter of its own."""
     motion = motions[sides]
-    letters = motion.pattern.letters
+    letters = motion.pattern.symbols
     assert any(letters[i - 1] == letters[i] and "*" in letters[i] for i in range(len(letters)))
     turns = {"".join(letters[j:] + letters[:j]) for j in range(len(letters))}
     assert sides in turns

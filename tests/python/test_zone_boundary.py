@@ -62,7 +62,7 @@ def test_vertices_meet_their_condition(case):
     Products over all multipliers are smooth where two of them meet; the multipliers themselves are not.
     """
     assert case.closed
-    letters = "".join(case.pattern.letters)
+    letters = "".join(case.pattern.symbols)
     walls = tuple(case.osc.restitution["RL".index(side)] for side in letters)
     identity, checked = np.eye(4), 0
     for piece in case.boundary:

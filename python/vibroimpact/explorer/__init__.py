@@ -2,7 +2,7 @@
 
 Three layers, each of which uses only those above it:
 
-- the model, without a page: `state` (everything follows from it; share links), `recipe` (how to recompute a
+- the model, without a page: `state` (everything follows from it; share links), `definition` (how to recompute a
   motion with the same bits), `motions`, `zones`, `explorer` (the state and the results), `export` (namelist and
   Python);
 - the messages: `shapes` (the zones as a chart shows them), `pictures` and `sketches` (changes of the figures,

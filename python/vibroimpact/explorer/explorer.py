@@ -16,8 +16,8 @@ from ..newton import exact, last_period
 from ..studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from ..studies.zone import Zone
 from ..trajectory import Trajectory, simulate
+from .definition import definition_of, start_of
 from .motions import Shown, ordered, quick
-from .recipe import recipe_of, start_of
 from .state import Run, State
 from .zones import Family
 
@@ -99,14 +99,14 @@ class Explorer:
     @property
     def index(self) -> int:
         """Number of the chosen motion; -1 if there is none."""
-        recipe, state = self.state.motion, self.state
-        if recipe is None or not self.shown:
+        definition, state = self.state.motion, self.state
+        if definition is None or not self.shown:
             return 0 if self.shown else -1
         for i, item in enumerate(self.shown):
-            if item.recipe == recipe:
+            if item.definition == definition:
                 return i
         try:
-            wanted = recipe.solve(state.osc, state.r, state.clearance)
+            wanted = definition.solve(state.osc, state.r, state.clearance)
         except (ArithmeticError, ValueError):
             return 0
         return next((i for i, item in enumerate(self.shown) if same(item.motion, wanted)), 0)
@@ -154,14 +154,14 @@ class Explorer:
             near = exact(state.osc, state.r, state.clearance, motion)
         except SingularError:
             return
-        found = recipe_of(near) if near.admissible and near.consistent else None
+        found = definition_of(near) if near.admissible and near.consistent else None
         if found is None:
             return
         match = [item for item in self.shown if same(item.motion, found[1])]
         if not match:
             match = [Shown(found[1], found[0])]
             self.shown.append(match[0])
-        self.state = replace(state, motion=match[0].recipe)
+        self.state = replace(state, motion=match[0].definition)
 
     def set(self, words: dict[str, str]) -> None:
         """Change some fields from text; ParameterError leaves the state as it was."""
@@ -180,7 +180,7 @@ class Explorer:
 
     def choose(self, index: int) -> None:
         """Show one of the motions."""
-        self.state = replace(self.state, motion=self.shown[index].recipe, show="motion")
+        self.state = replace(self.state, motion=self.shown[index].definition, show="motion")
 
     def let_run(self, run: Run) -> Trajectory:
         """Simulate; after an error the state is unchanged."""
@@ -235,8 +235,8 @@ def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:
         period = last_period(later)
     except VibroimpactError:
         return f"no period of up to 16 cycles after {cycles} more cycles"
-    letters, n = period.pattern.letters, len(period.pattern)
-    sides = "".join(max(letters[j:] + letters[:j] for j in range(n)))  # as in the table
+    symbols, n = period.pattern.symbols, len(period.pattern)
+    sides = "".join(max(symbols[j:] + symbols[:j] for j in range(n)))  # as in the table
     return f"settles on {n}/{period.pattern.cycles} {sides}"
 
 

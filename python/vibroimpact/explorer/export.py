@@ -42,7 +42,7 @@ def as_namelist(explorer: Explorer) -> str:
         group, keys = _motion_keys(shown, state.clearance)
         if keys not in done:
             done.add(keys)
-            if shown.recipe.kind == "equispaced":
+            if shown.definition.kind == "equispaced":
                 lines.append(
                     "! both equispaced motions are one case; those that are admissible are shown"
                 )
@@ -89,19 +89,21 @@ def _output(name: str) -> list[str]:
 
 def _motion_keys(shown: Shown, clearance: float) -> tuple[str, str]:
     """The group of a motion, and its keys; the clearance of a motion itself has been rounded."""
-    recipe = shown.recipe
-    cycles = f"cycles = {recipe.pattern.cycles}"
-    if recipe.kind == "equispaced":
+    definition = shown.definition
+    cycles = f"cycles = {definition.pattern.cycles}"
+    if definition.kind == "equispaced":
         return "motion", f"kind = 'equispaced', {cycles}, clearance = {clearance!r}"
-    if recipe.kind == "phases":
-        phases = ", ".join(map(repr, recipe.numbers))
+    if definition.kind == "phases":
+        phases = ", ".join(map(repr, definition.numbers))
         return "motion", (
-            f"kind = 'exact', sides = '{recipe.pattern.sides}', {cycles}, phases = {phases}, "
+            f"kind = 'exact', sides = '{definition.pattern.sides}', {cycles}, phases = {phases}, "
             f"clearance = {clearance!r}"
         )
     # no &motion starts from a state: its events over the same time
-    state = ", ".join(f"{name} = {v!r}" for name, v in zip(NEEDED, recipe.numbers, strict=True))
-    return "simulate", (f"clearance = {clearance!r}, cycles = {3 * recipe.pattern.cycles}, {state}")
+    state = ", ".join(f"{name} = {v!r}" for name, v in zip(NEEDED, definition.numbers, strict=True))
+    return "simulate", (
+        f"clearance = {clearance!r}, cycles = {3 * definition.pattern.cycles}, {state}"
+    )
 
 
 def _zone_keys(zone: Zone) -> str:
@@ -159,13 +161,13 @@ def _list(name: str, calls: Iterable[str]) -> Iterator[str]:
 
 
 def _motion_call(shown: Shown) -> str:
-    recipe = shown.recipe
-    sides, cycles = recipe.pattern.sides, recipe.pattern.cycles
-    if recipe.kind == "equispaced":
-        return f"vi.equispaced(osc, r, clearance, cycles={cycles})[{int(recipe.numbers[0])}]"
-    if recipe.kind == "phases":
-        return f'vi.exact(osc, r, clearance, ({list(recipe.numbers)!r}, vi.Pattern("{sides}", {cycles})))'
-    state = dict(zip(NEEDED, recipe.numbers, strict=True))
+    definition = shown.definition
+    sides, cycles = definition.pattern.sides, definition.pattern.cycles
+    if definition.kind == "equispaced":
+        return f"vi.equispaced(osc, r, clearance, cycles={cycles})[{int(definition.numbers[0])}]"
+    if definition.kind == "phases":
+        return f'vi.exact(osc, r, clearance, ({list(definition.numbers)!r}, vi.Pattern("{sides}", {cycles})))'
+    state = dict(zip(NEEDED, definition.numbers, strict=True))
     run = f"vi.simulate(osc, r, clearance, cycles={3 * cycles}, state={state!r})"
     return f"vi.exact(osc, r, clearance, {run})"
 

@@ -15,7 +15,7 @@ from ..newton import exact, newton
 from ..studies.conditions import is_symmetric
 from ..studies.find import find
 from ..studies.zone import Zone
-from .recipe import Recipe, recipe_of
+from .definition import Definition, definition_of
 
 __all__ = ["Shown", "fuller", "quick"]
 
@@ -27,7 +27,7 @@ class Shown(NamedTuple):
     """A motion, and how to recompute it."""
 
     motion: Motion
-    recipe: Recipe
+    definition: Definition
 
     @property
     def label(self) -> str:
@@ -73,7 +73,7 @@ def ordered(motions: Iterable[Motion], kept: Iterable[Shown] = ()) -> list[Shown
         for image in images(motion):
             if any(same(image, other.motion) for other in shown):
                 continue
-            made = recipe_of(image)
+            made = definition_of(image)
             if made is not None:
                 shown.append(Shown(made[1], made[0]))
     return sorted(shown, key=_order)

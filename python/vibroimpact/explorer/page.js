@@ -76,7 +76,7 @@ export function render({ model }) {
     at("fault").hidden = !text
   }
   function table({ table, peek, run, running }) {
-    const lines = table.map((row) => line(row.recipe, row.chosen, row.stable === "stable" ? "" : "unstable", [
+    const lines = table.map((row) => line(row.definition, row.chosen, row.stable === "stable" ? "" : "unstable", [
       row.label, (row.stable === "stable" ? "● " : "○ ") + row.stable, row.attenuation, row.multiplier], row.kind, peek))
     if (run && !peek) lines.unshift(line(null, running, "", ["the simulation", "", "", ""], "", peek))
     const focused = document.activeElement && document.activeElement.name === "motion"

@@ -26,7 +26,7 @@ def point(
     r: float,
     clearance: float,
     line: tuple[float, ...] | None,
-    rooms: dict[str, Any],
+    spaces: dict[str, Any],
     window: Window,
 ) -> Changes:
     """The chosen point, the line of the diagram or None, and the zones' names, which are placed away from the
@@ -35,7 +35,7 @@ def point(
     changes: Changes = {
         "zones.point": {"data": {"x": [r], "y": [clearance]}},
         "zones.line": {"data": {"x": list(ends[0]), "y": list(ends[1])}},
-        "zones.labels": {"data": labels(rooms, window, (r, clearance))},
+        "zones.labels": {"data": labels(spaces, window, (r, clearance))},
     }
     if line is not None:
         changes["diagram.here"] = {"location": clearance if line[0] == line[2] else r}
@@ -81,17 +81,17 @@ def diagram(found: BifurcationDiagram) -> Changes:
     return changes
 
 
-def ends(values: ArrayLike, room: float = 0.06) -> dict[str, float]:
+def ends(values: ArrayLike, margin: float = 0.06) -> dict[str, float]:
     """Of an axis that shows some values."""
-    return dict(zip(("start", "end"), fit(values, room), strict=True))
+    return dict(zip(("start", "end"), fit(values, margin), strict=True))
 
 
-def fit(values: ArrayLike, room: float = 0.06) -> tuple[float, float]:
-    """The ends of an axis that shows some values, with some room beside them."""
+def fit(values: ArrayLike, margin: float = 0.06) -> tuple[float, float]:
+    """The ends of an axis that shows some values, with some margin at both ends."""
     shown = np.asarray(values, dtype=float)
     low, high = (float(shown.min()), float(shown.max())) if shown.size else (0.0, 1.0)
     size = (high - low) or max(abs(high), 1.0)
-    return low - room * size, high + room * size
+    return low - margin * size, high + margin * size
 
 
 def packed(message: dict[str, Any]) -> tuple[str, NDArray[np.float64]]:

@@ -59,7 +59,7 @@ class Session:
         self.broken: dict[str, str] = {}
         #: Changes of the figures to be sent with the next message.
         self.changes: pictures.Changes = {}
-        self.rooms: dict[str, Any] = {}
+        self.spaces: dict[str, Any] = {}
         #: The inputs for which the zones, the motions, the diagram, the point and the figures of the motion
         #: were made.
         self.zones_of: Any = None
@@ -156,15 +156,15 @@ class Session:
         return self.summary()
 
     def on_choose(self, message: dict[str, Any]) -> dict[str, Any]:
-        """Choose a motion of the table by its recipe, or the simulation above them.
+        """Choose a motion of the table by its definition, or the simulation above them.
 
         The table may have changed since the browser received it: if the motion is no longer in it, none is chosen.
         """
-        recipes = [item.recipe.text for item in self.explorer.shown]
+        definitions = [item.definition.text for item in self.explorer.shown]
         if message["motion"] is None:
             self.explorer.set({"show": "run"})
-        elif message["motion"] in recipes:
-            self.explorer.choose(recipes.index(message["motion"]))
+        elif message["motion"] in definitions:
+            self.explorer.choose(definitions.index(message["motion"]))
         return self.summary()
 
     def on_run(self, message: dict[str, Any]) -> dict[str, Any]:
@@ -249,7 +249,7 @@ class Session:
         self, window: Any, zones: Any, shapes: Any, done: bool, given_up: str
     ) -> dict[str, Any]:
         """Draw zones that a thread has computed."""
-        self.explorer.zones, self.rooms, self.marked = zones, shapes["rooms"], None
+        self.explorer.zones, self.spaces, self.marked = zones, shapes["spaces"], None
         self.changes |= pictures.zones(shapes, window)
         self.explorer.look()  # the zones may contain motions that were not found
         if not done:
@@ -275,7 +275,7 @@ class Session:
         chosen = explorer.chosen
         running = state.show == "run" and self.trajectory is not None
         drawn = (
-            running and self.trajectory, chosen and chosen.recipe,
+            running and self.trajectory, chosen and chosen.definition,
             state.osc, state.r, state.clearance,
         )  # fmt: skip
         if drawn != self.drawn and not self.peeking:
@@ -286,7 +286,7 @@ class Session:
         marked = (state.r, state.clearance, state.line)
         if marked != self.marked:
             self.marked = marked
-            self.changes |= pictures.point(*marked, self.rooms, state.window)
+            self.changes |= pictures.point(*marked, self.spaces, state.window)
         return {
             "query": state.query,
             "fields": words.fields(explorer),

@@ -53,12 +53,12 @@ def thinned(points: _Array, window: Window) -> _Array:
 
 
 def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
-    """Polygons with holes, boundary lines by type, and the room for its name, of some zones."""
+    """Polygons with holes, boundary lines by type, and the space for its name, of some zones."""
     fills: dict[str, list[Any]] = {"xs": [], "ys": [], "color": [], "hatch": []}
     lines: dict[str, dict[str, list[_Array]]] = {
         name: {"xs": [], "ys": []} for name in LINES if name != "window"
     }
-    rooms = {}
+    spaces = {}
     for i, (family, zone) in enumerate(zones.items()):
         window = (zone.r, zone.clearance)
         loops = [thinned(ring, window) for ring in zone.loops]
@@ -72,11 +72,11 @@ def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
                 points = thinned(np.c_[piece.r, piece.clearance], window)
                 lines[piece.type]["xs"].append(points[:, 0])
                 lines[piece.type]["ys"].append(points[:, 1])
-        rooms[family.short] = label_room(loops, window)
-    return {"fills": fills, "lines": lines, "rooms": rooms}
+        spaces[family.short] = label_space(loops, window)
+    return {"fills": fills, "lines": lines, "spaces": spaces}
 
 
-def label_room(loops: Sequence[_Array], window: Window) -> _Array:
+def label_space(loops: Sequence[_Array], window: Window) -> _Array:
     """Room for a name around points of a zone with these loops, in sizes of a name: 0 on its boundary."""
     r, clearance = np.broadcast_arrays(*lattice(window))
     points = np.stack([r.ravel(), clearance.ravel()], axis=1)
@@ -92,9 +92,9 @@ def lattice(window: Window) -> tuple[_Array, _Array]:
 
 
 def labels(
-    rooms: dict[str, _Array], window: Window, point: tuple[float, float]
+    spaces: dict[str, _Array], window: Window, point: tuple[float, float]
 ) -> dict[str, list[Any]]:
-    """Each zone's name at the place with the most room: within the window, away from the chosen point and other
+    """Each zone's name at the place with the most space: within the window, away from the chosen point and other
     names."""
     r, clearance = lattice(window)
     edge = [
@@ -103,10 +103,10 @@ def labels(
     size = [ends[-1] - ends[0] for ends in (r[:, 0], np.log(clearance[0]))]
     table: dict[str, list[Any]] = {"x": [], "y": [], "text": []}
     taken = [(*point, 0.7)]
-    for text, room in rooms.items():
-        free = np.zeros_like(room)
+    for text, space in spaces.items():
+        free = np.zeros_like(space)
         middle = tuple(slice(end, -end) for end in edge)
-        free[middle] = room[middle]
+        free[middle] = space[middle]
         for x, y, part in taken:
             beside = np.abs(r - x) > part * LABEL[0] * size[0]
             free *= beside | (np.abs(np.log(clearance / y)) > (part + 0.3) * LABEL[1] * size[1])
@@ -138,7 +138,7 @@ def color(i: int) -> str:
 
 
 def hatch(i: int) -> str:
-    """Hatch pattern of the zone with that number (Bokeh's letter for it)."""
+    """Hatch pattern of the zone with that number (Bokeh's symbol for it)."""
     return HATCHES[i % len(HATCHES)]
 
 

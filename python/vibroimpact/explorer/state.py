@@ -12,7 +12,7 @@ from .. import checks
 from ..errors import ParameterError, VibroimpactError
 from ..model import Oscillator, Pattern
 from ..states import NEEDED
-from .recipe import Recipe
+from .definition import Definition
 
 __all__ = ["Run", "State"]
 
@@ -73,7 +73,7 @@ class State:
         The window of the zone chart.
     patterns : tuple of Pattern
         Patterns whose zones are drawn.
-    motion : Recipe or None
+    motion : Definition or None
         The chosen motion, or the first one in the table.
     run : Run or None
     show : {"motion", "run"}
@@ -106,7 +106,7 @@ class State:
     patterns: tuple[Pattern, ...] = tuple(
         Pattern(sides) for sides in ("RL", "RRL", "RLL", "RRLL", "RRRL", "RLLL")
     )
-    motion: Recipe | None = None
+    motion: Definition | None = None
     run: Run | None = None
     show: str = "motion"
     line: tuple[float, float, float, float] | None = None
@@ -136,7 +136,7 @@ class State:
         for pattern in self.patterns:
             if len(pattern) > 8 or pattern.cycles > 4:
                 raise ParameterError(
-                    f"patterns = {pattern.sides}/{pattern.cycles}: must have at most 8 letters and 4 cycles"
+                    f"patterns = {pattern.sides}/{pattern.cycles}: must have at most 8 symbols and 4 cycles"
                 )
         checks.choice(self.show, "show", ("motion", "run"))
         if self.line is not None:
@@ -199,7 +199,7 @@ class State:
 
 def _text(value: Any) -> str:
     """A field in the form of a link."""
-    if isinstance(value, Recipe):
+    if isinstance(value, Definition):
         return value.text
     if isinstance(value, Run):
         return ",".join(number_text(getattr(value, item.name)) for item in fields(value))
@@ -229,7 +229,7 @@ def _value(name: str, text: str) -> Any:
     if name == "show":
         return text
     if name == "motion":
-        return Recipe.read(text) if text else None
+        return Definition.read(text) if text else None
     if name in ("run", "line"):
         if not text:
             return None

@@ -27,7 +27,7 @@ def rows(shown: list[Shown], chosen: int) -> list[dict[str, Any]]:
                 "label": item.label, "stable": words[motion.stable], "chosen": i == chosen,
                 "attenuation": f"{motion.attenuation:.6g}" if motion.A > 0 else "–",
                 "multiplier": f"{abs(complex(motion.multipliers[0])):.6g}",
-                "kind": motion.leading_kind or "", "recipe": item.recipe.text,
+                "kind": motion.leading_kind or "", "definition": item.definition.text,
             }
         )  # fmt: skip
     return table

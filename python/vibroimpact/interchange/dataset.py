@@ -127,7 +127,7 @@ def of_motion(motion: Motion) -> tuple[dict[str, Any], dict[str, Any]]:
         "Z_dot_after",
     )
     data: dict[str, Any] = {name: ("impact", getattr(motion, name)) for name in names}
-    data["side"] = ("impact", motion.pattern.letters)
+    data["side"] = ("impact", motion.pattern.symbols)
     data["multipliers_real"] = ("multiplier", motion.multipliers.real)
     data["multipliers_imag"] = ("multiplier", motion.multipliers.imag)
     for name in ("r", "clearance", "load", "A", "tau", "residual", "x_min", "x_max"):

@@ -43,7 +43,7 @@ def motion_columns(motion: Motion, number: int = 1) -> Columns:
     table: Columns = {
         "motion": [number] * n,
         "impact": list(range(1, n + 1)),
-        "side": motion.pattern.letters,
+        "side": motion.pattern.symbols,
     }
     own = ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after")
     table |= {"restitution": motion.restitution.tolist(), "phase": motion.phases.tolist()}

@@ -178,9 +178,9 @@ def _draw_acceleration(ax: Any, h: History) -> None:
     jump = (h.events["x_dot_after"] - h.events["x_dot_before"])[impacts]
     largest = np.abs(jump).max(initial=0.0)
     if largest > 0:
-        room = 1.2 * max(np.abs(h.acceleration).max(), 1e-300)
+        height = 1.2 * max(np.abs(h.acceleration).max(), 1e-300)
         base = np.interp(h.event_cycles[impacts], h.cycles, h.acceleration)
-        tips = base + room * jump / largest
+        tips = base + height * jump / largest
         ax.vlines(
             h.event_cycles[impacts],
             base,

@@ -16,7 +16,7 @@ INTRODUCTION = (
     "differ.</p>"
 )
 
-READING = (
+PHASE_ERRORS = (
     "<p>With more than two impacts the paper read the phases off a record, solved the "
     "overdetermined equations by least squares and accepted a relative residual below 3\u00a0%. Here "
     "exact motions along a line through each zone have their phases misread by normally "

@@ -82,7 +82,7 @@ def _name(run: Trajectory) -> dict[str, Any]:
         return {"kind": kind, "sides": "", "cycles": 0}
     sides, cycles = period.pattern.sides, period.pattern.cycles
     alike = run.osc.restitution[0] == run.osc.restitution[1]
-    kind = kind_of(sides, cycles, period.letters["time"] * run.r, alike=alike)
+    kind = kind_of(sides, cycles, period.symbols["time"] * run.r, alike=alike)
     return {"kind": kind, "sides": sides, "cycles": cycles}
 
 

@@ -29,9 +29,9 @@ def motions() -> dict[str, Motion]:
 
 
 def there(motion: Motion, sides: str) -> bool:
-    """Whether a motion is stable and has a pattern, beginning with any letter."""
-    letters = motion.pattern.letters
-    turned = {"".join(letters[j:] + letters[:j]) for j in range(len(letters))}
+    """Whether a motion is stable and has a pattern, beginning with any symbol."""
+    symbols = motion.pattern.symbols
+    turned = {"".join(symbols[j:] + symbols[:j]) for j in range(len(symbols))}
     return sides in turned and motion.pattern.cycles == 1 and motion.stable is True
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from ..files import write_text
 from .appendix import CORRECTIONS, TABLE_1
-from .captions import CAPTIONS, INTRODUCTION, READING
+from .captions import CAPTIONS, INTRODUCTION, PHASE_ERRORS
 from .table1 import MISPRINTS
 from .tasks import NAMES, SWEEPS, seconds
 
@@ -132,9 +132,9 @@ def corrections(folder: Path) -> str:
     return what + grid(header, lines, numbers=2)
 
 
-def reading(folder: Path) -> str:
+def phase_errors(folder: Path) -> str:
     """The results for misread phases under the rule of 3 %."""
-    rows = json.loads((folder / "data" / "reading.json").read_text(encoding="utf-8"))
+    rows = json.loads((folder / "data" / "phase_errors.json").read_text(encoding="utf-8"))
     lines = [
         (whole(f"{len(x['sides'])} ({x['sides']}, r = {x['r']:g})"), f"{x['error']:g}", f"{x['milliseconds']:.2f}",
          " – ".join(f"{100 * q:.1f}" for q in (x["residual"][0], x["residual"][2])),
@@ -151,7 +151,8 @@ def timings(folder: Path) -> str:
     parts = {f"holds of the rig with {rig} R": sum(seconds(folder, x) for x in names)
              for rig, names in SWEEPS.items()}  # fmt: skip
     parts |= {
-        name: seconds(folder, name) for name in (*NAMES[:-1], "reading", "appendix", "statements")
+        name: seconds(folder, name)
+        for name in (*NAMES[:-1], "phase_errors", "appendix", "statements")
     }
     parts["sum"] = sum(parts.values())
     return grid(
@@ -169,7 +170,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         "statements": "Statements",
         "table1": "Table 1",
         "appendix": "(A6), (A7)",
-        "reading": "3 % rule",
+        "phase_errors": "3 % rule",
     }
     links |= {name: CAPTIONS[name][0].split(":")[0] for name in figures} | {"timing": "Timing"}
     rough = (
@@ -190,7 +191,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         statements(folder), "</section>",
         '<section id="table1"><h2>Table 1</h2>', table_1(folder), "</section>",
         '<section id="appendix"><h2>Three corrections to (A6) and (A7)</h2>', corrections(folder), "</section>",
-        '<section id="reading"><h2>The rule of 3 %</h2>', READING, reading(folder), "</section>",
+        '<section id="phase_errors"><h2>The rule of 3 %</h2>', PHASE_ERRORS, phase_errors(folder), "</section>",
         *(picture(folder, name) for name in figures),
         '<section id="timing"><h2>Timing</h2>', timings(folder), "</section>",
         "</body></html>\n",

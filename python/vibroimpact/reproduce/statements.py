@@ -278,8 +278,8 @@ def section_2(folder: Path) -> list[Row]:
     whole, none = (
         one for one in appendix.study()[:5] if len(one["corrected"]) in (0, 3)
     )  # fmt: skip
-    reading = json.loads((folder / "data" / "reading.json").read_text(encoding="utf-8"))
-    near = [row for row in reading if row["error"] == 0.02]
+    phase_errors = json.loads((folder / "data" / "phase_errors.json").read_text(encoding="utf-8"))
+    near = [row for row in phase_errors if row["error"] == 0.02]
     wrong = [[100 * row["wrong"][k] for row in near] for k in (0, 1)]
     return [
         Row("(A6), (A7)", "the elements of [P] as printed",

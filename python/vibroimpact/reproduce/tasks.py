@@ -65,7 +65,7 @@ TASKS |= {
     "figure9": _figure("figure9", 1.0),
     "figure10a": _figure("figure10a", 0.7, "equal"),
     "figure10b": _figure("figure10b", 0.7, "unequal"),
-    "reading": Task("reading", (), ("data/reading.json",), 0.9),
+    "phase_errors": Task("phase_errors", (), ("data/phase_errors.json",), 0.9),
     "appendix": Task("appendix", (), ("data/appendix.json",), 0.1),
 }
 TASKS["statements"] = Task("statements", tuple(TASKS), ("data/statements.json",), 3.0)

@@ -175,20 +175,20 @@ class Atlas(Noun, study="atlas"):
 
     @cached_property
     def zones(self) -> list[Zone]:
-        sheets = self._result.tables["sheets"].columns
+        families = self._result.tables["families"].columns
         sides, cycles, closed, symmetric = (
-            sheets[name].decoded().tolist() for name in ("sides", "cycles", "closed", "symmetric")
+            families[name].decoded().tolist() for name in ("sides", "cycles", "closed", "symmetric")
         )
         keys = self.keys
         shared = {name: keys[name] for name in SHARED}
         found = []
-        for j, letters in enumerate(sides):
-            rest = "*" in letters
+        for j, symbols in enumerate(sides):
+            rest = "*" in symbols
             case = namelist.case(self.osc, zone={
-                "sides": letters, "cycles": cycles[j],
+                "sides": symbols, "cycles": cycles[j],
                 "symmetric": SYMMETRIC[None if rest else bool(symmetric[j])], **shared,
             })  # fmt: skip
-            one = Zone(self._result.part("sheets", j, "zone", case, PART))
+            one = Zone(self._result.part("families", j, "zone", case, PART))
             if one.loops or not closed[j]:
                 found.append(one)
         return found
@@ -276,8 +276,8 @@ class Atlas(Noun, study="atlas"):
 
 def turns(pattern: Pattern) -> list[str]:
     """All rotations of a sequence of sides."""
-    letters = pattern.letters
-    return ["".join(letters[j:] + letters[:j]) for j in range(len(letters))]
+    symbols = pattern.symbols
+    return ["".join(symbols[j:] + symbols[:j]) for j in range(len(symbols))]
 
 
 def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
@@ -289,7 +289,7 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
 
 
 def standard(pattern: Pattern, osc: Oscillator) -> Pattern:
-    """The same pattern, beginning with the letter of the standard form."""
+    """The same pattern, beginning with the symbol of the standard form."""
     return Pattern(max(names_of(pattern, osc)), pattern.cycles)
 
 
@@ -341,7 +341,7 @@ def atlas(
     r, clearance : (float, float)
         The window.
     max_impacts, max_cycles : int
-        Limits of the patterns, 2 to 8 letters and 1 to 4 cycles; an accumulation counts as one letter.
+        Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol.
     survey : int
         Points of the window at which simulations are made until they settle.
     settling : int

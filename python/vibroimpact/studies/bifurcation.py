@@ -50,8 +50,8 @@ class BifurcationDiagram(Noun, study="bifurcation"):
     load : float
     runs : list of str
         "up", "down", or "state 1", ...: the first index of the arrays below.
-    cycles, letters, impacts, rests : ndarray (runs, n) of int
-        Load cycles k of the period, 0 if there is none up to the longest one considered; letters N, impacts and
+    cycles, symbols, impacts, rests : ndarray (runs, n) of int
+        Load cycles k of the period, 0 if there is none up to the longest one considered; symbols N, impacts and
         rests in it.
     x_min, x_max : ndarray (runs, n)
         Extreme positions of the primary mass.
@@ -72,7 +72,7 @@ class BifurcationDiagram(Noun, study="bifurcation"):
     _points: NDArray[Any]
     values = column("values", "value")
     cycles = column("cells")
-    letters = column("cells")
+    symbols = column("cells")
     impacts = column("cells")
     rests = column("cells")
     x_min = column("cells")

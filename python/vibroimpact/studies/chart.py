@@ -62,7 +62,7 @@ class Chart(Noun, study="chart"):
             "units": "length in F0/K, time in 1/omega, angles in radians",
             "source": f"vibroimpact {__version__}", "result": "Chart",
             "motions": {"yes": "symmetric", "no": "not symmetric", "both": "all"}[keys["symmetric"]],
-            **{name: keys[name] for name in ("room", "guesses", "seeds")},
+            **{name: keys[name] for name in ("slots", "guesses", "seeds")},
             "complete": int(self.complete), "case": self.case, "Conventions": "CF-1.11",
         }  # fmt: skip
 
@@ -126,7 +126,7 @@ class Chart(Noun, study="chart"):
             "flag_meanings": "; ".join(map(status_text, codes.tolist())),
         }  # fmt: skip
         found["status"] = Variable(grid, columns["status"], about)
-        walls = np.array(self.pattern.letters)
+        walls = np.array(self.pattern.symbols)
         found["side"] = Variable(
             ("impact",), walls, {"long_name": "wall of the impact, right or left"}
         )
@@ -163,7 +163,7 @@ def chart(
     symmetric: bool | None = None,
     *,
     multipliers: bool = True,
-    room: int = 4,
+    slots: int = 4,
     guesses: int = 32,
     seeds: int = 12,
     threads: int | None = None,
@@ -188,7 +188,7 @@ def chart(
     multipliers : bool
         Whether the multipliers of the equispaced motions are wanted. Without them they are NaN, the
         verdict `stable` is the same, and the chart takes a fraction of the time.
-    room : int
+    slots : int
         Slots for motions that have no closed form, 1 to 32.
     guesses, seeds : int
         Guesses of the search at a point, and points along each axis where there is one. A zone
@@ -208,13 +208,13 @@ def chart(
         - `x_min`, `x_max`, `attenuation` (max|x|/A), `tau`, and `X`, `phases` (first dimension
           `impact`);
         - `status`: 0 where there is a motion; other codes are explained by `status_text`;
-        - `found`: motions at the point, with those for which there was no room.
+        - `found`: motions at the point, with those for which there was no slot.
 
         A slot is continuous over the grid. The equispaced pair has the slots 0 and 1, in the order
         of `equispaced`: tau above and below the middle of the two. The others follow: motions that
         continue each other from point to point share a slot, and the slots are given first to
         those with the most admissible and stable points, then to those with the most admissible
-        ones. Where there are more motions than `room`, a slot may change from one to another; no
+        ones. Where there are more motions than `slots`, a slot may change from one to another; no
         admissible and stable motion is left out for one that is not.
 
     Raises
@@ -248,7 +248,7 @@ def chart(
         raise ParameterTypeError(f"multipliers = {multipliers!r}: must be True or False")
     keys = {
         "sides": pattern.sides, "cycles": pattern.cycles, **door.line("r", r),
-        **door.line("clearance", clearance, geometric=True), "symmetric": SYMMETRIC[symmetric], "room": room,
+        **door.line("clearance", clearance, geometric=True), "symmetric": SYMMETRIC[symmetric], "slots": slots,
         "guesses": guesses, "seeds": seeds, "multipliers": None if multipliers else "no",
     }  # fmt: skip
     names = {"r_points": "r", "clearance_points": "clearance", "r_min": "r[0]", "r_max": "r[-1]"}

@@ -73,7 +73,7 @@ class Search:
     unconfirmed : int
         States that repeat themselves where Newton's method leads to no motion.
     wandering : int
-        States that do not repeat themselves within 16 load cycles (or 100 letters): chaotic, quasi-periodic, of
+        States that do not repeat themselves within 16 load cycles (or 100 symbols): chaotic, quasi-periodic, of
         longer period, or not settled yet.
     without_impacts : int
         States after which no impacts are left.
@@ -342,10 +342,10 @@ def shares_of(max_impacts: int, max_cycles: int, alike: bool) -> list[tuple[floa
     n, lengths, cycles, sides = _core.side_patterns(max_impacts, max_cycles, alike, ROOM)
     lengths, cycles = lengths[:n].astype(np.int64), cycles[:n]
     shares = np.cumsum(lengths**2) * (PATTERNS / np.sum(lengths**2))
-    letters = np.array(["", "R", "L"])[sides[:, :n].T]
+    symbols = np.array(["", "R", "L"])[sides[:, :n].T]
     return [
         (share, f"{''.join(row)}/{k}")
-        for share, row, k in zip(shares.tolist(), letters.tolist(), cycles.tolist(), strict=True)
+        for share, row, k in zip(shares.tolist(), symbols.tolist(), cycles.tolist(), strict=True)
     ]
 
 

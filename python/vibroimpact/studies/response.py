@@ -25,8 +25,8 @@ class Response(Noun, study="response"):
         max|X|/A of the motion on which each initial state settles; NaN where it failed.
     lowest, highest : ndarray (n,)
         The least and the greatest of these over the attractors at each r.
-    cycles, letters : ndarray (n, states) of int
-        Load cycles of the period (0: none was found), and letters in it.
+    cycles, symbols : ndarray (n, states) of int
+        Load cycles of the period (0: none was found), and symbols in it.
     impacts, rests : ndarray (n, states) of int
         Impacts and rests in a period, or in the cycles kept.
     status : ndarray (n, states) of int
@@ -44,7 +44,7 @@ class Response(Noun, study="response"):
     highest = column("points")
     attenuation = column("runs")
     cycles = column("runs")
-    letters = column("runs")
+    symbols = column("runs")
     impacts = column("runs")
     rests = column("runs")
     status = column("runs")

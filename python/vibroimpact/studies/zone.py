@@ -81,7 +81,7 @@ class ZoneSearch:
     motions : int
         Motions at nodes of the lattice.
     steps : int
-        Steps along the lattice lines on all sheets.
+        Steps along the lattice lines on all parts of the surface of motions.
     untraced : int
         Number of places on a boundary from which it could not be followed.
     lines : (int, int)
@@ -181,7 +181,7 @@ class Zone(Noun, study="zone"):
 
     def _one(self, name: str) -> Any:
         """A value of the table of the search."""
-        return self._result.tables["sheets"].columns[name].values[0]
+        return self._result.tables["families"].columns[name].values[0]
 
     def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
         """Whether there is a stable, admissible motion of the pattern at points.
@@ -266,7 +266,7 @@ class Zone(Noun, study="zone"):
 
     @property
     def area(self) -> float:
-        """Area in the plane (r, log D), of all sheets."""
+        """Area in the plane (r, log D); zones of motions that coexist are added."""
         return sum(signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])]) for ring in self.loops)
 
     def __bool__(self) -> bool:
@@ -396,7 +396,7 @@ def zone(
     guesses : int
         Guesses for motions at every second node in each direction; a quarter of this number at the others.
     seeds : sequence of Motion
-        Known motions of the pattern, for sheets that the search could miss. The lines of
+        Known motions of the pattern that the search could miss. The lines of
         constant r and of constant d K/F0 through each are followed, and every boundary that they meet is traced:
         each seed that is stable, admissible and inside the window is in the zone or in `search.open_seeds`.
     max_points : int
@@ -448,8 +448,8 @@ def seed_list(pattern: Pattern, seeds: Sequence[Motion]) -> list[float]:
             )
         own = np.r_[motion.X / motion.clearance, motion.phases + motion.tau]
         if pattern.has_rest:
-            # the release at the end of the last starred letter
-            side = [letter for letter in pattern.letters if letter.endswith("*")][-1][0]
+            # the release at the end of the last starred symbol
+            side = [symbol for symbol in pattern.symbols if symbol.endswith("*")][-1][0]
             events = motion.events
             release = events[(events["kind"] == "release") & (events["side"] == side)][-1]
             own = np.zeros(2 * len(pattern))

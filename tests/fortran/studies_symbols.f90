@@ -1,11 +1,12 @@
-!> Letters of events: laws of events made up, and of simulated ones.
-module studies_letters
+!> Symbols of events: laws of events made up, and of simulated ones.
+module studies_symbols
    use checks, only: check
    use random_numbers, only: draw_integer, random_type
-   use vi_drive, only: drive_type, event_type, impact_event, new_drive, release_event, state_type, &
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, new_forced_system, &
+      release_event, state_type, &
       stick_event, two_pi
-   use vi_event_letters, only: last_of_period, letter_endings, mismatch, read_letters, &
-      read_window, reading_type, total_phase
+   use vi_event_symbols, only: last_of_period, symbol_endings, mismatch, read_symbols, &
+      symbols_between, symbol_sequence_type, total_phase
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate_cycles
@@ -13,13 +14,13 @@ module studies_letters
    implicit none (type, external)
    private
 
-   public :: test_letters
+   public :: test_symbols
 
    type(random_type) :: random
 
 contains
 
-   subroutine test_letters()
+   subroutine test_symbols()
       type(event_type), allocatable :: events(:)
       integer :: i
 
@@ -32,7 +33,7 @@ contains
          call check_mirror(events)
          call check_counts(events)
       end do
-   end subroutine test_letters
+   end subroutine test_symbols
 
    !> Events one phase unit apart: R and L are impacts, > and < a rest on the right and the left
    !! wall, + and - the release from it.
@@ -73,19 +74,19 @@ contains
       events = events_of(text(:used))
    end function random_events
 
-   !> What events read as, and the events that begin and end each letter.
-   subroutine check_case(text, letters, first, last)
+   !> What events read as, and the events that begin and end each symbol.
+   subroutine check_case(text, symbols, first, last)
       !> As of `events_of`.
       character(*), intent(in) :: text
-      integer, intent(in) :: letters(:), first(:), last(:)
-      type(reading_type) :: reading
+      integer, intent(in) :: symbols(:), first(:), last(:)
+      type(symbol_sequence_type) :: reading
       logical :: right
 
-      call read_letters(events_of(text), reading)
-      right = reading%n == size(letters)
-      if (right) right = all(reading%letters == letters) .and. all(reading%first == first) .and. &
+      call read_symbols(events_of(text), reading)
+      right = reading%n == size(symbols)
+      if (right) right = all(reading%symbols == symbols) .and. all(reading%first == first) .and. &
          all(reading%last == last)
-      call check(right, 'letters of '//text)
+      call check(right, 'symbols of '//text)
    end subroutine check_case
 
    subroutine test_cases()
@@ -93,14 +94,14 @@ contains
 
       call check_case('', none, none, none)                                  ! nothing happened
       call check_case('RL', [1, -1], [1, 2], [1, 2])
-      ! impacts that accumulate are one letter with their rest, to which the release belongs
+      ! impacts that accumulate are one symbol with their rest, to which the release belongs
       call check_case('RRRR>+', [2], [1], [6])
       call check_case('LRRR>+L', [-1, 2, -1], [1, 2, 7], [1, 6, 7])
       call check_case('RRLLL<-', [1, 1, -2], [1, 2, 3], [1, 2, 7])
       ! a rest without impacts
       call check_case('>+', [2], [1], [2])
       call check_case('L>+L', [-1, 2, -1], [1, 2, 4], [1, 3, 4])
-      ! a contact that is lost and at once made again ends one letter and begins another
+      ! a contact that is lost and at once made again ends one symbol and begins another
       call check_case('RR>+>+L', [2, 2, -1], [1, 5, 7], [4, 6, 7])
       call check_case('RR>+R>+', [2, 2], [1, 5], [4, 7])
       ! what comes before a release is no part of a later accumulation
@@ -108,35 +109,35 @@ contains
       call check_case('R>+RR', [2, 1, 1], [1, 4, 5], [3, 4, 5])
    end subroutine test_cases
 
-   !> A window cuts what accumulates: the rest inside makes the letter, the rest outside none.
+   !> A window cuts what accumulates: the rest inside makes the symbol, the rest outside none.
    subroutine test_window()
       type(event_type) :: events(9)
-      type(reading_type) :: reading
+      type(symbol_sequence_type) :: reading
 
       events = events_of('LRRRR>+LL')
-      call check(last_of_period(events) == 7, 'letters: a period ends with the last release')
-      call check(last_of_period(events_of('LRL')) == 3, 'letters: or with the last event')
-      call read_window(events, 3.5_wp, 8.0_wp, reading)
-      call check(all(reading%letters == [2, -1]) .and. all(reading%first == [4, 8]) .and. &
-         all(reading%last == [7, 8]), 'letters: an accumulation whose beginning is cut off')
-      call read_window(events, 1.0_wp, 4.5_wp, reading)
-      call check(reading%n == 3 .and. all(reading%letters == 1) .and. &
-         all(reading%first == [2, 3, 4]), 'letters: an accumulation whose rest is cut off')
-      call read_window(events, 6.5_wp, 7.5_wp, reading)
-      call check(reading%n == 0, 'letters: a release alone')
-      call read_window(events, 20.0_wp, 30.0_wp, reading)
-      call check(reading%n == 0, 'letters: nothing happened in a window')
+      call check(last_of_period(events) == 7, 'symbols: a period ends with the last release')
+      call check(last_of_period(events_of('LRL')) == 3, 'symbols: or with the last event')
+      call symbols_between(events, 3.5_wp, 8.0_wp, reading)
+      call check(all(reading%symbols == [2, -1]) .and. all(reading%first == [4, 8]) .and. &
+         all(reading%last == [7, 8]), 'symbols: an accumulation whose beginning is cut off')
+      call symbols_between(events, 1.0_wp, 4.5_wp, reading)
+      call check(reading%n == 3 .and. all(reading%symbols == 1) .and. &
+         all(reading%first == [2, 3, 4]), 'symbols: an accumulation whose rest is cut off')
+      call symbols_between(events, 6.5_wp, 7.5_wp, reading)
+      call check(reading%n == 0, 'symbols: a release alone')
+      call symbols_between(events, 20.0_wp, 30.0_wp, reading)
+      call check(reading%n == 0, 'symbols: nothing happened in a window')
    end subroutine test_window
 
-   !> A period has no beginning: its letters turn with its events.
+   !> A period has no beginning: its symbols turn with its events.
    subroutine check_ring(events)
       type(event_type), intent(in) :: events(:)
       integer :: endings(size(events)), i
 
-      endings = letter_endings(events, .true.)
+      endings = symbol_endings(events, .true.)
       do i = 1, size(events) - 1
-         call check(all(letter_endings(cshift(events, i), .true.) == cshift(endings, i)), &
-            'letters: of a period that begins elsewhere')
+         call check(all(symbol_endings(cshift(events, i), .true.) == cshift(endings, i)), &
+            'symbols: of a period that begins elsewhere')
       end do
    end subroutine check_ring
 
@@ -144,70 +145,71 @@ contains
    subroutine check_mirror(events)
       type(event_type), intent(in) :: events(:)
       type(event_type) :: images(size(events))
-      type(reading_type) :: reading, image
+      type(symbol_sequence_type) :: reading, image
 
       images = events
       images%side = -events%side
-      call read_letters(events, reading)
-      call read_letters(images, image)
-      call check(all(image%letters == -reading%letters) .and. all(image%first == reading%first) &
-         .and. all(image%last == reading%last), 'letters: of the mirror image')
+      call read_symbols(events, reading)
+      call read_symbols(images, image)
+      call check(all(image%symbols == -reading%symbols) .and. all(image%first == reading%first) &
+         .and. all(image%last == reading%last), 'symbols: of the mirror image')
    end subroutine check_mirror
 
-   !> Each event is in one letter, but a release at the beginning; each rest makes a starred one.
+   !> Each event is in one symbol, but a release at the beginning; each rest makes a starred one.
    subroutine check_counts(events)
       type(event_type), intent(in) :: events(:)
-      type(reading_type) :: reading
+      type(symbol_sequence_type) :: reading
       integer :: i, n
 
-      call read_letters(events, reading)
+      call read_symbols(events, reading)
       n = reading%n
-      call check(count(abs(reading%letters) == 2) == count(events%kind == stick_event), &
-         'letters: one starred letter for each rest')
+      call check(count(abs(reading%symbols) == 2) == count(events%kind == stick_event), &
+         'symbols: one starred symbol for each rest')
       if (n == 0) return
       call check(reading%first(1) == 1 .and. reading%last(n) == size(events) .and. &
-         all(reading%first(2:) == reading%last(:n - 1) + 1), 'letters: each event is in one')
+         all(reading%first(2:) == reading%last(:n - 1) + 1), 'symbols: each event is in one')
       do i = 1, n
          associate (inside => events(reading%first(i):reading%last(i)))
-            call check(all(inside%side*reading%letters(i) > 0 .or. inside%kind == release_event), &
-               'letters: each has the wall of its events')
+            call check(all(inside%side*reading%symbols(i) > 0 .or. inside%kind == release_event), &
+               'symbols: each has the wall of its events')
          end associate
       end do
    end subroutine check_counts
 
    !> A motion with rest that simulation settles on: its periods read alike, as the ring does.
    subroutine test_simulated()
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
       type(state_type) :: state
       type(event_type) :: events(400)
-      type(reading_type) :: now, before
+      type(symbol_sequence_type) :: now, before
       real(wp) :: finish
       integer, allocatable :: ring(:)
       integer :: last, left, n, status
 
       ! R*L, with more than ten impacts in the accumulation
-      drive = new_drive(oscillator_type(0.0114_wp, 0.028_wp, [0.61_wp, 0.75_wp]), 1.100088_wp, &
+      system = new_forced_system(oscillator_type(0.0114_wp, 0.028_wp, [0.61_wp, 0.75_wp]), &
+         1.100088_wp, &
          1.0_wp, 3.904359_wp)
       state%x_dot = 1
       left = 100000
-      call simulate_cycles(drive, state, 1000, left, events, n, status)
-      call check(status == stat%ok .and. left < 100000, 'letters: simulated')
-      call simulate_cycles(drive, state, 6, left, events, n, status)
+      call simulate_cycles(system, state, 1000, left, events, n, status)
+      call check(status == stat%ok .and. left < 100000, 'symbols: simulated')
+      call simulate_cycles(system, state, 6, left, events, n, status)
       last = last_of_period(events(:n))
       finish = total_phase(events(last)) + 1.0e-3_wp
-      call read_window(events(:last), finish - two_pi, finish, now)
-      call read_window(events(:last), finish - 2*two_pi, finish - two_pi, before)
-      call check(now%n == 2 .and. any(now%letters == -1) .and. any(now%letters == 2), &
-         'letters: R*L settled')
-      call check(now%last(2) - now%first(1) > 10, 'letters: many impacts in one letter')
-      call check(mismatch(events, now, before, 1) < 1.0e-6_wp, 'letters: two periods are alike')
-      call check(mismatch(events, now, before, 2) > 1, 'letters: but not two cycles apart')
-      ring = letter_endings(events(now%first(1):now%last(2)), .true.)
-      call check(all(pack(ring, ring /= 0) == now%letters), 'letters: of the ring')
+      call symbols_between(events(:last), finish - two_pi, finish, now)
+      call symbols_between(events(:last), finish - 2*two_pi, finish - two_pi, before)
+      call check(now%n == 2 .and. any(now%symbols == -1) .and. any(now%symbols == 2), &
+         'symbols: R*L settled')
+      call check(now%last(2) - now%first(1) > 10, 'symbols: many impacts in one symbol')
+      call check(mismatch(events, now, before, 1) < 1.0e-6_wp, 'symbols: two periods are alike')
+      call check(mismatch(events, now, before, 2) > 1, 'symbols: but not two cycles apart')
+      ring = symbol_endings(events(now%first(1):now%last(2)), .true.)
+      call check(all(pack(ring, ring /= 0) == now%symbols), 'symbols: of the ring')
       left = 3
-      call simulate_cycles(drive, state, 6, left, events(:2), n, status)
+      call simulate_cycles(system, state, 6, left, events(:2), n, status)
       call check(status == stat%more_events .and. left <= 0, &
-         'letters: a limit of events')
+         'symbols: a limit of events')
    end subroutine test_simulated
 
-end module studies_letters
+end module studies_symbols

@@ -4,7 +4,7 @@
 !! symmetry (the pitchfork) or of half the pattern (the flip). The equations of the pattern itself
 !! are singular there. In the family of the motions that repeat themselves it is a regular point,
 !! where the map of the shorter period has a multiplier -1, so it is computed in that family.
-module vi_settle
+module vi_repetition_vertices
    use vi_curve, only: correct, curve_type
    use vi_family, only: repetition_type
    use vi_frame, only: condition_type, edge, flip, grazing, neimark_sacker, repetition, &
@@ -14,7 +14,7 @@ module vi_settle
    implicit none (type, external)
    private
 
-   public :: settle
+   public :: move_to_repetition
 
    !> A motion that is farther than this from the vertex is another one.
    real(wp), parameter :: reach = 0.3_wp
@@ -22,9 +22,9 @@ module vi_settle
 contains
 
    !> Moves the vertices at the distance `apart` from a motion that repeats itself onto that motion.
-   pure subroutine settle(sheet, loop)
-      !> The sheets over the window.
-      type(curve_type), intent(in) :: sheet
+   pure subroutine move_to_repetition(surface, loop)
+      !> The surface of motions over the window.
+      type(curve_type), intent(in) :: surface
       !> In: as traced. Out: with moved vertices and tangents.
       type(loop_type), intent(inout) :: loop
       type(curve_type), allocatable :: parents(:)
@@ -33,9 +33,9 @@ contains
       logical :: good
 
       if (.not. any(loop%conditions(:loop%n)%kind == repetition)) return
-      allocate (parents(size(sheet%frame%repetitions)))
+      allocate (parents(size(surface%frame%repetitions)))
       do i = 1, size(parents)
-         call make_parent(sheet, sheet%frame%repetitions(i), parents(i))
+         call make_parent(surface, surface%frame%repetitions(i), parents(i))
       end do
       do j = 1, loop%n
          if (loop%conditions(j)%kind /= repetition) cycle
@@ -44,17 +44,17 @@ contains
          point = loop%points(:, j)
          tangent = loop%tangents(:, j)
          good = .false.
-         if (.not. halves(parents(i), sheet%frame%repetitions(i))) then
-            call extrapolate(sheet, loop, j, twin, point, good)
+         if (.not. halves(parents(i), surface%frame%repetitions(i))) then
+            call extrapolate(surface, loop, j, twin, point, good)
          else if (twin == j) then
-            call settle_point(parents(i), sheet%frame%repetitions(i), point, tangent, good)
+            call move_point(parents(i), surface%frame%repetitions(i), point, tangent, good)
          else
-            call settle_corner(parents(i), sheet%frame%repetitions(i), loop%conditions(twin), &
+            call move_corner(parents(i), surface%frame%repetitions(i), loop%conditions(twin), &
                point, good)
             ! another kind of corner, for example where a fold begins: its place along the curve is
             ! extrapolated from those at some distances
-            if (.not. good) call extrapolate(sheet, loop, j, twin, point, good)
-            if (good) call settle_point(parents(i), sheet%frame%repetitions(i), point, tangent, &
+            if (.not. good) call extrapolate(surface, loop, j, twin, point, good)
+            if (good) call move_point(parents(i), surface%frame%repetitions(i), point, tangent, &
                good)
          end if
          if (.not. good) cycle
@@ -62,7 +62,7 @@ contains
          loop%points(:, twin) = point
          loop%tangents(:, j) = tangent
       end do
-   end subroutine settle
+   end subroutine move_to_repetition
 
    !> The number of the same vertex on the other piece, if it is a corner, otherwise its own number.
    pure integer function twin_of(loop, j) result(twin)
@@ -79,7 +79,7 @@ contains
    !> Whether a motion that repeats itself in a given way does so after half the period, so that it
    !! is reached with a multiplier -1 of the shorter period.
    pure logical function halves(parent, way)
-      !> The sheet of the motions that repeat themselves.
+      !> The surface of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
       !> The repetition.
       type(repetition_type), intent(in) :: way
@@ -87,37 +87,37 @@ contains
       halves = size(parent%frame%family%sides) == way%shift
    end function halves
 
-   !> The sheet of the motions that repeat themselves in a given way; without sides unless they do
+   !> The surface of the motions that repeat themselves in a given way; without sides unless they do
    !! so after half the period.
-   pure subroutine make_parent(sheet, way, parent)
-      !> The sheet of the pattern.
-      type(curve_type), intent(in) :: sheet
+   pure subroutine make_parent(surface, way, parent)
+      !> The surface of the pattern.
+      type(curve_type), intent(in) :: surface
       !> The repetition.
       type(repetition_type), intent(in) :: way
-      !> The sheet of these motions.
+      !> The surface of these motions.
       type(curve_type), intent(out) :: parent
 
-      parent%c = sheet%c
-      parent%active = sheet%active
-      parent%origin = sheet%origin
-      parent%scale = sheet%scale
-      parent%frame%edges = sheet%frame%edges
+      parent%c = surface%c
+      parent%active = surface%active
+      parent%origin = surface%origin
+      parent%scale = surface%scale
+      parent%frame%edges = surface%frame%edges
       allocate (parent%frame%repetitions(0))
-      associate (family => parent%frame%family, sides => sheet%frame%family%sides)
+      associate (family => parent%frame%family, sides => surface%frame%family%sides)
          if (2*way%shift /= size(sides)) then
             allocate (family%sides(0))
             return
          end if
          family%sides = sides(:way%shift)
          family%mirror = way%sign < 0
-         family%cycles = sheet%frame%family%cycles
+         family%cycles = surface%frame%family%cycles
          if (.not. family%mirror) family%cycles = family%cycles/2
       end associate
    end subroutine make_parent
 
    !> The bifurcation in the plane through a vertex orthogonal to the curve.
-   pure subroutine settle_point(parent, way, point, tangent, good)
-      !> The sheet of the motions that repeat themselves.
+   pure subroutine move_point(parent, way, point, tangent, good)
+      !> The surface of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
       !> The repetition.
       type(repetition_type), intent(in) :: way
@@ -136,11 +136,11 @@ contains
       call make_whole(way, near, 1.0_wp, point)
       call make_whole(way, along, 0.0_wp, tangent)
       tangent = tangent/norm2(tangent)
-   end subroutine settle_point
+   end subroutine move_point
 
    !> The point of the bifurcation at which another condition is zero as well.
-   pure subroutine settle_corner(parent, way, other, point, good)
-      !> The sheet of the motions that repeat themselves.
+   pure subroutine move_corner(parent, way, other, point, good)
+      !> The surface of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
       !> The repetition.
       type(repetition_type), intent(in) :: way
@@ -163,11 +163,11 @@ contains
       near = half_of(parent, way, point, 1.0_wp)
       call solve(parent, [condition_type(flip, 0), same], near, good)
       if (good) call make_whole(way, near, 1.0_wp, point)
-   end subroutine settle_corner
+   end subroutine move_corner
 
    !> Newton's method for a motion that repeats itself, near a given one.
    pure subroutine solve(parent, conditions, point, good, normal, tangent)
-      !> The sheet of the motions that repeat themselves.
+      !> The surface of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
       !> Conditions that are to be zero.
       type(condition_type), intent(in) :: conditions(:)
@@ -190,7 +190,7 @@ contains
    !> The mean of a motion and its image, or of their derivatives: the first half of the impacts,
    !! and the parameters.
    pure function half_of(parent, way, point, affine) result(half)
-      !> The sheet of the motions that repeat themselves.
+      !> The surface of the motions that repeat themselves.
       type(curve_type), intent(in) :: parent
       !> The repetition.
       type(repetition_type), intent(in) :: way
@@ -228,9 +228,9 @@ contains
    !! The unknowns are a smooth function of the distance, and the parameters are one of its square.
    !! The shorter the distance, the more rounding affects the equations. Each three successive
    !! distances give one estimate; that with the least change from the one before is taken.
-   pure subroutine extrapolate(sheet, loop, vertex, twin, point, good)
-      !> The sheet of the pattern.
-      type(curve_type), intent(in) :: sheet
+   pure subroutine extrapolate(surface, loop, vertex, twin, point, good)
+      !> The surface of the pattern.
+      type(curve_type), intent(in) :: surface
       !> The loop as traced.
       type(loop_type), intent(in) :: loop
       !> Number of the vertex and, if it is a corner, of the same one on the other piece, otherwise
@@ -255,10 +255,10 @@ contains
       across = loop%points(:, vertex)
       do i = 1, most_distances
          ! across the curve, then along it
-         call correct(sheet, [other], across, iterations, loop%tangents(:, vertex))
+         call correct(surface, [other], across, iterations, loop%tangents(:, vertex))
          if (iterations == 0) exit
          near(:, i) = across
-         if (twin /= vertex) call correct(sheet, [other, loop%conditions(twin)], near(:, i), &
+         if (twin /= vertex) call correct(surface, [other, loop%conditions(twin)], near(:, i), &
             iterations)
          known(i) = iterations > 0
          if (other%bound > 0.25_wp) exit
@@ -279,4 +279,4 @@ contains
       end do
    end subroutine extrapolate
 
-end module vi_settle
+end module vi_repetition_vertices

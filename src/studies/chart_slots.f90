@@ -5,8 +5,8 @@
 !! other. Sheets with more admissible stable motions are placed first, then those with more
 !! admissible ones, then the larger ones. Each slot holds sheets that do not touch, as far as the
 !! room allows.
-module vi_sheets
-   use vi_flood, only: admissible, admissible_stable, solved, steps
+module vi_chart_slots
+   use vi_grid_continuation, only: admissible, admissible_stable, solved, steps
    use vi_kinds, only: wp
    use vi_likeness, only: distance
    use vi_pattern, only: pattern_type
@@ -33,7 +33,7 @@ module vi_sheets
 contains
 
    !> The slots of all motions; 0 for a motion without room.
-   pure subroutine assign_slots(pattern, scale, unknowns, ranks, counts, room, slots)
+   pure subroutine assign_slots(pattern, scale, unknowns, ranks, counts, capacity, slots)
       !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> (m, n): `length_scale` of each point
@@ -43,11 +43,11 @@ contains
       !> (keep, m, n), and (m, n) motions a point
       integer, intent(in) :: ranks(:, :, :), counts(:, :)
       !> Number of slots.
-      integer, intent(in) :: room
+      integer, intent(in) :: capacity
       !> (keep, m, n)
       integer, intent(out) :: slots(:, :, :)
       type(sheets_type) :: sheets
-      integer :: holder(room, size(counts, 1), size(counts, 2))
+      integer :: holder(capacity, size(counts, 1), size(counts, 2))
       integer, allocatable :: order(:)
       integer :: s
 
@@ -200,7 +200,7 @@ contains
    pure subroutine place(members, ranks, holder, slots)
       !> (3, p) i, j, k of its motions; (keep, m, n) ranks of all motions.
       integer, intent(in) :: members(:, :), ranks(:, :, :)
-      !> (room, m, n): the motion that holds a slot, 0 if none.
+      !> (capacity, m, n): the motion that holds a slot, 0 if none.
       integer, intent(inout) :: holder(:, :, :)
       !> (keep, m, n) In and out: the slot of each motion.
       integer, intent(inout) :: slots(:, :, :)
@@ -235,7 +235,8 @@ contains
 
    !> The last slot whose motion has the lowest rank, if that is below a rank; otherwise 0.
    pure integer function weakest(ranks, holder, rank) result(slot)
-      !> (keep) ranks of the motions at a point; (room) the motion that holds each slot; the rank in
+      !> (keep) ranks of the motions at a point; (capacity) the motion that holds each slot; the
+      !! rank in
       !! question.
       integer, intent(in) :: ranks(:), holder(:), rank
 
@@ -243,4 +244,4 @@ contains
       if (ranks(holder(slot)) >= rank) slot = 0
    end function weakest
 
-end module vi_sheets
+end module vi_chart_slots

@@ -5,12 +5,13 @@
 !! Newton's method there from these. Each point reads only results from before the sweep and writes
 !! only its own, so the results have the same bits for any number of threads.
 !!
-!! The state of a flood, with the clearances as rows j and the frequency ratios as columns k:
+!! The state of the continuation, with the clearances as rows j and the frequency ratios as columns
+!! k:
 !!
 !! - `unknowns` (2N, keep, m, n): x_i, theta_i of each motion;
 !! - `marks` (2, keep, m, n): its rank, and the neighbour it came from (0 if none);
 !! - `counts` (2, m, n): motions at the point before the last sweep, and now.
-module vi_flood
+module vi_grid_continuation
    use vi_assess, only: assess_exact, assess_flights
    use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
@@ -18,11 +19,11 @@ module vi_flood
    use vi_motion, only: motion_type, yes
    use vi_search, only: search_pattern
    use vi_status, only: stat
-   use vi_tally, only: is_stopped
+   use vi_progress, only: is_stopped
    implicit none (type, external)
    private
 
-   public :: seed_flood, sweep_flood
+   public :: seed_grid, sweep_grid
 
    !> Ranks: the equations are solved; also admissible; also stable.
    integer, parameter, public :: solved = 0, admissible = 1, admissible_stable = 2
@@ -36,7 +37,7 @@ module vi_flood
 contains
 
    !> Searches for motions at some points of the grid.
-   subroutine seed_flood(setting, r, clearance, points, guesses, symmetry, threads, unknowns, &
+   subroutine seed_grid(setting, r, clearance, points, guesses, symmetry, threads, unknowns, &
       marks, counts)
       !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
@@ -74,25 +75,25 @@ contains
          end associate
       end do
       !$omp end parallel do
-   end subroutine seed_flood
+   end subroutine seed_grid
 
    !> Continues the newest motions for a number of sweeps, or until no point gains one.
-   subroutine sweep_flood(setting, r, clearance, sweeps, symmetry, threads, unknowns, marks, &
-      counts, gained, tally)
+   subroutine sweep_grid(setting, r, clearance, sweeps, symmetry, threads, unknowns, marks, &
+      counts, gained, progress)
       !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
       !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
-      !> Largest number of sweeps; symmetry as in `seed_flood`; OpenMP threads.
+      !> Largest number of sweeps; symmetry as in `seed_grid`; OpenMP threads.
       integer, intent(in) :: sweeps, symmetry, threads
       !> (2N, keep, m, n) In and out: motions are added.
       real(wp), intent(inout) :: unknowns(:, :, :, :)
       !> (2, keep, m, n) and (2, m, n), as above. In and out.
       integer, intent(inout) :: marks(:, :, :, :), counts(:, :, :)
-      !> Motions gained in the last sweep: 0 when the flood is complete.
+      !> Motions gained in the last sweep: 0 when the continuation is complete.
       integer, intent(out) :: gained
-      !> As of vi_tally: a stop leaves the points that are not visited yet as they are.
-      integer, intent(inout), optional :: tally(3)
+      !> As of vi_progress: a stop leaves the points that are not visited yet as they are.
+      integer, intent(inout), optional :: progress(3)
       integer :: before(2, size(clearance), size(r)), s, j, k
 
       gained = 0
@@ -101,7 +102,7 @@ contains
          !$omp parallel do collapse(2) schedule(dynamic, 32) num_threads(threads)
          do k = 1, size(r)
             do j = 1, size(clearance)
-               if (is_stopped(tally)) cycle
+               if (is_stopped(progress)) cycle
                call visit(setting, r, clearance, j, k, symmetry, before, unknowns, marks, &
                   counts(2, j, k))
             end do
@@ -110,9 +111,9 @@ contains
          counts(1, :, :) = before(2, :, :)
          gained = sum(counts(2, :, :) - counts(1, :, :))
          if (gained == 0) return
-         if (is_stopped(tally)) return
+         if (is_stopped(progress)) return
       end do
-   end subroutine sweep_flood
+   end subroutine sweep_grid
 
    !> Starts Newton's method at a point from the newest motions of its four neighbours.
    pure subroutine visit(setting, r, clearance, j, k, symmetry, before, unknowns, marks, n_here)
@@ -120,7 +121,7 @@ contains
       type(setting_type), intent(in) :: setting
       !> (n) and (m): frequency ratios and clearances of the grid.
       real(wp), intent(in) :: r(:), clearance(:)
-      !> The point; symmetry as in `seed_flood`; `counts` before this sweep.
+      !> The point; symmetry as in `seed_grid`; `counts` before this sweep.
       integer, intent(in) :: j, k, symmetry, before(:, :, :)
       !> (2N, keep, m, n) In and out: motions of the point are added.
       real(wp), intent(inout) :: unknowns(:, :, :, :)
@@ -190,7 +191,7 @@ contains
       type(setting_type), intent(in) :: setting
       !> (2N) x_i (F0/K), theta_i (rad).
       real(wp), intent(in) :: guess(:)
-      !> Number of the neighbour it came from, 0 if none; symmetry as in `seed_flood`.
+      !> Number of the neighbour it came from, 0 if none; symmetry as in `seed_grid`.
       integer, intent(in) :: origin, symmetry
       !> (2N, keep) In and out: motions of the point.
       real(wp), intent(inout) :: unknowns(:, :)
@@ -239,4 +240,4 @@ contains
       here%clearance = clearance
    end function at
 
-end module vi_flood
+end module vi_grid_continuation

@@ -1,5 +1,5 @@
-!> The sheets of motions over a window of the plane (r, log D), on which zones are searched.
-module vi_sheet
+!> The surface of motions over a window of the plane (r, log D), on which zones are searched.
+module vi_zone_request
    use vi_curve, only: curve_type
    use vi_family, only: new_family
    use vi_frame, only: condition_type, edge
@@ -12,7 +12,7 @@ module vi_sheet
    implicit none (type, external)
    private
 
-   public :: is_neutral, make_sheet
+   public :: is_neutral, make_surface
 
    !> What to search, and the effort.
    type, public :: zone_request_type
@@ -48,11 +48,11 @@ contains
    end function is_neutral
 
    !> The family in the window, both parameters active.
-   pure subroutine make_sheet(request, sheet, status)
+   pure subroutine make_surface(request, surface, status)
       !> What is asked for.
       type(zone_request_type), intent(in) :: request
       !> The family; r and log D are 0 at the lower corner of the window.
-      type(curve_type), intent(out) :: sheet
+      type(curve_type), intent(out) :: surface
       !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
       real(wp) :: low(2), high(2)
@@ -60,28 +60,28 @@ contains
       integer :: i
 
       associate (osc => request%osc, walls => request%osc%restitution)
-         sheet%frame%resting = any(abs(request%pattern%sides) == 2)
-         if (sheet%frame%resting) then
-            sheet%frame%rest = new_rest_family(request%pattern%sides, request%pattern%cycles)
-            allocate (sheet%frame%repetitions(0))
+         surface%frame%resting = any(abs(request%pattern%sides) == 2)
+         if (surface%frame%resting) then
+            surface%frame%rest = new_rest_family(request%pattern%sides, request%pattern%cycles)
+            allocate (surface%frame%repetitions(0))
             possible = .not. request%symmetric
          else
             call new_family(request%pattern, request%symmetric, abs(walls(1) - walls(2)) <= 0, &
-               sheet%frame%family, sheet%frame%repetitions, possible)
+               surface%frame%family, surface%frame%repetitions, possible)
          end if
          status = merge(stat%ok, stat%no_motion, possible)
          low = [request%r(1), log(request%clearance(1))]
          high = [request%r(2), log(request%clearance(2))]
-         sheet%c = [low, osc%xi, osc%mu, walls(right), walls(left)]
+         surface%c = [low, osc%xi, osc%mu, walls(right), walls(left)]
       end associate
-      sheet%active = [by_r, by_clearance]
-      sheet%origin = low
-      sheet%scale = min(high - low, unit)
-      allocate (sheet%frame%edges(4))
+      surface%active = [by_r, by_clearance]
+      surface%origin = low
+      surface%scale = min(high - low, unit)
+      allocate (surface%frame%edges(4))
       do i = 1, 2
-         sheet%frame%edges(2*i - 1) = condition_type(edge, i, 1, bound=low(i))
-         sheet%frame%edges(2*i) = condition_type(edge, i, -1, bound=high(i))
+         surface%frame%edges(2*i - 1) = condition_type(edge, i, 1, bound=low(i))
+         surface%frame%edges(2*i) = condition_type(edge, i, -1, bound=high(i))
       end do
-   end subroutine make_sheet
+   end subroutine make_surface
 
-end module vi_sheet
+end module vi_zone_request

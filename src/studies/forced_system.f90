@@ -1,5 +1,5 @@
-!> The data of a simulation: the driven system, its state, and its events.
-module vi_drive
+!> The data of a simulation: the forced system, its state, and its events.
+module vi_forced_system
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_contact, only: departure_type
    use vi_flight, only: flight_type, new_flight
@@ -11,7 +11,7 @@ module vi_drive
    implicit none (type, external)
    private
 
-   public :: new_drive, initial_state, state_time, flight_from, rest_from, departure_from
+   public :: new_forced_system, initial_state, state_time, flight_from, rest_from, departure_from
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
@@ -19,14 +19,14 @@ module vi_drive
    real(wp), parameter, public :: two_pi = 2*acos(-1.0_wp)
 
    !> The system in motion: oscillator, frequency ratio, load amplitude f, clearance (same unit).
-   type, public :: drive_type
+   type, public :: forced_system_type
       type(oscillator_type) :: osc
       real(wp) :: r = 1, load = 1, clearance = 1
       !> Amplitude of the motion without impacts, and its lag behind the load, equation (4).
       real(wp) :: amplitude = 0, lag = 0
       !> Tables that advance both parts of x in time.
       type(transition_type) :: transition
-   end type drive_type
+   end type forced_system_type
 
    !> State of the system (lengths in F0/K, velocities in omega F0/K). The load phase r t is kept as
    !! whole cycles and the rest, so that its error does not grow with time.
@@ -52,23 +52,23 @@ module vi_drive
 contains
 
    !> A system under a load, with its walls.
-   pure function new_drive(osc, r, load, clearance) result(drive)
+   pure function new_forced_system(osc, r, load, clearance) result(system)
       !> Oscillator without its load.
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio Omega/omega, load amplitude f, and clearance d in the unit of length of f
       !! (D = d K/F0 for f = 1).
       real(wp), intent(in) :: r, load, clearance
-      type(drive_type) :: drive
+      type(forced_system_type) :: system
 
-      drive%osc = osc
-      drive%r = r
-      drive%load = load
-      drive%clearance = clearance
-      drive%amplitude = load*gain(osc%xi, r)
-      drive%lag = lag(osc%xi, r)
-      call new_transition(osc%xi, r, drive%amplitude*cos(drive%lag), &
-         drive%amplitude*sin(drive%lag), drive%transition)
-   end function new_drive
+      system%osc = osc
+      system%r = r
+      system%load = load
+      system%clearance = clearance
+      system%amplitude = load*gain(osc%xi, r)
+      system%lag = lag(osc%xi, r)
+      call new_transition(osc%xi, r, system%amplitude*cos(system%lag), &
+         system%amplitude*sin(system%lag), system%transition)
+   end function new_forced_system
 
    !> Time of a state in 1/omega.
    pure real(wp) function state_time(cycle, phase, r) result(time)
@@ -81,16 +81,16 @@ contains
    end function state_time
 
    !> A state from t, x, x', z, z'; on a wall it may depart, rest, or be about to collide.
-   pure function initial_state(drive, start) result(state)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function initial_state(system, start) result(state)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> t (1/omega), x, x', z, z'.
       real(wp), intent(in) :: start(5)
       type(state_type) :: state
       real(wp) :: y, half, pull, phase
 
       ! the whole cycles follow from the rounded phase, so that both agree at a whole number of them
-      phase = drive%r*start(1)
+      phase = system%r*start(1)
       state%phase = modulo(phase, two_pi)
       if (.not. state%phase < two_pi) state%phase = 0
       state%cycle = nint((phase - state%phase)/two_pi, int64)
@@ -99,11 +99,11 @@ contains
       state%z = start(4)
       state%z_dot = start(5)
       y = state%z - state%x
-      half = 0.5_wp*drive%clearance
+      half = 0.5_wp*system%clearance
       if (.not. on_wall(y, half)) return
       state%side = merge(1, -1, y > 0)
       state%speed = state%side*(state%x_dot - state%z_dot)
-      pull = state%side*(drive%load*sin(state%phase) - 2*drive%osc%xi*state%x_dot - state%x)
+      pull = state%side*(system%load*sin(state%phase) - 2*system%osc%xi*state%x_dot - state%x)
       if (state%speed < 0) then                                      ! collides at once
          state%side = 0
          state%speed = 0
@@ -128,28 +128,28 @@ contains
    end function departure_from
 
    !> The flight that begins at a state.
-   pure function flight_from(drive, state, duration) result(flight)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function flight_from(system, state, duration) result(flight)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state at the start of the flight, its time 0.
       type(state_type), intent(in) :: state
       !> Time until the end of the flight (1/omega).
       real(wp), intent(in) :: duration
       type(flight_type) :: flight
 
-      flight = new_flight(drive%osc%xi, drive%r, drive%amplitude, state%phase - drive%lag, &
+      flight = new_flight(system%osc%xi, system%r, system%amplitude, state%phase - system%lag, &
          state%x, state%x_dot, state%z, state%z_dot, duration)
    end function flight_from
 
    !> The joint oscillation of both masses from a state.
-   pure function rest_from(drive, state) result(rest)
-      !> The driven system.
-      type(drive_type), intent(in) :: drive
+   pure function rest_from(system, state) result(rest)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
       !> The state at the start, time 0; the free mass is on a wall.
       type(state_type), intent(in) :: state
       type(oscillation_type) :: rest
 
-      rest = new_rest(drive%osc%xi, drive%osc%mu, drive%r, drive%load, state%phase, state%x, &
+      rest = new_rest(system%osc%xi, system%osc%mu, system%r, system%load, state%phase, state%x, &
          state%x_dot)
    end function rest_from
 
@@ -161,4 +161,4 @@ contains
       on_wall = abs(y) > half*(1 - 1.0e-12_wp)
    end function on_wall
 
-end module vi_drive
+end module vi_forced_system

@@ -17,14 +17,14 @@ from ..states import NEEDED
 from ..studies.conditions import is_symmetric
 from ..trajectory import simulate
 
-__all__ = ["Recipe", "recipe_of", "start_of"]
+__all__ = ["Definition", "definition_of", "start_of"]
 
 #: How a motion is computed, and the number of numbers needed for it (None: one for each impact).
 KINDS = {"equispaced": 1, "phases": None, "state": len(NEEDED)}
 
 
 @dataclass(frozen=True)
-class Recipe:
+class Definition:
     """One motion of a point (oscillator, r, clearance).
 
     Parameters
@@ -39,10 +39,10 @@ class Recipe:
     Examples
     --------
     >>> import vibroimpact as vi
-    >>> from vibroimpact.explorer.recipe import Recipe
+    >>> from vibroimpact.explorer.definition import Definition
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-    >>> recipe = Recipe.read("RL/1/phases/0.0,4.3")
-    >>> recipe.solve(osc, 0.94, 37.0)
+    >>> definition = Definition.read("RL/1/phases/0.0,4.3")
+    >>> definition.solve(osc, 0.94, 37.0)
     <Motion RL/1 at r = 0.94, d K/F0 = 37: consistent, admissible, stable (max|lambda| = 0.9348, complex)>
     """
 
@@ -70,7 +70,7 @@ class Recipe:
         return f"{self.pattern.sides}/{self.pattern.cycles}/{self.kind}/{numbers}"
 
     @classmethod
-    def read(cls, text: str) -> Recipe:
+    def read(cls, text: str) -> Definition:
         """The inverse of `text`."""
         wanted = "SIDES/CYCLES/KIND/NUMBERS as a share link of the explorer has it"
         try:
@@ -93,18 +93,18 @@ class Recipe:
         return cls(pattern, kind, tuple(map(int, numbers)) if kind == "equispaced" else numbers)
 
 
-def recipe_of(motion: Motion) -> tuple[Recipe, Motion] | None:
-    """A recipe for a motion and the motion that it gives; None if no recipe reproduces the motion.
+def definition_of(motion: Motion) -> tuple[Definition, Motion] | None:
+    """A definition for a motion and the motion that it gives; None if no definition reproduces the motion.
 
-    The page shows the motion that the recipe gives, so a user of the recipe gets the same bits.
+    The page shows the motion that the definition gives, so a user of the definition gets the same bits.
     """
-    for recipe in _recipes(motion):
+    for definition in _definitions(motion):
         try:
-            made = recipe.solve(motion.osc, motion.r, motion.clearance)
+            made = definition.solve(motion.osc, motion.r, motion.clearance)
         except (ArithmeticError, ValueError):
             continue
         if same(made, motion):
-            return recipe, made
+            return definition, made
     return None
 
 
@@ -117,12 +117,12 @@ def start_of(motion: Motion) -> dict[str, float]:
     return dict(zip(NEEDED, map(float, values), strict=True))
 
 
-def _recipes(motion: Motion) -> Iterator[Recipe]:
-    """Recipes to try, the simplest first."""
+def _definitions(motion: Motion) -> Iterator[Definition]:
+    """Definitions to try, the simplest first."""
     pattern = motion.pattern
     if len(pattern) == 2 and is_symmetric(motion):
-        yield Recipe(Pattern("RL", pattern.cycles), "equispaced", (0,))
-        yield Recipe(Pattern("RL", pattern.cycles), "equispaced", (1,))
+        yield Definition(Pattern("RL", pattern.cycles), "equispaced", (0,))
+        yield Definition(Pattern("RL", pattern.cycles), "equispaced", (1,))
     if not pattern.has_rest:
-        yield Recipe(pattern, "phases", tuple(motion.phases.tolist()))
-    yield Recipe(pattern, "state", tuple(start_of(motion).values()))
+        yield Definition(pattern, "phases", tuple(motion.phases.tolist()))
+    yield Definition(pattern, "state", tuple(start_of(motion).values()))

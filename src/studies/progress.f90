@@ -2,52 +2,52 @@
 !!
 !! The three numbers are the work done, the work known so far, and a flag to stop (not 0). Threads
 !! add to the first two. Results do not depend on them, unless the computation is stopped.
-module vi_tally
+module vi_progress
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: add_sight, add_work, is_stopped, tell_share
+   public :: add_expected_work, add_done_work, is_stopped, report_share
 
 contains
 
    !> Adds to the work known so far.
-   subroutine add_sight(work, tally)
+   subroutine add_expected_work(work, progress)
       !> Units of work to add.
       integer, intent(in) :: work
       !> Progress counters; nothing is done without them.
-      integer, intent(inout), optional :: tally(3)
+      integer, intent(inout), optional :: progress(3)
 
-      if (present(tally)) call add(work, tally(2))
-   end subroutine add_sight
+      if (present(progress)) call add(work, progress(2))
+   end subroutine add_expected_work
 
    !> Adds to the work done.
-   subroutine add_work(work, tally)
+   subroutine add_done_work(work, progress)
       !> Units of work to add.
       integer, intent(in) :: work
       !> Progress counters; nothing is done without them.
-      integer, intent(inout), optional :: tally(3)
+      integer, intent(inout), optional :: progress(3)
 
-      if (present(tally)) call add(work, tally(1))
-   end subroutine add_work
+      if (present(progress)) call add(work, progress(1))
+   end subroutine add_done_work
 
    !> Reports progress within one task: adds the work that is done but not yet reported.
-   subroutine tell_share(share, work, told, tally)
+   subroutine report_share(share, work, reported, progress)
       !> Share of the task that is done, from 0; more than 1 counts as 1.
       real(wp), intent(in) :: share
       !> Units of work of the whole task.
       integer, intent(in) :: work
       !> In: units reported so far. Out: with those of this call.
-      integer, intent(inout) :: told
+      integer, intent(inout) :: reported
       !> Progress counters; nothing is done without them.
-      integer, intent(inout), optional :: tally(3)
+      integer, intent(inout), optional :: progress(3)
       integer :: more
 
-      if (.not. present(tally)) return
-      more = max(0, nint(work*min(1.0_wp, share)) - told)
-      told = told + more
-      call add(more, tally(1))
-   end subroutine tell_share
+      if (.not. present(progress)) return
+      more = max(0, nint(work*min(1.0_wp, share)) - reported)
+      reported = reported + more
+      call add(more, progress(1))
+   end subroutine report_share
 
    !> Adds to one of the sums; several threads may do so at once.
    subroutine add(work, total)
@@ -61,16 +61,16 @@ contains
    end subroutine add
 
    !> Whether the caller has asked the computation to stop.
-   logical function is_stopped(tally)
+   logical function is_stopped(progress)
       !> Progress counters; only read here.
-      integer, intent(inout), optional :: tally(3)
+      integer, intent(inout), optional :: progress(3)
       integer :: stop_now
 
       is_stopped = .false.
-      if (.not. present(tally)) return
+      if (.not. present(progress)) return
       !$omp atomic read
-      stop_now = tally(3)
+      stop_now = progress(3)
       is_stopped = stop_now /= 0
    end function is_stopped
 
-end module vi_tally
+end module vi_progress

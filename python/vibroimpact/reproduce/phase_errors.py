@@ -85,9 +85,9 @@ def study(resolution: float = 1.0) -> list[dict[str, Any]]:
 
 
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
-    """Write data/reading.json."""
+    """Write data/phase_errors.json."""
     rows = study(resolution)
-    write_text(folder / "data" / "reading.json", json.dumps(rows, indent=1) + "\n")
+    write_text(folder / "data" / "phase_errors.json", json.dumps(rows, indent=1) + "\n")
     for row in rows:
         print(
             f"Phases misread by {row['error']:g} rad ({row['milliseconds']:.2f} ms), {row['sides']}: 3 % accepts "
