@@ -512,6 +512,37 @@ subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, c
    call store_events(events, r, values, labels)
 end subroutine rest_motion
 
+!> The motions that begin at a bifurcation of a motion without rest: see vi_branch_switching.
+!!
+!! `kind`, `flight` and `side`, `parameter` and `tied` as there; `systems` has r, D, xi, mu, R1, R2.
+subroutine switch_branch(n, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, &
+   walls, clearance, kind, flight, side, parameter, tied, found, lengths, all_cycles, all_sides, &
+   systems, all_phases, all_impacts, scalars, multipliers, verdicts)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_branch_switching, only: switch_arrays
+   use vi_motion, only: motion_type
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_points, only: recall
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, cycles, sides(n), kind, flight, side, parameter, tied
+   real(c_double), intent(in) :: xi, mu, r, restitution(n), phases(n), impacts(n, 6), amplitude, &
+      tau, walls(2), clearance
+   integer(c_int), intent(out) :: found, lengths(2), all_cycles(2), all_sides(2*n + 2, 2), &
+      verdicts(3, 2)
+   real(c_double), intent(out) :: systems(6, 2), all_phases(2*n + 2, 2), &
+      all_impacts(2*n + 2, 6, 2), scalars(6, 2)
+   complex(c_double_complex), intent(out) :: multipliers(4, 2)
+   type(motion_type) :: motion
+
+   motion = recall(oscillator_type(xi, mu, walls), r, pattern_type(sides, cycles), restitution, &
+      phases, impacts, amplitude, tau)
+   motion%clearance = clearance
+   call switch_arrays(motion, kind, flight, side, parameter, tied /= 0, found, lengths, &
+      all_cycles, all_sides, systems, all_phases, all_impacts, scalars, multipliers, verdicts)
+end subroutine switch_branch
+
 !> The patterns that a search goes through: impacts and load cycles of each, and its sides, 1 for
 !! right and 2 for left.
 subroutine side_patterns(max_impacts, max_cycles, alike, capacity, n, impacts, cycles, sides)

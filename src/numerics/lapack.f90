@@ -14,7 +14,7 @@ module vi_lapack
    implicit none (type, external)
    private
 
-   public :: solve, least_squares, least_squares_work, eigenvalues
+   public :: solve, least_squares, least_squares_work, eigenvalues, eigenvector
 
    !> A diagonal of the triangular factor below this share of its largest counts as zero.
    real(wp), parameter :: rank_tolerance = 16*epsilon(1.0_wp)
@@ -150,5 +150,33 @@ contains
       lambda = cmplx(real_part(:n), imaginary_part(:n), wp)
       status = merge(stat%ok, stat%lapack_failed, info == 0)
    end subroutine eigenvalues
+
+   !> The eigenvector of a real matrix, at most 4 x 4, of the eigenvalue nearest to a number (xGEEV).
+   pure subroutine eigenvector(a, near, lambda, vector, status)
+      !> In: the matrix (n, n). Out: overwritten.
+      real(wp), intent(inout), contiguous :: a(:, :)
+      !> The number.
+      real(wp), intent(in) :: near
+      !> The eigenvalue.
+      complex(wp), intent(out) :: lambda
+      !> (n) Its eigenvector, of length 1; the real part of that if the eigenvalue is complex.
+      real(wp), intent(out) :: vector(:)
+      !> `stat%ok`, or `stat%lapack_failed` where the iteration did not converge.
+      integer, intent(out) :: status
+      !> No matrix here is larger.
+      integer, parameter :: most = 4
+      real(wp) :: real_part(most), imaginary_part(most), vectors(most, most), unused(1, 1), &
+         work(8*most)
+      integer :: i, n, info
+
+      n = size(vector)
+      call geev('N', 'V', n, a, n, real_part, imaginary_part, unused, 1, vectors, most, work, &
+         size(work), info)
+      ! of a conjugate pair the first column holds the real part
+      i = minloc(hypot(real_part(:n) - near, imaginary_part(:n)), 1)
+      lambda = cmplx(real_part(i), imaginary_part(i), wp)
+      vector = vectors(:n, i)
+      status = merge(stat%ok, stat%lapack_failed, info == 0)
+   end subroutine eigenvector
 
 end module vi_lapack

@@ -18,7 +18,7 @@ from ..motion import Motion
 from ..noun import Noun, column
 from ..solve import frozen
 from ..status import VERDICT
-from .switching import doubled, extra_impact, perturbed
+from .switching import KINDS, switched
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
 
@@ -69,13 +69,9 @@ class SpecialPoint:
         list of Motion
             Empty where no such motion was found near the point. Follow them with `branch`.
         """
-        if self.type == "pitchfork":
-            return perturbed(self.motion, 1.0, self.parameter)
-        if self.type == "flip":
-            return doubled(self.motion, self.parameter)
-        if self.type == "grazing":
-            return extra_impact(self.motion, self.impact, self.side, self.parameter)
-        return []
+        if self.type not in KINDS:
+            return []
+        return switched(self.motion, self.type, self.impact, self.side, self.parameter)
 
     def __repr__(self) -> str:
         place = f"r = {self.r:.10g}, d K/F0 = {self.clearance:.10g}"
