@@ -515,9 +515,9 @@ end subroutine rest_motion
 !> The motions that begin at a bifurcation of a motion without rest: see vi_branch_switching.
 !!
 !! `kind`, `flight` and `side`, `parameter` and `tied` as there; `systems` has r, D, xi, mu, R1, R2.
-subroutine switch_branch(n, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, &
-   walls, clearance, kind, flight, side, parameter, tied, found, lengths, all_cycles, all_sides, &
-   systems, all_phases, all_impacts, scalars, multipliers, verdicts)
+subroutine switch_branch(n, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, &
+   tau, walls, clearance, kind, flight, side, parameter, tied, found, lengths, all_cycles, &
+   all_sides, systems, all_phases, all_impacts, scalars, multipliers, verdicts)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_branch_switching, only: switch_arrays
    use vi_motion, only: motion_type

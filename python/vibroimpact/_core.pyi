@@ -447,6 +447,33 @@ class _StatusText(Protocol):
     ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
+class _SwitchBranch(Protocol):
+    # found, lengths, all_cycles, all_sides, systems, all_phases, all_impacts, scalars, multipliers, verdicts
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        r: float,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        phases: ArrayLike,
+        impacts: ArrayLike,
+        amplitude: float,
+        tau: float,
+        walls: ArrayLike,
+        clearance: float,
+        kind: int,
+        flight: int,
+        side: int,
+        parameter: int,
+        tied: int,
+        n: int = ...,
+    ) -> tuple[
+        int, _Integer, _Integer, _Integer, _Real, _Real, _Real, _Real, _Complex, _Integer
+    ]: ...
+
+@type_check_only
 class _Winding(Protocol):
     # turns
     def __call__(
@@ -497,5 +524,6 @@ stability_flags: _StabilityFlags
 standard_motion: _StandardMotion
 start_state: _StartState
 status_text: _StatusText
+switch_branch: _SwitchBranch
 winding: _Winding
 write_result: _WriteResult

@@ -151,7 +151,8 @@ contains
       status = merge(stat%ok, stat%lapack_failed, info == 0)
    end subroutine eigenvalues
 
-   !> The eigenvector of a real matrix, at most 4 x 4, of the eigenvalue nearest to a number (xGEEV).
+   !> The eigenvector (xGEEV) of a real matrix, at most 4 x 4, whose eigenvalue is nearest to a
+   !! number.
    pure subroutine eigenvector(a, near, lambda, vector, status)
       !> In: the matrix (n, n). Out: overwritten.
       real(wp), intent(inout), contiguous :: a(:, :)

@@ -12,7 +12,6 @@ module vi_branch_switching
    use vi_impact_map, only: impact_maps
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvector
-   use vi_likeness, only: length_scale, shortest_repetition
    use vi_motion, only: flight_of, motion_type, yes
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
    use vi_oscillator, only: oscillator_type
@@ -50,9 +49,10 @@ contains
       logical, intent(in) :: tied
       !> Number m of motions found.
       integer, intent(out) :: n
-      !> Impacts of each (m), load cycles (m), and sides (room, m) with room for all impacts.
+      !> Impacts of each (m), load cycles (m), and sides (capacity, m).
       integer, intent(out) :: lengths(:), cycles(:), sides(:, :)
-      !> r, D, xi, mu, R1, R2 of each (6, m); (room, m), (room, 6, m), (6, m) as in vi_points.
+      !> r, D, xi, mu, R1, R2 of each (6, m); (capacity, m), (capacity, 6, m), (6, m) as in
+      !! vi_points.
       real(wp), intent(out) :: systems(:, :), phases(:, :), impacts(:, :, :), scalars(:, :)
       !> (4, m) By falling modulus.
       complex(wp), intent(out) :: multipliers(:, :)
@@ -103,11 +103,11 @@ contains
          if (good) call mirror(found(1), found(2), good)
          if (good) n = 2
       case (at_flip)
-         call over_shortest_period(motion, once)
+         call undouble(motion, once)
          call part(once, pattern_type([once%pattern%sides, once%pattern%sides], &
             2*once%pattern%cycles), -1.0_wp, parameter, tied, found(1), good)
          if (good) n = 1
-      case (at_grazing)
+      case default
          call with_touches(motion, [flight], [side], parameter, tied, found(1), good)
          if (good) n = 1
          if (.not. is_symmetric(motion)) return
@@ -124,21 +124,33 @@ contains
       end select
    end subroutine switch_branch
 
-   !> The motion itself, over its shortest period.
-   pure subroutine over_shortest_period(motion, once)
-      !> A motion, which may be given over several periods.
+   !> The motion itself; over half its period if it repeats itself then, as where a branch of
+   !! doubled motions ends, at a small distance from the flip.
+   pure subroutine undouble(motion, once)
+      !> A motion.
       type(motion_type), intent(in) :: motion
       !> The same, without verdicts.
       type(motion_type), intent(out) :: once
-      integer :: m, n
+      real(wp), parameter :: near = 1.0e-4_wp
+      real(wp), dimension(size(motion%x)/2) :: x, theta, of_x, of_theta
+      integer :: n, half
 
+      once = motion
       n = size(motion%x)
-      m = shortest_repetition(motion%pattern, length_scale(motion%osc, motion%r, &
-         motion%clearance), [motion%x, motion%phases + motion%tau])
-      call member(setting_type(motion%osc, motion%r, 1.0_wp, motion%clearance, &
-         pattern_type(motion%pattern%sides(:m), motion%pattern%cycles*m/n), &
-         motion%restitution(:m)), motion%x(:m), motion%phases(:m) + motion%tau, once)
-   end subroutine over_shortest_period
+      half = n/2
+      associate (pattern => motion%pattern)
+         if (modulo(n, 2) /= 0 .or. modulo(pattern%cycles, 2) /= 0) return
+         if (any(pattern%sides(:half) /= pattern%sides(half + 1:))) return
+         of_x = motion%x(half + 1:) - motion%x(:half)
+         of_theta = motion%phases(half + 1:) - motion%phases(:half) - pi*pattern%cycles
+         if (any(abs(of_x) > near*motion%clearance) .or. any(abs(of_theta) > near)) return
+         x = motion%x(:half) + 0.5_wp*of_x
+         theta = motion%tau + motion%phases(:half) + 0.5_wp*of_theta
+         call member(setting_type(motion%osc, motion%r, 1.0_wp, motion%clearance, &
+            pattern_type(pattern%sides(:half), pattern%cycles/2), motion%restitution(:half)), x, &
+            theta, once)
+      end associate
+   end subroutine undouble
 
    !> A motion that parts from another one along the eigenvector of a multiplier 1 or -1.
    pure subroutine part(motion, pattern, multiplier, parameter, tied, found, good)

@@ -40,6 +40,31 @@ def test_switching_at_a_flip():
     assert settles_on(doubled) == doubled.stable
 
 
+def test_switching_where_a_doubled_branch_ends():
+    """The branch of doubled motions ends at the flip; the motions that begin there are its own."""
+    (doubled,) = next(
+        p
+        for p in vi.branch(pair_motion(), "clearance", (10, 60)).special_points
+        if p.type == "flip"
+    ).switch()
+    branch = vi.branch(doubled, "clearance", (10, 60))
+    end = next(
+        point for point in branch.special_points
+        if point.type == "flip" and np.abs(point.motion.X[:2] - point.motion.X[2:]).max() < 1e-3
+    )  # fmt: skip
+    (again,) = end.switch()
+    assert again.pattern == doubled.pattern
+    assert again.residual < 1e-12
+    # one place of the branch, at the same clearance, has the same motion
+    there = vi.branch(doubled, "clearance", (again.clearance, 60))
+    gaps = [
+        np.abs(np.roll(again.X, j) - there.X[:, i]).max()
+        for i in (0, len(there) - 1)
+        for j in (0, 2)
+    ]
+    assert min(gaps) < 1e-8 * again.clearance
+
+
 def test_switching_at_a_pitchfork():
     """Two mirror images on one side of the point; they are stable where the symmetric one is not."""
     branch = vi.branch(vi.equispaced(FIGURE6, 1.04, 25.0)[0], "clearance", (3, 60))

@@ -15,7 +15,7 @@ PARAMETERS = {"r": 1, "clearance": 2, "xi": 3, "mu": 4, "R1": 5, "R2": 6, "resti
 
 def switched(motion: Motion, kind: str, flight: int, side: str, parameter: str) -> list[Motion]:
     """The motions that begin where a motion has a bifurcation, each a little beside it along a parameter."""
-    n, lengths, cycles, sides, systems, phases, impacts, *rows = _core.switch_branch(
+    n, lengths, cycles, sides, systems, phases, impacts, scalars, multipliers, verdicts = _core.switch_branch(
         *motion._flights(), motion.osc.restitution, motion.clearance, KINDS[kind], flight + 1,
         1 if side == "R" else -1, PARAMETERS[parameter], parameter == "restitution",
     )  # fmt: skip
@@ -29,6 +29,6 @@ def switched(motion: Motion, kind: str, flight: int, side: str, parameter: str) 
         found.append(impact_motion(
             osc, r, clearance, 1.0, pattern, impact_restitution(osc, pattern, None),
             phases[:m, i].copy(), impacts[:m, :, i].copy(order="F"),
-            *(row[..., i].copy() for row in rows),
+            scalars[:, i], multipliers[:, i].copy(), verdicts[:, i],
         ))  # fmt: skip
     return found
