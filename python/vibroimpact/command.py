@@ -10,10 +10,11 @@ from collections.abc import Sequence
 from contextlib import nullcontext, redirect_stdout
 from importlib import import_module
 from importlib.metadata import version
+from importlib.util import find_spec
 from io import StringIO
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from .commands import NAMES, PICTURES, Record, add_common, name_file, need_extras
+from .commands import NAMES, PICTURES, STUDIES, Record, add_common, name_file, need_extras
 from .errors import VibroimpactError
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def main_parser() -> tuple[Parser, dict[str, Parser]]:
         "--version", action=Version, nargs=0, help="show the version of the program, and exit"
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    each = {name: commands.add_parser(name, help=module_of(name).HELP) for name in NAMES}
+    each = {name: commands.add_parser(name, help=help_of(name)) for name in NAMES}
     return parser, each
 
 
@@ -138,8 +139,19 @@ def fill(parser: Parser, name: str) -> None:
 
 
 def module_of(name: str) -> Any:
-    """The module of a subcommand."""
-    return import_module(f".commands.{name}", __package__)
+    """The module of a subcommand, or what takes its place for a study without one."""
+    place = f"{__package__}.commands.{name}"
+    if name in STUDIES and find_spec(place) is None:
+        from .commands.study import plain_command
+
+        return plain_command(name)
+    return import_module(place)
+
+
+def help_of(name: str) -> str:
+    """What a subcommand does."""
+    told: str = STUDIES[name] if name in STUDIES else module_of(name).HELP
+    return told
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

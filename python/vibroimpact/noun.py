@@ -21,6 +21,11 @@ Self = TypeVar("Self", bound="Noun")
 NOUNS: dict[str, type[Noun]] = {}
 
 
+def noun_of(study: str) -> type[Noun]:
+    """The class of the results of a study."""
+    return next(noun for noun in NOUNS.values() if noun.study == study)
+
+
 class column:  # noqa: N801 (a descriptor, written as property is)
     """A column of a table as an attribute, read-only; its own dimension comes last, or `first`."""
 
@@ -57,10 +62,12 @@ class Noun:
     __slots__ = ("_result",)
     _result: Result
     study: ClassVar[str] = ""
+    #: The options of a command that makes one, for studies whose command has no module of its own.
+    example: ClassVar[str] = ""
 
-    def __init_subclass__(cls, study: str = "") -> None:
+    def __init_subclass__(cls, study: str = "", example: str = "") -> None:
         super().__init_subclass__()
-        cls.study = study
+        cls.study, cls.example = study, example
         NOUNS[cls.__name__] = cls
 
     def __init__(self, result: Result) -> None:

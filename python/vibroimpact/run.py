@@ -44,8 +44,7 @@ def run_namelists(
     Parameters
     ----------
     paths : iterable of path
-        Files with the groups &system, &motion, &simulate, &find, &chart, &branch, &zone, &atlas,
-        &lyapunov, &bifurcation, &response, &decay or &basins, &output (see inputs/README.md), or earlier results.
+        Namelist files (inputs/README.md describes their groups), or earlier results.
     folder : path
         Created if it does not exist.
     only : str, optional

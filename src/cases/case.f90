@@ -51,18 +51,19 @@ module vi_case
 contains
 
    !> Checks conditions of &system that depend on several keys, or on the studies that follow.
-   pure subroutine check_system(system, needs_r)
+   pure subroutine check_system(system, needs_r, why)
       !> The group.
       type(values_type), intent(inout) :: system
       !> Whether a study that follows has no frequency ratio of its own.
       logical, intent(in) :: needs_r
+      !> Why none needs it, for the message.
+      character(*), intent(in) :: why
 
       if (len(system%fault) > 0) return
       if (needs_r .and. .not. system%has('r')) then
          call system%refuse('r')
       else if (.not. needs_r) then
-         call system%forbid('r', ': it is not for a &chart, &zone, &atlas or &response, which has &
-            &r_min and r_max, nor for parameter = ''r'', nor for a &decay, which has no load')
+         call system%forbid('r', ': '//why)
       else if (system%number('xi') <= 0 .and. abs(system%number('r') - 1) <= 0) then
          call system%refuse('r', 'must differ from 1 when xi = 0 (resonance without damping)')
       end if

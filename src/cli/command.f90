@@ -2,8 +2,10 @@
 module vi_command
    use, intrinsic :: iso_fortran_env, only: error_unit
    use vi_batch, only: done, failed, log_type, run_file, wrong
-   use vi_describe, only: describe_all, describe_group, group_names
+   use vi_describe, only: describe_all, describe_group, list_groups
    use vi_files, only: is_folder, print_line
+   use vi_study, only: study_type
+   use vi_study_list, only: list_studies
    use vi_text, only: append, line_type, lower
    use vi_version, only: version
    implicit none (type, external)
@@ -11,16 +13,15 @@ module vi_command
 
    public :: run_command
 
-   character(89), parameter :: help(*) = [character(87) :: &
+   !> The help before the list of studies, and after it.
+   character(89), parameter :: before(*) = [character(89) :: &
       'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
       '', &
-      'Computes the motions, simulations, charts, branches, zones, atlases and attractors', &
-      'that namelist files ask for and writes each case to DIR/NAME.csv and, if it asks', &
-      'for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an', &
-      'input that reproduces it.', &
-      'Groups: &system, &output and, for each case, &motion, &simulate, &find, &chart,', &
-      '&branch, &zone, &atlas, &lyapunov, &bifurcation, &response, &decay or &basins; see', &
-      'inputs/README.md.', &
+      'Computes what namelist files ask for and writes each case to DIR/NAME.csv and, if it', &
+      'asks for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself', &
+      'an input that reproduces it.', &
+      'Groups: &system, &output and one for each case; see inputs/README.md.']
+   character(89), parameter :: after(*) = [character(89) :: &
       '--keys GROUP describes the keys of a group, --describe all of them as JSON.', &
       '', &
       'example: vibroimpact-batch inputs/table1.nml -o results', &
@@ -49,9 +50,7 @@ contains
          i = i + 1
          call get_argument(i, item)
          if ((item == '-h' .or. item == '--help') .and. .not. files_only) then
-            do j = 1, size(help)
-               call append(lines, trim(help(j)))
-            end do
+            call describe_use(lines)
             call tell(lines, status)
             return
          else if (item == '--version') then
@@ -81,7 +80,8 @@ contains
          if (status /= done) return
       end do
       if (size(files) == 0) then
-         write (error_unit, '(a)') (trim(help(j)), j=1, size(help))
+         call describe_use(lines)
+         write (error_unit, '(a)') (lines(j)%text, j=1, size(lines))
          status = wrong
          return
       end if
@@ -102,6 +102,25 @@ contains
       end do
       status = max(log%status, merge(failed, done, lost))
    end subroutine run_command
+
+   !> The help: how the program is used, and the studies.
+   subroutine describe_use(lines)
+      !> Its lines.
+      type(line_type), allocatable, intent(out) :: lines(:)
+      type(study_type), allocatable :: studies(:)
+      integer :: i
+
+      do i = 1, size(before)
+         call append(lines, trim(before(i)))
+      end do
+      call list_studies(studies)
+      do i = 1, size(studies)
+         call append(lines, '  &'//studies(i)%name//'  '//trim(studies(i)%meaning))
+      end do
+      do i = 1, size(after)
+         call append(lines, trim(after(i)))
+      end do
+   end subroutine describe_use
 
    !> An argument of the command line; empty if there are fewer.
    subroutine get_argument(i, text)
@@ -140,20 +159,22 @@ contains
       !> Exit status of the program.
       integer, intent(out) :: status
       type(line_type), allocatable :: lines(:)
+      character(11), allocatable :: names(:)
       character(:), allocatable :: group, list
       integer :: i
 
+      call list_groups(names)
       group = lower(name(1 + index(name(:min(1, len(name))), '&'):))
-      if (all(group_names /= group)) then
-         list = trim(group_names(1))
-         do i = 2, size(group_names)
-            list = list//', '//trim(group_names(i))
+      if (any(names == group)) then
+         call describe_group(group, lines)
+         call tell(lines, status)
+      else
+         list = trim(names(1))
+         do i = 2, size(names)
+            list = list//', '//trim(names(i))
          end do
          call refuse('--keys '//name//': must be followed by one of '//list, status)
-         return
       end if
-      call describe_group(group, lines)
-      call tell(lines, status)
    end subroutine tell_keys
 
    !> Checks the folder of -o: a name that looks like that of a file is refused, unless it exists or

@@ -4,22 +4,29 @@ module vi_describe
    use vi_key, only: a_whole, a_word, describe_key, key_type, unbounded
    use vi_kinds, only: wp
    use vi_result, only: column_kinds, column_type
-   use vi_study_list, only: list_columns_of, list_keys_of, study_names
+   use vi_study, only: study_type
+   use vi_study_list, only: find_study, list_studies
    use vi_text, only: append, line_type, number_text, whole
    implicit none (type, external)
    private
 
-   public :: describe_all, describe_group
-
-   !> All groups of the language.
-   character(11), parameter, public :: group_names(*) = [character(11) :: 'system', study_names, &
-      'output']
+   public :: describe_all, describe_group, list_groups
 
 contains
 
+   !> All groups of the language.
+   subroutine list_groups(names)
+      !> Their names.
+      character(11), allocatable, intent(out) :: names(:)
+      type(study_type), allocatable :: studies(:)
+
+      call list_studies(studies)
+      names = [character(11) :: 'system', studies%name, 'output']
+   end subroutine list_groups
+
    !> The keys of a group for people: name, what it takes, default, meaning.
-   pure subroutine describe_group(name, lines)
-      !> One of `group_names`.
+   subroutine describe_group(name, lines)
+      !> One of `list_groups`.
       character(*), intent(in) :: name
       !> The text.
       type(line_type), allocatable, intent(out) :: lines(:)
@@ -42,37 +49,41 @@ contains
    end subroutine describe_group
 
    !> The keys of all groups and the columns of all results for programs, as JSON.
-   pure subroutine describe_all(lines)
+   subroutine describe_all(lines)
       !> An object with two members: `groups` holds a list of keys for each group, `results` for
-      !! each study the table whose rows are those of the CSV, and a list of columns.
+      !! each study its meaning, the table whose rows are those of the CSV, and a list of columns.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(key_type), allocatable :: keys(:)
-      type(column_type), allocatable :: columns(:)
-      character(16) :: row
+      type(study_type), allocatable :: studies(:)
+      character(11), allocatable :: names(:)
       character(:), allocatable :: text
       integer :: i, j
 
       call append(lines, '{"groups": {')
-      do i = 1, size(group_names)
-         call append(lines, quoted(group_names(i))//': [')
-         call keys_of(trim(group_names(i)), keys)
+      call list_groups(names)
+      do i = 1, size(names)
+         call append(lines, quoted(names(i))//': [')
+         call keys_of(trim(names(i)), keys)
          do j = 1, size(keys)
             call describe_json(keys, j, text)
             if (j < size(keys)) text = text//','
             call append(lines, text)
          end do
-         call append(lines, trim(merge('], ', ']  ', i < size(group_names))))
+         call append(lines, trim(merge('], ', ']  ', i < size(names))))
       end do
       call append(lines, '}, "results": {')
-      do i = 1, size(study_names)
-         call list_columns_of(trim(study_names(i)), columns, row)
-         call append(lines, quoted(study_names(i))//': {"row": '//quoted(row)//', "columns": [')
-         do j = 1, size(columns)
-            call describe_column(columns(j), text)
-            if (j < size(columns)) text = text//','
-            call append(lines, text)
-         end do
-         call append(lines, trim(merge(']}, ', ']}  ', i < size(study_names))))
+      call list_studies(studies)
+      do i = 1, size(studies)
+         associate (study => studies(i))
+            call append(lines, quoted(study%name)//': {"meaning": '//quoted(study%meaning)// &
+               ', "row": '//quoted(study%row)//', "columns": [')
+            do j = 1, size(study%columns)
+               call describe_column(study%columns(j), text)
+               if (j < size(study%columns)) text = text//','
+               call append(lines, text)
+            end do
+         end associate
+         call append(lines, trim(merge(']}, ', ']}  ', i < size(studies))))
       end do
       call append(lines, '}}')
    end subroutine describe_all
@@ -120,11 +131,12 @@ contains
    end subroutine describe_json
 
    !> The keys of a group.
-   pure subroutine keys_of(name, keys)
-      !> One of `group_names`.
+   subroutine keys_of(name, keys)
+      !> One of `list_groups`.
       character(*), intent(in) :: name
       !> Its table.
       type(key_type), allocatable, intent(out) :: keys(:)
+      type(study_type) :: study
 
       select case (name)
       case ('system')
@@ -132,7 +144,8 @@ contains
       case ('output')
          keys = output_keys
       case default
-         call list_keys_of(name, keys)
+         call find_study(name, study)
+         keys = study%keys
       end select
    end subroutine keys_of
 

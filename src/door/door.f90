@@ -13,7 +13,8 @@ module vi_door
    use vi_kinds, only: wp
    use vi_result, only: column_type, complexes, filled_type, result_type, &
       start_result, table_type, wholes, words
-   use vi_study_list, only: list_columns_of, run_study
+   use vi_study, only: study_type
+   use vi_study_list, only: find_study, run_study
    use vi_text, only: line_type, split, whole
    implicit none (type, external)
    private
@@ -165,9 +166,8 @@ contains
       integer, intent(out) :: status
       type(holder_type), pointer :: holder
       type(case_type), allocatable :: cases(:)
-      type(column_type), allocatable :: columns(:)
       type(line_type), allocatable :: lines(:)
-      character(16) :: row
+      type(study_type) :: study
 
       call new_holder(text, holder, cases)
       handle = address_of(c_loc(holder))
@@ -176,8 +176,8 @@ contains
       if (status == wrong) return
       holder%status = status
       call echo(cases(1), lines)
-      call list_columns_of(cases(1)%study%name, columns, row)
-      call start_result(lines, columns, row, holder%result)
+      call find_study(cases(1)%study%name, study)
+      call start_result(lines, study%columns, study%row, holder%result)
    end subroutine new_result
 
    !> Opens a table of a result.

@@ -1,16 +1,17 @@
 !> The cases of a namelist, checked.
 !!
 !! Each group except `&system` and `&output` makes a case. It uses the `&system` before it, and the
-!! `&output` after it, if there is one. A `&branch` starts from the `&motion` before it; a `&motion`
-!! that is followed directly by a `&branch` is only this start and no case of its own.
+!! `&output` after it, if there is one. A study can start from a group before it, as a `&branch`
+!! does from a `&motion`; a group directly before that study is only its start and no case of its
+!! own.
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_letters, &
       output_keys, system_keys
-   use vi_branch_study, only: check_branch_start
-   use vi_key, only: key_type, place_of
+   use vi_key, only: place_of
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
-   use vi_study_list, only: check_study, list_keys_of, study_names, without_load
+   use vi_study, only: join_groups, study_type
+   use vi_study_list, only: list_studies
    use vi_text, only: brief, line_type, lower, whole, whole_width
    use vi_values, only: read_values, values_type
    implicit none (type, external)
@@ -33,30 +34,35 @@ contains
       !> Line of the fault; 0 if there is none, or if it has no line.
       integer, intent(out), optional :: fault_line
       type(group_type), allocatable :: groups(:)
+      type(study_type), allocatable :: studies(:)
       type(values_type) :: system
+      character(:), allocatable :: names
       integer :: line, i, n
 
       allocate (cases(0))
+      call list_studies(studies)
       call scan_namelist(lines, groups, line, message)
-      if (len(message) == 0) call check_names(groups, line, message)
+      if (len(message) == 0) call check_names(studies, groups, line, message)
       if (len(message) == 0) then
          deallocate (cases)
-         allocate (cases(count([(is_case(groups(i:)), i=1, size(groups))])))
+         allocate (cases(count([(is_case(studies, groups(i:)), i=1, size(groups))])))
          n = 0
          do i = 1, size(groups)
             line = groups(i)%line
             select case (groups(i)%name)
             case ('system')
-               call take_system(groups(i:), system, line, message)
+               call take_system(studies, groups(i:), system, line, message)
             case ('output')
-               if (.not. ends_in_case(groups(:i - 1))) message = '&output: no '//list_studies('') &
-                  //' stands before it'
+               if (.not. ends_in_case(studies, groups(:i - 1))) then
+                  call join_groups(studies%name, names)
+                  message = '&output: no '//names//' stands before it'
+               end if
             case default
                if (.not. allocated(system%name)) then
                   message = '&'//groups(i)%name//': no &system stands before it'
-               else if (is_case(groups(i:))) then
+               else if (is_case(studies, groups(i:))) then
                   n = n + 1
-                  call take_case(groups, i, system, cases(n), line, message)
+                  call take_case(studies, groups, i, system, cases(n), line, message)
                   if (len(message) == 0) call take_output(path, groups(i:), n, size(cases), &
                      cases(n), line, message)
                end if
@@ -72,27 +78,33 @@ contains
 
    !> Checks the names of all groups first, because a wrong name changes the meaning of other
    !! groups.
-   pure subroutine check_names(groups, line, message)
+   pure subroutine check_names(studies, groups, line, message)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
       !> All groups of the file.
       type(group_type), intent(in) :: groups(:)
       !> Out: line of the fault; not changed if there is none.
       integer, intent(inout) :: line
       !> Out: the fault.
       character(:), allocatable, intent(inout) :: message
+      character(:), allocatable :: names
       integer :: i
 
       do i = 1, size(groups)
          associate (name => groups(i)%name)
-            if (name == 'system' .or. name == 'output' .or. any(name == study_names)) cycle
+            if (name == 'system' .or. name == 'output' .or. any(studies%name == name)) cycle
             line = groups(i)%line
-            message = '&'//name//': is not a group; must be &system, &output, '//list_studies('')
+            call join_groups(studies%name, names)
+            message = '&'//name//': is not a group; must be &system, &output, '//names
             return
          end associate
       end do
    end subroutine check_names
 
    !> Reads and checks &system, which needs a case after it.
-   pure subroutine take_system(groups, system, line, message)
+   pure subroutine take_system(studies, groups, system, line, message)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
       !> The group, and all after it.
       type(group_type), intent(in) :: groups(:)
       !> The values of the group.
@@ -101,39 +113,73 @@ contains
       integer, intent(inout) :: line
       !> Out: the fault; empty if there is none.
       character(:), allocatable, intent(inout) :: message
+      character(:), allocatable :: names
+      logical :: needed
 
-      if (.not. ends_in_case(groups(2:min(2, size(groups))))) then
-         message = '&system: no '//list_studies('branch')//' follows'
+      if (.not. ends_in_case(studies, groups(2:min(2, size(groups))))) then
+         call join_groups(pack(studies%name, studies%starts_from == ''), names)
+         message = '&system: no '//names//' follows'
          return
       end if
       call read_values('system', system_keys, groups(1), system)
-      call check_system(system, needs_r(groups(2:)))
+      needed = needs_r(studies, groups(2:))
+      names = ''
+      if (.not. needed .and. system%has('r')) call explain_own_r(studies, names)
+      call check_system(system, needed, names)
       call pass_on(system, line, message)
    end subroutine take_system
 
    !> Whether a case of this system uses the frequency ratio of &system.
-   pure logical function needs_r(groups)
+   pure logical function needs_r(studies, groups)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
       !> All that follows the system.
       type(group_type), intent(in) :: groups(:)
-      integer :: i
+      integer :: i, place
 
       needs_r = .false.
       do i = 1, size(groups)
          if (groups(i)%name == 'system') return
-         if (any(groups(i)%name == study_names)) needs_r = needs_r .or. .not. has_own_r(groups(i))
+         place = findloc(studies%name == groups(i)%name, .true., 1)
+         if (place == 0) cycle
+         needs_r = needs_r .or. .not. has_own_r(studies(place), groups(i))
       end do
    end function needs_r
 
-   !> Whether a study has frequency ratios of its own, a window or values of r, or needs none.
-   pure logical function has_own_r(group)
-      !> The group of the study.
-      type(group_type), intent(in) :: group
-      type(key_type), allocatable :: keys(:)
+   !> Why studies need no frequency ratio of &system, for messages.
+   pure subroutine explain_own_r(studies, text)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
+      !> The groups that have a window of their own, or no load.
+      character(:), allocatable, intent(out) :: text
+      character(:), allocatable :: names
       integer :: i
 
-      call list_keys_of(group%name, keys)
-      has_own_r = place_of(keys, 'r_min') > 0 .or. any(group%name == without_load)
-      if (has_own_r .or. group%name == 'branch') return
+      call join_groups(pack(studies%name, [(has_window(studies(i)), i=1, size(studies))]), names)
+      text = 'it is not for a '//names//', which has r_min and r_max, nor for parameter = ''r'''
+      call join_groups(pack(studies%name, .not. studies%has_load), names)
+      if (len(names) > 0) text = text//', nor for a '//names//', which has no load'
+   end subroutine explain_own_r
+
+   !> Whether the frequency ratios of a study are those of a window.
+   pure logical function has_window(study)
+      !> The study.
+      type(study_type), intent(in) :: study
+
+      has_window = place_of(study%keys, 'r_min') > 0
+   end function has_window
+
+   !> Whether a study has frequency ratios of its own, a window or values of r, or needs none.
+   pure logical function has_own_r(study, group)
+      !> The study.
+      type(study_type), intent(in) :: study
+      !> Its group.
+      type(group_type), intent(in) :: group
+      integer :: i
+
+      has_own_r = has_window(study) .or. .not. study%has_load
+      ! r can be the parameter of a study that starts from a group: it starts at that of &system
+      if (has_own_r .or. study%starts_from /= '') return
       do i = 1, size(group%items)
          associate (value => group%items(i)%value)
             if (group%items(i)%key == 'r') has_own_r = .true.
@@ -144,7 +190,9 @@ contains
    end function has_own_r
 
    !> Reads and checks the groups of one case.
-   subroutine take_case(groups, i, system, case, line, message)
+   subroutine take_case(studies, groups, i, system, case, line, message)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
       !> All groups of the file.
       type(group_type), intent(in) :: groups(:)
       !> Place of the group that asks for the result.
@@ -157,30 +205,32 @@ contains
       integer, intent(inout) :: line
       !> Out: the fault; empty if there is none.
       character(:), allocatable, intent(inout) :: message
-      type(key_type), allocatable :: keys(:)
       integer :: j
 
-      case%system = system
-      case%osc = oscillator_type(system%number('xi'), system%number('mu'), &
-         system%numbers('restitution'))
-      if (system%has('r') .and. .not. has_own_r(groups(i))) case%r = system%number('r')
-      if (groups(i)%name == 'branch') then
-         do j = i - 1, 1, -1
-            if (groups(j)%name == 'motion' .or. groups(j)%name == 'system') exit
-         end do
-         if (groups(j)%name == 'system') then
-            message = '&branch: no &motion of this &system stands before it'
-            return
+      associate (study => studies(findloc(studies%name == groups(i)%name, .true., 1)))
+         case%system = system
+         case%osc = oscillator_type(system%number('xi'), system%number('mu'), &
+            system%numbers('restitution'))
+         if (system%has('r') .and. .not. has_own_r(study, groups(i))) case%r = system%number('r')
+         if (study%starts_from /= '') then
+            do j = i - 1, 1, -1
+               if (groups(j)%name == study%starts_from .or. groups(j)%name == 'system') exit
+            end do
+            if (groups(j)%name == 'system') then
+               message = '&'//trim(study%name)//': no &'//trim(study%starts_from)// &
+                  ' of this &system stands before it'
+               return
+            end if
+            associate (start => studies(findloc(studies%name == study%starts_from, .true., 1)))
+               call read_values(trim(start%name), start%keys, groups(j), case%start)
+            end associate
+            call study%check_start(case, groups(i)%line)
+            call pass_on(case%start, line, message)
+            if (len(message) > 0) return
          end if
-         call list_keys_of('motion', keys)
-         call read_values('motion', keys, groups(j), case%start)
-         call check_branch_start(case, groups(i)%line)
-         call pass_on(case%start, line, message)
-         if (len(message) > 0) return
-      end if
-      call list_keys_of(groups(i)%name, keys)
-      call read_values(groups(i)%name, keys, groups(i), case%study)
-      call check_study(case)
+         call read_values(groups(i)%name, study%keys, groups(i), case%study)
+         if (associated(study%check)) call study%check(case)
+      end associate
       call pass_on(case%study, line, message)
    end subroutine take_case
 
@@ -237,50 +287,27 @@ contains
    end subroutine pass_on
 
    !> Whether the last of some groups is a case.
-   pure logical function ends_in_case(groups)
+   pure logical function ends_in_case(studies, groups)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
       !> Some groups of the file.
       type(group_type), intent(in) :: groups(:)
 
       ends_in_case = .false.
-      if (size(groups) > 0) ends_in_case = any(groups(size(groups))%name == study_names)
+      if (size(groups) > 0) ends_in_case = any(studies%name == groups(size(groups))%name)
    end function ends_in_case
 
-   !> Whether a group is a case; a &motion that is only the start of a &branch is not.
-   pure logical function is_case(groups)
+   !> Whether a group is a case; one that is only the start of the study after it is not.
+   pure logical function is_case(studies, groups)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
       !> The group, and all after it.
       type(group_type), intent(in) :: groups(:)
 
-      is_case = any(groups(1)%name == study_names)
-      if (groups(1)%name == 'motion' .and. size(groups) > 1) is_case = groups(2)%name /= 'branch'
+      is_case = any(studies%name == groups(1)%name)
+      if (is_case .and. size(groups) > 1) is_case = .not. any(studies%name == groups(2)%name &
+         .and. studies%starts_from == groups(1)%name)
    end function is_case
-
-   !> The names of all studies but one, for messages: '&motion, &simulate or ...'.
-   pure function list_studies(without) result(text)
-      !> Name of the one that is left out.
-      character(*), intent(in) :: without
-      character(len_trim(padded_list(without))) :: text
-
-      text = padded_list(without)
-   end function list_studies
-
-   !> As `list_studies`, padded with blanks.
-   pure function padded_list(without) result(text)
-      !> Name of the one that is left out.
-      character(*), intent(in) :: without
-      character(15*size(study_names)) :: text
-      integer :: i
-
-      text = ''
-      do i = 1, size(study_names)
-         if (study_names(i) == without) cycle
-         if (i == size(study_names)) then
-            text = trim(text)//' or'
-         else if (len_trim(text) > 0) then
-            text = trim(text)//','
-         end if
-         text = adjustl(trim(text)//' &'//study_names(i))
-      end do
-   end function padded_list
 
    !> The place of a fault: file and line.
    pure function place(path, line) result(text)

@@ -8,6 +8,7 @@ module vi_atlas_study
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
    use vi_result, only: column_type, result_type, truths, wholes, words
+   use vi_study, only: study_type
    use vi_zone_request, only: zone_request_type
    use vi_survey_outcome, only: beyond, outcome_names, periodic
    use vi_progress, only: is_stopped
@@ -18,9 +19,9 @@ module vi_atlas_study
    implicit none (type, external)
    private
 
-   public :: check_atlas, run_atlas
+   public :: declare_atlas
 
-   type(key_type), parameter, public :: atlas_keys(*) = [ &
+   type(key_type), parameter :: atlas_keys(*) = [ &
       key_type('max_impacts', a_whole, default='5', low=2.0_wp, high=8.0_wp, &
       meaning='most impacts of a pattern; an accumulation counts as one'), &
       key_type('max_cycles', a_whole, default='1', low=1.0_wp, high=4.0_wp, &
@@ -34,7 +35,7 @@ module vi_atlas_study
       meaning='guesses for motions at every second node each way, for each pattern'), &
       vertices_key]
 
-   type(column_type), parameter, public :: atlas_columns(*) = [ &
+   type(column_type), parameter :: atlas_columns(*) = [ &
       column_type('families', 'sides', words, meaning='walls in the order of impacts'), &
       column_type('families', 'cycles', wholes, meaning='load cycles of the period'), &
       column_type('families', 'symmetric', truths, &
@@ -60,7 +61,25 @@ module vi_atlas_study
    character(*), parameter :: without_impacts = 'without impacts, the free mass at rest: where &
       &clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)'
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(atlas_keys)) = atlas_keys
+   type(column_type), target :: columns(size(atlas_columns)) = atlas_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_atlas(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'atlas'
+      study%meaning = 'find the zones of all patterns in a window'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'vertices'
+      study%check => check_atlas
+      study%run => run_atlas
+   end subroutine declare_atlas
 
    !> Checks what depends on several keys.
    subroutine check_atlas(case)

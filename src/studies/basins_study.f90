@@ -14,6 +14,7 @@ module vi_basins_study
    use vi_pattern, only: starred_symbols
    use vi_result, only: column_type, result_type, wholes, words
    use vi_spacing, only: even
+   use vi_study, only: study_type
    use vi_progress, only: is_stopped
    use vi_text, only: counted, exact, exact_list, line_type, shown, whole
    use vi_values, only: values_type
@@ -21,14 +22,14 @@ module vi_basins_study
    implicit none (type, external)
    private
 
-   public :: check_basins, run_basins
+   public :: declare_basins
 
    !> Coordinates of a state; y is z - x.
    character(5), parameter :: axis_names(5) = [character(5) :: 't', 'x', 'x_dot', 'y', &
       'z_dot']
 
    character(*), parameter :: beside = 'states list', random = ': it is for a plane'
-   type(key_type), parameter, public :: basins_keys(*) = [clearance_key, &
+   type(key_type), parameter :: basins_keys(*) = [clearance_key, &
       key_type('states', a_whole, may_miss=.true., low=1.0_wp, high=real(most_numbers, wp), &
       meaning='number of random states, instead of a plane'), &
       key_type('list', least=5, most=5*most_numbers, may_miss=.true., never='states', &
@@ -64,7 +65,7 @@ module vi_basins_study
       meaning='longest period that is looked for, in load cycles'), &
       load_key]
 
-   type(column_type), parameter, public :: basins_columns(*) = [ &
+   type(column_type), parameter :: basins_columns(*) = [ &
       column_type('states', 't', unit='1/omega', meaning='time of the initial state'), &
       column_type('states', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
       column_type('states', 'x_dot', unit='omega F0/K', meaning='velocity of the primary mass'), &
@@ -106,7 +107,25 @@ module vi_basins_study
    character(14), parameter :: kinds(6) = [character(14) :: 'periodic', 'rest', 'quasi-periodic', &
       'chaotic', 'no impacts', 'periodic?']
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(basins_keys)) = basins_keys
+   type(column_type), target :: columns(size(basins_columns)) = basins_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_basins(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'basins'
+      study%meaning = 'find the attractors at a point and the basin of each'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'states'
+      study%check => check_basins
+      study%run => run_basins
+   end subroutine declare_basins
 
    !> Checks what depends on several keys.
    subroutine check_basins(case)

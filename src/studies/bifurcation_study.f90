@@ -9,16 +9,17 @@ module vi_bifurcation_study
    use vi_kinds, only: wp
    use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_status, only: stat, status_text
+   use vi_study, only: study_type
    use vi_text, only: append, counted, exact, line_type, whole, whole_width
    use vi_chart_grid, only: most_numbers
    implicit none (type, external)
    private
 
-   public :: check_bifurcation, run_bifurcation
+   public :: declare_bifurcation
 
    character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = &
       'sweep=states'
-   type(key_type), parameter, public :: bifurcation_keys(*) = [ &
+   type(key_type), parameter :: bifurcation_keys(*) = [ &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
       meaning='clearance d K/F0, one or one for each value'), &
@@ -60,7 +61,7 @@ module vi_bifurcation_study
       key_type('z_dot', may_miss=.true., never=states, why=own, option='state', unit='omega F0/K', &
       meaning=state_keys(5)%meaning), load_key]
 
-   type(column_type), parameter, public :: bifurcation_columns(*) = [ &
+   type(column_type), parameter :: bifurcation_columns(*) = [ &
       column_type('runs', 'run', words, meaning='up, down, or a state'), &
       column_type('values', 'value', label='=', meaning='of the parameter'), &
       column_type('values', 'r_along', listed=.false., &
@@ -100,7 +101,25 @@ module vi_bifurcation_study
       column_type('windows', 'cut', truths, listed=.false., &
       meaning='whether it is beside a value that was not reached')]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(bifurcation_keys)) = bifurcation_keys
+   type(column_type), target :: columns(size(bifurcation_columns)) = bifurcation_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_bifurcation(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'bifurcation'
+      study%meaning = 'sweep a parameter up and down, or from many states'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'impacts'
+      study%check => check_bifurcation
+      study%run => run_bifurcation
+   end subroutine declare_bifurcation
 
    !> Checks what depends on several keys.
    subroutine check_bifurcation(case)

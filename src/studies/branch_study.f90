@@ -17,15 +17,16 @@ module vi_branch_study
    use vi_periodic, only: linear_system_type
    use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
    use vi_status, only: stat, status_text
+   use vi_study, only: study_type
    use vi_progress, only: add_expected_work, add_done_work, is_stopped
    use vi_text, only: line_type, number_text, whole
    use vi_values, only: values_type
    implicit none (type, external)
    private
 
-   public :: check_branch, check_branch_start, run_branch
+   public :: declare_branch
 
-   type(key_type), parameter, public :: branch_keys(*) = [ &
+   type(key_type), parameter :: branch_keys(*) = [ &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
       meaning='parameter that changes'), &
       key_type('low', takes='a number, at most the value that the motion has', &
@@ -37,7 +38,7 @@ module vi_branch_study
       key_type('max_points', a_whole, default='4000', low=10.0_wp, high=1.0e5_wp, &
       meaning='points each way after which the branch is cut short')]
 
-   type(column_type), parameter, public :: branch_columns(*) = [ &
+   type(column_type), parameter :: branch_columns(*) = [ &
       column_type('branches', 'branch', wholes, meaning='number of the branch'), &
       column_type('branches', 'symmetric', truths, listed=.false., &
       meaning='whether its motions are their own mirror images half a period later'), &
@@ -94,7 +95,27 @@ module vi_branch_study
       column_type('points', 'special_side', words, words='R,L', listed=.false., &
       meaning='wall that is touched at a grazing')]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(branch_keys)) = branch_keys
+   type(column_type), target :: columns(size(branch_columns)) = branch_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_branch(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'branch'
+      study%meaning = 'follow motions along a parameter'
+      study%starts_from = 'motion'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'points'
+      study%check => check_branch
+      study%check_start => check_branch_start
+      study%run => run_branch
+   end subroutine declare_branch
 
    !> Checks the &motion that a branch starts from.
    subroutine check_branch_start(case, line)
@@ -196,9 +217,11 @@ contains
    end function start_value
 
    !> Follows the branches of the motions of a case.
-   subroutine run_branch(case, result, progress)
+   subroutine run_branch(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
@@ -211,6 +234,8 @@ contains
       integer :: i, n, place
       logical :: tied
 
+      associate (not_used => threads)    ! branches are followed one after the other
+      end associate
       call find_motions(case, case%start, motions)
       call parameter_place(trim(parameter_of(case)), place, tied)
       allocate (branches(size(motions)), starts(size(motions)))

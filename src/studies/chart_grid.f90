@@ -1,6 +1,5 @@
 !> A chart over a window of the plane, by the method that its pattern allows.
 module vi_chart_grid
-   !$ use omp_lib, only: omp_get_max_threads
    use vi_chart, only: equispaced_chart, exact_chart
    use vi_exact, only: setting_type
    use vi_kinds, only: wp
@@ -45,22 +44,22 @@ module vi_chart_grid
 contains
 
    !> All motions of a pattern in a window: the equispaced pair first, if it is wanted.
-   subroutine compute_chart(osc, pattern, grid, chart, progress)
+   subroutine compute_chart(osc, pattern, grid, threads, chart, progress)
       !> The system.
       type(oscillator_type), intent(in) :: osc
       !> Without rest.
       type(pattern_type), intent(in) :: pattern
       !> The grid.
       type(chart_grid_type), intent(in) :: grid
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
       !> What was found; of points that a stop left out the status is `not_computed`.
       type(chart_type), intent(out) :: chart
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      integer :: pair, slots, kind, threads
+      integer :: pair, slots, kind
       logical :: closed_form
 
-      threads = 1
-      !$ threads = omp_get_max_threads()
       closed_form = size(pattern%sides) == 2 .and. allows_symmetry(osc, pattern)
       pair = merge(2, 0, closed_form .and. grid%symmetry >= 0)
       slots = merge(0, grid%slots, closed_form .and. grid%symmetry > 0)

@@ -10,19 +10,20 @@ module vi_chart_study
    use vi_result, only: column_type, complexes, result_type, verdicts, wholes
    use vi_spacing, only: even, spaced
    use vi_status, only: stat
+   use vi_study, only: study_type
    use vi_text, only: whole
    use vi_values, only: values_type
    use vi_chart_grid, only: compute_chart, chart_type, most_numbers, most_points, chart_grid_type
    implicit none (type, external)
    private
 
-   public :: check_chart, run_chart
+   public :: declare_chart
 
    integer, parameter :: most_impacts = 12
    character(*), parameter :: many = &
       'a whole number of at least 2, with r_points x clearance_points <= 1000000'
 
-   type(key_type), parameter, public :: chart_keys(*) = [ &
+   type(key_type), parameter :: chart_keys(*) = [ &
       key_type('sides', a_word, &
       takes='letters R and L, one an impact, 2 to 12 of them, each wall at least once', &
       meaning='walls of the impacts in order, as RRL'), &
@@ -60,7 +61,7 @@ module vi_chart_study
       key_type('multipliers', a_word, words='yes no', may_miss=.true., &
       meaning='''no'' leaves out those of equispaced motions, which take most of the time')]
 
-   type(column_type), parameter, public :: chart_columns(*) = [ &
+   type(column_type), parameter :: chart_columns(*) = [ &
       column_type('ratios', 'r', meaning='frequency ratio'), &
       column_type('clearances', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
       column_type('slots', 'slot', wholes, meaning='number of the motion at its point'), &
@@ -86,7 +87,25 @@ module vi_chart_study
       column_type('points', 'found', wholes, listed=.false., &
       meaning='motions at the point, with those for which there was no slot')]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(chart_keys)) = chart_keys
+   type(column_type), target :: columns(size(chart_columns)) = chart_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_chart(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'chart'
+      study%meaning = 'compute all motions of a pattern on a grid of r and d K/F0'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'motions'
+      study%check => check_chart
+      study%run => run_chart
+   end subroutine declare_chart
 
    !> Checks what depends on several keys.
    subroutine check_chart(case)
@@ -208,9 +227,11 @@ contains
    end function chart_grid_of
 
    !> Finds the motions of a pattern on a grid.
-   subroutine run_chart(case, result, progress)
+   subroutine run_chart(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
@@ -223,7 +244,7 @@ contains
 
       pattern = chart_pattern(case%study)
       grid = chart_grid_of(case%study)
-      call compute_chart(case%osc, pattern, grid, chart, progress)
+      call compute_chart(case%osc, pattern, grid, threads, chart, progress)
       what = side_symbols(pattern%sides)//'/'//whole(pattern%cycles)
       slots = size(chart%status, 1)
       m = size(chart%status, 2)

@@ -9,14 +9,15 @@ module vi_decay_study
    use vi_peaks, only: find_peaks, peak_type
    use vi_result, only: column_type, result_type, wholes
    use vi_status, only: stat, status_text
+   use vi_study, only: study_type
    use vi_text, only: counted, shown, whole
    use vi_chart_grid, only: most_numbers
    implicit none (type, external)
    private
 
-   public :: check_decay, run_decay
+   public :: declare_decay
 
-   type(key_type), parameter, public :: decay_keys(*) = [ &
+   type(key_type), parameter :: decay_keys(*) = [ &
       key_type('clearance', most=100000, low=clearance_key%low, high=clearance_key%high, &
       or='inverse_clearance', unit='F0/K', &
       meaning='clearances d K/F0; F0/K is the unit of length'), &
@@ -33,7 +34,7 @@ module vi_decay_study
       key_type('cycles', a_whole, default='20', low=1.0_wp, high=1.0e6_wp, &
       meaning='oscillations of the primary mass; there are 2 cycles + 1 peaks')]
 
-   type(column_type), parameter, public :: decay_columns(*) = [ &
+   type(column_type), parameter :: decay_columns(*) = [ &
       column_type('runs', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
       column_type('peaks', 'time', unit='1/omega', meaning='time'), &
       column_type('peaks', 'x', unit='F0/K', &
@@ -49,7 +50,26 @@ module vi_decay_study
       column_type('runs', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(decay_keys)) = decay_keys
+   type(column_type), target :: columns(size(decay_columns)) = decay_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_decay(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'decay'
+      study%meaning = 'find the peaks and the damping of free vibration'
+      study%has_load = .false.
+      study%keys => keys
+      study%columns => columns
+      study%row = 'peaks'
+      study%check => check_decay
+      study%run => run_decay
+   end subroutine declare_decay
 
    !> Checks what depends on several keys.
    subroutine check_decay(case)

@@ -12,15 +12,16 @@ module vi_find_study
    use vi_motion_study, only: motion_columns, put_motions
    use vi_result, only: column_type, result_type, wholes, words
    use vi_settled_motion, only: no_impacts, not_stable, settled, unconfirmed, unfinished, wandering
+   use vi_study, only: study_type
    use vi_progress, only: is_stopped
    use vi_text, only: counted, whole
    use vi_trajectory, only: store_events
    implicit none (type, external)
    private
 
-   public :: run_find
+   public :: declare_find
 
-   type(key_type), parameter, public :: find_keys(*) = [clearance_key, &
+   type(key_type), parameter :: find_keys(*) = [clearance_key, &
       key_type('max_impacts', a_whole, default='6', low=2.0_wp, high=12.0_wp, &
       meaning='most impacts of a pattern that is searched'), &
       key_type('max_cycles', a_whole, default='2', low=1.0_wp, high=8.0_wp, &
@@ -83,10 +84,27 @@ module vi_find_study
       column_type('search', 'lost', wholes, listed=.false., &
       meaning='motions that could not be confirmed once more')]
 
-   type(column_type), parameter, public :: find_columns(*) = [motion_columns, event_columns, &
+   type(column_type), parameter :: find_columns(*) = [motion_columns, event_columns, &
       search_columns]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(find_keys)) = find_keys
+   type(column_type), target :: columns(size(find_columns)) = find_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_find(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'find'
+      study%meaning = 'search for all periodic motions at a point'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'impacts'
+      study%run => run_find
+   end subroutine declare_find
 
    !> Searches at the point of a case.
    subroutine run_find(case, threads, result, progress)

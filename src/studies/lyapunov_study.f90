@@ -9,16 +9,17 @@ module vi_lyapunov_study
    use vi_kinds, only: wp
    use vi_result, only: column_type, result_type, wholes
    use vi_status, only: stat, status_text
+   use vi_study, only: study_type
    use vi_text, only: counted, whole
    use vi_trajectory, only: pack_state
    implicit none (type, external)
    private
 
-   public :: check_lyapunov, run_lyapunov
+   public :: declare_lyapunov
 
    character(*), parameter :: with = 'parameter', range_takes = 'a number in the range of the &
       &parameter (1e-6 <= r <= 1e6, 1e-12 <= clearance <= 1e12)'
-   type(key_type), parameter, public :: lyapunov_keys(*) = [ &
+   type(key_type), parameter :: lyapunov_keys(*) = [ &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
       meaning='clearance d K/F0, one or one for each point'), &
@@ -50,7 +51,7 @@ module vi_lyapunov_study
       meaning='parts of the cycles whose scatter gives the standard errors'), &
       state_keys, load_key]
 
-   type(column_type), parameter, public :: lyapunov_columns(*) = [ &
+   type(column_type), parameter :: lyapunov_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
       column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
       column_type('points', 'per_cycle', each='direction', label='exponent_#', &
@@ -69,7 +70,25 @@ module vi_lyapunov_study
       column_type('points', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(lyapunov_keys)) = lyapunov_keys
+   type(column_type), target :: columns(size(lyapunov_columns)) = lyapunov_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_lyapunov(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'lyapunov'
+      study%meaning = 'compute all Lyapunov exponents at a point or along a line'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'points'
+      study%check => check_lyapunov
+      study%run => run_lyapunov
+   end subroutine declare_lyapunov
 
    !> Checks what depends on several keys.
    subroutine check_lyapunov(case)

@@ -15,18 +15,19 @@ module vi_motion_study
    use vi_result, only: column_type, complexes, result_type, verdicts, wholes, words
    use vi_stability, only: leading_kind
    use vi_status, only: stat, status_text
+   use vi_study, only: study_type
    use vi_text, only: counted, line_type, shown, whole
    use vi_values, only: values_type
    implicit none (type, external)
    private
 
-   public :: check_motion, find_motions, motion_request, put_motions, run_motion
+   public :: check_motion, declare_motion, find_motions, motion_request, put_motions
 
    integer, parameter :: most_impacts = 1000
    real(wp), parameter :: pi = acos(-1.0_wp)
 
    character(*), parameter :: known = ', which knows it', equispaced = 'kind=equispaced'
-   type(key_type), parameter, public :: motion_keys(*) = [ &
+   type(key_type), parameter :: motion_keys(*) = [ &
       key_type('kind', a_word, default='''periodic''', words='periodic equispaced exact', &
       takes='''periodic'' (phases given), ''equispaced'' (clearance given) or ''exact'' &
       &(clearance given, phases guessed)', meaning='what is known of the motion'), &
@@ -113,7 +114,33 @@ module vi_motion_study
       logical :: single = .false.
    end type motion_request_type
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(motion_keys)) = motion_keys
+   type(column_type), target :: columns(size(motion_columns)) = motion_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_motion(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'motion'
+      study%meaning = 'compute periodic motions from their load phases or their clearance'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'impacts'
+      study%check => check_case
+      study%run => run_motion
+   end subroutine declare_motion
+
+   !> Checks what depends on several keys.
+   subroutine check_case(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+
+      call check_motion(case%osc, case%study)
+   end subroutine check_case
 
    !> Checks what depends on several keys.
    subroutine check_motion(osc, values)
@@ -281,16 +308,22 @@ contains
    end subroutine solve_near
 
    !> Computes the motions of a case.
-   subroutine run_motion(case, result)
+   subroutine run_motion(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
       type(motion_type), allocatable :: motions(:)
       character(:), allocatable :: text
       logical :: none
       integer :: i
 
+      associate (not_used => threads, not_counted => progress)
+      end associate
       call find_motions(case, case%study, motions)
       call put_motions(motions, result)
       none = all(motions%status /= stat%ok)

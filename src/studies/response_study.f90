@@ -8,14 +8,15 @@ module vi_response_study
    use vi_result, only: column_type, result_type, wholes
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
+   use vi_study, only: study_type
    use vi_text, only: counted, shown, whole
    use vi_chart_grid, only: most_numbers
    implicit none (type, external)
    private
 
-   public :: check_response, run_response
+   public :: declare_response
 
-   type(key_type), parameter, public :: response_keys(*) = [ &
+   type(key_type), parameter :: response_keys(*) = [ &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
       may_miss=.true., option='r-list', &
       meaning='frequency ratios, if they are not evenly spaced'), &
@@ -38,7 +39,7 @@ module vi_response_study
       key_type('load', default='1', low=0.0_wp, above=.true., high=1.0e12_wp, &
       meaning='load amplitude')]
 
-   type(column_type), parameter, public :: response_columns(*) = [ &
+   type(column_type), parameter :: response_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
       column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
       column_type('points', 'lowest', meaning='least max|X|/A of the attractors'), &
@@ -52,7 +53,25 @@ module vi_response_study
       column_type('runs', 'rests', wholes, listed=.false., meaning='rests of a period'), &
       column_type('runs', 'status', wholes, listed=.false., meaning='code of what failed; 0: none')]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(response_keys)) = response_keys
+   type(column_type), target :: columns(size(response_columns)) = response_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_response(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'response'
+      study%meaning = 'follow max|X|/A along r over all attractors'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'points'
+      study%check => check_response
+      study%run => run_response
+   end subroutine declare_response
 
    !> Checks what depends on several keys.
    subroutine check_response(case)

@@ -8,14 +8,15 @@ module vi_simulate_study
    use vi_result, only: column_type, result_type, words
    use vi_simulate, only: event_type, impact_event, stick_event
    use vi_status, only: stat, status_text
+   use vi_study, only: study_type
    use vi_text, only: counted, exact_list
    use vi_trajectory, only: simulate_case
    implicit none (type, external)
    private
 
-   public :: check_simulate, run_simulate
+   public :: declare_simulate
 
-   type(key_type), parameter, public :: simulate_keys(*) = [clearance_key, &
+   type(key_type), parameter :: simulate_keys(*) = [clearance_key, &
       key_type('cycles', low=0.0_wp, high=1.0e9_wp, &
       takes='a number of load cycles with 0 <= cycles <= 1e9', &
       meaning='load cycles to simulate; fractions are allowed'), &
@@ -26,7 +27,7 @@ module vi_simulate_study
       key_type('max_events', a_whole, default='10000000', low=1.0_wp, high=1.0e9_wp, &
       meaning='events after which the simulation is cut short')]
 
-   type(column_type), parameter, public :: simulate_columns(*) = [ &
+   type(column_type), parameter :: simulate_columns(*) = [ &
       column_type('events', 'time', unit='1/omega', meaning='time'), &
       column_type('events', 'kind', words, words='impact,stick,release', meaning='kind'), &
       column_type('events', 'side', words, words='R,L', meaning='wall'), &
@@ -43,7 +44,25 @@ module vi_simulate_study
       column_type('final', 'state', each='coordinate', listed=.false., &
       meaning='the state at the end: t, x, x_dot, z, z_dot')]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(simulate_keys)) = simulate_keys
+   type(column_type), target :: columns(size(simulate_columns)) = simulate_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_simulate(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'simulate'
+      study%meaning = 'simulate from an initial state'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'events'
+      study%check => check_simulate
+      study%run => run_simulate
+   end subroutine declare_simulate
 
    !> Checks what depends on several keys.
    subroutine check_simulate(case)
@@ -54,9 +73,11 @@ contains
    end subroutine check_simulate
 
    !> Simulates a case.
-   subroutine run_simulate(case, result, progress)
+   subroutine run_simulate(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
@@ -66,6 +87,8 @@ contains
       real(wp) :: state(5)
       integer :: status, i
 
+      associate (not_used => threads)    ! one simulation has one thread
+      end associate
       associate (s => case%study)
          call simulate_case(new_forced_system(case%osc, case%r, s%number('load'), &
             s%number('clearance')), &

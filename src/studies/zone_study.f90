@@ -8,6 +8,7 @@ module vi_zone_study
    use vi_orbit, only: most_impacts
    use vi_pattern, only: pattern_type, starred_symbols, starred_pattern
    use vi_result, only: column_type, result_type, truths, wholes, words
+   use vi_study, only: study_type
    use vi_zone_request, only: zone_request_type
    use vi_progress, only: is_stopped
    use vi_text, only: counted, exact, whole
@@ -17,7 +18,7 @@ module vi_zone_study
    implicit none (type, external)
    private
 
-   public :: check_zone, run_zone
+   public :: declare_zone
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
       low=5.0_wp, high=129.0_wp, meaning='lattice lines each way; what touches none can be missed')
@@ -25,7 +26,7 @@ module vi_zone_study
       default='20000', low=100.0_wp, high=200000.0_wp, &
       meaning='vertices of a loop after which it is left open')
 
-   type(key_type), parameter, public :: zone_keys(*) = [ &
+   type(key_type), parameter :: zone_keys(*) = [ &
       key_type('sides', a_word, takes='letters R and L, one an impact, 2 to 24 of them, each wall &
       &at least once; a star after a symbol for impacts that accumulate and end in rest', &
       meaning='walls of the impacts in order, as RRL, or RL* with rest on L'), &
@@ -38,7 +39,7 @@ module vi_zone_study
       &load phase and velocity over D of the last release, then zeros', &
       meaning='motions that are known to exist and that the search could miss')]
 
-   type(column_type), parameter, public :: zone_columns(*) = [piece_columns, &
+   type(column_type), parameter :: zone_columns(*) = [piece_columns, &
       column_type('pieces', 'symmetric', truths, &
       meaning='whether the motions are their own mirror images'), vertex_columns, &
       column_type('open_seeds', 'r', listed=.false., &
@@ -46,7 +47,25 @@ module vi_zone_study
       column_type('open_seeds', 'clearance', unit='F0/K', listed=.false., &
       meaning='clearance of a seed around which no boundary could be closed')]
 
+   !> What the declaration points to: constants cannot be targets.
+   type(key_type), target :: keys(size(zone_keys)) = zone_keys
+   type(column_type), target :: columns(size(zone_columns)) = zone_columns
+
 contains
+
+   !> Declares the study.
+   subroutine declare_zone(study)
+      !> Its declaration.
+      type(study_type), intent(out) :: study
+
+      study%name = 'zone'
+      study%meaning = 'find where the motions of a pattern are stable'
+      study%keys => keys
+      study%columns => columns
+      study%row = 'vertices'
+      study%check => check_zone
+      study%run => run_zone
+   end subroutine declare_zone
 
    !> Checks what depends on several keys.
    subroutine check_zone(case)
@@ -101,9 +120,11 @@ contains
    end function zone_request
 
    !> Finds the zones of a pattern in a window.
-   subroutine run_zone(case, result, progress)
+   subroutine run_zone(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
       !> The result, started.
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
@@ -111,6 +132,8 @@ contains
       type(pieces_type) :: found
       character(:), allocatable :: what, types
 
+      associate (not_used => threads)    ! a boundary is followed from point to point
+      end associate
       call case%study%text('sides', what)
       what = what//'/'//whole(case%study%whole_number('cycles'))
       call zone_pieces(zone_request(case), seeds_of(case), .not. [case%study%is('symmetric', &

@@ -1,7 +1,8 @@
 """The subcommands of `vibroimpact`, one module each.
 
-A module has HELP (one line), DESCRIPTION, EXAMPLE (works as pasted, in the folder of the project),
-`arguments(parser)`, which adds its arguments, and `run(options)`, which gives the exit status.
+A module has HELP (one line; of a study the core says what it does), DESCRIPTION, EXAMPLE (works as pasted, in
+the folder of the project), `arguments(parser)`, which adds its arguments, and `run(options)`, which gives the
+exit status. A study whose command needs no text or option of its own needs no module, see `study.py`.
 """
 
 from __future__ import annotations
@@ -18,12 +19,15 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import ParameterError
+from ..tables import language
 
+#: The studies that have a command, and what each does, as the core declares them; motions have none.
+STUDIES: dict[str, str] = {
+    name: told["meaning"] for name, told in language()["results"].items() if name != "motion"
+}
 #: In the order of the help text.
 NAMES = (
-    "run", "simulate", "find", "branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response",
-    "decay",
-    "explore", "plot", "reproduce", "init", "doctor", "bench", "completion",
+    "run", *STUDIES, "explore", "plot", "reproduce", "init", "doctor", "bench", "completion",
 )  # fmt: skip
 
 #: Forms of results, with what their names end with; the first one if none is named.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from .study import command
 
-HELP = "find the zones of all patterns in a window"
 DESCRIPTION = """Find all zones of the plane (r, d K/F0) in which motions of any pattern, up to a number of
 impacts and cycles, are stable and admissible, for the &atlas cases of namelist files or for
 the one that the options name. The boundaries are written to DIR/NAME.csv, one row a vertex

@@ -8,7 +8,6 @@ from typing import Any
 from ..errors import ParameterError
 from .study import command
 
-HELP = "find the attractors at a point and the basin of each"
 DESCRIPTION = """Find to which attractor each initial state of a plane, or each of many random ones, goes,
 for the &basins cases of namelist files or for the one that the options name. The states
 with their attractors are written to DIR/NAME.csv, one a row, or in another form, and the

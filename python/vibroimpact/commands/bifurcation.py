@@ -8,7 +8,6 @@ from typing import Any
 from ..studies.bifurcation import COLUMNS
 from .study import command
 
-HELP = "sweep a parameter up and down, or from many states"
 DESCRIPTION = """Simulate along a parameter, with the state carried on up and down or from many initial
 states, for the &bifurcation cases of namelist files or for the one that the options name.
 The impacts that are left are written to DIR/NAME.csv, one a row, or in another form, and

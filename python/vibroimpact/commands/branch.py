@@ -10,7 +10,6 @@ from .options import Option, options_of
 from .request import Request, request_of
 from .study import add_study
 
-HELP = "follow motions along a parameter"
 DESCRIPTION = """Follow exact motions along a parameter, through folds, for the &branch cases of namelist
 files or for the one that the options name: its motion has the sides and, about, the phases
 that are given; without them the equispaced motions are followed. The points are written to

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from .study import command
 
-HELP = "compute all motions of a pattern on a grid of r and d K/F0"
 DESCRIPTION = """Compute all motions of a pattern on a grid of the plane (r, d K/F0), with their stability,
 for the &chart cases of namelist files or for the one that the options name. They are
 written to DIR/NAME.csv, one row a motion, or in another form, which also holds the phases

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from .study import command
 
-HELP = "find the peaks and the damping of free vibration"
 DESCRIPTION = """Let the system vibrate freely from an initial displacement or velocity, for one or several
 clearances: for the &decay cases of namelist files or for the one that the options name. The
 peaks of the primary mass, the damping from each to the next on the same side, and the energy

@@ -19,7 +19,6 @@ from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .options import options_of
 from .request import Request, read_cases, request_of
 
-HELP = "search for all periodic motions at a point"
 DESCRIPTION = """Search for all periodic motions, stable and unstable, as the &find cases of namelist files ask
 for, at the points of their other cases, or at the one that the options name; print them and how
 they were searched for. With -o, --format or --plot they are written to DIR/NAME.csv, one row an

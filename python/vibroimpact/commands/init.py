@@ -6,7 +6,6 @@ import argparse
 import shlex
 import textwrap
 from collections.abc import Iterator, Mapping
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from ..errors import ParameterError
 from ..files import write_text
 from ..interchange.namelist import Groups
 from ..tables import language
+from . import STUDIES
 from .options import takes
 
 HELP = "write a commented namelist to start from"
@@ -50,11 +50,11 @@ def example(kind: str) -> tuple[str, Groups]:
     if kind in MOTIONS:
         title, keys = MOTIONS[kind]
         return title, {"system": SYSTEM, "motion": {"kind": kind, **keys}}
-    from ..command import parser_of
+    from ..command import module_of, parser_of
 
-    module = import_module(f".{kind}", __package__)
+    module = module_of(kind)
     options = parser_of(kind).parse_args(shlex.split(module.EXAMPLE)[2:])
-    return module.HELP, module.request(options).groups
+    return STUDIES[kind], module.request(options).groups
 
 
 def template(kind: str, file: str) -> str:

@@ -12,7 +12,6 @@ from .options import Option, options_of, shown
 from .request import Request, request_of
 from .study import add_study
 
-HELP = "compute all Lyapunov exponents at a point or along a line"
 DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a
 point or along a line of r or of d K/F0, through impacts, accumulations and rests, for the
 &lyapunov cases of namelist files or for the one that the options name. They are written to

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from .study import command
 
-HELP = "follow max|X|/A along r over all attractors"
 DESCRIPTION = """Find max|X|/A along r for a clearance or a load, from many initial states, for the &response
 cases of namelist files or for the one that the options name. Its least and greatest value
 over the attractors that coexist are written to DIR/NAME.csv, one row a frequency ratio, or

@@ -7,7 +7,6 @@ import argparse
 from . import ANIMATIONS
 from .study import command
 
-HELP = "simulate from an initial state"
 DESCRIPTION = """Simulate from an initial state, for the &simulate cases of namelist files or for the one
 that the options name. The events are written to DIR/NAME.csv, one a row, or in another
 form; with --plot a picture of the last load cycles stands beside them, with --animate a

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import textwrap
 from collections.abc import Callable, Mapping
+from types import SimpleNamespace
 from typing import Any
 
-from . import add_files, add_forms
+from ..noun import noun_of
+from . import STUDIES, add_files, add_forms
 from .options import Option, options_of
 from .request import Request, request_of
 
@@ -42,3 +45,18 @@ def command(
         return run_kind(options, request(options), details)
 
     return arguments, request, run
+
+
+def plain_command(study: str) -> SimpleNamespace:
+    """The command of a study that has no module here; its example is the one that its class names."""
+    arguments, request, run = command(study)
+    does = STUDIES[study]
+    return SimpleNamespace(
+        DESCRIPTION=textwrap.fill(
+            f"{does[0].upper()}{does[1:]}, for the &{study} cases of namelist files or for the one that the "
+            "options name. The result is written to DIR/NAME.csv, or in another form; with --plot a picture "
+            f'stands beside it. NAME is "{study}" for the case of the options.', 96,
+        ),
+        EXAMPLE=f"vibroimpact {study} {noun_of(study).example} -o results",
+        arguments=arguments, request=request, run=run,
+    )  # fmt: skip

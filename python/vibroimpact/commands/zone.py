@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from .study import command
 
-HELP = "find where the motions of a pattern are stable"
 DESCRIPTION = """Find the zones of the plane (r, d K/F0) in which a pattern has stable, admissible motions,
 for the &zone cases of namelist files or for the one that the options name. The boundaries
 are written to DIR/NAME.csv, one row a vertex with the type of its piece, or in another

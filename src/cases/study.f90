@@ -1,0 +1,102 @@
+!> The declaration of a study: what it is, its keys and columns, and what checks and runs its cases.
+!!
+!! Each study fills one in; `vi_study_list` collects them, and all else looks there.
+module vi_study
+   use vi_case, only: case_type
+   use vi_key, only: key_type
+   use vi_result, only: column_type, result_type
+   implicit none (type, external)
+   private
+
+   public :: join_groups
+
+   !> Largest number of characters of the name of a study.
+   integer, parameter, public :: name_length = 11
+
+   type, public :: study_type
+      !> Of the group that asks for it.
+      character(name_length) :: name = ''
+      !> What it does, as a request: 'find the zones ...'.
+      character(72) :: meaning = ''
+      !> Without a load there is no frequency ratio.
+      logical :: has_load = .true.
+      !> The group before it from which it starts; empty if it starts from none.
+      character(name_length) :: starts_from = ''
+      !> The keys of its group, in the order of the echo.
+      type(key_type), pointer :: keys(:) => null()
+      !> The columns of its result, in the order of the CSV, and the table whose rows are those of
+      !! the CSV.
+      type(column_type), pointer :: columns(:) => null()
+      character(16) :: row = ''
+      !> Checks what depends on several keys; null if nothing does.
+      procedure(check_interface), pointer, nopass :: check => null()
+      !> Checks the group that it starts from; null if it starts from none.
+      procedure(check_start_interface), pointer, nopass :: check_start => null()
+      procedure(run_interface), pointer, nopass :: run => null()
+   end type study_type
+
+   !> What fills in a declaration; for lists of them.
+   type, public :: declare_type
+      procedure(declare_interface), pointer, nopass :: declare => null()
+   end type declare_type
+
+   abstract interface
+      !> Checks what depends on several keys.
+      subroutine check_interface(case)
+         import :: case_type
+         implicit none (type, external)
+         !> In: with its groups read. Out: complete, or with a fault in one of them.
+         type(case_type), intent(inout) :: case
+      end subroutine check_interface
+
+      !> Checks the group that a study starts from.
+      subroutine check_start_interface(case, line)
+         import :: case_type
+         implicit none (type, external)
+         !> In: with its `start` read. Out: with it complete, or with a fault in it.
+         type(case_type), intent(inout) :: case
+         !> Line of the group of the study.
+         integer, intent(in) :: line
+      end subroutine check_start_interface
+
+      !> Computes a case, and fills its result.
+      subroutine run_interface(case, threads, result, progress)
+         import :: case_type, result_type
+         implicit none (type, external)
+         !> Checked.
+         type(case_type), intent(in) :: case
+         !> Number of OpenMP threads; the result does not depend on it.
+         integer, intent(in) :: threads
+         !> In: started, without tables. Out: filled, with notes on what failed.
+         type(result_type), intent(inout) :: result
+         !> Progress counters, see vi_progress.
+         integer, intent(inout), optional :: progress(3)
+      end subroutine run_interface
+
+      !> Fills in the declaration of a study.
+      subroutine declare_interface(study)
+         import :: study_type
+         implicit none (type, external)
+         !> The declaration.
+         type(study_type), intent(out) :: study
+      end subroutine declare_interface
+   end interface
+
+contains
+
+   !> Names of groups for messages: '&motion, &simulate or &find'.
+   pure subroutine join_groups(names, text)
+      !> Names of groups.
+      character(*), intent(in) :: names(:)
+      !> The names in a sentence; empty if there are none.
+      character(:), allocatable, intent(out) :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(names)
+         if (i > 1) text = text//trim(merge(' or', ',  ', i == size(names)))//' '
+         text = text//'&'//trim(names(i))
+      end do
+   end subroutine join_groups
+
+end module vi_study
