@@ -12,7 +12,7 @@ from sphinx_gallery.sorting import FileNameSortKey
 sys.path.insert(0, str(Path(__file__).parent))
 
 import vibroimpact
-from generate import benchmarks, checks, corrections, fortran, namelist, programs, python
+from generate import benchmarks, checks, corrections, fortran, namelist, programs, python, studies
 
 project = "vibroimpact"
 author = "The vibroimpact authors"
@@ -97,7 +97,7 @@ def generate_pages(app):
     folder = Path(app.srcdir) / "generated"
     folder.mkdir(exist_ok=True)
     pages = {}
-    for module in (benchmarks, checks, corrections, fortran, namelist, programs, python):
+    for module in (benchmarks, checks, corrections, fortran, namelist, programs, python, studies):
         pages |= module.pages()
     for name, text in pages.items():
         path = folder / name

@@ -6,7 +6,7 @@ import re
 
 from .shared import ROOT, sentence
 
-FOLDERS = ("numerics", "mechanics", "motions", "studies", "cli")
+FOLDERS = ("numerics", "mechanics", "motions", "cases", "studies", "door", "cli")
 HEAD = re.compile(
     r"^   (?:(?:pure|elemental|recursive|impure|module|type\([\w ]+\)|real\([\w ]+\)|integer|logical"
     r"|character\([\w *:]+\))\s+)*(?:function|subroutine)\s+(\w+)|^   type(?:, \w+(?:\(\w+\))?)* ::\s*(\w+)"

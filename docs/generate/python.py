@@ -1,5 +1,7 @@
 """A section of the Python reference for each module that defines public names."""
 
+from fnmatch import fnmatch
+
 import vibroimpact
 import vibroimpact.plot
 
@@ -11,7 +13,8 @@ SUBJECTS = {
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
-                   "studies.response", "studies.decay", "studies.spacing"),
+                   "studies.response", "studies.spacing"),
+    "Other studies": ("studies.*",),
     "Namelists": ("run",),
     "Results in files": ("interchange.result",),
 }  # fmt: skip
@@ -38,10 +41,9 @@ def pages():
     sections = {}
     for subject, modules in SUBJECTS.items():
         homes = [f"vibroimpact.{module}" for module in modules]
-        names = [name for name, thing in left.items() if home(thing) in homes]
-        sections[subject] = sorted(
-            names, key=lambda name: (homes.index(home(left[name])), name[0].isupper())
-        )
+        places = {name: place(home(thing), homes) for name, thing in left.items()}
+        names = [name for name in left if places[name] < len(homes)]
+        sections[subject] = sorted(names, key=lambda name: (places[name], name[0].isupper()))
         left = {name: thing for name, thing in left.items() if name not in names}
     sections |= {"Other": list(left)} if left else {}
     sections |= EXTRA
@@ -55,6 +57,11 @@ def pages():
             lines += directive(name, thing)
         lines += ["```", ""]
     return {"python.md": "\n".join(lines)}
+
+
+def place(module, homes):
+    """The first of some names or patterns of modules that a module fits; how many there are if none."""
+    return next((i for i, name in enumerate(homes) if fnmatch(module, name)), len(homes))
 
 
 def home(thing):

@@ -1,0 +1,44 @@
+"""What can be asked for, as the core declares its studies, and what one row of each table is."""
+
+import inspect
+
+import vibroimpact
+from vibroimpact.commands import STUDIES
+from vibroimpact.commands.init import MOTIONS
+from vibroimpact.noun import NOUNS
+
+from .shared import ROOT
+
+#: Functions that no class of results leads to.
+FUNCTIONS = {"simulate": ("simulate", "simulate_bundle")}
+
+
+def functions(study):
+    """The public functions of the module of a study."""
+    homes = {noun.__module__ for noun in NOUNS.values() if noun.study == study}
+    public = [getattr(vibroimpact, name) for name in vibroimpact.__all__]
+    return [
+        thing.__name__
+        for thing in public
+        if inspect.isfunction(thing) and inspect.unwrap(thing).__module__ in homes
+    ]
+
+
+def code(words):
+    """Words as code, with commas between."""
+    return ", ".join(f"`{word}`" for word in words)
+
+
+def pages():
+    """The table of studies, and that of the rows in inputs/README.md."""
+    lines = ["| it can | in Python | in a namelist | as a command |", "|---|---|---|---|"]
+    lines += [
+        f"| {does} | `{kind}` | `&motion kind = '{kind}'` | `run` |"
+        for kind, (does, _) in MOTIONS.items()
+    ]
+    for study, does in STUDIES.items():
+        words = code(FUNCTIONS.get(study) or functions(study))
+        lines.append(f"| {does.replace('|', chr(92) + '|')} | {words} | `&{study}` | `{study}` |")
+    readme = (ROOT / "inputs" / "README.md").read_text(encoding="utf-8")
+    rows = "| result of " + readme.partition("\n| result of ")[2].partition("\n\n")[0] + "\n"
+    return {"studies.md": "\n".join(lines) + "\n", "rows.md": rows}
