@@ -13,6 +13,7 @@ module vi_study
    !> Largest number of characters of the name of a study.
    integer, parameter, public :: name_length = 11
 
+   !> The declaration of a study.
    type, public :: study_type
       !> Of the group that asks for it.
       character(name_length) :: name = ''

@@ -4,7 +4,7 @@ module vi_command
    use vi_batch, only: done, failed, log_type, run_file, wrong
    use vi_describe, only: describe_all, describe_group, list_groups
    use vi_files, only: is_folder, print_line
-   use vi_study, only: study_type
+   use vi_study, only: name_length, study_type
    use vi_study_list, only: list_studies
    use vi_text, only: append, line_type, lower
    use vi_version, only: version
@@ -159,7 +159,7 @@ contains
       !> Exit status of the program.
       integer, intent(out) :: status
       type(line_type), allocatable :: lines(:)
-      character(11), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       character(:), allocatable :: group, list
       integer :: i
 

@@ -4,7 +4,7 @@ module vi_describe
    use vi_key, only: a_whole, a_word, describe_key, key_type, unbounded
    use vi_kinds, only: wp
    use vi_result, only: column_kinds, column_type
-   use vi_study, only: study_type
+   use vi_study, only: name_length, study_type
    use vi_study_list, only: find_study, list_studies
    use vi_text, only: append, line_type, number_text, whole
    implicit none (type, external)
@@ -17,11 +17,11 @@ contains
    !> All groups of the language.
    subroutine list_groups(names)
       !> Their names.
-      character(11), allocatable, intent(out) :: names(:)
+      character(name_length), allocatable, intent(out) :: names(:)
       type(study_type), allocatable :: studies(:)
 
       call list_studies(studies)
-      names = [character(11) :: 'system', studies%name, 'output']
+      names = [character(name_length) :: 'system', studies%name, 'output']
    end subroutine list_groups
 
    !> The keys of a group for people: name, what it takes, default, meaning.
@@ -55,7 +55,7 @@ contains
       type(line_type), allocatable, intent(out) :: lines(:)
       type(key_type), allocatable :: keys(:)
       type(study_type), allocatable :: studies(:)
-      character(11), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       character(:), allocatable :: text
       integer :: i, j
 

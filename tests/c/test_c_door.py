@@ -6,6 +6,8 @@ import subprocess
 
 import pytest
 from installed_library import ROOT, call
+from vibroimpact.commands import STUDIES
+from vibroimpact.commands.init import template
 
 SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
 FREE = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
@@ -17,7 +19,6 @@ CASES = {
     "simulate": SYSTEM + "&simulate clearance = 25, z_dot = 8, cycles = 8, discard = 20 /\n",
     "response": FREE + "&response r_min = 1, r_max = 1.04, r_points = 3, clearance = 25,\n"
     "  states = 4 /\n",
-    "decay": FREE + "&decay clearance = 0.3, 0.7, cycles = 5 /\n",
     "find": TABLE1 + "&find clearance = 37, max_impacts = 2, max_cycles = 1 /\n",
     "zone": FREE + "&zone sides = 'RL', symmetric = 'yes', r_min = 0.8, r_max = 1.2,\n"
     "  clearance_min = 2, clearance_max = 200 /\n",
@@ -29,6 +30,10 @@ CASES = {
     "&branch parameter = 'r', low = 0.93, high = 0.95 /\n",
     "bifurcation": SYSTEM + "&bifurcation parameter = 'clearance', low = 60, high = 70,\n"
     "  values = 3, points = 5 /\n",
+}
+# of other studies, but for two that take long, the case that `vibroimpact init` writes
+CASES |= {
+    name: template(name, "case.nml") for name in STUDIES if name not in (*CASES, "chart", "atlas")
 }
 #: Nothing can be found there.
 NOWHERE = FREE + (

@@ -24,6 +24,10 @@ from attractors import (
 )
 from programs import ROOT, assert_refused, column, contents, rows, write
 from vibroimpact.case import read_namelist
+from vibroimpact.commands import STUDIES
+
+#: Studies whose inputs are run by other tests.
+ELSEWHERE = ("simulate", "find", "chart", "branch", "zone", "atlas")
 
 
 def assert_diagram(table, result):
@@ -342,7 +346,7 @@ def test_interrupt_leaves_whole_items(program, request):
     assert contents(run.cwd / "again") == contents(run.cwd / "out")
 
 
-@pytest.mark.parametrize("name", ["lyapunov", "bifurcation", "response", "decay", "basins"])
+@pytest.mark.parametrize("name", [name for name in STUDIES if name not in ELSEWHERE])
 def test_inputs(name, batch, command, same_build):
     """The files that show what there is, from both programs and again from the results."""
     path = str(ROOT / "inputs" / f"{name}.nml")

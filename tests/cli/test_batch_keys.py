@@ -1,6 +1,5 @@
 """The tables of keys, as `--describe` prints them: every door keeps what they say."""
 
-import importlib
 import inspect
 import json
 import math
@@ -8,19 +7,62 @@ import random
 import re
 import subprocess
 import sys
+from ast import literal_eval
+from functools import partial
 
 import pytest
 import vibroimpact as vi
 from programs import ROOT, SYSTEM, find_batch
 from vibroimpact import checks
-from vibroimpact.command import parser_of
+from vibroimpact.command import module_of, parser_of
+from vibroimpact.commands import STUDIES as COMMANDS
 from vibroimpact.commands import Record, cases
+from vibroimpact.commands.init import example, shown
 from vibroimpact.commands.request import read_cases
 from vibroimpact.errors import ParameterError, VibroimpactError
 
 WALLS = SYSTEM.replace(", r = 0.94", "")
 POINT = "&motion kind = 'exact', sides = 'RL', phases = 0, 4.3, clearance = 37 /\n"
 WINDOW = "r_min = 0.8, r_max = 1.2, clearance_min = 2, clearance_max = 200"
+TABLES = json.loads(
+    subprocess.run([find_batch(), "--describe"], capture_output=True, check=True).stdout
+)["groups"]
+#: The studies whose smallest case is the example of their command, as far as their keys have no default.
+OTHERS = [
+    name for name in COMMANDS
+    if name not in ("simulate", "find", "chart", "branch", "zone", "atlas", "lyapunov", "bifurcation",
+                    "response", "basins")
+]  # fmt: skip
+
+
+def needed(name):
+    """The frequency ratio and the keys of the example of a command, as in a namelist."""
+    groups = example(name)[1]
+    given = {
+        key["name"]: groups[name].get(key["name"]) for key in TABLES[name] if not key["default"]
+    }
+    given = {"r": groups["system"].get("r")} | given
+    return {key: shown(value) for key, value in given.items() if value is not None}
+
+
+def smallest(name):
+    """What stands before the group of a study, and its keys."""
+    keys = needed(name)
+    before = WALLS if keys.pop("r", None) is None else SYSTEM
+    return before, ", ".join(f"{key} = {value}" for key, value in keys.items())
+
+
+def call(name, osc, **keys):
+    """The function of a study with these keys, and with others."""
+    instead = {key["name"] for key in TABLES[name] if key["or"] in keys}
+    ours = {
+        key: literal_eval(f"[{value}]") for key, value in needed(name).items() if key not in instead
+    }
+    return getattr(vi, name)(
+        osc, **{key: x[0] if len(x) == 1 else x for key, x in ours.items()} | keys
+    )
+
+
 #: The smallest case of each group: what stands before it, and its keys.
 SMALLEST = {
     "motion": (SYSTEM, "sides = 'RL', phases = 0, 4.3"),
@@ -32,11 +74,11 @@ SMALLEST = {
     "lyapunov": (SYSTEM, "clearance = 37"),
     "bifurcation": (SYSTEM, "parameter = 'clearance', low = 2, high = 9, values = 3"),
     "response": (WALLS, "r_min = 0.9, r_max = 1.1, r_points = 3, clearance = 37"),
-    "decay": (WALLS, "clearance = 3"),
     "basins": (
         SYSTEM,
         "clearance = 37, axes = 'x', 'z_dot', low = -1, -1, high = 1, 1, values = 2, 2",
     ),
+    **{name: smallest(name) for name in OTHERS},
 }
 #: What a call from Python takes beside the oscillator, for the keys that it has by their names.
 CALLS = {
@@ -46,13 +88,12 @@ CALLS = {
     "lyapunov": lambda osc, **keys: vi.lyapunov(osc, 0.94, **{"clearance": 37} | keys),
     "response": lambda osc, **keys: vi.response(
         osc, [0.94], **({} if {"clearance", "inverse_clearance"} & set(keys) else {"clearance": 37}) | keys),
-    "decay": lambda osc, **keys: vi.decay(
-        osc, **({} if {"clearance", "inverse_clearance"} & set(keys) else {"clearance": 37}) | keys),
     "basins": lambda osc, states=None, **keys: vi.basins(osc, 0.94, **{"clearance": 37} | (
         {"plane": (("x", -1, 1, 2), ("z_dot", -1, 1, 2))} if states is None and "seed" not in keys
         else {"states": 9 if states is None else states}) | keys),
     "branch": lambda osc, **keys: vi.branch(
         vi.equispaced(osc, 0.94, 37)[0], bounds=(10, 60), **keys),
+    **{name: partial(call, name) for name in OTHERS},
 }  # fmt: skip
 
 #: The smallest case of each group that has a command, as options without the oscillator.
@@ -65,13 +106,16 @@ OPTIONS = {
     "lyapunov": "--r 0.94 --clearance 37",
     "bifurcation": "--r 0.94 --parameter clearance --values 2 9 3",
     "response": "--r .9 1.1 3 --clearance 37",
-    "decay": "--clearance 3",
     "basins": "--r 0.94 --clearance 37 --plane x -1 1 2 z_dot -1 1 2",
+    **{
+        name: " ".join(
+            f"--{key.replace('_', '-')} {value}".replace(",", "")
+            for key, value in needed(name).items()
+        )
+        for name in OTHERS
+    },
 }
 
-TABLES = json.loads(
-    subprocess.run([find_batch(), "--describe"], capture_output=True, check=True).stdout
-)["groups"]
 STUDIES = list(SMALLEST)
 KEYS = [(group, key["name"]) for group in STUDIES for key in TABLES[group]]
 
@@ -267,7 +311,7 @@ def as_options(values, table):
 def made(group, words):
     """What is read of the case that options make, under the name of `echo`; or the fault."""
     found = []
-    module = importlib.import_module(f"vibroimpact.commands.{group}")
+    module = module_of(group)
     system = "--xi 0.005 --mu 0.042 --restitution 0.75"
     options = parser_of(group).parse_intermixed_args(
         [*system.split(), *OPTIONS[group].split(), *words]

@@ -13,6 +13,7 @@ import pytest
 import vibroimpact as vi
 from programs import WRITTEN, Runner, contents, find_command, kinds, write
 from vibroimpact.command import main
+from vibroimpact.commands import STUDIES
 
 SUFFIX = {"json": "json", "netcdf": "nc", "matlab": "mat"}
 SYSTEM = ["--xi", "0.0114", "--mu", "0.028", "--restitution", "0.75"]
@@ -136,10 +137,7 @@ def test_bad_grids(words, said, tool):
     assert done.faults[0].startswith(f"vibroimpact chart: {said}")
 
 
-@pytest.mark.parametrize("kind", [
-    "branch", "zone", "atlas", "chart", "simulate", "find", "lyapunov", "bifurcation", "basins", "response",
-    "decay",
-])  # fmt: skip
+@pytest.mark.parametrize("kind", STUDIES)
 def test_computed_once(kind, tmp_path, monkeypatch):
     """Table, picture and document from one computation; the table has the bytes of the compiled program."""
     path = write(tmp_path / "case.nml", kinds()[kind])

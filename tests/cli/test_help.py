@@ -1,29 +1,24 @@
 """The help of each command: its example works as it is pasted, and it is all there."""
 
-import importlib
 import os
 import re
 import subprocess
 
 import pytest
 from programs import BIN, contents
-from vibroimpact.command import parsers
-from vibroimpact.commands import NAMES
+from vibroimpact.command import module_of, parsers
+from vibroimpact.commands import NAMES, STUDIES
 
-EXAMPLES = {name: importlib.import_module(f"vibroimpact.commands.{name}").EXAMPLE for name in NAMES}
+EXAMPLES = {name: module_of(name).EXAMPLE for name in NAMES}
 #: What each example writes; those that write nothing have tests of their own.
 WRITTEN = {
+    **{name: [f"results/{name}.csv"] for name in STUDIES},
     "run": ["exact.nml", "results/exact.csv"],
     "simulate": ["results/simulate.csv", "results/simulate.png"],
     "find": ["results/find.csv", "results/find.png"],
     "plot": ["results/zone.png", "zone.nml"],
     "init": ["zone.nml"],
     "reproduce": ["results/data/.table1.done", "results/table1.csv", "results/table1.txt"],
-    **{
-        name: [f"results/{name}.csv"]
-        for name in ("branch", "zone", "atlas", "chart", "bifurcation", "basins", "lyapunov", "response",
-                     "decay")
-    },
 }  # fmt: skip
 
 

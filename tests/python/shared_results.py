@@ -1,6 +1,10 @@
 """Which results there are, and whether two are the same."""
 
 import numpy as np
+from vibroimpact.commands import STUDIES
+from vibroimpact.commands.init import template
+from vibroimpact.door import run_text
+from vibroimpact.noun import noun_of
 
 NAMES = (
     "motion",
@@ -15,6 +19,17 @@ NAMES = (
     "zone",
     "atlas",
 )
+#: The studies of which no result is among those, nor in tests of their own files; and further results of them.
+STUDIES_NAMED = (
+    "one",
+    "states",
+    *(name for name in STUDIES if name not in (*NAMES, "simulate", "find", "chart")),
+)
+
+
+def example(study):
+    """The result of the case that `vibroimpact init` writes for a study."""
+    return run_text(noun_of(study), template(study, "case.nml"))
 
 
 def same(one, other):

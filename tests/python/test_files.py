@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import vibroimpact as vi
-from shared_results import NAMES, same, write
+from shared_results import NAMES, STUDIES_NAMED, same, write
 
 FILES = [name for name in NAMES if name != "still"]
 
@@ -198,9 +198,7 @@ def test_missing_libraries_are_named(results, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("suffix", [".json", ".nc", ".mat"])
-@pytest.mark.parametrize(
-    "name", ["lyapunov", "one", "basins", "states", "bifurcation", "response", "decay"]
-)
+@pytest.mark.parametrize("name", STUDIES_NAMED)
 def test_studies_of_attractors_come_back(name, suffix, attractors, tmp_path):
     """Every bit of them too."""
     pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy", ".json": "json"}[suffix])

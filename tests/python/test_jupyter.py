@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import vibroimpact as vi
-from shared_results import NAMES
+from shared_results import NAMES, STUDIES_NAMED
 from shared_systems import FIGURE6
 
 
@@ -49,9 +49,7 @@ def test_jupyter_of_an_empty_zone():
     assert "img" not in zone._repr_html_()
 
 
-@pytest.mark.parametrize(
-    "name", ["lyapunov", "basins", "states", "bifurcation", "response", "decay"]
-)
+@pytest.mark.parametrize("name", [name for name in STUDIES_NAMED if name != "one"])
 def test_jupyter_shows_studies_of_attractors(name, attractors):
     """They inherit it; states in no plane have no picture."""
     pytest.importorskip("matplotlib")

@@ -1,5 +1,8 @@
-"""Eight threads that read and run namelist files: each gets what one thread gets."""
+"""Eight threads that read and run namelist files: each gets what one thread gets. How many compute one case."""
 
+import os
+import subprocess
+import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -109,3 +112,30 @@ def test_saving_one_file(suffix, tmp_path):
     together(lambda _: [motion.save(path) for _ in range(ROUNDS)])
     assert [item.name for item in tmp_path.iterdir()] == [path.name]
     assert path.read_bytes() == alone
+
+
+#: Counts the threads of the process after a case that one thread computes, and one that four do.
+COUNT = """
+import os, sys
+import vibroimpact as vi
+osc = vi.Oscillator(0.0114, 0.028, 0.75)
+calls = {
+    "chart": lambda n: vi.chart(osc, vi.Pattern("RL"), [1.0, 1.1], [20.0, 30.0], threads=n),
+    "response": lambda n: vi.response(osc, [1.0, 1.1], clearance=25.0, states=4, settling=10, threads=n),
+}
+for n in (1, 4):
+    calls[sys.argv[1]](n)
+    print(len(os.listdir("/proc/self/task")))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="counts threads where Linux lists them")
+@pytest.mark.parametrize("study", ["chart", "response"])
+def test_as_many_threads_as_asked_for(study):
+    """One thread starts no others, and four are three more, on any number of processors."""
+    done = subprocess.run(
+        [sys.executable, "-c", COUNT, study], capture_output=True, text=True, check=True,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "3"},
+    )  # fmt: skip
+    one, four = map(int, done.stdout.split())
+    assert four == one + 3
