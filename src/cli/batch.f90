@@ -5,6 +5,7 @@ module vi_batch
    use vi_log, only: done, failed, log_type, say, wrong
    use vi_printout, only: print_motions
    use vi_processor, only: available_threads
+   use vi_progress, only: is_stopped
    use vi_read_cases, only: read_cases
    use vi_read_file, only: is_result
    use vi_result, only: result_type
@@ -53,6 +54,10 @@ contains
          return
       end if
       do i = 1, size(cases)
+         if (is_stopped(progress)) then
+            call say(log, failed, cases(i)%name//': not run, since the program was interrupted')
+            cycle
+         end if
          call run_case(cases(i), folder, log, written, progress)
          if (.not. written) return                     ! the next one would not be written either
       end do
@@ -97,6 +102,7 @@ contains
          call say(log, wrong, message//writable)
          return
       end if
+      if (len(result%cut) > 0) call say(log, failed, case%name//': interrupted: '//result%cut)
       do i = 1, size(result%notes)
          call say(log, merge(failed, done, result%notes(i)%fault), case%name//': '// &
             result%notes(i)%text)

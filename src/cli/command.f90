@@ -31,7 +31,9 @@ module vi_command
 contains
 
    !> Runs what the arguments ask for and returns the exit status.
-   subroutine run_command(status)
+   subroutine run_command(progress, status)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout) :: progress(3)
       !> Exit status: `done`, `failed` or `wrong`.
       integer, intent(out) :: status
       type(line_type), allocatable :: files(:), lines(:)
@@ -87,7 +89,7 @@ contains
       end if
       said = 0
       do i = 1, size(files)
-         call run_file(files(i)%text, folder, log)
+         call run_file(files(i)%text, folder, log, progress=progress)
          do said = said + 1, size(log%lines)
             associate (line => log%lines(said)%text)
                if (line(1:1) == '!') then

@@ -36,6 +36,8 @@ module vi_atlas
    type, public :: family_type
       type(pattern_type) :: pattern
       logical :: symmetric = .false.
+      !> Whether the search for its zone was completed.
+      logical :: searched = .false.
       type(zone_type) :: zone
    end type family_type
 
@@ -302,20 +304,29 @@ contains
       type(release_type), intent(in) :: releases(:, :, :)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      type(zone_type), allocatable :: zone
       integer :: j, status
 
       ! patterns with rest and long ones take longest: they come first
-      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status)
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status, zone)
       do j = size(atlas%families), 1, -1
          if (.not. wanted(j)) cycle
+         if (is_stopped(progress)) cycle
+         allocate (zone)
          ! a family without motions has an empty zone, whatever the status
          if (rests(atlas%families(j)%pattern)) then
             call find_zone(zone_request(request, atlas%families(j), finer), seeds_of(atlas, &
-               atlas%families(j)%pattern), atlas%families(j)%zone, status, progress, releases)
+               atlas%families(j)%pattern), zone, status, progress, releases)
          else
             call find_zone(zone_request(request, atlas%families(j), finer), seeds_of(atlas, &
-               atlas%families(j)%pattern), atlas%families(j)%zone, status, progress)
+               atlas%families(j)%pattern), zone, status, progress)
          end if
+         ! an incomplete zone is discarded; one that an earlier search found is kept
+         if (.not. is_stopped(progress)) then
+            atlas%families(j)%zone = zone
+            atlas%families(j)%searched = .true.
+         end if
+         deallocate (zone)
       end do
       !$omp end parallel do
    end subroutine trace_families

@@ -1,6 +1,6 @@
 !> The study &atlas: the zones of all patterns in a window.
 module vi_atlas_study
-   use vi_atlas, only: atlas_request_type, atlas_type, find_atlas, outcomes_of
+   use vi_atlas, only: atlas_request_type, atlas_type, family_type, find_atlas, outcomes_of
    use vi_case, only: case_type
    use vi_common_keys, only: check_window, window_keys
    use vi_family, only: can_be_symmetric
@@ -123,13 +123,17 @@ contains
       type(line_type), allocatable :: sides(:)
       character(:), allocatable :: said, patterns
       integer :: j, lost
+      logical :: stopped
 
       request = atlas_request(case, threads)
       call find_atlas(request, atlas, progress)
-      if (is_stopped(progress)) then
-         result%cut = 'it was stopped before all zones were found'
-         result%empty = .true.
-         return
+      stopped = is_stopped(progress)
+      if (stopped) then
+         result%cut = whole(count(atlas%families%searched))//' of '// &
+            whole(size(atlas%families))//' families of motions were searched'
+         result%empty = .not. any(atlas%families%searched)
+         if (result%empty) return
+         call keep_searched(atlas)
       end if
       allocate (found(size(atlas%families)), sides(size(atlas%families)))
       do j = 1, size(found)
@@ -140,7 +144,8 @@ contains
             sides(j)%text = starred_symbols(family%pattern%sides)
          end associate
       end do
-      lost = count(.not. atlas%explained)
+      ! the zones of attractors outside all zones can be among those that were not searched
+      lost = merge(0, count(.not. atlas%explained), stopped)
       call survey_text(atlas, said)
       call result%open('families', 'family', [size(found)])
       call result%put_text('families', 'sides', sides)
@@ -149,13 +154,13 @@ contains
          j=1, size(found))])
       call put_pieces(found, result)
       call put_points(atlas, result)
-      result%empty = all(found%n == 0) .and. all(found%closed) .and. lost == 0
+      result%empty = all(found%n == 0) .and. all(found%closed) .and. lost == 0 .and. .not. stopped
       if (result%empty) then
          call result%fail('no zone: neither search nor survey found a stable, &
             &admissible motion within the limits in the window; '//said)
          return
       end if
-      call remark_survey(atlas, found, said, result)
+      call remark_survey(atlas, found, said, lost, result)
       call result%say(counted(count(found%loops > 0), 'zone')//', '//counted(sum(found%loops), &
          'loop')//', '//counted(size(atlas%explained), 'attractor')//' surveyed')
       call result%say(said)
@@ -168,6 +173,23 @@ contains
       call result%fail(whole(lost)//' of '//counted(size(atlas%explained), &
          'attractor')//' in no zone of the pattern:'//patterns)
    end subroutine run_atlas
+
+   !> Removes the families whose zones were not completed.
+   pure subroutine keep_searched(atlas)
+      !> In and out: the atlas.
+      type(atlas_type), intent(inout) :: atlas
+      type(family_type), allocatable :: kept(:)
+      integer :: i, n
+
+      allocate (kept(count(atlas%families%searched)))
+      n = 0
+      do i = 1, size(atlas%families)
+         if (.not. atlas%families(i)%searched) cycle
+         n = n + 1
+         kept(n) = atlas%families(i)
+      end do
+      call move_alloc(kept, atlas%families)
+   end subroutine keep_searched
 
    !> Puts the points of the survey into the result.
    pure subroutine put_points(atlas, result)
@@ -203,13 +225,15 @@ contains
    end subroutine put_points
 
    !> Adds remarks on the outcomes of the survey, and on what is missing.
-   pure subroutine remark_survey(atlas, found, said, result)
+   pure subroutine remark_survey(atlas, found, said, lost, result)
       !> The atlas.
       type(atlas_type), intent(in) :: atlas
       !> The pieces of each family.
       type(pieces_type), intent(in) :: found(:)
       !> The outcomes of the survey, in words.
       character(*), intent(in) :: said
+      !> Number of attractors that should lie in a zone and do not; they are listed if it is not 0.
+      integer, intent(in) :: lost
       !> The result.
       type(result_type), intent(inout) :: result
       integer :: i, j
@@ -221,7 +245,7 @@ contains
             atlas%families(j)%pattern%sides, atlas%families(j)%pattern%cycles)//': '//not_closed// &
             ' (its loop is 0)')
       end do
-      do i = 1, size(atlas%attractors)
+      do i = 1, merge(size(atlas%attractors), 0, lost > 0)
          if (atlas%explained(i)) cycle
          associate (item => atlas%attractors(i))
             call result%remark('in no zone of its pattern: '//pattern_text(item%symbols, &

@@ -112,7 +112,7 @@ contains
       ! a continuation over the grid crosses the grid in about as many sweeps as it has lines
       sweeps = size(r) + size(clearance)
       left = 2*sweeps
-      call add_expected_work(size(points, 2) + left, progress)
+      call add_expected_work(size(points, 2) + left + size(r), progress)
       do i = 1, size(points, 2), 4*threads
          if (is_stopped(progress)) exit
          last = min(i + 4*threads - 1, size(points, 2))
@@ -130,13 +130,13 @@ contains
       call add_done_work(left, progress)
       found = counts(2, :, :)
       call finish_chart(setting, r, clearance, threads, unknowns, marks(1, :, :, :), found, &
-         phases, impacts, scalars, multipliers, verdicts, status)
+         phases, impacts, scalars, multipliers, verdicts, status, progress)
       if (is_stopped(progress)) where (status == stat%no_motion) status = stat%not_computed
    end subroutine exact_chart
 
    !> Puts the motions found into slots, and computes them once more with their verdicts.
    subroutine finish_chart(setting, r, clearance, threads, unknowns, ranks, found, phases, &
-      impacts, scalars, multipliers, verdicts, status)
+      impacts, scalars, multipliers, verdicts, status, progress)
       !> Given data; its r and clearance are not read.
       type(setting_type), intent(in) :: setting
       !> (n) and (m): frequency ratios and clearances of the grid.
@@ -156,6 +156,9 @@ contains
       !> (3, capacity, m, n) consistent, admissible, stable; (capacity, m, n) codes of vi_status,
       !! `stat%no_motion` in empty slots.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :)
+      !> Progress counters, see vi_progress. A request to stop is not followed: what the search found
+      !! would be lost.
+      integer, intent(inout), optional :: progress(3)
       integer :: slots(size(ranks, 1), size(ranks, 2), size(ranks, 3))
       type(setting_type) :: here
       real(wp) :: nan, scale(size(clearance), size(r))
@@ -187,6 +190,7 @@ contains
                   s, j, k), verdicts(:, s, j, k), status(s, j, k), iterations)
             end do
          end do
+         call add_done_work(1, progress)
       end do
       !$omp end parallel do
    end subroutine finish_chart

@@ -9,7 +9,7 @@ module vi_simulate_study
    use vi_simulate, only: event_type, impact_event, stick_event
    use vi_status, only: stat, status_text
    use vi_study, only: study_type
-   use vi_text, only: counted, exact_list
+   use vi_text, only: counted, exact_list, whole
    use vi_trajectory, only: simulate_case
    implicit none (type, external)
    private
@@ -95,7 +95,12 @@ contains
             state_of(s), s%number('cycles'), s%number('discard'), s%whole_number('max_events'), &
             final, events, status, progress)
       end associate
-      if (status /= stat%ok .and. status /= stat%more_events) then
+      if (status == stat%not_computed) then
+         result%cut = 'the simulation was stopped after '//whole(count(events%kind == &
+            impact_event))//' impacts of the cycles kept'
+         result%empty = size(events) == 0
+         if (result%empty) return
+      else if (status /= stat%ok .and. status /= stat%more_events) then
          result%empty = .true.
          call result%fail(status_text(status))
          return
@@ -115,11 +120,11 @@ contains
       call result%put('events', 'x_dot_after', events%x_dot_after)
       call result%put('events', 'z_dot_before', events%z_dot_before)
       call result%put('events', 'z_dot_after', events%z_dot_after)
-      if (status /= stat%ok) call result%remark('cut short: max_events was reached')
+      if (status == stat%more_events) call result%remark('cut short: max_events was reached')
       call result%remark('final state: t, x, x_dot, z, z_dot = '//exact_list(state))
       call result%say(counted(count(events%kind == impact_event), 'impact')//', '//counted(count( &
          events%kind == stick_event), 'rest'))
-      if (status /= stat%ok) call result%fail('cut short, max_events was reached')
+      if (status == stat%more_events) call result%fail('cut short, max_events was reached')
    end subroutine run_simulate
 
 end module vi_simulate_study

@@ -10,7 +10,7 @@ module vi_trajectory
    use vi_rest, only: new_rest
    use vi_simulate, only: forced_system_type, event_type, simulate, state_time, state_type
    use vi_status, only: stat
-   use vi_progress, only: add_expected_work, add_done_work
+   use vi_progress, only: add_expected_work, add_done_work, is_stopped
    implicit none (type, external)
    private
 
@@ -90,7 +90,8 @@ contains
       type(state_type), intent(out) :: final
       !> The events of the cycles that are kept.
       type(event_type), allocatable, intent(out) :: events(:)
-      !> `stat%ok`, `stat%more_events` (max_events was reached) or `stat%budget`.
+      !> `stat%ok`, `stat%more_events` (max_events was reached), `stat%budget` or `stat%not_computed`
+      !! (stopped by the caller; the final state and the events so far are those of the simulation).
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
@@ -126,34 +127,44 @@ contains
       logical, intent(in) :: keep
       !> In and out: the list of events.
       type(event_type), allocatable, intent(inout) :: events(:)
-      !> `stat%ok`, `stat%more_events` or `stat%budget`.
+      !> `stat%ok`, `stat%more_events`, `stat%budget` or `stat%not_computed` (stopped by the caller).
       integer, intent(out) :: status
       !> Units of work of these cycles in the progress counters.
       integer, intent(in) :: work
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      ! between two looks at the request to stop: events, and load cycles
       integer, parameter :: chunk = 65536
+      integer(int64), parameter :: span = 100000_int64
       type(event_type), allocatable :: chunk_events(:)
-      integer(int64) :: last_cycle, first_cycle
-      real(wp) :: last_phase
-      integer :: n, total, told, now
+      integer(int64) :: last_cycle, first_cycle, cycle
+      real(wp) :: last_phase, phase
+      logical :: last
+      integer :: n, total, reported, now
 
       call later(final, cycles, last_cycle, last_phase)
       total = 0
-      told = 0
+      reported = 0
       first_cycle = final%cycle
       do
          allocate (chunk_events(min(chunk, max_events - total)))
-         call simulate(system, state, last_cycle, last_phase, chunk_events, n, final, status)
+         last = last_cycle - final%cycle <= span
+         cycle = merge(last_cycle, final%cycle + span, last)
+         phase = merge(last_phase, final%phase, last)
+         call simulate(system, state, cycle, phase, chunk_events, n, final, status)
          if (keep) events = [events, chunk_events(:n)]
          total = total + n
-         now = work
-         if (status == stat%more_events) now = int(work*((chunk_events(n)%cycle - &
-            first_cycle)/cycles))
-         call add_done_work(now - told, progress)
-         told = now
          deallocate (chunk_events)
-         if (status /= stat%more_events .or. total >= max_events) return
+         if (status /= stat%ok .and. status /= stat%more_events) return
+         last = last .and. status == stat%ok
+         now = merge(work, int(work*((final%cycle - first_cycle)/cycles)), last)
+         call add_done_work(now - reported, progress)
+         reported = now
+         if (last .or. (status == stat%more_events .and. total >= max_events)) return
+         if (is_stopped(progress)) then
+            status = stat%not_computed
+            return
+         end if
       end do
    end subroutine gather
 

@@ -378,3 +378,25 @@ def test_vertices_of_a_zone_with_rest_by_simulation():
                 value = r if piece.detail.endswith(" r") else clearance
                 assert abs(value / bound - 1) < 1e-12
     assert kinds == {"rest_vanishes", "window"}
+
+
+def test_a_stopped_atlas_keeps_the_zones_that_were_finished():
+    """Each of them is the same zone as in the whole atlas, and the result says how many are missing."""
+    window = {"r": (0.8, 1.2), "clearance": (2, 200), "max_impacts": 3, "survey": 20}
+    whole = vi.atlas(UNEQUAL, **window)
+
+    def stop(share, what):
+        if share > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vi.errors.StudyInterrupted) as caught:
+        vi.atlas(UNEQUAL, **window, progress=stop, threads=1)
+    part = caught.value.result
+    assert not part.complete
+    kept, wanted = (int(n) for n in part.cut.split(" families")[0].split(" of "))
+    assert 0 < kept < wanted
+    zones = {zone.pattern: zone for zone in whole.zones}
+    assert set() < {zone.pattern for zone in part.zones} < set(zones)
+    for zone in part.zones:
+        assert zone.closed
+        assert zone.area == zones[zone.pattern].area

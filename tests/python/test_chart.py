@@ -279,8 +279,8 @@ def test_interrupt(monkeypatch):
     assert "stopped" in vi.status_text(12)
 
 
-def test_interrupted_flood(monkeypatch):
-    """The same in the middle of a flood."""
+def test_interrupted_continuation(monkeypatch):
+    """In the middle of the search, with all motions found so far."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
     with pytest.raises(vi.errors.StudyInterrupted) as caught:
         vi.chart(OSC, vi.Pattern("RRL"), R, D, progress=Impatient(0.6))

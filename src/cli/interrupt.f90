@@ -1,0 +1,54 @@
+!> Ctrl-C in the stand-alone program: the running study stops, and what is finished is written.
+module vi_interrupt
+   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, c_null_funptr
+   implicit none (type, external)
+   private
+
+   public :: catch_interrupts
+
+   !> Progress counters of the running study, see vi_progress.
+   integer, public, target :: progress(3) = 0
+
+   !> SIGINT and SIGTERM, the same numbers on Linux, macOS and Windows.
+   integer(c_int), parameter :: signals(2) = [2_c_int, 15_c_int]
+   !> SIG_IGN.
+   integer(c_intptr_t), parameter :: ignored = 1
+
+   interface
+      !> The C library's signal().
+      type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
+         import :: c_funptr, c_int
+         implicit none (type, external)
+         !> Number of the signal.
+         integer(c_int), value, intent(in) :: number
+         !> The function to call, or null for the default action.
+         type(c_funptr), value, intent(in) :: handler
+      end function c_signal
+   end interface
+
+contains
+
+   !> From now on the first Ctrl-C (or SIGTERM) stops the study, and the second ends the program.
+   subroutine catch_interrupts()
+      type(c_funptr) :: before
+      integer :: i
+
+      do i = 1, size(signals)
+         before = c_signal(signals(i), c_funloc(stop_study))
+         ! a signal that the caller told this program to ignore, as nohup does, stays ignored
+         if (transfer(before, ignored) == ignored) before = c_signal(signals(i), before)
+      end do
+   end subroutine catch_interrupts
+
+   !> The signal handler.
+   subroutine stop_study(number) bind(c)
+      !> Number of the signal.
+      integer(c_int), value, intent(in) :: number
+      type(c_funptr) :: before
+
+      !$omp atomic write
+      progress(3) = 1
+      before = c_signal(number, c_null_funptr)
+   end subroutine stop_study
+
+end module vi_interrupt

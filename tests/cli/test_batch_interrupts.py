@@ -1,0 +1,66 @@
+"""Ctrl-C and SIGTERM in the stand-alone program: finished work is kept, and messages name what is missing."""
+
+import signal
+import subprocess
+
+import pytest
+from programs import wait_for, write
+
+SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"
+SHORT = "&simulate clearance = 6, cycles = 10 /\n"
+LONG = "&simulate clearance = 5, cycles = 10000000, max_events = 1000000000 /\n"
+
+
+def started(binary, folder, before=None):
+    return subprocess.Popen(
+        [binary, "case.nml", "-o", "out"],
+        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=before,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_case_is_written_and_marked(number, binary, tmp_path):
+    """The case before it is whole, the one after it is not run; no half of a file is left."""
+    write(tmp_path / "case.nml", SYSTEM + SHORT + LONG + SHORT)
+    with started(binary, tmp_path) as process:
+        wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
+        process.send_signal(number)
+        told, faults = process.communicate(timeout=300)
+    assert process.returncode == 1
+    assert faults.splitlines()[-1] == "case_3: not run, since the program was interrupted"
+    assert "case_2: interrupted: the simulation was stopped after" in faults
+    assert "case_1: out/case_1.csv" in told
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names in (["case_1.csv", "case_2.csv"], ["case_1.csv"])  # it can stop before an impact
+    if len(names) == 2:
+        head = (tmp_path / "out/case_2.csv").read_text().split("\ntime", 1)[0]
+        assert "# ! cut short: the simulation was stopped after" in head
+        whole = (tmp_path / "out/case_1.csv").read_text()
+        assert "cut short" not in whole
+
+
+def test_a_second_interrupt_ends_the_program_at_once(binary, tmp_path):
+    write(tmp_path / "case.nml", SYSTEM + SHORT + LONG)
+    with started(binary, tmp_path) as process:
+        wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
+        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+    assert process.returncode in (-signal.SIGINT, 1)
+    assert {path.suffix for path in (tmp_path / "out").iterdir()} == {".csv"}
+
+
+def test_a_signal_that_the_caller_ignores_stays_ignored(binary, tmp_path):
+    """As with nohup, or in the background of a shell script."""
+    write(tmp_path / "case.nml", SYSTEM + SHORT + LONG.replace("10000000,", "30000,"))
+
+    def ignore():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    with started(binary, tmp_path, ignore) as process:
+        wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
+        process.send_signal(signal.SIGINT)
+        _, faults = process.communicate(timeout=60)
+    assert (process.returncode, faults) == (0, "")
+    assert "cut short" not in (tmp_path / "out/case_2.csv").read_text()
