@@ -17,7 +17,7 @@ from ..progress import Progress
 from ..studies.find import Findings, find
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .options import options_of
-from .request import Request, read_cases, request_of
+from .request import Request, beside_files, read_cases, request_of
 
 DESCRIPTION = """Search for all periodic motions, stable and unstable, as the &find cases of namelist files ask
 for, at the points of their other cases, or at the one that the options name; print them and how
@@ -144,7 +144,7 @@ def _points(options: argparse.Namespace) -> tuple[dict[Point, str], int]:
         return {point_of(case): case.name}, 0
     for name, option in options_of("find").items():
         if name.replace("-", "_") not in LIMITS and option.typed(options) is not None:
-            raise ParameterError(f"--{name}: must be left out beside a namelist file")
+            raise ParameterError(beside_files(name, options.files))
     points: dict[Point, str] = {}
     return points, max(_add_points(file, points, options.record) for file in options.files)
 

@@ -6,6 +6,7 @@ That one is written as a namelist and read like any other.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import re
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -49,12 +50,25 @@ def request_of(
     groups: dict[str, dict[str, Any]] = {"system": {}, **{group: {} for group in more}, study: {}}
     for option in known.values():
         if options.files and option.typed(options) is not None:
-            raise ParameterError(f"--{option.name}: must be left out beside a namelist file")
+            raise ParameterError(beside_files(option.name, options.files))
         for group, name, value in option.values(options):
             groups[group][name] = value
     for group, keys in more.items():
         groups[group] |= keys
     return Request(study, groups, [*known.values()])
+
+
+def beside_files(name: str, files: Sequence[str]) -> str:
+    """The message about an option that is given together with namelist files."""
+    for file in files:
+        with contextlib.suppress(ValueError):
+            float(file)
+            if not Path(file).exists():
+                return (
+                    f"{file} is one value too many for the option before it: options take the number of "
+                    "values that --help shows, and anything else is the name of a namelist file"
+                )
+    return f"--{name}: must be left out beside a namelist file"
 
 
 def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case], list[str]]:
