@@ -469,48 +469,75 @@ subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitutio
       multipliers, verdicts, status, iterations)
 end subroutine exact
 
-!> The periodic motion with rest near a release at (phase, v) on a wall.
+!> An exact motion near a guess, as it is given (form 0), in standard form (1) or as the mirror
+!! image in standard form (2). `changed` is 0 if it is given in standard form.
 !!
-!! `n` symbols, each with the phase of its first impact (`impacts` as those of `exact`); and the
-!! `n_events` events of one period, the last one the release.
-subroutine rest_motion(xi, mu, walls, r, load, clearance, side, cycles, guess, capacity, n, sides, &
-   restitution, phases, impacts, scalars, multipliers, verdicts, n_events, values, labels, status)
+!! Without rest it is given by sides and x_i, theta_i of its n impacts (and `releases` is a column
+!! of zeros), with rest by side, phase and velocity of its m releases (and one impact of side 0).
+!! Its own arrays are those of `exact`, an impact for each of `n_own` symbols; with rest there are
+!! the events of one period, too, the last one the release that is given last.
+subroutine find_motion(n, m, xi, mu, walls, r, load, clearance, cycles, sides, unknowns, releases, &
+   form, capacity, changed, n_own, own_cycles, own_sides, restitution, phases, impacts, scalars, &
+   multipliers, verdicts, n_events, values, labels, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
-   use vi_forced_system, only: event_type, new_forced_system
-   use vi_motion, only: motion_type
+   use vi_forced_system, only: new_forced_system
+   use vi_found_motion, only: described_type, find_in_form, found_type, store_described
    use vi_oscillator, only: oscillator_type
-   use vi_points, only: store_motion
-   use vi_rest_motion, only: find_rest_motion
-   use vi_status, only: stat
-   use vi_trajectory, only: store_events
+   use vi_pattern, only: pattern_type
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: side, cycles, capacity
-   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, guess(2)
-   integer(c_int), intent(out) :: n, sides(capacity), verdicts(3), n_events, labels(2, capacity), &
-      status
+   integer(c_int), intent(in) :: n, m, cycles, sides(n), form, capacity
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, unknowns(2*n), releases(3, m)
+   integer(c_int), intent(out) :: changed, n_own, own_cycles, own_sides(capacity), verdicts(3), &
+      n_events, labels(2, capacity), status
    real(c_double), intent(out) :: restitution(capacity), phases(capacity), impacts(capacity, 6), &
-      scalars(6), &
-      values(7, capacity)
+      scalars(6), values(7, capacity)
    complex(c_double_complex), intent(out) :: multipliers(4)
-   type(motion_type) :: motion
-   type(event_type), allocatable :: events(:)
+   type(described_type) :: described
+   logical :: differs
+   integer :: j, k
 
-   call find_rest_motion(new_forced_system(oscillator_type(xi, mu, walls), r, load, clearance), &
-      side, &
-      cycles, guess, capacity, motion, events)
-   n = 0
-   n_events = 0
-   status = motion%status
-   if (status /= stat%ok) return
-   n = size(motion%x)
-   n_events = size(events)
-   sides(:n) = motion%pattern%sides
-   restitution(:n) = motion%restitution
-   phases(:n) = motion%phases
-   call store_motion(motion, .true., impacts(:n, :), scalars, multipliers, verdicts, status)
-   call store_events(events, r, values, labels)
-end subroutine rest_motion
+   j = count(sides /= 0)
+   k = count(abs(releases(1, :)) > 0)
+   call find_in_form(new_forced_system(oscillator_type(xi, mu, walls), r, load, clearance), &
+      found_type(pattern_type(sides(:j), cycles), unknowns(:2*j), releases(:, :k)), form, &
+      differs, described)
+   changed = merge(1, 0, differs)
+   call store_described(described, n_own, own_cycles, own_sides, restitution, phases, impacts, &
+      scalars, multipliers, verdicts, n_events, values, labels, status)
+end subroutine find_motion
+
+!> The shortest period with which a trajectory ends, and its exact motion if `solve` is 1.
+!!
+!! `of_simulation`, `values`, `labels` (its events), and from `cycles` to `apart` (the period) as of
+!! `end_arrays` in vi_settled_motion; then the motion as of `find_motion`.
+subroutine end_of_trajectory(m, xi, mu, walls, r, load, clearance, of_simulation, values, labels, &
+   most_cycles, tolerance, solve, capacity, cycles, n, symbols, first, apart, n_own, own_cycles, &
+   own_sides, restitution, phases, impacts, scalars, multipliers, verdicts, n_events, own_values, &
+   own_labels, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_forced_system, only: new_forced_system
+   use vi_found_motion, only: described_type, store_described
+   use vi_oscillator, only: oscillator_type
+   use vi_settled_motion, only: end_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: m, labels(2, m), most_cycles, solve, capacity
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, of_simulation(3), &
+      values(7, m), tolerance
+   integer(c_int), intent(out) :: cycles, n, symbols(m), first(m), n_own, own_cycles, &
+      own_sides(capacity), verdicts(3), n_events, own_labels(2, capacity), status
+   real(c_double), intent(out) :: apart, restitution(capacity), phases(capacity), &
+      impacts(capacity, 6), scalars(6), own_values(7, capacity)
+   complex(c_double_complex), intent(out) :: multipliers(4)
+   type(described_type) :: described
+
+   call end_arrays(new_forced_system(oscillator_type(xi, mu, walls), r, load, clearance), &
+      of_simulation, values, labels, most_cycles, tolerance, solve /= 0, cycles, n, symbols, &
+      first, apart, described)
+   call store_described(described, n_own, own_cycles, own_sides, restitution, phases, impacts, &
+      scalars, multipliers, verdicts, n_events, own_values, own_labels, status)
+end subroutine end_of_trajectory
 
 !> The motions that begin at a bifurcation of a motion without rest: see vi_branch_switching.
 !!
@@ -567,44 +594,8 @@ subroutine side_patterns(max_impacts, max_cycles, alike, capacity, n, impacts, c
    end do
 end subroutine side_patterns
 
-!> A motion, or its mirror image, written once and from the impact on that puts R before L.
-!!
-!! Without rest it is given by sides and x_i, theta_i of its n impacts (and `releases` is a column
-!! of zeros), with rest by side, phase and velocity of its m releases (and one impact of side 0).
-!! Written once it has `impacts` impacts.
-subroutine standard_motion(n, m, xi, r, load, clearance, cycles, sides, unknowns, releases, &
-   mirror, impacts, own_cycles, own_sides, own_unknowns, own_releases)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_found_motion, only: found_type, in_standard_form, mirrored
-   use vi_likeness, only: length_scale
-   use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: pattern_type
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: n, m, cycles, sides(n), mirror
-   real(c_double), intent(in) :: xi, r, load, clearance, unknowns(2*n), releases(3, m)
-   integer(c_int), intent(out) :: impacts, own_cycles, own_sides(n)
-   real(c_double), intent(out) :: own_unknowns(2*n), own_releases(3, m)
-   type(found_type) :: found
-   integer :: j, k
-
-   j = count(sides /= 0)
-   k = count(abs(releases(1, :)) > 0)
-   found = found_type(pattern_type(sides(:j), cycles), unknowns(:2*j), releases(:, :k))
-   if (mirror /= 0) found = mirrored(found)
-   found = in_standard_form(found, &
-      max(clearance, load*length_scale(oscillator_type(xi), r, 0.0_c_double)))
-   impacts = size(found%pattern%sides)
-   own_cycles = found%pattern%cycles
-   own_sides = 0
-   own_sides(:impacts) = found%pattern%sides
-   own_unknowns = 0
-   own_unknowns(:2*impacts) = found%unknowns
-   own_releases = 0
-   own_releases(:, :k) = found%releases
-end subroutine standard_motion
-
-!> Whether two motions, each as in `standard_motion`, are one; or one and the other's mirror image.
+!> Whether two motions, each given as of `find_motion`, are one; or one and the mirror image of the
+!! other.
 subroutine same_motion(n, m, xi, r, load, clearance, cycles, sides, unknowns, releases, &
    other_sides, other_unknowns, other_releases, mirror, are_one)
    use, intrinsic :: iso_c_binding, only: c_double, c_int

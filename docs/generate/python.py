@@ -9,7 +9,7 @@ import vibroimpact.plot
 SUBJECTS = {
     "System, pattern, units": ("model",),
     "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "status"),
-    "Simulation": ("trajectory", "bundle"),
+    "Simulation": ("trajectory", "period", "bundle"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",

@@ -11,6 +11,7 @@ from .interchange.result import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
 from .newton import exact
+from .period import Period
 from .run import RunLog, run_namelists
 from .solve import equispaced, linear_system, periodic, periodic_batch
 from .status import status_text
@@ -48,6 +49,7 @@ __all__ = [
     "Motions",
     "Oscillator",
     "Pattern",
+    "Period",
     "PeriodicWindow",
     "Piece",
     "Response",

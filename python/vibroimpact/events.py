@@ -11,6 +11,8 @@ from . import _core
 from .model import Oscillator
 
 KINDS = np.array(["", "impact", "stick", "release"])
+#: Columns with numbers, in the order of the core.
+NUMBERS = ("time", "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
 #: Columns of `Trajectory.events`.
 EVENT_TYPE = np.dtype(
     [
@@ -40,11 +42,18 @@ def event_table(numbers: NDArray[np.float64], labels: NDArray[np.int32]) -> NDAr
     events = np.empty(numbers.shape[1], dtype=EVENT_TYPE)
     events["kind"] = KINDS[labels[0]]
     events["side"] = np.where(labels[1] > 0, "R", "L")
-    names = ("time", "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-    for name, column in zip(names, numbers, strict=True):
+    for name, column in zip(NUMBERS, numbers, strict=True):
         events[name] = column
     events.flags.writeable = False
     return events
+
+
+def event_arrays(events: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """The inverse of `event_table`."""
+    numbers = np.array([events[name] for name in NUMBERS], order="F")
+    kinds = 1 + (events["kind"] == KINDS[2]) + 2 * (events["kind"] == KINDS[3])
+    sides = np.where(events["side"] == "R", 1, -1)
+    return numbers, np.array([kinds, sides], dtype=np.int32, order="F")
 
 
 def segments(

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 from . import _core
 from .errors import SingularError
-from .model import Pattern
 from .motion import Motion
-from .newton import newton, release_motion
+from .newton import described_motion, found_motion, of_releases
 
-__all__ = ["images", "same", "standard"]
+__all__ = ["images", "is_symmetric", "same", "standard"]
 
 
 class _Parts(NamedTuple):
@@ -33,10 +32,7 @@ def _parts(motion: Motion) -> _Parts:
     if motion.rest_events is None:
         unknowns = np.append(motion.X, motion.phases + motion.tau)
         return _Parts(motion.pattern.signs, unknowns, np.zeros((3, 1), order="F"))
-    events = motion.rest_events[motion.rest_events["kind"] == "release"]
-    sides = np.where(events["side"] == "R", 1.0, -1.0)
-    releases = np.asfortranarray([sides, events["phase"], events["x_dot_after"]])
-    return _Parts(np.zeros(1, np.int32), np.zeros(2), releases)
+    return _Parts(np.zeros(1, np.int32), np.zeros(2), of_releases(motion, 1.0))
 
 
 def standard(motion: Motion, *, mirrored: bool = False) -> Motion:
@@ -45,20 +41,11 @@ def standard(motion: Motion, *, mirrored: bool = False) -> Motion:
 
     The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if the walls are alike.
     """
-    osc, r, clearance, load = motion.osc, motion.r, motion.clearance, motion.load
-    parts = _parts(motion)
-    n, cycles, sides, unknowns, releases = _core.standard_motion(
-        osc.xi, r, load, clearance, motion.pattern.cycles, *parts, mirrored
+    system = (motion.osc, motion.r, motion.clearance, motion.load)
+    changed, *answer = found_motion(
+        *system, motion.pattern.cycles, *_parts(motion), 2 if mirrored else 1
     )
-    if motion.rest_events is not None:
-        if cycles == motion.pattern.cycles and not mirrored:
-            return motion
-        side, *guess = releases[:, -1]
-        return release_motion(osc, r, clearance, load, int(cycles), int(side), np.array(guess))
-    if not mirrored and np.array_equal(unknowns, parts.unknowns):
-        return motion
-    pattern = Pattern("".join("RL"[one < 0] for one in sides[:n].tolist()), int(cycles))
-    return newton(osc, r, clearance, load, pattern, unknowns[:n].copy(), unknowns[n : 2 * n].copy())
+    return described_motion(*system, answer) if changed else motion
 
 
 def images(motion: Motion) -> Iterator[Motion]:
@@ -85,15 +72,11 @@ def same(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
         or first.releases.shape != second.releases.shape
     ):
         return False
-    return bool(
-        _core.same_motion(
-            one.osc.xi,
-            one.r,
-            one.load,
-            one.clearance,
-            one.pattern.cycles,
-            *first,
-            *second,
-            mirrored,
-        )
-    )
+    system = (one.osc.xi, one.r, one.load, one.clearance, one.pattern.cycles)
+    return bool(_core.same_motion(*system, *first, *second, mirrored))
+
+
+def is_symmetric(motion: Motion) -> bool:
+    """Whether a motion without rest is its own mirror image half a period later."""
+    right, left = motion.osc.restitution
+    return right == left and not motion.pattern.has_rest and same(motion, motion, mirrored=True)

@@ -16,6 +16,7 @@ from .events import EVENT_TYPE, WORDS, Sample, sample, segments
 from .interchange import namelist
 from .interchange.result import Result
 from .model import Oscillator
+from .period import MOST_CYCLES, TOLERANCE, Period, last_period
 from .states import Moment, State, System, later, start_of, state_of, told
 from .status import MORE_EVENTS, raise_status
 
@@ -83,6 +84,35 @@ class Trajectory(Result):
             )
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
+
+    def period(self, most_cycles: int = MOST_CYCLES, tolerance: float = TOLERANCE) -> Period:
+        """The shortest period with which the trajectory ends.
+
+        The last load cycles repeat the pattern of as many before, at phases within the tolerance. That is no proof
+        of a periodic motion; `exact` computes the motion.
+
+        Parameters
+        ----------
+        most_cycles : int
+            Load cycles of the longest period considered.
+        tolerance : float
+            Largest difference of the phases (radians).
+
+        Raises
+        ------
+        ParameterError
+            If the last load cycles do not repeat.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+        >>> run = vi.simulate(osc, r=0.9, clearance=6.0, cycles=4, discard=300)
+        >>> period = run.period()
+        >>> period.pattern, period.mismatch < 1e-6
+        (Pattern(sides='L*R', cycles=1), True)
+        """
+        return last_period(self, most_cycles, tolerance)
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""

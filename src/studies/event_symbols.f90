@@ -8,7 +8,8 @@ module vi_event_symbols
    implicit none (type, external)
    private
 
-   public :: last_of_period, symbol_endings, mismatch, read_symbols, symbols_between, total_phase
+   public :: last_of_period, symbol_endings, mismatch, read_periods, read_symbols, &
+      symbols_between, total_phase
 
    !> Symbols of some events, and the event that begins and that ends each.
    type, public :: symbol_sequence_type
@@ -16,6 +17,19 @@ module vi_event_symbols
       !> +1 and -1 for an impact, +2 and -2 for accumulation and rest.
       integer, allocatable :: symbols(:), first(:), last(:)
    end type symbol_sequence_type
+
+   !> A period with which some events end.
+   type, public :: period_type
+      !> Load cycles, and the number of the event with which it ends.
+      integer :: cycles = 0, last = 0
+      !> Its symbols, and the greatest difference in phase (rad) from the period before it.
+      type(symbol_sequence_type) :: reading
+      real(wp) :: mismatch = huge(1.0_wp)
+   end type period_type
+
+   !> A longer period is another one than a shorter one if it repeats itself better by this factor,
+   !! and the shorter one is certain with a mismatch (rad) as small as rounding makes it.
+   real(wp), parameter :: nearer = 0.3_wp, certain = 1.0e-9_wp
 
 contains
 
@@ -35,6 +49,57 @@ contains
       last = findloc(events%kind, release_event, dim=1, back=.true.)
       if (last == 0) last = size(events)
    end function last_of_period
+
+   !> The periods with which events end, the shortest one first.
+   !!
+   !! A period repeats the symbols of the one before it, at about the same phases. After a period
+   !! doubling the shorter period nearly repeats itself too: a longer one is listed where it does
+   !! so better. The motion is likely that of the last one; if the simulation has not settled yet,
+   !! that motion may turn out to repeat itself after a shorter one.
+   pure subroutine read_periods(events, longest, most_symbols, tolerance, periods, begin)
+      !> (n) In the order of time.
+      type(event_type), intent(in) :: events(:)
+      !> Longest period in load cycles, and most symbols of a period.
+      integer, intent(in) :: longest, most_symbols
+      !> Largest mismatch (rad).
+      real(wp), intent(in) :: tolerance
+      !> The periods; none if the events do not repeat themselves.
+      type(period_type), allocatable, intent(out) :: periods(:)
+      !> Load phase (rad) from which on all events are known; that of no event by default.
+      real(wp), intent(in), optional :: begin
+      type(period_type) :: found(longest), next
+      type(symbol_sequence_type) :: before
+      real(wp) :: finish, least
+      integer :: n
+
+      allocate (periods(0))
+      if (size(events) == 0) return
+      next%last = last_of_period(events)
+      ! a motion with rest has a release in each period: an older one belongs to the transient
+      n = size(events)
+      if (total_phase(events(n)) - total_phase(events(next%last)) > two_pi*longest) next%last = n
+      ! a thousandth of a cycle: the event one period before belongs to the window before
+      finish = total_phase(events(next%last)) + 1.0e-3_wp*two_pi
+      least = tolerance
+      n = 0
+      do while (next%cycles < longest .and. least > certain)
+         next%cycles = next%cycles + 1
+         associate (span => two_pi*next%cycles, upto => events(:next%last))
+            if (present(begin)) then
+               if (finish - 2*span < begin) exit
+            end if
+            call symbols_between(upto, finish - span, finish, next%reading)
+            call symbols_between(upto, finish - 2*span, finish - span, before)
+            if (next%reading%n > most_symbols) exit
+            next%mismatch = mismatch(upto, next%reading, before, next%cycles)
+         end associate
+         if (.not. next%mismatch < least) cycle
+         n = n + 1
+         found(n) = next
+         least = nearer*next%mismatch
+      end do
+      periods = found(:n)
+   end subroutine read_periods
 
    !> The symbol that is complete with each event: 0 for a release, and for an impact that is part
    !! of an accumulation.

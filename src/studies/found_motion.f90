@@ -9,16 +9,18 @@ module vi_found_motion
    use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_symbols, only: standard_symbols
-   use vi_likeness, only: distance, same, shortest_repetition
+   use vi_likeness, only: distance, length_scale, same, shortest_repetition
    use vi_motion, only: motion_type, unknown, yes
    use vi_pattern, only: default_restitution, pattern_type
+   use vi_points, only: store_motion
    use vi_rest_motion, only: find_rest_motion, solve_rest_motion
    use vi_status, only: stat
+   use vi_trajectory, only: store_events
    implicit none (type, external)
    private
 
    public :: are_same, in_standard_form, mirrored, new_found, new_resting, setting_of, &
-      describe_motion
+      find_in_form, describe_motion, store_described
 
    !> Newton iterations for a motion without rest.
    integer, parameter :: most_iterations = 50
@@ -89,7 +91,8 @@ contains
       real(wp), intent(in) :: guess(2)
       !> Events that the period may have.
       integer, intent(in) :: capacity
-      !> The motion with its verdicts; without its arrays unless its status is `stat%ok`.
+      !> The motion with its verdicts; without its arrays unless its status is `stat%ok`, or
+      !! `stat%no_convergence` because its period does not close to rounding.
       type(found_type), intent(out) :: found
       type(event_type), allocatable :: events(:)
       type(motion_type) :: motion
@@ -102,7 +105,6 @@ contains
       found%status = motion%status
       if (found%status /= stat%ok) return
       found%status = merge(stat%ok, stat%no_convergence, motion%consistent == yes)
-      if (found%status /= stat%ok) return
       found%admissible = motion%admissible
       found%stable = motion%stable
       allocate (found%pattern%sides(0), found%unknowns(0))
@@ -132,7 +134,7 @@ contains
 
       n = size(found%pattern%sides)
       if (n == 0) then
-         call tell_resting(system, nint(found%releases(1, 1)), found%pattern%cycles, &
+         call describe_resting(system, nint(found%releases(1, 1)), found%pattern%cycles, &
             found%releases(2:, 1), described)
          return
       end if
@@ -143,8 +145,33 @@ contains
       call assess_flights(described%motion)
    end subroutine describe_motion
 
+   !> A motion near a given one, or its standard form, with its full description.
+   pure subroutine find_in_form(system, found, form, changed, described)
+      !> The system.
+      type(forced_system_type), intent(in) :: system
+      !> The motion, about. With rest the last release is followed by the first impact described.
+      type(found_type), intent(in) :: found
+      !> 0 for the motion as it is given, 1 for its standard form, 2 for that of its mirror image.
+      integer, intent(in) :: form
+      !> Whether it is given otherwise than in that form.
+      logical, intent(out) :: changed
+      !> The motion, or its status.
+      type(described_type), intent(out) :: described
+      type(found_type) :: wanted
+      real(wp) :: scale
+
+      scale = max(system%clearance, system%load*length_scale(system%osc, system%r, 0.0_wp))
+      wanted = found
+      if (form == 2) wanted = mirrored(found)
+      if (form > 0) wanted = in_standard_form(wanted, scale)
+      changed = form == 2 .or. wanted%pattern%cycles /= found%pattern%cycles
+      if (.not. changed) changed = any(abs(wanted%unknowns - found%unknowns) > 0)
+      wanted%releases = cshift(wanted%releases, -1, dim=2)
+      call describe_motion(system, wanted, described)
+   end subroutine find_in_form
+
    !> The motion with rest near a release.
-   pure subroutine tell_resting(system, side, cycles, guess, described)
+   pure subroutine describe_resting(system, side, cycles, guess, described)
       !> The system.
       type(forced_system_type), intent(in) :: system
       !> The wall of the release, and the load cycles of the period.
@@ -160,7 +187,53 @@ contains
             described%events)
          if (described%motion%status /= stat%more_events) return
       end do
-   end subroutine tell_resting
+   end subroutine describe_resting
+
+   !> A motion with its full description as arrays with capacity for some impacts and events.
+   pure subroutine store_described(described, n, cycles, sides, restitution, phases, impacts, &
+      scalars, multipliers, verdicts, n_events, values, labels, status)
+      !> The motion, or its status.
+      type(described_type), intent(in) :: described
+      !> Number of impacts, or of symbols of one with rest, and load cycles.
+      integer, intent(out) :: n, cycles
+      !> Sides, 2 and -2 for accumulation and rest; coefficients of restitution; phases (rad).
+      integer, intent(out) :: sides(:)
+      !> As of `sides`.
+      real(wp), intent(out) :: restitution(:), phases(:)
+      !> (capacity, 6), (6), (4), (3) as in vi_points.
+      real(wp), intent(out) :: impacts(:, :), scalars(:)
+      !> As of `impacts`.
+      complex(wp), intent(out) :: multipliers(:)
+      !> As of `impacts`.
+      integer, intent(out) :: verdicts(:)
+      !> With rest: number of events of a period, and the events as of `store_events`.
+      integer, intent(out) :: n_events
+      !> As of `n_events`.
+      real(wp), intent(out) :: values(:, :)
+      !> As of `n_events`.
+      integer, intent(out) :: labels(:, :)
+      !> That of the motion, or `stat%more_events` if the capacity is too small.
+      integer, intent(out) :: status
+
+      n = 0
+      n_events = 0
+      status = described%motion%status
+      if (status /= stat%ok) return
+      associate (motion => described%motion)
+         if (allocated(described%events)) n_events = size(described%events)
+         n = size(motion%x)
+         if (max(n, n_events) > size(sides)) then
+            status = stat%more_events
+            return
+         end if
+         cycles = motion%pattern%cycles
+         sides(:n) = motion%pattern%sides
+         restitution(:n) = motion%restitution
+         phases(:n) = motion%phases
+         call store_motion(motion, .true., impacts(:n, :), scalars, multipliers, verdicts, status)
+         if (n_events > 0) call store_events(described%events, motion%r, values, labels)
+      end associate
+   end subroutine store_described
 
    !> The given data of a motion of a pattern.
    pure function setting_of(system, pattern) result(setting)

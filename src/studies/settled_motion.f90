@@ -3,20 +3,24 @@
 !! A simulation that repeats itself for two periods is no proof: near a fold, or between bursts of
 !! intermittent chaos, it does so for a long time. A state counts as settled only if Newton's
 !! method, started from its last period, leads to an admissible, stable motion near that period.
+!! That motion can also be asked for by itself, for a simulation that is already there.
 module vi_settled_motion
-   use vi_forced_system, only: forced_system_type, event_type, initial_state, state_type, two_pi
-   use vi_event_symbols, only: last_of_period, mismatch, symbols_between, symbol_sequence_type, &
-      total_phase
-   use vi_found_motion, only: found_type, new_found, new_resting
+   use vi_event_symbols, only: period_type, read_periods, total_phase
+   use vi_forced_system, only: event_type, forced_system_type, initial_state, release_event, &
+      state_type, two_pi
+   use vi_found_motion, only: describe_motion, described_type, found_type, in_standard_form, &
+      new_found, new_resting
    use vi_kinds, only: wp
+   use vi_likeness, only: length_scale
    use vi_motion, only: yes
    use vi_pattern, only: pattern_type
    use vi_simulate, only: simulate_cycles
    use vi_status, only: stat
+   use vi_trajectory, only: read_events
    implicit none (type, external)
    private
 
-   public :: settle_on
+   public :: end_arrays, settle_on
 
    !> Outcomes of a state: a confirmed motion; one that is confirmed but not stable (or not
    !! admissible, or where that is unknown); a simulation that repeats itself, but Newton's method
@@ -32,10 +36,9 @@ module vi_settled_motion
    integer, parameter :: capacity = 40000, rest_capacity = 20000
    !> Largest number of events of a simulation.
    integer, parameter :: most_events = 100000000
-   !> Largest difference of impact phases (rad) from period to period; the factor by which it must
-   !! be smaller for a longer period that is tried after a shorter one; and the largest distance
+   !> Largest difference of impact phases (rad) from period to period, and the largest distance
    !! (rad, or over the scale) of Newton's solution from the simulation.
-   real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp, near = 0.1_wp
+   real(wp), parameter :: about = 0.05_wp, near = 0.1_wp
 
 contains
 
@@ -57,10 +60,9 @@ contains
       integer, intent(out) :: n_found
       type(state_type) :: state
       type(event_type), allocatable :: events(:)
-      type(symbol_sequence_type) :: now, before
+      type(period_type), allocatable :: periods(:)
       type(found_type) :: motion
-      real(wp) :: finish, apart, least
-      integer :: cycles, last, left, n, status
+      integer :: i, left, n, status
       logical :: nearby
 
       allocate (events(capacity))
@@ -75,19 +77,9 @@ contains
       outcome = no_impacts
       if (n == 0) return
       outcome = wandering
-      last = last_of_period(events(:n))
-      ! a thousandth of a cycle: the event one period before belongs to the window before
-      finish = total_phase(events(last)) + 1.0e-3_wp*two_pi
-      least = about
-      do cycles = 1, longest
-         call symbols_between(events(:last), finish - two_pi*cycles, finish, now)
-         call symbols_between(events(:last), finish - 2*two_pi*cycles, finish - two_pi*cycles, &
-            before)
-         if (now%n > most_symbols) exit
-         apart = mismatch(events, now, before, cycles)
-         if (.not. apart < least) cycle
-         least = nearer*apart
-         call confirm(system, events(:last), now, cycles, scale, motion, nearby)
+      call read_periods(events(:n), longest, most_symbols, about, periods)
+      do i = size(periods), 1, -1
+         call confirm(system, events, periods(i), 1.0_wp, scale, motion, nearby)
          if (motion%status == stat%ok .and. motion%admissible == yes .and. &
             n_found < size(found)) then
             n_found = n_found + 1
@@ -104,43 +96,147 @@ contains
       end do
    end subroutine settle_on
 
-   !> Newton's method from the last period of a simulation.
-   pure subroutine confirm(system, events, reading, cycles, scale, motion, nearby)
+   !> The shortest period with which a trajectory ends, and its exact motion, between arrays.
+   pure subroutine end_arrays(system, of_simulation, values, labels, most_cycles, tolerance, &
+      solve, cycles, n, symbols, first, apart, described)
+      !> The forced system of the motion.
+      type(forced_system_type), intent(in) :: system
+      !> Of the simulation: frequency ratio, clearance, and the time (1/omega) from which on all its
+      !! events are given.
+      real(wp), intent(in) :: of_simulation(3)
+      !> (7, m), (2, m) Its events as of `store_events`.
+      real(wp), intent(in) :: values(:, :)
+      !> As of `values`.
+      integer, intent(in) :: labels(:, :)
+      !> Longest period (load cycles), and largest difference of its phases from the period before
+      !! (rad).
+      integer, intent(in) :: most_cycles
+      !> As of `most_cycles`.
+      real(wp), intent(in) :: tolerance
+      !> Whether the exact motion is wanted.
+      logical, intent(in) :: solve
+      !> Load cycles of the period, 0 if there is none; its n symbols, the number of the first event
+      !! of each (m), and the difference from the period before (rad).
+      integer, intent(out) :: cycles, n, symbols(:), first(:)
+      !> As of `cycles`.
+      real(wp), intent(out) :: apart
+      !> The motion, or its status.
+      type(described_type), intent(out) :: described
+      type(event_type) :: events(size(labels, 2))
+      type(period_type), allocatable :: periods(:)
+
+      cycles = 0
+      n = 0
+      apart = huge(1.0_wp)
+      described%motion%status = stat%no_motion
+      associate (r => of_simulation(1), clearance => of_simulation(2), begin => of_simulation(3))
+         call read_events(values, labels, r, events)
+         call read_periods(events, most_cycles, size(events), tolerance, periods, r*begin)
+         if (size(periods) == 0) return
+         cycles = periods(1)%cycles
+         n = periods(1)%reading%n
+         symbols(:n) = periods(1)%reading%symbols(:n)
+         first(:n) = periods(1)%reading%first(:n)
+         apart = periods(1)%mismatch
+         if (solve) call motion_at_end(system, events, periods, system%clearance/clearance, &
+            described)
+      end associate
+   end subroutine end_arrays
+
+   !> The exact motion with which a simulation ends.
+   !!
+   !! Of the periods with which it ends the one that repeats itself best is taken whose motion is
+   !! near the simulation and does not repeat itself within that period. The system may differ from
+   !! the one simulated: if no motion is near then, nearness does not count.
+   pure subroutine motion_at_end(system, events, periods, factor, described)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> Events up to the end of the period.
+      !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
-      !> Symbols of the last period among these events.
-      type(symbol_sequence_type), intent(in) :: reading
-      !> Load cycles of the period.
-      integer, intent(in) :: cycles
+      !> At least one, as from `read_periods`.
+      type(period_type), intent(in) :: periods(:)
+      !> The clearance over that of the simulation.
+      real(wp), intent(in) :: factor
+      !> The motion, or its status.
+      type(described_type), intent(out) :: described
+      type(found_type) :: motion, chosen
+      real(wp) :: scale
+      logical :: nearby
+      integer :: i
+
+      scale = max(system%clearance, system%load*length_scale(system%osc, system%r, 0.0_wp))
+      do i = size(periods), 1, -1
+         call confirm(system, events, periods(i), factor, scale, motion, nearby)
+         if (motion%status /= stat%ok) cycle
+         if (i > 1) then
+            if (is_repeated(motion, scale)) cycle
+         end if
+         if (nearby .or. chosen%status /= stat%ok) chosen = motion
+         if (nearby) exit
+      end do
+      if (chosen%status /= stat%ok) then
+         described%motion%status = motion%status
+         ! one whose period does not close to rounding is told all the same, as not consistent
+         if (allocated(motion%releases)) chosen = motion
+      end if
+      if (.not. allocated(chosen%releases)) return
+      ! the last release is that of the simulation
+      chosen%releases = cshift(chosen%releases, -1, dim=2)
+      call describe_motion(system, chosen, described)
+   end subroutine motion_at_end
+
+   !> Whether a motion repeats itself within its period.
+   pure logical function is_repeated(motion, scale)
+      !> The motion.
+      type(found_type), intent(in) :: motion
+      !> Unit of positions, as `length_scale`.
+      real(wp), intent(in) :: scale
+      type(found_type) :: once
+
+      once = in_standard_form(motion, scale)
+      is_repeated = once%pattern%cycles < motion%pattern%cycles
+   end function is_repeated
+
+   !> Newton's method from a period of a simulation.
+   pure subroutine confirm(system, events, period, factor, scale, motion, nearby)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> (n) In the order of time.
+      type(event_type), intent(in) :: events(:)
+      !> One of the periods with which they end.
+      type(period_type), intent(in) :: period
+      !> The clearance over that of the simulation.
+      real(wp), intent(in) :: factor
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
       !> The motion to which Newton's method leads, or its status.
       type(found_type), intent(out) :: motion
       !> Whether the motion is near the simulation.
       logical, intent(out) :: nearby
-      real(wp) :: x(reading%n), theta(reading%n)
+      real(wp), dimension(period%reading%n) :: x, theta
       integer :: n
 
-      n = reading%n
-      if (any(abs(reading%symbols(:n)) == 2)) then
-         associate (release => events(size(events)))
-            call new_resting(system, release%side, cycles, [release%phase, release%x_dot_after], &
+      nearby = .false.
+      n = period%reading%n
+      if (any(abs(period%reading%symbols(:n)) == 2)) then
+         associate (release => events(period%last), v => factor*events(period%last)%x_dot_after)
+            if (release%kind /= release_event) return
+            call new_resting(system, release%side, period%cycles, [release%phase, v], &
                rest_capacity, motion)
             nearby = motion%status == stat%ok
             if (.not. nearby) return
             associate (at => motion%releases(:, size(motion%releases, 2)))
                nearby = abs(modulo(at(2) - release%phase + 0.5_wp*two_pi, two_pi) - 0.5_wp*two_pi) &
-                  < near .and. abs(at(3) - release%x_dot_after) < near*scale
+                  < near .and. abs(at(3) - v) < near*scale
             end associate
          end associate
          return
       end if
-      x = events(reading%first(:n))%x
-      theta = total_phase(events(reading%first(:n))) - system%lag
+      x = factor*events(period%reading%first(:n))%x
+      theta = total_phase(events(period%reading%first(:n))) - system%lag
       theta = theta - two_pi*floor(theta(1)/two_pi)
-      call new_found(system, pattern_type(reading%symbols(:n), cycles), x, theta, motion)
+      call new_found(system, pattern_type(period%reading%symbols(:n), period%cycles), x, theta, &
+         motion)
       nearby = motion%status == stat%ok
       if (nearby) nearby = all(abs(motion%unknowns(:n) - x) < near*scale) .and. &
          all(abs(motion%unknowns(n + 1:) - theta) < near)

@@ -14,8 +14,8 @@ module vi_trajectory
    implicit none (type, external)
    private
 
-   public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, store_events, &
-      pack_state, unpack_state, initial_state, later
+   public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, read_events, &
+      store_events, pack_state, unpack_state, initial_state, later
 
    !> Units of work of a whole simulation in the progress counters.
    integer, parameter :: simulation_work = 1000
@@ -207,6 +207,26 @@ contains
          end associate
       end do
    end subroutine store_events
+
+   !> The inverse of `store_events`.
+   pure subroutine read_events(values, labels, r, events)
+      !> (7, n), (2, n) as of `store_events`.
+      real(wp), intent(in) :: values(:, :)
+      !> As of `values`.
+      integer, intent(in) :: labels(:, :)
+      !> Frequency ratio.
+      real(wp), intent(in) :: r
+      !> (n) The events.
+      type(event_type), intent(out) :: events(:)
+      integer :: i
+
+      do i = 1, size(events)
+         associate (v => values(:, i))
+            events(i) = event_type(labels(1, i), labels(2, i), nint((r*v(1) - v(2))/two_pi, &
+               int64), v(2), v(3), v(4), v(5), v(6), v(7))
+         end associate
+      end do
+   end subroutine read_events
 
    !> Least and greatest x over segments, from certified extrema.
    pure subroutine extreme_positions(system, starts, resting, last, x_min, x_max, complete)

@@ -6,7 +6,6 @@ import threading
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.newton import last_period
 from vibroimpact.studies.atlas import OUTCOMES, standard
 from vibroimpact.tables import language
 
@@ -25,7 +24,7 @@ def attractor(osc, r, clearance, cycles=1):
     """The pattern that a simulation from rest settles on, or None."""
     run = vi.simulate(osc, r, clearance, 2 * cycles + 2, discard=400)
     try:
-        period = last_period(run, cycles)
+        period = run.period(cycles)
     except vi.errors.ParameterError:
         return None
     return period.pattern if period.mismatch < 1e-6 else None
@@ -107,7 +106,7 @@ def test_motions_beyond_the_limits_are_stable(atlas):
                 EQUAL, item.r, item.clearance, 2 * cycles + 2, state=state, discard=1500
             )
             try:
-                period = last_period(run, cycles)
+                period = run.period(cycles)
             except vi.errors.ParameterError:
                 continue
             if period.mismatch < 1e-6 and standard(period.pattern, EQUAL) == item.pattern:

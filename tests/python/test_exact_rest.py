@@ -134,9 +134,8 @@ def starts_near(zone, kind, offset):
     for _ in range(30):
         guess = release * (1 + 1e-5 * draw.normal(size=2))
         with contextlib.suppress(vi.errors.SingularError):
-            found.append(
-                release_motion(zone.osc, r, edge * (1 + offset), 1.0, 1, -1, guess)
-            )  # fmt: skip
+            start = np.array([-1, *guess])[:, None]
+            found.append(release_motion(zone.osc, r, edge * (1 + offset), 1.0, 1, start))
     return found
 
 

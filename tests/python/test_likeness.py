@@ -8,8 +8,7 @@ import vibroimpact as vi
 from shared_motions import pair_motion, rest_motion, triple_motion
 from shared_systems import RIG, TABLE
 from vibroimpact.explorer.motions import ordered
-from vibroimpact.likeness import images, same, standard
-from vibroimpact.studies.conditions import is_symmetric
+from vibroimpact.likeness import images, is_symmetric, same, standard
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import vibroimpact as vi
 from first_principles import System, impact_jacobians, mismatch, velocities
 from shared_systems import FIGURE6, RIG
 from shared_zones import WINDOW, distance, random_points
+from vibroimpact.likeness import is_symmetric
 from vibroimpact.newton import newton
-from vibroimpact.studies.conditions import is_symmetric
 from vibroimpact.studies.geometry import signed_area
 
 CASES = [

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from shared_simulations import state
 from shared_systems import RIG
 from test_exact_rest import strobe_matrix
+from vibroimpact.newton import release_motion
 
 #: The same walls the other way round.
 TURNED = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.61, 0.75))
@@ -164,11 +165,10 @@ def test_vertices_bound_the_stable_motions():
 
 def stable_near(osc, r, clearance, release):
     """Whether the return map has a stable motion RRRL* near a release."""
-    *_, verdicts, n, values, _, status = vi._core.rest_motion(
-        osc.xi, osc.mu, osc.restitution, r, 1.0, clearance, -1, 1, np.array(release), 200
-    )
-    if status:
+    try:
+        motion = release_motion(osc, r, clearance, 1.0, 1, np.array([-1, *release])[:, None])
+    except vi.errors.SingularError:
         return False
-    phase, v = values[1, n - 1], values[4, n - 1]  # of the last event, the release
+    phase, v = motion.events[["phase", "x_dot_after"]][-1]  # of the last event, the release
     near = math.hypot(math.remainder(phase - release[0], 2 * math.pi), v / release[1] - 1)
-    return near < 0.02 and verdicts[2] == 1
+    return near < 0.02 and motion.stable is True

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 
 from .. import checks
 from ..errors import ParameterError, SingularError
-from ..likeness import same
+from ..likeness import is_symmetric, same
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import exact
 from ..solve import equispaced
 from ..states import NEEDED
-from ..studies.conditions import is_symmetric
 from ..trajectory import simulate
 
 __all__ = ["Definition", "definition_of", "start_of"]

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import ParameterError, SingularError, VibroimpactError
 from ..likeness import same
 from ..motion import Motion
-from ..newton import exact, last_period
+from ..newton import exact
 from ..studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from ..studies.zone import Zone
 from ..trajectory import Trajectory, simulate
@@ -232,7 +232,7 @@ def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:
         later = simulate(osc, r, clearance, 40, trajectory.final_state, discard=cycles)
         if not len(later.events):
             return f"no impacts after {cycles} more cycles"
-        period = last_period(later)
+        period = later.period()
     except VibroimpactError:
         return f"no period of up to 16 cycles after {cycles} more cycles"
     symbols, n = period.pattern.symbols, len(period.pattern)

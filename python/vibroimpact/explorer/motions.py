@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import SingularError
-from ..likeness import images, same
+from ..likeness import images, is_symmetric, same
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import exact, newton
-from ..studies.conditions import is_symmetric
 from ..studies.find import find
 from ..studies.zone import Zone
 from .definition import Definition, definition_of

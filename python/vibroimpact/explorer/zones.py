@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
+import numpy as np
+
 from ..model import Oscillator, Pattern
 from ..studies.atlas import standard
-from ..studies.conditions import can_be_symmetric
 from ..studies.zone import Window, Zone, zone
 from .state import pattern_text
 
@@ -50,8 +51,17 @@ def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
     ['RL symmetric', 'RL unsymmetric', 'RRL']
     """
     for pattern in dict.fromkeys(standard(pattern, osc) for pattern in patterns):
-        kinds = (True, False) if can_be_symmetric(osc, pattern) else (None,)
+        kinds = (True, False) if _can_be_symmetric(osc, pattern) else (None,)
         yield from (Family(pattern, kind) for kind in kinds)
+
+
+def _can_be_symmetric(osc: Oscillator, pattern: Pattern) -> bool:
+    """Whether a pattern has motions that are their own mirror image half a period later."""
+    half, odd = divmod(len(pattern), 2)
+    right, left = osc.restitution
+    if pattern.has_rest or right != left or odd or pattern.cycles % 2 == 0:
+        return False
+    return bool(np.all(pattern.signs[:half] == -pattern.signs[half:]))
 
 
 @lru_cache(maxsize=500)

@@ -18,7 +18,7 @@ from ..files import write_text
 from ..likeness import standard
 from ..model import Oscillator
 from ..motion import Motion
-from ..newton import exact, last_period
+from ..newton import exact
 from ..trajectory import State, Trajectory, simulate
 from .paper import EQUAL, HOLD, LOADS, NATURAL_FREQUENCY, RATIOS, UNEQUAL, kind_of, scale
 
@@ -76,13 +76,13 @@ def sweep(
 def _name(run: Trajectory) -> dict[str, Any]:
     """Kind, sides and cycles of the motion at the end of a trajectory."""
     try:
-        period = last_period(run, MOST_CYCLES, TOLERANCE)
+        period = run.period(MOST_CYCLES, TOLERANCE)
     except ParameterError:
         kind = "irregular" if run.events.size else "no impacts"
         return {"kind": kind, "sides": "", "cycles": 0}
     sides, cycles = period.pattern.sides, period.pattern.cycles
     alike = run.osc.restitution[0] == run.osc.restitution[1]
-    kind = kind_of(sides, cycles, period.symbols["time"] * run.r, alike=alike)
+    kind = kind_of(sides, cycles, period.events["time"] * run.r, alike=alike)
     return {"kind": kind, "sides": sides, "cycles": cycles}
 
 
