@@ -5,6 +5,7 @@ usage: check_stub.py [--write]
 
 import re
 import sys
+import textwrap
 from pathlib import Path
 
 from vibroimpact import _core
@@ -57,7 +58,7 @@ def stub_of(name):
     types = [type_of(told[item], True) for item in given]
     answer = f"tuple[{', '.join(types)}]" if len(types) > 1 else "".join(types) or "None"
     kind = "_" + "".join(part.title() for part in name.split("_"))
-    said = [f"    # {', '.join(given)}"] if given else []
+    said = textwrap.wrap(", ".join(given), 105, initial_indent="    # ", subsequent_indent="    # ")
     lines = [
         "@type_check_only",
         f"class {kind}(Protocol):",

@@ -31,6 +31,47 @@ class _DescribeResult(Protocol):
     ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
+class _EndOfTrajectory(Protocol):
+    # cycles, n, symbols, first, apart, n_own, own_cycles, own_sides, restitution, phases, impacts,
+    # scalars, multipliers, verdicts, n_events, own_values, own_labels, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        of_simulation: ArrayLike,
+        values: ArrayLike,
+        labels: ArrayLike,
+        most_cycles: int,
+        tolerance: float,
+        solve: int,
+        capacity: int,
+        m: int = ...,
+    ) -> tuple[
+        int,
+        int,
+        _Integer,
+        _Integer,
+        float,
+        int,
+        int,
+        _Integer,
+        _Real,
+        _Real,
+        _Real,
+        _Real,
+        _Complex,
+        _Integer,
+        int,
+        _Real,
+        _Integer,
+        int,
+    ]: ...
+
+@type_check_only
 class _Equispaced(Protocol):
     # impacts, scalars, multipliers, verdicts, status
     def __call__(
@@ -105,6 +146,43 @@ class _FillWholes(Protocol):
         n: int = ...,
         m: int = ...,
     ) -> None: ...
+
+@type_check_only
+class _FindMotion(Protocol):
+    # changed, n_own, own_cycles, own_sides, restitution, phases, impacts, scalars, multipliers,
+    # verdicts, n_events, values, labels, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        cycles: int,
+        sides: ArrayLike,
+        unknowns: ArrayLike,
+        releases: ArrayLike,
+        form: int,
+        capacity: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> tuple[
+        int,
+        int,
+        int,
+        _Integer,
+        _Real,
+        _Real,
+        _Real,
+        _Real,
+        _Complex,
+        _Integer,
+        int,
+        _Real,
+        _Integer,
+        int,
+    ]: ...
 
 @type_check_only
 class _FreeResult(Protocol):
@@ -196,25 +274,6 @@ class _ReadNamelist(Protocol):
         capacity: int,
         n_path: int = ...,
     ) -> tuple[_Bytes, int, int]: ...
-
-@type_check_only
-class _RestMotion(Protocol):
-    # n, sides, restitution, phases, impacts, scalars, multipliers, verdicts, n_events, values, labels, status
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: float,
-        load: float,
-        clearance: float,
-        side: int,
-        cycles: int,
-        guess: ArrayLike,
-        capacity: int,
-    ) -> tuple[
-        int, _Integer, _Real, _Real, _Real, _Real, _Complex, _Integer, int, _Real, _Integer, int
-    ]: ...
 
 @type_check_only
 class _RunCase(Protocol):
@@ -409,24 +468,6 @@ class _StabilityFlags(Protocol):
     ) -> tuple[_Integer, _Integer, _Real, _Integer, int]: ...
 
 @type_check_only
-class _StandardMotion(Protocol):
-    # impacts, own_cycles, own_sides, own_unknowns, own_releases
-    def __call__(
-        self,
-        xi: float,
-        r: float,
-        load: float,
-        clearance: float,
-        cycles: int,
-        sides: ArrayLike,
-        unknowns: ArrayLike,
-        releases: ArrayLike,
-        mirror: int,
-        n: int = ...,
-        m: int = ...,
-    ) -> tuple[int, int, _Integer, _Real, _Real]: ...
-
-@type_check_only
 class _StartState(Protocol):
     # state, contact
     def __call__(
@@ -448,7 +489,8 @@ class _StatusText(Protocol):
 
 @type_check_only
 class _SwitchBranch(Protocol):
-    # found, lengths, all_cycles, all_sides, systems, all_phases, all_impacts, scalars, multipliers, verdicts
+    # found, lengths, all_cycles, all_sides, systems, all_phases, all_impacts, scalars, multipliers,
+    # verdicts
     def __call__(
         self,
         xi: float,
@@ -496,11 +538,13 @@ class _WriteResult(Protocol):
 
 describe_language: _DescribeLanguage
 describe_result: _DescribeResult
+end_of_trajectory: _EndOfTrajectory
 equispaced: _Equispaced
 equispaced_chart: _EquispacedChart
 exact: _Exact
 fill_reals: _FillReals
 fill_wholes: _FillWholes
+find_motion: _FindMotion
 free_result: _FreeResult
 impact_maps: _ImpactMaps
 linear_system: _LinearSystem
@@ -508,7 +552,6 @@ new_result: _NewResult
 open_table: _OpenTable
 periodic: _Periodic
 read_namelist: _ReadNamelist
-rest_motion: _RestMotion
 run_case: _RunCase
 run_namelists: _RunNamelists
 same_motion: _SameMotion
@@ -521,7 +564,6 @@ simulate: _Simulate
 simulate_bundle: _SimulateBundle
 spaced: _Spaced
 stability_flags: _StabilityFlags
-standard_motion: _StandardMotion
 start_state: _StartState
 status_text: _StatusText
 switch_branch: _SwitchBranch

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, checks
-from .errors import ParameterTypeError
+from .errors import ParameterError, ParameterTypeError
 from .events import event_table
 from .model import Oscillator, Pattern
 from .motion import Motion
@@ -92,11 +92,7 @@ def exact(
             given = guess.phases
         x, theta = scale * guess.X, guess.phases + guess.tau
     elif isinstance(guess, Trajectory):
-        system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
-        answer = roomy(_core.end_of_trajectory, *system, *end_of(guess), 1)
-        if not answer[0]:
-            raise not_periodic(guess)
-        return described_motion(osc, r, clearance, load, answer[5:])
+        return motion_at_end(osc, r, clearance, load, guess)
     elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], Pattern):
         linear = periodic(osc, r, guess[0], guess[1])
         pattern = linear.pattern
@@ -107,6 +103,20 @@ def exact(
             f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, Pattern)"
         )
     return newton(osc, r, clearance, load, pattern, x, theta, each, given)
+
+
+def motion_at_end(
+    osc: Oscillator, r: float, clearance: float, load: float, run: Trajectory
+) -> Motion:
+    """The exact motion with which a trajectory ends."""
+    system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
+    try:
+        answer = roomy(_core.end_of_trajectory, *system, *end_of(run), 1)
+        if not answer[0]:
+            raise not_periodic(run)
+    except ParameterError as error:
+        raise ParameterError(f"guess = {error}, or give phases and a pattern") from None
+    return described_motion(osc, r, clearance, load, answer[5:])
 
 
 def newton(

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Period"]
 
+_Array = NDArray[np.float64]
+
 #: Longest period in load cycles, and largest difference of its phases from the period before.
 MOST_CYCLES, TOLERANCE = 16, 0.05
 
@@ -58,13 +60,15 @@ def last_period(
 
 def end_of(
     trajectory: Trajectory, most_cycles: int = MOST_CYCLES, tolerance: float = TOLERANCE
-) -> tuple[Any, ...]:
+) -> tuple[_Array, _Array, NDArray[np.int32], int, float]:
     """The end of a trajectory as the core takes it, with what a period is."""
     events, r = trajectory.events, trajectory.r
     # two periods, and as many cycles after the last release
     begin = trajectory.final_state["t"] - (3 * most_cycles + 1) * 2 * math.pi / r
     begin = max(begin, trajectory.initial_state["t"])
     values, labels = event_arrays(events[np.searchsorted(events["time"], begin) :])
+    if not labels.size:
+        raise not_periodic(trajectory, most_cycles)
     of_simulation = np.array([r, trajectory.clearance, begin])
     return of_simulation, values, labels, most_cycles, tolerance
 
@@ -77,6 +81,6 @@ def letters_of(symbols: NDArray[np.int32]) -> str:
 def not_periodic(trajectory: Trajectory, most_cycles: int = MOST_CYCLES) -> ParameterError:
     """The error for a trajectory that does not end about periodic."""
     return ParameterError(
-        f"guess = {trajectory!r}: must end about periodic; its last cycles do not repeat within "
-        f"{most_cycles} load cycles. Simulate longer (discard more), or give phases and a pattern"
+        f"{trajectory!r}: must end about periodic; its last cycles do not repeat within {most_cycles} load "
+        f"cycles. Simulate longer (discard more)"
     )

@@ -54,7 +54,7 @@ contains
       real(wp), intent(in) :: scale
       !> One of the outcomes above.
       integer, intent(out) :: outcome
-      !> The admissible motions to which Newton's method led, the one settled on last.
+      !> The admissible motions to which Newton's method led, the one settled on first.
       type(found_type), intent(out) :: found(:)
       !> Number of motions in `found`.
       integer, intent(out) :: n_found
@@ -80,19 +80,17 @@ contains
       call read_periods(events(:n), longest, most_symbols, about, periods)
       do i = size(periods), 1, -1
          call confirm(system, events, periods(i), 1.0_wp, scale, motion, nearby)
+         if (i > 1 .and. motion%status == stat%ok) then
+            if (is_repeated(motion, scale)) cycle
+         end if
          if (motion%status == stat%ok .and. motion%admissible == yes .and. &
             n_found < size(found)) then
             n_found = n_found + 1
             found(n_found) = motion
          end if
-         if (.not. nearby) then
-            if (outcome == wandering) outcome = unconfirmed
-            cycle
-         end if
-         outcome = not_stable
-         if (motion%stable /= yes .or. motion%admissible /= yes) cycle
-         outcome = settled
-         return
+         if (nearby .and. motion%stable == yes .and. motion%admissible == yes) outcome = settled
+         if (nearby .and. outcome /= settled) outcome = not_stable
+         if (outcome == wandering) outcome = unconfirmed
       end do
    end subroutine settle_on
 

@@ -159,6 +159,44 @@ def test_a_trajectory_may_end_at_an_impact(impact, part):
     assert np.sort(again.X) == pytest.approx(np.sort(motion.X), abs=1e-9)
 
 
+def test_a_rest_at_the_start_of_a_trajectory_is_none_of_its_end():
+    """The free mass starts at rest on a wall, is released, and comes to a motion without rest."""
+    start = state(0.0, 11.1, 0.0, 11.1 + 18.5, 0.0)
+    run = vi.simulate(TABLE, 0.94, 37.0, 1500, start)
+    kinds = run.events["kind"].tolist()
+    assert kinds[0] == "release"
+    assert "release" not in kinds[1:]
+    known = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    motion = vi.exact(TABLE, 0.94, 37.0, run)
+    assert np.sort(np.abs(motion.X)) == pytest.approx(np.sort(np.abs(known.X)), abs=1e-9)
+    period = run.period()
+    assert period.pattern == motion.pattern
+    assert period.mismatch < 1e-8
+    assert period.events["x"] == pytest.approx(motion.X, abs=1e-8)
+    assert np.isin(period.events["time"], run.events["time"][-2 * len(motion.pattern) - 1 :]).all()
+
+
+@pytest.mark.parametrize("most", [1, 2])
+def test_the_period_of_a_doubled_motion(most):
+    """Past the flip at 34.9648 a simulation repeats itself after two cycles, and not within one."""
+    clearance = 34.955
+    near = after_impact(vi.exact(TABLE, 0.94, 35.5, COLUMN))
+    near["z"] = near["x"] + clearance / 2
+    run = vi.simulate(TABLE, 0.94, clearance, 40, near, discard=8000)
+    if most == 1:
+        with pytest.raises(vi.errors.ParameterError, match="1 load cycles"):
+            run.period(most, 1e-6)
+        return
+    assert run.period(most, 1e-6).pattern.cycles == 2
+    # within .05 it nearly repeats itself after one: the shortest period, but not that of the motion
+    assert run.period().pattern.cycles == 1
+    motion = vi.exact(TABLE, 0.94, clearance, run)
+    assert motion.pattern.cycles == 2
+    assert motion.stable
+    found = vi.find(TABLE, 0.94, clearance, max_impacts=4, max_cycles=2)
+    assert sum(item.stable and item.pattern.cycles == 2 for item in found) >= 1
+
+
 @pytest.mark.parametrize("factor", [2.0, 10.0, 0.01])
 def test_load_scales_the_motion(factor):
     """f -> factor f with the clearance alike: phases and multipliers stay, lengths scale."""

@@ -118,6 +118,18 @@ def test_rest_motion_from_a_motion_nearby_and_at_another_load():
     assert double.multipliers == pytest.approx(motion.multipliers, abs=1e-7)
 
 
+@pytest.mark.parametrize("factor", [10.0, 1000.0, 1e-3])
+def test_guesses_with_rest_scale_with_the_load(factor):
+    """Load and clearance times a factor: lengths scale, and so does the guess, motion or trajectory."""
+    motion = rest_motion()
+    for guess in (motion, vi.simulate(RIG, 0.9, 6.0, 8, discard=300)):
+        other = vi.exact(RIG, 0.9, 6.0 * factor, guess, load=factor)
+        assert other.pattern == motion.pattern
+        assert other.phases == pytest.approx(motion.phases, abs=1e-9)
+        assert other.X / factor == pytest.approx(motion.X, abs=1e-8)
+        assert other.multipliers == pytest.approx(motion.multipliers, abs=1e-7)
+
+
 def test_rest_motion_has_no_impact_maps():
     """An accumulation has infinitely many impacts: no list of [P_i], and an error that says so."""
     with pytest.raises(vi.errors.ParameterError, match="rest"):
