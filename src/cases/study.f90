@@ -23,11 +23,9 @@ module vi_study
       logical :: has_load = .true.
       !> The group before it from which it starts; empty if it starts from none.
       character(name_length) :: starts_from = ''
-      !> The keys of its group, in the order of the echo.
-      type(key_type), pointer :: keys(:) => null()
-      !> The columns of its result, in the order of the CSV, and the table whose rows are those of
-      !! the CSV.
-      type(column_type), pointer :: columns(:) => null()
+      !> Lists the keys of its group and the columns of its result.
+      procedure(list_interface), pointer, nopass :: list => null()
+      !> The table whose rows are those of the CSV.
       character(16) :: row = ''
       !> Checks what depends on several keys; null if nothing does.
       procedure(check_interface), pointer, nopass :: check => null()
@@ -42,6 +40,17 @@ module vi_study
    end type declare_type
 
    abstract interface
+      !> Lists keys in the order of the echo, and columns in that of the CSV. A declaration holds
+      !! neither, since most callers need those of one study alone.
+      pure subroutine list_interface(keys, columns)
+         import :: column_type, key_type
+         implicit none (type, external)
+         !> The keys of the group.
+         type(key_type), allocatable, intent(out), optional :: keys(:)
+         !> The columns of the result.
+         type(column_type), allocatable, intent(out), optional :: columns(:)
+      end subroutine list_interface
+
       !> Checks what depends on several keys.
       subroutine check_interface(case)
          import :: case_type

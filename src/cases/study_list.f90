@@ -11,7 +11,7 @@ module vi_study_list
    use vi_lyapunov_study, only: declare_lyapunov
    use vi_motion_study, only: declare_motion
    use vi_response_study, only: declare_response
-   use vi_result, only: result_type, start_result
+   use vi_result, only: column_type, result_type, start_result
    use vi_simulate_study, only: declare_simulate
    use vi_study, only: declare_type, study_type
    use vi_text, only: line_type
@@ -83,11 +83,13 @@ contains
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(study_type) :: study
+      type(column_type), allocatable :: columns(:)
       type(line_type), allocatable :: lines(:)
 
       call echo(case, lines)
       call find_study(case%study%name, study)
-      call start_result(lines, study%columns, study%row, result)
+      call study%list(columns=columns)
+      call start_result(lines, columns, study%row, result)
       call study%run(case, threads, result, progress)
    end subroutine run_study
 

@@ -54,6 +54,7 @@ contains
       !! each study its meaning, the table whose rows are those of the CSV, and a list of columns.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(key_type), allocatable :: keys(:)
+      type(column_type), allocatable :: columns(:)
       type(study_type), allocatable :: studies(:)
       character(name_length), allocatable :: names(:)
       character(:), allocatable :: text
@@ -77,9 +78,10 @@ contains
          associate (study => studies(i))
             call append(lines, quoted(study%name)//': {"meaning": '//quoted(study%meaning)// &
                ', "row": '//quoted(study%row)//', "columns": [')
-            do j = 1, size(study%columns)
-               call describe_column(study%columns(j), text)
-               if (j < size(study%columns)) text = text//','
+            call study%list(columns=columns)
+            do j = 1, size(columns)
+               call describe_column(columns(j), text)
+               if (j < size(columns)) text = text//','
                call append(lines, text)
             end do
          end associate
@@ -145,7 +147,7 @@ contains
          keys = output_keys
       case default
          call find_study(name, study)
-         keys = study%keys
+         call study%list(keys)
       end select
    end subroutine keys_of
 

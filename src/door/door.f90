@@ -166,6 +166,7 @@ contains
       integer, intent(out) :: status
       type(holder_type), pointer :: holder
       type(case_type), allocatable :: cases(:)
+      type(column_type), allocatable :: columns(:)
       type(line_type), allocatable :: lines(:)
       type(study_type) :: study
 
@@ -177,7 +178,8 @@ contains
       holder%status = status
       call echo(cases(1), lines)
       call find_study(cases(1)%study%name, study)
-      call start_result(lines, study%columns, study%row, holder%result)
+      call study%list(columns=columns)
+      call start_result(lines, columns, study%row, holder%result)
    end subroutine new_result
 
    !> Opens a table of a result.

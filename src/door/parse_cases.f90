@@ -7,7 +7,7 @@
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_letters, &
       output_keys, system_keys
-   use vi_key, only: place_of
+   use vi_key, only: key_type, place_of
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
    use vi_study, only: join_groups, study_type
@@ -165,8 +165,10 @@ contains
    pure logical function has_window(study)
       !> The study.
       type(study_type), intent(in) :: study
+      type(key_type), allocatable :: keys(:)
 
-      has_window = place_of(study%keys, 'r_min') > 0
+      call study%list(keys)
+      has_window = place_of(keys, 'r_min') > 0
    end function has_window
 
    !> Whether a study has frequency ratios of its own, a window or values of r, or needs none.
@@ -205,6 +207,7 @@ contains
       integer, intent(inout) :: line
       !> Out: the fault; empty if there is none.
       character(:), allocatable, intent(inout) :: message
+      type(key_type), allocatable :: keys(:)
       integer :: j
 
       associate (study => studies(findloc(studies%name == groups(i)%name, .true., 1)))
@@ -222,13 +225,15 @@ contains
                return
             end if
             associate (start => studies(findloc(studies%name == study%starts_from, .true., 1)))
-               call read_values(trim(start%name), start%keys, groups(j), case%start)
+               call start%list(keys)
+               call read_values(trim(start%name), keys, groups(j), case%start)
             end associate
             call study%check_start(case, groups(i)%line)
             call pass_on(case%start, line, message)
             if (len(message) > 0) return
          end if
-         call read_values(groups(i)%name, study%keys, groups(i), case%study)
+         call study%list(keys)
+         call read_values(groups(i)%name, keys, groups(i), case%study)
          if (associated(study%check)) call study%check(case)
       end associate
       call pass_on(case%study, line, message)

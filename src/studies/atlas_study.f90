@@ -61,10 +61,6 @@ module vi_atlas_study
    character(*), parameter :: without_impacts = 'without impacts, the free mass at rest: where &
       &clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)'
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(atlas_keys)) = atlas_keys
-   type(column_type), target :: columns(size(atlas_columns)) = atlas_columns
-
 contains
 
    !> Declares the study.
@@ -74,12 +70,22 @@ contains
 
       study%name = 'atlas'
       study%meaning = 'find the zones of all patterns in a window'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_atlas
       study%row = 'vertices'
       study%check => check_atlas
       study%run => run_atlas
    end subroutine declare_atlas
+
+   !> Lists the keys and columns.
+   pure subroutine list_atlas(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = atlas_keys
+      if (present(columns)) columns = atlas_columns
+   end subroutine list_atlas
 
    !> Checks what depends on several keys.
    subroutine check_atlas(case)

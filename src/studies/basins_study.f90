@@ -107,10 +107,6 @@ module vi_basins_study
    character(14), parameter :: kinds(6) = [character(14) :: 'periodic', 'rest', 'quasi-periodic', &
       'chaotic', 'no impacts', 'periodic?']
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(basins_keys)) = basins_keys
-   type(column_type), target :: columns(size(basins_columns)) = basins_columns
-
 contains
 
    !> Declares the study.
@@ -120,12 +116,22 @@ contains
 
       study%name = 'basins'
       study%meaning = 'find the attractors at a point and the basin of each'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_basins
       study%row = 'states'
       study%check => check_basins
       study%run => run_basins
    end subroutine declare_basins
+
+   !> Lists the keys and columns.
+   pure subroutine list_basins(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = basins_keys
+      if (present(columns)) columns = basins_columns
+   end subroutine list_basins
 
    !> Checks what depends on several keys.
    subroutine check_basins(case)

@@ -101,10 +101,6 @@ module vi_bifurcation_study
       column_type('windows', 'cut', truths, listed=.false., &
       meaning='whether it is beside a value that was not reached')]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(bifurcation_keys)) = bifurcation_keys
-   type(column_type), target :: columns(size(bifurcation_columns)) = bifurcation_columns
-
 contains
 
    !> Declares the study.
@@ -114,12 +110,22 @@ contains
 
       study%name = 'bifurcation'
       study%meaning = 'sweep a parameter up and down, or from many states'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_bifurcation
       study%row = 'impacts'
       study%check => check_bifurcation
       study%run => run_bifurcation
    end subroutine declare_bifurcation
+
+   !> Lists the keys and columns.
+   pure subroutine list_bifurcation(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = bifurcation_keys
+      if (present(columns)) columns = bifurcation_columns
+   end subroutine list_bifurcation
 
    !> Checks what depends on several keys.
    subroutine check_bifurcation(case)

@@ -95,10 +95,6 @@ module vi_branch_study
       column_type('points', 'special_side', words, words='R,L', listed=.false., &
       meaning='wall that is touched at a grazing')]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(branch_keys)) = branch_keys
-   type(column_type), target :: columns(size(branch_columns)) = branch_columns
-
 contains
 
    !> Declares the study.
@@ -109,13 +105,23 @@ contains
       study%name = 'branch'
       study%meaning = 'follow motions along a parameter'
       study%starts_from = 'motion'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_branch
       study%row = 'points'
       study%check => check_branch
       study%check_start => check_branch_start
       study%run => run_branch
    end subroutine declare_branch
+
+   !> Lists the keys and columns.
+   pure subroutine list_branch(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = branch_keys
+      if (present(columns)) columns = branch_columns
+   end subroutine list_branch
 
    !> Checks the &motion that a branch starts from.
    subroutine check_branch_start(case, line)

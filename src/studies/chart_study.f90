@@ -87,10 +87,6 @@ module vi_chart_study
       column_type('points', 'found', wholes, listed=.false., &
       meaning='motions at the point, with those for which there was no slot')]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(chart_keys)) = chart_keys
-   type(column_type), target :: columns(size(chart_columns)) = chart_columns
-
 contains
 
    !> Declares the study.
@@ -100,12 +96,22 @@ contains
 
       study%name = 'chart'
       study%meaning = 'compute all motions of a pattern on a grid of r and d K/F0'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_chart
       study%row = 'motions'
       study%check => check_chart
       study%run => run_chart
    end subroutine declare_chart
+
+   !> Lists the keys and columns.
+   pure subroutine list_chart(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = chart_keys
+      if (present(columns)) columns = chart_columns
+   end subroutine list_chart
 
    !> Checks what depends on several keys.
    subroutine check_chart(case)

@@ -50,10 +50,6 @@ module vi_decay_study
       column_type('runs', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(decay_keys)) = decay_keys
-   type(column_type), target :: columns(size(decay_columns)) = decay_columns
-
 contains
 
    !> Declares the study.
@@ -64,12 +60,22 @@ contains
       study%name = 'decay'
       study%meaning = 'find the peaks and the damping of free vibration'
       study%has_load = .false.
-      study%keys => keys
-      study%columns => columns
+      study%list => list_decay
       study%row = 'peaks'
       study%check => check_decay
       study%run => run_decay
    end subroutine declare_decay
+
+   !> Lists the keys and columns.
+   pure subroutine list_decay(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = decay_keys
+      if (present(columns)) columns = decay_columns
+   end subroutine list_decay
 
    !> Checks what depends on several keys.
    subroutine check_decay(case)

@@ -87,10 +87,6 @@ module vi_find_study
    type(column_type), parameter :: find_columns(*) = [motion_columns, event_columns, &
       search_columns]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(find_keys)) = find_keys
-   type(column_type), target :: columns(size(find_columns)) = find_columns
-
 contains
 
    !> Declares the study.
@@ -100,11 +96,21 @@ contains
 
       study%name = 'find'
       study%meaning = 'search for all periodic motions at a point'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_find
       study%row = 'impacts'
       study%run => run_find
    end subroutine declare_find
+
+   !> Lists the keys and columns.
+   pure subroutine list_find(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = find_keys
+      if (present(columns)) columns = find_columns
+   end subroutine list_find
 
    !> Searches at the point of a case.
    subroutine run_find(case, threads, result, progress)

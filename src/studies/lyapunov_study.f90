@@ -70,10 +70,6 @@ module vi_lyapunov_study
       column_type('points', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(lyapunov_keys)) = lyapunov_keys
-   type(column_type), target :: columns(size(lyapunov_columns)) = lyapunov_columns
-
 contains
 
    !> Declares the study.
@@ -83,12 +79,22 @@ contains
 
       study%name = 'lyapunov'
       study%meaning = 'compute all Lyapunov exponents at a point or along a line'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_lyapunov
       study%row = 'points'
       study%check => check_lyapunov
       study%run => run_lyapunov
    end subroutine declare_lyapunov
+
+   !> Lists the keys and columns.
+   pure subroutine list_lyapunov(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = lyapunov_keys
+      if (present(columns)) columns = lyapunov_columns
+   end subroutine list_lyapunov
 
    !> Checks what depends on several keys.
    subroutine check_lyapunov(case)

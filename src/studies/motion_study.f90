@@ -114,10 +114,6 @@ module vi_motion_study
       logical :: single = .false.
    end type motion_request_type
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(motion_keys)) = motion_keys
-   type(column_type), target :: columns(size(motion_columns)) = motion_columns
-
 contains
 
    !> Declares the study.
@@ -127,12 +123,22 @@ contains
 
       study%name = 'motion'
       study%meaning = 'compute periodic motions from their load phases or their clearance'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_motion
       study%row = 'impacts'
       study%check => check_case
       study%run => run_motion
    end subroutine declare_motion
+
+   !> Lists the keys and columns.
+   pure subroutine list_motion(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = motion_keys
+      if (present(columns)) columns = motion_columns
+   end subroutine list_motion
 
    !> Checks what depends on several keys.
    subroutine check_case(case)

@@ -53,10 +53,6 @@ module vi_response_study
       column_type('runs', 'rests', wholes, listed=.false., meaning='rests of a period'), &
       column_type('runs', 'status', wholes, listed=.false., meaning='code of what failed; 0: none')]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(response_keys)) = response_keys
-   type(column_type), target :: columns(size(response_columns)) = response_columns
-
 contains
 
    !> Declares the study.
@@ -66,12 +62,22 @@ contains
 
       study%name = 'response'
       study%meaning = 'follow max|X|/A along r over all attractors'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_response
       study%row = 'points'
       study%check => check_response
       study%run => run_response
    end subroutine declare_response
+
+   !> Lists the keys and columns.
+   pure subroutine list_response(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = response_keys
+      if (present(columns)) columns = response_columns
+   end subroutine list_response
 
    !> Checks what depends on several keys.
    subroutine check_response(case)

@@ -44,10 +44,6 @@ module vi_simulate_study
       column_type('final', 'state', each='coordinate', listed=.false., &
       meaning='the state at the end: t, x, x_dot, z, z_dot')]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(simulate_keys)) = simulate_keys
-   type(column_type), target :: columns(size(simulate_columns)) = simulate_columns
-
 contains
 
    !> Declares the study.
@@ -57,12 +53,22 @@ contains
 
       study%name = 'simulate'
       study%meaning = 'simulate from an initial state'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_simulate
       study%row = 'events'
       study%check => check_simulate
       study%run => run_simulate
    end subroutine declare_simulate
+
+   !> Lists the keys and columns.
+   pure subroutine list_simulate(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = simulate_keys
+      if (present(columns)) columns = simulate_columns
+   end subroutine list_simulate
 
    !> Checks what depends on several keys.
    subroutine check_simulate(case)

@@ -47,10 +47,6 @@ module vi_zone_study
       column_type('open_seeds', 'clearance', unit='F0/K', listed=.false., &
       meaning='clearance of a seed around which no boundary could be closed')]
 
-   !> What the declaration points to: constants cannot be targets.
-   type(key_type), target :: keys(size(zone_keys)) = zone_keys
-   type(column_type), target :: columns(size(zone_columns)) = zone_columns
-
 contains
 
    !> Declares the study.
@@ -60,12 +56,22 @@ contains
 
       study%name = 'zone'
       study%meaning = 'find where the motions of a pattern are stable'
-      study%keys => keys
-      study%columns => columns
+      study%list => list_zone
       study%row = 'vertices'
       study%check => check_zone
       study%run => run_zone
    end subroutine declare_zone
+
+   !> Lists the keys and columns.
+   pure subroutine list_zone(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = zone_keys
+      if (present(columns)) columns = zone_columns
+   end subroutine list_zone
 
    !> Checks what depends on several keys.
    subroutine check_zone(case)
