@@ -24,9 +24,10 @@ from vibroimpact.errors import ParameterError, VibroimpactError
 WALLS = SYSTEM.replace(", r = 0.94", "")
 POINT = "&motion kind = 'exact', sides = 'RL', phases = 0, 4.3, clearance = 37 /\n"
 WINDOW = "r_min = 0.8, r_max = 1.2, clearance_min = 2, clearance_max = 200"
-TABLES = json.loads(
+LANGUAGE = json.loads(
     subprocess.run([find_batch(), "--describe"], capture_output=True, check=True).stdout
-)["groups"]
+)
+TABLES = LANGUAGE["groups"]
 #: The studies whose smallest case is the example of their command, as far as their keys have no default.
 OTHERS = [
     name for name in COMMANDS
@@ -386,3 +387,23 @@ def test_keys_of_a_group_for_people(batch):
         done = batch("--keys", wrong)
         assert (done.status, done.out) == (2, b"")
         assert done.faults == [f"--keys {wrong}: must be followed by one of {', '.join(TABLES)}"]
+
+
+@pytest.mark.parametrize("study", LANGUAGE["results"])
+def test_a_study_has_all_its_parts(study):
+    """A meaning, rows for the CSV, a case among the inputs, and what a row is in inputs/README.md."""
+    told = LANGUAGE["results"][study]
+    assert told["meaning"]
+    assert told["row"] in {column["table"] for column in told["columns"]}
+    inputs = [path.read_text(encoding="utf-8") for path in (ROOT / "inputs").glob("*.nml")]
+    assert any(re.search(rf"^&{study}\b", text, re.MULTILINE) for text in inputs)
+    assert f"\n| `&{study}` | " in (ROOT / "inputs/README.md").read_text(encoding="utf-8")
+
+
+def test_the_help_says_what_each_study_does():
+    """One line a study, with the meaning that it declares."""
+    text = subprocess.run(
+        [find_batch(), "--help"], capture_output=True, text=True, check=True
+    ).stdout
+    found = re.findall(r"^  &(\w+) +(.*)$", text, re.MULTILINE)
+    assert found == [(study, told["meaning"]) for study, told in LANGUAGE["results"].items()]
