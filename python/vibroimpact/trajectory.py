@@ -110,7 +110,7 @@ class Trajectory(Result):
         >>> run = vi.simulate(osc, r=0.9, clearance=6.0, cycles=4, discard=300)
         >>> period = run.period()
         >>> period.pattern, period.mismatch < 1e-6
-        (Pattern(sides='L*R', cycles=1), True)
+        (Pattern(sides='RL*', cycles=1), True)
         """
         return last_period(self, most_cycles, tolerance)
 

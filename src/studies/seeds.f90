@@ -1,8 +1,7 @@
 !> Motions of a family at a point, from guesses or from simulation.
 module vi_seeds
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_event_symbols, only: last_of_period, mismatch, symbols_between, symbol_sequence_type, &
-      total_phase
+   use vi_event_symbols, only: last_of_period, period_type, read_periods
    use vi_frame, only: frame_type, unknown_count
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
@@ -22,10 +21,8 @@ module vi_seeds
    !> Most simulations at a point for motions with rest.
    integer, parameter, public :: most_simulations = 6
 
-   !> Largest difference in phase (rad) between the symbols of two successive periods, and the
-   !! factor by which that of a longer period must be smaller.
-   real(wp), parameter :: about = 0.05_wp, nearer = 0.3_wp
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+   !> Largest difference in phase (rad) between the symbols of two successive periods.
+   real(wp), parameter :: about = 0.05_wp
 
    !> The last releases of a simulation, from the right wall and from the left one: load phase and
    !! asinh(v/D) (2, 2), and whether they exist.
@@ -182,26 +179,18 @@ contains
       integer, intent(in) :: longest(2)
       !> In: with its releases. Out: `late`, `cycles` and `symbols` are set.
       type(release_type), intent(inout) :: release
-      type(symbol_sequence_type) :: now, before
-      real(wp) :: finish, apart, least
-      integer :: k, last
+      type(period_type), allocatable :: periods(:)
 
       if (.not. any(release%there)) return
-      last = last_of_period(events)
-      release%late = 2*events(last)%cycle >= settling
-      ! a thousandth of a cycle: the release one period before belongs to the window before
-      finish = total_phase(events(last)) + 1.0e-3_wp*two_pi
-      least = about
-      do k = 1, longest(2)
-         call symbols_between(events(:last), finish - two_pi*k, finish, now)
-         call symbols_between(events(:last), finish - 2*two_pi*k, finish - two_pi*k, before)
-         if (now%n > longest(1)) exit
-         apart = mismatch(events, now, before, k)
-         if (.not. apart < least) cycle
-         least = nearer*apart
-         release%cycles = k
-         release%symbols = now%symbols
-      end do
+      release%late = 2*events(last_of_period(events))%cycle >= settling
+      call read_periods(events, longest(2), longest(1), about, periods)
+      if (size(periods) == 0) return
+      associate (period => periods(size(periods)))
+         ! one without rest is none of the motion that the release belongs to
+         if (all(abs(period%reading%symbols) == 1)) return
+         release%cycles = period%cycles
+         release%symbols = period%reading%symbols
+      end associate
    end subroutine read_end
 
 end module vi_seeds

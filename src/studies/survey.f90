@@ -6,8 +6,7 @@
 module vi_survey
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type
-   use vi_event_symbols, only: last_of_period, mismatch, symbols_between, symbol_sequence_type, &
-      total_phase
+   use vi_event_symbols, only: period_type, read_periods, symbol_sequence_type, total_phase
    use vi_family, only: new_family
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_kinds, only: wp
@@ -180,11 +179,10 @@ contains
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       type(event_type) :: events(capacity)
-      type(symbol_sequence_type) :: now, before
+      type(period_type), allocatable :: periods(:)
       integer, allocatable :: symbols(:)
-      real(wp) :: end_phase
       logical :: shorter
-      integer :: n, k, last, status
+      integer :: i, n, status
 
       attractor%outcome = not_settled
       call run(system, state, settling, events, n, status, progress)
@@ -197,26 +195,24 @@ contains
          if (is_free(system, state)) attractor%outcome = no_impacts
          return
       end if
-      last = last_of_period(events(:n))
-      do k = 1, longest
-         ! a thousandth of a cycle: the event one period before belongs to the window before
-         end_phase = total_phase(events(last)) + 1.0e-3_wp*two_pi
-         call symbols_between(events(:last), end_phase - two_pi*k, end_phase, now)
-         call symbols_between(events(:last), end_phase - 2*two_pi*k, end_phase - two_pi*k, before)
-         if (.not. mismatch(events, now, before, k) < same_phase) cycle
-         attractor%outcome = not_confirmed
-         if (now%n <= limits%symbols .and. k <= limits%cycles) then
-            call identify(osc, system, events, now, k, attractor)
-            if (attractor%found) attractor%outcome = periodic
-            if (attractor%found) return
-         end if
-         call stable_period(system, state, k, symbols, shorter)
-         if (shorter) then
-            attractor%outcome = not_settled
-         else if (size(symbols) > 0) then
-            call name_it(osc, symbols, k, limits, attractor)
-         end if
-         return
+      call read_periods(events(:n), longest, size(events), same_phase, periods)
+      do i = 1, size(periods)
+         associate (period => periods(i), cycles => periods(i)%cycles)
+            attractor%outcome = not_confirmed
+            if (period%reading%n <= limits%symbols .and. cycles <= limits%cycles) then
+               call identify(osc, system, events, period%reading, cycles, attractor)
+               if (attractor%found) attractor%outcome = periodic
+               if (attractor%found) return
+            end if
+            call stable_period(system, state, cycles, symbols, shorter)
+            if (shorter) then
+               attractor%outcome = not_settled
+            else if (size(symbols) > 0) then
+               call name_it(osc, symbols, cycles, limits, attractor)
+            end if
+            ! beside a flip the shorter period nearly repeats itself, too, but is not stable
+            if (shorter .or. size(symbols) > 0) return
+         end associate
       end do
    end subroutine look
 

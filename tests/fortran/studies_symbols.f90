@@ -5,8 +5,8 @@ module studies_symbols
    use vi_forced_system, only: forced_system_type, event_type, impact_event, new_forced_system, &
       release_event, state_type, &
       stick_event, two_pi
-   use vi_event_symbols, only: last_of_period, symbol_endings, mismatch, read_symbols, &
-      symbols_between, symbol_sequence_type, total_phase
+   use vi_event_symbols, only: last_of_period, symbol_endings, mismatch, period_type, &
+      read_periods, read_symbols, symbols_between, symbol_sequence_type, total_phase
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate_cycles
@@ -27,6 +27,7 @@ contains
       call test_cases()
       call test_window()
       call test_simulated()
+      call test_periods()
       do i = 1, 300
          events = random_events(draw_integer(random, 1, 12))
          call check_ring(events)
@@ -211,5 +212,56 @@ contains
       call check(status == stat%more_events .and. left <= 0, &
          'symbols: a limit of events')
    end subroutine test_simulated
+
+   !> Two impacts a cycle, the second one later by some angle in every other cycle: both periods are
+   !! listed, or that of two cycles alone, or the simple one if nothing differs.
+   subroutine test_periods()
+      type(event_type) :: events(24), early(25)
+      type(period_type), allocatable :: periods(:)
+
+      call make_doubled(0.0_wp, events)
+      call read_periods(events, 5, 100, 0.05_wp, periods)
+      call check(size(periods) == 1, 'periods: one')
+      call check(periods(1)%cycles == 1 .and. all(periods(1)%reading%symbols == [1, -1]) .and. &
+         all(periods(1)%reading%first == [23, 24]) .and. periods(1)%last == 24 .and. &
+         periods(1)%mismatch < 1.0e-12_wp, 'periods: the simple one')
+      call make_doubled(0.01_wp, events)
+      call read_periods(events, 5, 100, 0.05_wp, periods)
+      call check(all(periods%cycles == [1, 2]), 'periods: both')
+      call check(abs(periods(1)%mismatch - 0.01_wp) < 1.0e-12_wp, 'periods: the angle between them')
+      call check(all(periods(2)%reading%symbols == [1, -1, 1, -1]), 'periods: doubled')
+      call make_doubled(0.1_wp, events)
+      call read_periods(events, 5, 100, 0.05_wp, periods)
+      call check(all(periods%cycles == [2]), 'periods: the longer one')
+      call read_periods(events, 5, 3, 0.05_wp, periods)
+      call check(size(periods) == 0, 'periods: at most three symbols')
+      call read_periods(events, 1, 100, 0.05_wp, periods)
+      call check(size(periods) == 0, 'periods: at most one cycle')
+      ! the windows end a thousandth of a cycle after the last event
+      call read_periods(events, 5, 100, 0.05_wp, periods, total_phase(events(24)) - 4*two_pi)
+      call check(size(periods) == 1, 'periods: two of two cycles')
+      call read_periods(events, 5, 100, 0.05_wp, periods, total_phase(events(24)) - 3.9_wp*two_pi)
+      call check(size(periods) == 0, 'periods: less than two of two cycles')
+      ! a release long ago belongs to the transient
+      early = [event_type(release_event, 1, 0, 0.1_wp, 0, 0, 0, 0, 0), events]
+      call read_periods(early, 5, 100, 0.05_wp, periods)
+      call check(all(periods%cycles == [2]) .and. periods(1)%last == 25, 'periods: old release')
+      call read_periods(early(:0), 5, 100, 0.05_wp, periods)
+      call check(size(periods) == 0, 'periods: no events')
+   end subroutine test_periods
+
+   !> Impacts on the right wall at phase 1 and on the left one at phase 4, later in even cycles.
+   subroutine make_doubled(later, events)
+      !> The angle (rad).
+      real(wp), intent(in) :: later
+      !> An even number of them.
+      type(event_type), intent(out) :: events(:)
+      integer :: i
+
+      do i = 1, size(events), 2
+         events(i) = event_type(impact_event, 1, i/2, 1.0_wp, 0, 0, 0, 0, 0)
+         events(i + 1) = event_type(impact_event, -1, i/2, 4 + modulo(i/2, 2)*later, 0, 0, 0, 0, 0)
+      end do
+   end subroutine make_doubled
 
 end module studies_symbols
