@@ -481,9 +481,8 @@ subroutine find_motion(n, m, xi, mu, walls, r, load, clearance, cycles, sides, u
    multipliers, verdicts, n_events, values, labels, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_forced_system, only: new_forced_system
-   use vi_found_motion, only: described_type, find_in_form, found_type, store_described
+   use vi_found_motion, only: described_type, find_in_form, found_from, store_described
    use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: pattern_type
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n, m, cycles, sides(n), form, capacity
@@ -495,13 +494,9 @@ subroutine find_motion(n, m, xi, mu, walls, r, load, clearance, cycles, sides, u
    complex(c_double_complex), intent(out) :: multipliers(4)
    type(described_type) :: described
    logical :: differs
-   integer :: j, k
 
-   j = count(sides /= 0)
-   k = count(abs(releases(1, :)) > 0)
    call find_in_form(new_forced_system(oscillator_type(xi, mu, walls), r, load, clearance), &
-      found_type(pattern_type(sides(:j), cycles), unknowns(:2*j), releases(:, :k)), form, &
-      differs, described)
+      found_from(cycles, sides, unknowns, releases), form, differs, described)
    changed = merge(1, 0, differs)
    call store_described(described, n_own, own_cycles, own_sides, restitution, phases, impacts, &
       scalars, multipliers, verdicts, n_events, values, labels, status)
@@ -599,50 +594,20 @@ end subroutine side_patterns
 subroutine same_motion(n, m, xi, r, load, clearance, cycles, sides, unknowns, releases, &
    other_sides, other_unknowns, other_releases, mirror, are_one)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored
-   use vi_likeness, only: length_scale
+   use vi_forced_system, only: new_forced_system
+   use vi_found_motion, only: are_alike, found_from
    use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: pattern_type
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n, m, cycles, sides(n), other_sides(n), mirror
    real(c_double), intent(in) :: xi, r, load, clearance, unknowns(2*n), releases(3, m), &
       other_unknowns(2*n), other_releases(3, m)
    integer(c_int), intent(out) :: are_one
-   type(found_type) :: one, other
-   real(c_double) :: scale
-   integer :: j, k
 
-   scale = max(clearance, load*length_scale(oscillator_type(xi), r, 0.0_c_double))
-   j = count(sides /= 0)
-   k = count(abs(releases(1, :)) > 0)
-   one = found_type(pattern_type(sides(:j), cycles), unknowns(:2*j), releases(:, :k))
-   other = found_type(pattern_type(other_sides(:j), cycles), other_unknowns(:2*j), &
-      other_releases(:, :k))
-   if (mirror /= 0) other = mirrored(other)
-   are_one = merge(1, 0, are_same(in_standard_form(one, scale), in_standard_form(other, scale), &
-      scale))
+   are_one = merge(1, 0, are_alike(new_forced_system(oscillator_type(xi), r, load, clearance), &
+      found_from(cycles, sides, unknowns, releases), &
+      found_from(cycles, other_sides, other_unknowns, other_releases), mirror /= 0))
 end subroutine same_motion
-
-!> Exact motions of one pattern from guesses alone: `found` has x_i, theta_i of each (`n_found`).
-subroutine search_pattern(n, xi, mu, walls, r, load, clearance, cycles, sides, guesses, capacity, &
-   found, n_found, tried)
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use vi_pattern, only: pattern_type
-   use vi_search, only: search => search_pattern
-   implicit none (type, external)
-   !f2py threadsafe
-   integer(c_int), intent(in) :: n, cycles, sides(n), guesses, capacity
-   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance
-   real(c_double), intent(out) :: found(2*n, capacity)
-   integer(c_int), intent(out) :: n_found, tried
-
-   found = 0
-   n_found = 0
-   call search(pattern_type(sides, cycles), [r, log(clearance/load), xi, mu, walls], guesses, &
-      found, n_found, tried, 0)
-   found(:n, :) = found(:n, :)*clearance
-end subroutine search_pattern
 
 !> The state (7), (3) of the core from t, x, x', z, z'; on a wall it may depart, rest or be about
 !! to collide.

@@ -368,24 +368,6 @@ class _SayOf(Protocol):
     ) -> None: ...
 
 @type_check_only
-class _SearchPattern(Protocol):
-    # found, n_found, tried
-    def __call__(
-        self,
-        xi: float,
-        mu: float,
-        walls: ArrayLike,
-        r: float,
-        load: float,
-        clearance: float,
-        cycles: int,
-        sides: ArrayLike,
-        guesses: int,
-        capacity: int,
-        n: int = ...,
-    ) -> tuple[_Real, int, int]: ...
-
-@type_check_only
 class _SidePatterns(Protocol):
     # n, impacts, cycles, sides
     def __call__(
@@ -558,7 +540,6 @@ same_motion: _SameMotion
 sample: _Sample
 sample_trajectory: _SampleTrajectory
 say_of: _SayOf
-search_pattern: _SearchPattern
 side_patterns: _SidePatterns
 simulate: _Simulate
 simulate_bundle: _SimulateBundle

@@ -7,9 +7,8 @@
 module vi_find
    use vi_forced_system, only: forced_system_type
    use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored, new_found, &
-      new_resting, describe_motion, described_type
+      new_resting, describe_motion, described_type, scale_of
    use vi_kinds, only: wp
-   use vi_likeness, only: length_scale
    use vi_motion, only: yes
    use vi_oscillator, only: left, right
    use vi_passages, only: begin_lines, birth_type, follow_birth, lines_type
@@ -78,9 +77,7 @@ contains
       real(wp) :: scale
 
       call add_expected_work(all_work, progress)
-      associate (system => request%system)
-         scale = max(system%clearance, system%load*length_scale(system%osc, system%r, 0.0_wp))
-      end associate
+      scale = scale_of(request%system)
       allocate (findings%gathered(64))
       call from_patterns(request, scale, findings, progress)
       call from_releases(request, scale, findings, progress)

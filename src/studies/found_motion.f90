@@ -19,8 +19,8 @@ module vi_found_motion
    implicit none (type, external)
    private
 
-   public :: are_same, in_standard_form, mirrored, new_found, new_resting, setting_of, &
-      find_in_form, describe_motion, store_described
+   public :: are_alike, are_same, describe_motion, find_in_form, found_from, in_standard_form, &
+      mirrored, new_found, new_resting, scale_of, setting_of, store_described
 
    !> Newton iterations for a motion without rest.
    integer, parameter :: most_iterations = 50
@@ -145,6 +145,46 @@ contains
       call assess_flights(described%motion)
    end subroutine describe_motion
 
+   !> A motion from arrays of fixed shape.
+   pure function found_from(cycles, sides, unknowns, releases) result(found)
+      !> Load cycles of a period, and sides of the n impacts; one side 0 with rest.
+      integer, intent(in) :: cycles, sides(:)
+      !> (2n) x_i, theta_i; and with rest (3, m) side, phase and velocity of the releases, otherwise
+      !! a column of zeros.
+      real(wp), intent(in) :: unknowns(:), releases(:, :)
+      type(found_type) :: found
+      integer :: n
+
+      n = count(sides /= 0)
+      found = found_type(pattern_type(sides(:n), cycles), unknowns(:2*n), &
+         releases(:, :count(abs(releases(1, :)) > 0)))
+   end function found_from
+
+   !> Whether two motions of one pattern, or one and the mirror image of the other, are the same.
+   pure logical function are_alike(system, one, other, mirror) result(alike)
+      !> The system.
+      type(forced_system_type), intent(in) :: system
+      !> The motions.
+      type(found_type), intent(in) :: one, other
+      !> Whether the mirror image of the other is meant.
+      logical, intent(in) :: mirror
+      type(found_type) :: second
+      real(wp) :: scale
+
+      scale = scale_of(system)
+      second = other
+      if (mirror) second = mirrored(other)
+      alike = are_same(in_standard_form(one, scale), in_standard_form(second, scale), scale)
+   end function are_alike
+
+   !> Unit of positions, as `length_scale`.
+   pure real(wp) function scale_of(system)
+      !> The system.
+      type(forced_system_type), intent(in) :: system
+
+      scale_of = max(system%clearance, system%load*length_scale(system%osc, system%r, 0.0_wp))
+   end function scale_of
+
    !> A motion near a given one, or its standard form, with its full description.
    pure subroutine find_in_form(system, found, form, changed, described)
       !> The system.
@@ -160,7 +200,7 @@ contains
       type(found_type) :: wanted
       real(wp) :: scale
 
-      scale = max(system%clearance, system%load*length_scale(system%osc, system%r, 0.0_wp))
+      scale = scale_of(system)
       wanted = found
       if (form == 2) wanted = mirrored(found)
       if (form > 0) wanted = in_standard_form(wanted, scale)

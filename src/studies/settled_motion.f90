@@ -9,9 +9,8 @@ module vi_settled_motion
    use vi_forced_system, only: event_type, forced_system_type, initial_state, release_event, &
       state_type, two_pi
    use vi_found_motion, only: describe_motion, described_type, found_type, in_standard_form, &
-      new_found, new_resting
+      new_found, new_resting, scale_of
    use vi_kinds, only: wp
-   use vi_likeness, only: length_scale
    use vi_motion, only: yes
    use vi_pattern, only: pattern_type
    use vi_simulate, only: simulate_cycles
@@ -162,7 +161,7 @@ contains
       logical :: nearby
       integer :: i
 
-      scale = max(system%clearance, system%load*length_scale(system%osc, system%r, 0.0_wp))
+      scale = scale_of(system)
       do i = size(periods), 1, -1
          call confirm(system, events, periods(i), factor, scale, motion, nearby)
          if (motion%status /= stat%ok) cycle

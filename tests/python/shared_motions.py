@@ -1,8 +1,10 @@
 """Motions of the paper's systems and of an uneven one."""
 
+import contextlib
 import math
 
 import first_principles as fp
+import numpy as np
 import vibroimpact as vi
 from shared_simulations import settled, state
 from shared_systems import RIG, TABLE
@@ -16,6 +18,15 @@ def motions(osc, r, clearance, impacts=4, cycles=2):
     """Motions without rest that the search finds at a point."""
     found = vi.find(osc, r, clearance, max_impacts=impacts, max_cycles=cycles, states=0)
     return [motion for motion in found if not motion.pattern.has_rest]
+
+
+def searched(osc, r, clearance, pattern, guesses, seed=0):
+    """Exact motions of a pattern, from guesses of the phases at random; some come several times."""
+    draw = np.random.default_rng(seed)
+    for _ in range(guesses):
+        phases = np.sort(draw.uniform(0, 2 * math.pi * pattern.cycles, len(pattern) - 1))
+        with contextlib.suppress(vi.errors.SingularError):
+            yield vi.exact(osc, r, clearance, (np.append(0.0, phases), pattern))
 
 
 def system_of(motion):

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact import _core
+from shared_motions import searched
 from vibroimpact.newton import newton
 
 xarray = pytest.importorskip("xarray")
@@ -114,15 +114,9 @@ def test_nothing_missed(sides, cycles):
     seen = 0
     for _ in range(40):
         j, k = rng.integers(16), rng.integers(R.size)
-        columns, n, _ = _core.search_pattern(
-            OSC.xi, OSC.mu, OSC.restitution, R[k], 1.0, D[j], cycles, pattern.signs, 200, 40
-        )
         here = data.isel(r=k, clearance=j)
         known = here.X.values[:, (here.status == 0).values]
-        for column in columns[:, :n].T:
-            motion = newton(
-                OSC, R[k], D[j], 1.0, pattern, column[: len(pattern)], column[len(pattern) :]
-            )
+        for motion in searched(OSC, R[k], D[j], pattern, 200):
             if not motion.admissible or len(standard(motion).pattern) < len(pattern):
                 continue
             seen += 1

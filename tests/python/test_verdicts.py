@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from reference_motion import excess
-from shared_motions import after_impact
-from vibroimpact import _core
-from vibroimpact.newton import newton
+from shared_motions import after_impact, searched
 
 #: Oscillator, r and clearance beside which folds, pitchforks, flips and Neimark-Sacker points lie.
 PLACES = [
@@ -80,10 +78,7 @@ def test_masses_that_leave_an_impact_together_must_part():
     """
     osc = vi.Oscillator(0.012990423377549564, 1.1610183760956951, (0.0, 0.3767430040877141))
     r, place, pattern = 0.9414722592567588, 6.916237727485273, vi.Pattern("RRL", 2)
-    columns, n, _ = _core.search_pattern(
-        osc.xi, osc.mu, osc.restitution, r, 1.0, 1.0001 * place, 2, pattern.signs, 200, 32
-    )
-    known = (newton(osc, r, 1.0001 * place, 1.0, pattern, c[:3], c[3:]) for c in columns[:, :n].T)
+    known = searched(osc, r, 1.0001 * place, pattern, 2000)
     motion = next(motion for motion in known if motion.admissible and motion.stable)
     none = 0
     for distance in 10.0 ** np.arange(-3, -13.5, -0.5):

@@ -1,12 +1,12 @@
 """The boundaries of zones of many patterns: laws on them, a search, and simulation beside them."""
 
-import contextlib
 import json
 
 import numpy as np
 import pytest
 import vibroimpact as vi
 from first_principles import System, impact_jacobians, mismatch, velocities
+from shared_motions import searched
 from shared_systems import FIGURE6, RIG
 from shared_zones import WINDOW, distance, random_points
 from vibroimpact.likeness import is_symmetric
@@ -33,27 +33,15 @@ def test_zones_against_a_search(case):
     r, clearance = random_points(60, 2)
     for a, b in zip(r.tolist(), clearance.tolist(), strict=True):
         inside = bool(case.contains(a, b))
-        found = any(searched(case, a, b, guesses) == inside for guesses in (64, 1024))
-        assert found or distance(case, a, b) < 1e-6, (a, b)
-
-
-def searched(case, r, clearance, guesses):
-    """Whether a search finds a stable, admissible motion of the kind at a point."""
-    from vibroimpact import _core
-
-    columns, n, _ = _core.search_pattern(
-        case.osc.xi, case.osc.mu, case.osc.restitution, r, 1.0, clearance, 1, case.pattern.signs,
-        guesses, 64,
-    )  # fmt: skip
-    count = len(case.pattern)
-    for column in columns[:, :n].T:
-        with contextlib.suppress(vi.errors.SingularError):
-            motion = newton(
-                case.osc, r, clearance, 1.0, case.pattern, column[:count], column[count:]
+        found = any(
+            inside
+            == any(
+                motion.stable and motion.admissible and is_symmetric(motion) == case.symmetric
+                for motion in searched(case.osc, a, b, case.pattern, guesses)
             )
-            if motion.stable and motion.admissible and is_symmetric(motion) == case.symmetric:
-                return True
-    return False
+            for guesses in (64, 1024)
+        )
+        assert found or distance(case, a, b) < 1e-6, (a, b)
 
 
 def test_vertices_meet_their_condition(case):
