@@ -1,4 +1,7 @@
 !> The verdicts on a motion: is it consistent, admissible, stable? No other module sets them.
+!!
+!! Zones and surveys ask on which side of their boundary a motion lies, by conditions that are zero
+!! there; they give no verdicts.
 module vi_assess
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_doubt, only: modulus_doubt

@@ -15,7 +15,7 @@ module vi_doubt
    implicit none (type, external)
    private
 
-   public :: modulus_doubt, worst_change
+   public :: greater, modulus_doubt, worst_change
 
    !> Assumed error of a residual, over the sum of the residual itself and the rounding of its
    !! terms.
@@ -57,7 +57,7 @@ contains
             doubt = huge(1.0_wp)
             return
          end if
-         doubt = max(doubt, abs(abs(lambda(1)) - modulus))
+         doubt = greater(doubt, abs(abs(lambda(1)) - modulus))
       end do
    end function modulus_doubt
 
@@ -136,14 +136,26 @@ contains
       n = size(motion%x)
       spread = 0
       call impact_maps(motion, p, regular)
+      if (.not. regular) spread = huge(1.0_wp)
       do j = 2, n
          product = p(:, :, j)
          do i = j + 1, j + n - 1
             product = matmul(p(:, :, modulo(i - 1, n) + 1), product)
          end do
          call eigenvalues(product, lambda, status)
-         spread = max(spread, abs(maxval(abs(lambda)) - modulus))
+         if (status /= stat%ok .or. .not. all(abs(lambda) <= huge(1.0_wp))) spread = huge(1.0_wp)
+         spread = greater(spread, abs(maxval(abs(lambda)) - modulus))
       end do
    end function spread_of_orders
+
+   !> The greater of two numbers; huge if one of them is not a number, which max would skip.
+   elemental real(wp) function greater(a, b)
+      !> The numbers.
+      real(wp), intent(in) :: a, b
+
+      greater = huge(1.0_wp)
+      if (a <= b) greater = b
+      if (a > b) greater = a
+   end function greater
 
 end module vi_doubt

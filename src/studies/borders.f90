@@ -1,8 +1,8 @@
 !> The loops of a zone, traced from places on its boundary.
 module vi_borders
-   use vi_curve, only: correct, curve_type, tangent_at
+   use vi_curve, only: correct, curve_type, distance_from, tangent_at
    use vi_family, only: image_of
-   use vi_frame, only: condition_type, frame_type, repetition, wrap_phases
+   use vi_frame, only: condition_type, repetition, wrap_phases
    use vi_kinds, only: wp
    use vi_loop, only: chained, loop_type, picked, reversed
    use vi_net, only: border_type
@@ -206,7 +206,7 @@ contains
             if (j > 0) image%point(:n) = image_of(zone%surface%frame%family, &
                zone%surface%frame%repetitions(j), image%point(:n))
             do found = 1, zone%n
-               if (lies_on(zone%surface%frame, image, zone%loops(found))) return
+               if (lies_on(zone%surface, image, zone%loops(found))) return
             end do
          end do
       end do
@@ -214,15 +214,15 @@ contains
    end subroutine find_loop
 
    !> Whether a place on the boundary lies on a loop, along the same condition.
-   pure logical function lies_on(frame, border, loop)
-      !> The family.
-      type(frame_type), intent(in) :: frame
+   pure logical function lies_on(surface, border, loop)
+      !> The surface of motions over the window.
+      type(curve_type), intent(in) :: surface
       !> The place.
       type(border_type), intent(in) :: border
       !> The loop.
       type(loop_type), intent(in) :: loop
       real(wp), dimension(size(border%point)) :: chord, offset
-      real(wp) :: share, length
+      real(wp) :: apart, share, length
       integer :: i, next
 
       lies_on = .false.
@@ -230,14 +230,21 @@ contains
          if (border%condition%kind /= loop%conditions(i)%kind) cycle
          next = merge(1, i + 1, i == loop%n)
          offset = border%point - loop%points(:, i)
-         call wrap_phases(frame, offset)
+         call wrap_phases(surface%frame, offset)
          chord = loop%points(:, next) - loop%points(:, i)
-         call wrap_phases(frame, chord)
+         call wrap_phases(surface%frame, chord)
          length = norm2(chord)
          if (.not. length > 0) cycle
          share = dot_product(offset, chord)/length**2
          if (share < -0.01_wp .or. share > 1.01_wp) cycle
          lies_on = norm2(offset - share*chord) < 0.1_wp*length + 1.0e-6_wp
+         if (.not. lies_on) cycle
+         ! the boundary of a narrow hole or the other side of a narrow tongue is this near too. The
+         ! distance from motions that repeat themselves differs from loop to loop: no such test
+         if (loop%conditions(i)%kind == repetition) return
+         apart = distance_from(surface, [loop%conditions(i)], loop%points(:, i) + share*chord, &
+            chord/length, border%point)
+         lies_on = apart < 1.0e-5_wp .or. apart >= huge(apart)
          if (lies_on) return
       end do
    end function lies_on

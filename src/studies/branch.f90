@@ -6,7 +6,7 @@
 !! period, or that is symmetric; such motions form a branch of their own.
 module vi_branch
    use vi_crossing, only: hidden_zero, locate
-   use vi_curve, only: curve_type
+   use vi_curve, only: curve_type, distance_from
    use vi_frame, only: condition_type, edge, fold, grazing, neimark_sacker, repetition, &
       wrap_phases, zero_approach
    use vi_kinds, only: wp
@@ -348,6 +348,8 @@ contains
       share = dot_product(offset, now%tangent)
       closes = share > 0 .and. share <= next%came .and. &
          norm2(offset - share*now%tangent) < 0.2_wp*share + 1.0e-9_wp
+      if (closes) closes = distance_from(curve, [condition_type ::], now%point + share*now%tangent, &
+         now%tangent, branch%points(:, 1)) < 1.0e-6_wp
    end function closes
 
    !> Appends a place to a branch.

@@ -5,7 +5,7 @@
 module vi_curve
    use vi_conditions, only: condition_value
    use vi_curve_point, only: curve_type, parameters_of, point_size, to_point, unknowns_of
-   use vi_frame, only: condition_type, neimark_sacker, unknown_count
+   use vi_frame, only: condition_type, neimark_sacker, unknown_count, wrap_phases
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
    use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, orbit_by_parameter, &
@@ -16,7 +16,7 @@ module vi_curve
    implicit none (type, external)
    private
 
-   public :: correct, condition_slope, tangent_at
+   public :: correct, distance_from, condition_slope, tangent_at
    public :: curve_type, parameters_of, point_size, unknowns_of
 
    !> How Newton's method converged.
@@ -75,7 +75,8 @@ contains
          if (.not. regular) return
          before = moved
          moved = maxval(abs(b(1, :n)))
-         if (.not. moved < 0.5_wp) return
+         ! written so that a NaN, which maxval skips, ends the iteration
+         if (.not. all(abs(b(1, :n)) < 0.5_wp)) return
          if (present(correction)) then
             if (i == 1) correction%moved(1) = moved
             if (i == 2) correction%moved(2) = moved
@@ -100,6 +101,33 @@ contains
          end if
       end do
    end subroutine correct
+
+   !> Distance of a point from the place where a curve crosses the plane through it; huge if Newton's
+   !! method does not find the curve there.
+   pure real(wp) function distance_from(curve, conditions, guess, normal, point)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> Conditions that are zero along it.
+      type(condition_type), intent(in) :: conditions(:)
+      !> About the place of the crossing; moved into the plane.
+      real(wp), intent(in) :: guess(:)
+      !> Unit normal of the plane.
+      real(wp), intent(in) :: normal(:)
+      !> The point.
+      real(wp), intent(in) :: point(:)
+      real(wp), dimension(size(point)) :: place, offset
+      integer :: iterations
+
+      offset = point - guess
+      call wrap_phases(curve%frame, offset)
+      place = guess + dot_product(offset, normal)*normal
+      distance_from = huge(1.0_wp)
+      call correct(curve, conditions, place, iterations, normal)
+      if (iterations == 0) return
+      offset = point - place
+      call wrap_phases(curve%frame, offset)
+      distance_from = norm2(offset)
+   end function distance_from
 
    !> Whether the impacts are in the order of time; the equations have other roots as well.
    pure logical function in_order(curve, point)

@@ -9,7 +9,7 @@ module vi_rest_motion
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_assess, only: assess_rest, is_near_circle
-   use vi_doubt, only: caution, worst_change
+   use vi_doubt, only: caution, greater, worst_change
    use vi_forced_system, only: forced_system_type, event_type, impact_event, release_event, &
       state_time, &
       state_type, stick_event, two_pi
@@ -222,7 +222,7 @@ contains
          status = stat%no_convergence
          if (other%right) call plane_multipliers(other, pair, status)
          regular = status == stat%ok
-         if (regular) doubt = max(doubt, abs(abs(pair(1)) - abs(leading)))
+         if (regular) doubt = greater(doubt, abs(abs(pair(1)) - abs(leading)))
       end do
       if (.not. regular) doubt = huge(1.0_wp)
    end function modulus_doubt

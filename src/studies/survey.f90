@@ -370,7 +370,7 @@ contains
       allocate (values(condition_count(surface%frame)), conditions(condition_count(surface%frame)))
       call all_conditions(surface%frame, point(:n), c, values, conditions)
       ! one that repeats itself is stable all the same
-      if (any(values <= 0 .and. conditions%kind /= repetition)) return
+      if (.not. all(values > 0 .or. conditions%kind == repetition)) return
       if (resting) then
          attractor%unknowns(:2) = [point(1), sinh(point(2))]
       else

@@ -6,7 +6,8 @@
 module vi_trace
    use vi_conditions, only: condition_value
    use vi_crossing, only: hidden_zero, locate
-   use vi_curve, only: condition_slope, correct, curve_type, parameters_of, tangent_at, unknowns_of
+   use vi_curve, only: condition_slope, correct, curve_type, distance_from, parameters_of, &
+      tangent_at, unknowns_of
    use vi_frame, only: condition_type, grazing, wrap_phases
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type
@@ -19,6 +20,8 @@ module vi_trace
 
    !> A zero nearer than this to the start of a step counts as being at the start.
    real(wp), parameter :: begun = 1.0e-9_wp
+   !> Two points of a boundary that are nearer than this to each other are the same.
+   real(wp), parameter :: same_place = 1.0e-6_wp
 
 contains
 
@@ -100,14 +103,23 @@ contains
       type(place_type), intent(out) :: place
       !> False if the boundary has no tangent there.
       logical, intent(out) :: good
-      real(wp) :: along(size(point))
+      real(wp), dimension(size(point)) :: along, start
+      integer :: iterations
 
       along = 0
       along(size(point)) = 1
       call begin_walk(curve, [active], point, along, 1.0e-3_wp, place, good)
-      if (good) return
-      along(size(point) - 1:) = [1, 0]
-      call begin_walk(curve, [active], point, along, 1.0e-3_wp, place, good)
+      if (.not. good) then
+         along(size(point) - 1:) = [1, 0]
+         call begin_walk(curve, [active], point, along, 1.0e-3_wp, place, good)
+      end if
+      if (.not. good) return
+      ! the point was located along a line that can be nearly tangent to the boundary
+      start = point
+      call correct(curve, [active], start, iterations, place%tangent)
+      if (iterations == 0 .or. norm2(start - point) > 1.0e-4_wp) return
+      along = place%tangent
+      call begin_walk(curve, [active], start, along, 1.0e-3_wp, place, good)
    end subroutine set_out
 
    !> Whether a condition other than the active one may be zero twice within a step.
@@ -144,7 +156,7 @@ contains
          if (.not. same_condition(loop%conditions(loop%n), loop%conditions(j))) cycle
          offset = loop%points(:, loop%n) - loop%points(:, j)
          call wrap_phases(curve%frame, offset)
-         if (maxval(abs(offset)) > 1.0e-6_wp) cycle
+         if (maxval(abs(offset)) > same_place) cycle
          m = loop%n - j
          loop%points(:, :m) = loop%points(:, j:loop%n - 1)
          loop%tangents(:, :m) = loop%tangents(:, j:loop%n - 1)
@@ -181,6 +193,11 @@ contains
       share = dot_product(offset, now%tangent)
       closes = share > 0 .and. share <= reach*(1 + 1.0e-9_wp) .and. &
          norm2(offset - share*now%tangent) < 0.3_wp*share + 1.0e-7_wp
+      if (.not. closes .or. share < same_place) return
+      ! the two sides of a narrow tongue are this near to each other too
+      closes = dot_product(now%tangent, loop%tangents(:, 1)) > 0
+      if (closes) closes = distance_from(curve, [active], now%point + share*now%tangent, &
+         now%tangent, loop%points(:, 1)) < same_place
    end function closes
 
    !> Whether two conditions are the same; grazing has to be at about the same share of the flight.

@@ -389,6 +389,22 @@ def explained(osc, zones, r, clearance, pattern):
     return False
 
 
+def point_inside(zone, draw, tries=2000):
+    """A random point of a zone, not beside its boundary; None if none is found."""
+    for _ in range(tries):
+        ring = zone.loops[draw.integers(len(zone.loops))]
+        low, high = ring.min(0), ring.max(0)
+        r = draw.uniform(low[0], high[0])
+        clearance = np.exp(draw.uniform(*np.log([low[1], high[1]])))
+        if not zone.contains(r, clearance):
+            continue
+        place = np.array([r, np.log(clearance)])
+        lines = [np.c_[piece.r, np.log(piece.clearance)] for piece in zone.boundary]
+        if min(to_line(place, line) for line in lines) > BESIDE:
+            return float(r), float(clearance)
+    return None
+
+
 def to_line(place, line):
     """Distance of a place from a polygonal line."""
     if len(line) < 2:
@@ -404,6 +420,7 @@ class Audit:
     def __init__(self):
         """Nothing yet."""
         self.counts, self.kinds, self.findings = Counter(), Counter(), []
+        self.undecided = []
 
     def note(self, check, holds, osc, r, clearance, text):
         """One comparison."""
@@ -434,6 +451,8 @@ class Audit:
         place = motion.osc, motion.r, motion.clearance
         near = abs(other - 1) < 1e-4
         holds = motion.stable is None or near or motion.stable == (other < 1)
+        if motion.stable is None and not near:
+            self.undecided.append(f"{text}: {motion!r}, differences {other:.9g}")
         self.note("stable", holds, *place, f"{text}: {motion!r}, differences {other:.9g}")
         # the second derivative of the map by a multiplier of this size
         close = abs(own - other) <= 1e-5 * max(1.0, own) + 1e-4 * (own > 30) * own
@@ -463,6 +482,28 @@ class Audit:
             held = explained(osc, atlas.zones, r, clearance, pattern)
             text = f"{pattern.sides}/{cycles} is in none of {len(atlas.zones)} zones"
             self.note("atlas", held, osc, r, clearance, text)
+        return atlas.zones
+
+    def inside(self, osc, zones, seed):
+        """(a) At a random point inside each zone there is a stable motion of its pattern; gives these motions."""
+        draw = np.random.default_rng(seed)
+        stable = []
+        for zone in zones:
+            place = point_inside(zone, draw)
+            if place is None:
+                continue
+            n, k = len(zone.pattern), zone.pattern.cycles
+            names = names_of(zone.pattern, osc)
+            motions = [
+                motion
+                for motion in vi.find(osc, *place, max_impacts=max(2, n), max_cycles=k)
+                if motion.pattern.sides in names and motion.pattern.cycles == k and motion.stable
+            ]
+            self.note(
+                "zone", motions, osc, *place, f"{zone!r} holds no stable {zone.pattern.sides}/{k}"
+            )
+            stable += motions
+        return stable
 
     def claims(self, motions):
         """(d) and (e) for motions of the package: they return to themselves, and as they say."""
@@ -563,6 +604,7 @@ def compared(oscillators, r, clearance, found, searched=8):
             claimed += [motion] if motion is not None else []
         for *place, orbit_ in here[::searched]:
             claimed += report.found(osc, *place, [orbit_])
-        report.zones(osc, here)
+        zones = report.zones(osc, here)
+        claimed += report.inside(osc, zones, [i, points])
     report.claims(claimed)
     return report

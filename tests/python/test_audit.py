@@ -69,6 +69,16 @@ def test_find_lists_every_attractor(report):
     assert disagreements(report, "find") == []
 
 
+def test_zones_hold_stable_motions_alone(report):
+    """At a random point inside each: `find` has the motion, and simulation does not deny it."""
+    assert disagreements(report, "zone") == []
+
+
+def test_undecided_verdicts_are_rare(report):
+    """Only near a bifurcation may rounding hide on which side of the unit circle a multiplier is."""
+    assert report.undecided == []
+
+
 def test_atlas_contains_every_attractor(report):
     """That is within its limits and farther than 1e-4 from a boundary."""
     assert disagreements(report, "atlas") == []

@@ -146,3 +146,31 @@ def test_a_seed_within_no_closed_boundary_is_named():
     whole = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=True, seeds=[seed])
     assert whole.closed
     assert whole.search.open_seeds == []
+
+
+def test_a_boundary_is_followed_round_a_narrow_tongue():
+    """Both sides of a tongue of unstable motions, 1.2e-3 wide in r, between two flips.
+
+    Found by an independent program: a trace that came back along the other side of the tongue was
+    taken for closed. The flips are those of the branch along r at d K/F0 = 33.
+    """
+    osc = vi.Oscillator(
+        0.0012213737261727341, 0.008322584487239597, (0.6742052403036547, 0.9050322935952178)
+    )
+    zones = [
+        vi.zone(osc, vi.Pattern("LR"), (0.6, 1.4), (0.5, 150), lines=lines)
+        for lines in (17, 33, 65)
+    ]
+    start = next(
+        m for m in vi.find(osc, 0.676, 33.0, 2, 1) if m.pattern.sides in ("RL", "LR") and m.stable
+    )
+    branch = vi.branch(start, "r", (0.6755, 0.681))
+    low, high = sorted(p.r for p in branch.special_points if p.type == "flip")
+    assert high - low == pytest.approx(1.2e-3, abs=1e-4)
+    middle = (low + high) / 2
+    assert not [m for m in vi.find(osc, middle, 33.0, 2, 1) if m.stable]
+    places = [low - 1e-6, low + 1e-6, middle, high - 1e-6, high + 1e-6]
+    for zone in zones:
+        assert zone.closed
+        assert zone.contains(places, 33.0).tolist() == [True, False, False, False, True]
+        assert zone.area == pytest.approx(zones[0].area, rel=1e-5)
