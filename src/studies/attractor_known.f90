@@ -2,7 +2,8 @@
 module vi_attractor_known
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_neighbourhood, only: find_neighbourhoods
-   use vi_attractor_target, only: difference, over_period, period_derivative, target_type
+   use vi_attractor_tangent, only: period_derivative
+   use vi_attractor_target, only: difference, over_period, target_type
    use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
       release_event, &
       state_type, two_pi
@@ -173,7 +174,7 @@ contains
          do i = 1, 20
             call over_period(system, target, zero, events, n, good)
             if (.not. good) return
-            call period_derivative(system, target, events(:n), p, good)
+            call period_derivative(system, target%cycles, events(:n), p, good)
             if (.not. good) return
             step = difference(target, events(n))
             off = maxval(abs(step(:m)/scale(:m)))

@@ -5,7 +5,8 @@
 !! if the map itself, not only P, brings each of many states spread over it nearer to the centre,
 !! with the same number of events. Half of the largest such radius found is used.
 module vi_attractor_neighbourhood
-   use vi_attractor_target, only: difference, over_period, period_derivative, target_type
+   use vi_attractor_tangent, only: period_derivative
+   use vi_attractor_target, only: difference, over_period, target_type
    use vi_forced_system, only: forced_system_type, event_type, new_forced_system, two_pi
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
@@ -59,7 +60,7 @@ contains
       zero = 0
       call over_period(system, target, zero, events, target%events, good)
       if (.not. good) return
-      call period_derivative(system, target, events(:target%events), p, good)
+      call period_derivative(system, target%cycles, events(:target%events), p, good)
       if (.not. good) return
       call find_metric(system, target, p, good)
       if (.not. good) return

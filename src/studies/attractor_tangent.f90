@@ -5,7 +5,8 @@
 !! and the rest after it leave two directions: at the release the primary mass has no acceleration
 !! and both masses have one velocity.
 module vi_attractor_tangent
-   use vi_forced_system, only: forced_system_type, event_type, impact_event, stick_event, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, release_event, &
+      stick_event, two_pi
    use vi_kinds, only: wp
    use vi_oscillator, only: left, right
    use vi_variation, only: columns, contact_derivative, identity, moment_type, release, &
@@ -13,7 +14,8 @@ module vi_attractor_tangent
    implicit none (type, external)
    private
 
-   public :: event_derivative, departure_speed, lapse, orthonormalise, restitution_at
+   public :: event_derivative, departure_speed, lapse, orthonormalise, period_derivative, &
+      restitution_at
 
 contains
 
@@ -35,6 +37,46 @@ contains
          call rest_derivative(system, before, after, p, regular)
       end if
    end subroutine event_derivative
+
+   !> The derivative of the map over a period, in the coordinates of the event that ends it: (x, x',
+   !! z', alpha) after an impact, (v, alpha) at a release.
+   pure subroutine period_derivative(system, cycles, events, p, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> Load cycles of the period.
+      integer, intent(in) :: cycles
+      !> (n) Events of a period; the last one ends it.
+      type(event_type), intent(in) :: events(:)
+      !> (4, 4); of a release in its first two rows and columns, and 0 elsewhere.
+      real(wp), intent(out) :: p(4, 4)
+      !> False if an event has no derivative.
+      logical, intent(out) :: good
+      type(event_type) :: before
+      real(wp) :: step(4, 4), whole(4, 4)
+      integer :: i
+
+      before = events(size(events))
+      before%cycle = before%cycle - cycles
+      whole = identity
+      if (before%kind == release_event) then
+         ! columns by v and alpha: x = f sin(alpha) - 2 xi v
+         whole(:, 1) = [-2*system%osc%xi, 1.0_wp, 1.0_wp, 0.0_wp]
+         whole(:, 2) = [system%load*cos(before%phase), 0.0_wp, 0.0_wp, 1.0_wp]
+      end if
+      good = .true.
+      p = 0
+      do i = 1, size(events)
+         call event_derivative(system, before, events(i), step, good)
+         if (.not. good) return
+         whole = matmul(step, whole)
+         before = events(i)
+      end do
+      if (before%kind == release_event) then
+         p(:2, :2) = whole([2, 4], :2)
+      else
+         p = whole
+      end if
+   end subroutine period_derivative
 
    !> As `event_derivative`, for the beginning or the end of a rest.
    pure subroutine rest_derivative(system, before, after, p, regular)

@@ -1,7 +1,6 @@
 !> A periodic motion as a fixed point: one of its events, and the map from there over its period.
 module vi_attractor_target
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_attractor_tangent, only: event_derivative
    use vi_forced_system, only: forced_system_type, event_type, release_event, state_type, two_pi
    use vi_kinds, only: wp
    use vi_rest_motion, only: release_state
@@ -10,7 +9,7 @@ module vi_attractor_target
    implicit none (type, external)
    private
 
-   public :: difference, over_period, period_derivative
+   public :: difference, over_period
 
    !> A stable periodic motion, and a neighbourhood from which states go to it.
    type, public :: target_type
@@ -101,46 +100,5 @@ contains
       end do
       good = n > 0
    end subroutine over_period
-
-   !> The derivative of the map over a period, in the coordinates of the event.
-   pure subroutine period_derivative(system, target, events, p, good)
-      !> The forced system.
-      type(forced_system_type), intent(in) :: system
-      !> The motion.
-      type(target_type), intent(in) :: target
-      !> (n) Events of a period; the last one is that of the motion.
-      type(event_type), intent(in) :: events(:)
-      !> (4, 4), or its first two rows and columns if the event is a release.
-      real(wp), intent(out) :: p(4, 4)
-      !> False if an event has no derivative.
-      logical, intent(out) :: good
-      type(event_type) :: before
-      real(wp) :: step(4, 4), whole(4, 4)
-      integer :: i
-
-      before = events(size(events))
-      before%cycle = before%cycle - target%cycles
-      whole = 0
-      do i = 1, 4
-         whole(i, i) = 1
-      end do
-      if (target%release) then
-         ! columns by v and alpha: x = f sin(alpha) - 2 xi v
-         whole(:, 1) = [-2*system%osc%xi, 1.0_wp, 1.0_wp, 0.0_wp]
-         whole(:, 2) = [system%load*cos(before%phase), 0.0_wp, 0.0_wp, 1.0_wp]
-      end if
-      good = .true.
-      do i = 1, size(events)
-         call event_derivative(system, before, events(i), step, good)
-         if (.not. good) return
-         whole = matmul(step, whole)
-         before = events(i)
-      end do
-      p = whole
-      if (.not. target%release) return
-      p = 0
-      p(1, :2) = whole(2, :2)
-      p(2, :2) = whole(4, :2)
-   end subroutine period_derivative
 
 end module vi_attractor_target

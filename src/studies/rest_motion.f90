@@ -9,6 +9,7 @@ module vi_rest_motion
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_assess, only: assess_rest, is_near_circle
+   use vi_attractor_tangent, only: period_derivative
    use vi_doubt, only: caution, greater, worst_change
    use vi_forced_system, only: forced_system_type, event_type, impact_event, release_event, &
       state_time, &
@@ -120,7 +121,7 @@ contains
       type(rest_family_type) :: family
       type(rest_period_type) :: period
       real(wp), allocatable :: unknowns(:)
-      real(wp) :: c(n_parameters), matrix(2, 2), step(2), image(2), doubt
+      real(wp) :: c(n_parameters), map(2, 2), matrix(2, 2), step(2), image(2), doubt
       logical :: good
       integer :: i, rounds
 
@@ -136,8 +137,9 @@ contains
          call simulate_period(system, side, cycles, point, image, motion%residual, events, n, &
             family, unknowns, motion%status)
          if (motion%status /= stat%ok) return
-         if (rounds > 0 .and. motion%residual < 1.0e-11_wp) exit
-         if (motion%residual < close_by .and. rounds < most_rounds) then
+         ! the symbols of a long period are never held
+         if ((rounds > 0 .or. is_long(family)) .and. motion%residual < 1.0e-11_wp) exit
+         if (motion%residual < close_by .and. rounds < most_rounds .and. .not. is_long(family)) then
             rounds = rounds + 1
             call hold_symbols(family, c, unknowns, good)
             if (good) then
@@ -145,10 +147,10 @@ contains
                cycle
             end if
          end if
-         call rest_period(family, unknowns, c, period)
+         call map_of_period(system, cycles, family, unknowns, c, events(:n), period, map, good)
          motion%status = stat%no_convergence
-         if (.not. period%right) return
-         matrix = -plane_map(period)
+         if (.not. good) return
+         matrix = -map
          matrix(1, 1) = matrix(1, 1) + 1
          matrix(2, 2) = matrix(2, 2) + 1
          step = [image(1), asinh(image(2)/system%clearance)] - unknowns(:2)
@@ -164,27 +166,73 @@ contains
          unknowns, motion%status)
       if (motion%status /= stat%ok) return
       motion%status = stat%no_convergence
-      call rest_period(family, unknowns, c, period)
-      if (.not. period%right) return
-      call plane_multipliers(period, motion%multipliers(:2), motion%status)
+      call map_of_period(system, cycles, family, unknowns, c, events(:n), period, map, good)
+      if (.not. good) return
+      call plane_multipliers(map, motion%multipliers(:2), motion%status)
       doubt = 0
-      if (is_near_circle(motion%multipliers(1))) doubt = modulus_doubt(family, unknowns, c, &
-         period, motion%multipliers(1))
-      call assess_rest(plane_map(period), doubt, motion)
+      if (is_near_circle(motion%multipliers(1))) then
+         doubt = huge(1.0_wp)
+         if (.not. is_long(family)) doubt = modulus_doubt(family, unknowns, c, period, &
+            motion%multipliers(1))
+      end if
+      call assess_rest(map, doubt, motion)
    end subroutine solve_rest_motion
 
+   !> Whether a period has more symbols than a family can have.
+   pure logical function is_long(family)
+      !> As `read_period` gives it.
+      type(rest_family_type), intent(in) :: family
+
+      is_long = .not. allocated(family%symbols)
+   end function is_long
+
+   !> The derivative of the return map, by phase and asinh(v/D) at the release.
+   pure subroutine map_of_period(system, cycles, family, unknowns, c, events, period, map, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> Load cycles of the period.
+      integer, intent(in) :: cycles
+      !> The symbols.
+      type(rest_family_type), intent(in) :: family
+      !> Those of vi_rest_family (m), and r, log(D), xi, mu, R1, R2.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> (n) Events of the period.
+      type(event_type), intent(in) :: events(:)
+      !> The period of the unknowns; not set if it is long.
+      type(rest_period_type), intent(out) :: period
+      !> (2, 2)
+      real(wp), intent(out) :: map(2, 2)
+      !> False if there is no derivative.
+      logical, intent(out) :: good
+      real(wp) :: p(4, 4), ends(2)
+
+      if (.not. is_long(family)) then
+         call rest_period(family, unknowns, c, period)
+         good = period%right
+         if (good) map = plane_map(period)
+         return
+      end if
+      ! the simulated map, event by event; it is that of the symbols except where one vanishes
+      call period_derivative(system, cycles, events, p, good)
+      ! d(asinh(v/D)) = dv/sqrt(v^2 + D^2), at the end and at the start
+      ends = sqrt([events(size(events))%x_dot_after, sinh(unknowns(2))*system%clearance]**2 &
+         + system%clearance**2)
+      map(1, :) = [p(2, 2), p(2, 1)*ends(2)]
+      map(2, :) = [p(1, 2)/ends(1), p(1, 1)*ends(2)/ends(1)]
+   end subroutine map_of_period
+
    !> The eigenvalues of the map of the plane, by falling modulus.
-   pure subroutine plane_multipliers(period, pair, status)
-      !> The period.
-      type(rest_period_type), intent(in) :: period
+   pure subroutine plane_multipliers(map, pair, status)
+      !> The map.
+      real(wp), intent(in) :: map(2, 2)
       !> Both.
       complex(wp), intent(out) :: pair(2)
       !> As of `eigenvalues`.
       integer, intent(out) :: status
-      real(wp) :: map(2, 2)
+      real(wp) :: scratch(2, 2)
 
-      map = plane_map(period)
-      call eigenvalues(map, pair, status)
+      scratch = map
+      call eigenvalues(scratch, pair, status)
       if (abs(pair(2)) > abs(pair(1))) pair = pair([2, 1])
    end subroutine plane_multipliers
 
@@ -220,7 +268,7 @@ contains
          if (.not. regular) return
          call rest_period(family, unknowns + side*change, c, other)
          status = stat%no_convergence
-         if (other%right) call plane_multipliers(other, pair, status)
+         if (other%right) call plane_multipliers(plane_map(other), pair, status)
          regular = status == stat%ok
          if (regular) doubt = greater(doubt, abs(abs(pair(1)) - abs(leading)))
       end do
@@ -383,22 +431,21 @@ contains
       integer, intent(in) :: cycles
       !> Phase and asinh(v/D) at the first release.
       real(wp), intent(in) :: start(2)
-      !> Symbols in the order of the events.
+      !> Symbols in the order of the events; not allocated if a family cannot have so many.
       type(rest_family_type), intent(out) :: family
       !> As of vi_rest_family: the release, and the phases of the first impacts.
       real(wp), allocatable, intent(out) :: unknowns(:)
-      !> False if the last symbol is none with rest, if a rest begins without an impact, or if
-      !! there are too many symbols.
+      !> False if the last symbol is none with rest, or if a rest begins without an impact.
       logical, intent(out) :: good
       type(symbol_sequence_type) :: reading
 
       call read_symbols(events, reading)
-      good = reading%n > 1 .and. reading%n <= most_impacts
-      ! the unknowns tell no rest from a start without impact
+      good = reading%n > 1
+      ! the unknowns of a family do not distinguish a rest that begins without an impact
       if (good) good = abs(reading%symbols(reading%n)) == 2 .and. &
          all(events(reading%first)%kind == impact_event)
       if (.not. good) return
-      family = new_rest_family(reading%symbols, cycles)
+      if (reading%n <= most_impacts) family = new_rest_family(reading%symbols, cycles)
       unknowns = [start, total_phase(events(reading%first))]
    end subroutine read_period
 

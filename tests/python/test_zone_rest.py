@@ -146,6 +146,23 @@ def test_zones_hold_the_attractors_with_rest(parameters, sides, r, clearance):
     assert zone.contains(r, clearance)
 
 
+@pytest.mark.parametrize("share", [1.02, 1.0, 0.995, 0.99, 0.988])
+def test_a_motion_with_rest_may_have_any_number_of_impacts(share):
+    """Beyond the 24 symbols of a zone too: the multipliers are those of small disturbances in a simulation."""
+    osc = vi.Oscillator(0.005237033396, 0.267405956, (0.6664908148, 0.789348612516))
+    r, clearance = 0.926034818765, 0.700744637918 * share
+    motions = attractors(osc, r, clearance, 3)
+    assert len(motions) == 1  # each once
+    for motion in motions:
+        assert motion.pattern.sides == "L" * (len(motion.pattern) - 1) + "R*"
+        assert motion.residual < 1e-12
+        assert motion.stable
+        values = stroboscopic_multipliers(motion, 2e-7 * clearance)
+        assert abs(values[0]) == pytest.approx(abs(motion.multipliers[0]), abs=2e-5)
+    (listed,) = [m for m in vi.find(osc, r, clearance, 2, 1, guesses=2, states=4) if m.stable]
+    assert listed.pattern == motions[0].pattern
+
+
 def test_vertices_bound_the_stable_motions():
     """Just inside each piece of a boundary there is a stable motion, just outside there is none."""
     osc = vi.Oscillator(0.00359, 0.05224, (0.6257, 0.371))
@@ -168,6 +185,8 @@ def stable_near(osc, r, clearance, release):
     try:
         motion = release_motion(osc, r, clearance, 1.0, 1, np.array([-1, *release])[:, None])
     except vi.errors.SingularError:
+        return False
+    if motion.pattern.sides != "RRRL*":  # near its corner there is another, RRL*
         return False
     phase, v = motion.events[["phase", "x_dot_after"]][-1]  # of the last event, the release
     near = math.hypot(math.remainder(phase - release[0], 2 * math.pi), v / release[1] - 1)
