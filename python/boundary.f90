@@ -502,10 +502,10 @@ subroutine find_motion(n, m, xi, mu, walls, r, load, clearance, cycles, sides, u
       scalars, multipliers, verdicts, n_events, values, labels, status)
 end subroutine find_motion
 
-!> The shortest period with which a trajectory ends, and its exact motion if `solve` is 1.
+!> The shortest period with which a trajectory ends, and its exact motion as `solve` asks for it.
 !!
-!! `of_simulation`, `values`, `labels` (its events), and from `cycles` to `apart` (the period) as of
-!! `end_arrays` in vi_settled_motion; then the motion as of `find_motion`.
+!! `of_simulation`, `values`, `labels` (its events), `solve`, and from `cycles` to `apart` (the
+!! period) as of `end_arrays` in vi_settled_motion; then the motion as of `find_motion`.
 subroutine end_of_trajectory(m, xi, mu, walls, r, load, clearance, of_simulation, values, labels, &
    most_cycles, tolerance, solve, capacity, cycles, n, symbols, first, apart, n_own, own_cycles, &
    own_sides, restitution, phases, impacts, scalars, multipliers, verdicts, n_events, own_values, &
@@ -528,8 +528,8 @@ subroutine end_of_trajectory(m, xi, mu, walls, r, load, clearance, of_simulation
    type(described_type) :: described
 
    call end_arrays(new_forced_system(oscillator_type(xi, mu, walls), r, load, clearance), &
-      of_simulation, values, labels, most_cycles, tolerance, solve /= 0, cycles, n, symbols, &
-      first, apart, described)
+      of_simulation, values, labels, most_cycles, tolerance, solve, cycles, n, symbols, first, &
+      apart, described)
    call store_described(described, n_own, own_cycles, own_sides, restitution, phases, impacts, &
       scalars, multipliers, verdicts, n_events, own_values, own_labels, status)
 end subroutine end_of_trajectory

@@ -105,6 +105,14 @@ def exact(
     return newton(osc, r, clearance, load, pattern, x, theta, each, given)
 
 
+def attractor_at_end(run: Trajectory, cycles: int) -> Motion | None:
+    """The exact motion with which a trajectory ends, if it is stable and has a period of some load cycles."""
+    osc, r, clearance, load = run.osc, run.r, run.clearance, run.load
+    system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
+    answer = roomy(_core.end_of_trajectory, *system, *end_of(run, cycles), 2)
+    return None if answer[-1] else described_motion(osc, r, clearance, load, answer[5:])
+
+
 def motion_at_end(
     osc: Oscillator, r: float, clearance: float, load: float, run: Trajectory
 ) -> Motion:

@@ -110,8 +110,9 @@ contains
       integer, intent(in) :: most_cycles
       !> As of `most_cycles`.
       real(wp), intent(in) :: tolerance
-      !> Whether the exact motion is wanted.
-      logical, intent(in) :: solve
+      !> What else is wanted: nothing (0), the exact motion with which the trajectory ends (1), or
+      !! that motion if it has the longest period, is stable and admissible and near (2).
+      integer, intent(in) :: solve
       !> Load cycles of the period, 0 if there is none; its n symbols, the number of the first event
       !! of each (m), and the difference from the period before (rad).
       integer, intent(out) :: cycles, n, symbols(:), first(:)
@@ -135,8 +136,9 @@ contains
          symbols(:n) = periods(1)%reading%symbols(:n)
          first(:n) = periods(1)%reading%first(:n)
          apart = periods(1)%mismatch
-         if (solve) call motion_at_end(system, events, periods, system%clearance/clearance, &
+         if (solve == 1) call motion_at_end(system, events, periods, system%clearance/clearance, &
             described)
+         if (solve == 2) call attractor_at_end(system, events, periods, most_cycles, described)
       end associate
    end subroutine end_arrays
 
@@ -176,11 +178,51 @@ contains
          ! one whose period does not close to rounding is told all the same, as not consistent
          if (allocated(motion%releases)) chosen = motion
       end if
-      if (.not. allocated(chosen%releases)) return
-      ! the last release is that of the simulation
-      chosen%releases = cshift(chosen%releases, -1, dim=2)
-      call describe_motion(system, chosen, described)
+      if (allocated(chosen%releases)) call describe_chosen(system, chosen, described)
    end subroutine motion_at_end
+
+   !> The exact motion with which a simulation ends, if it is an attractor of a known period.
+   pure subroutine attractor_at_end(system, events, periods, cycles, described)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> (n) In the order of time.
+      type(event_type), intent(in) :: events(:)
+      !> As from `read_periods`.
+      type(period_type), intent(in) :: periods(:)
+      !> Load cycles of its period.
+      integer, intent(in) :: cycles
+      !> The motion, or a status that there is no such motion.
+      type(described_type), intent(out) :: described
+      type(found_type) :: motion
+      real(wp) :: scale
+      logical :: nearby
+      integer :: i
+
+      described%motion%status = stat%no_motion
+      i = findloc(periods%cycles, cycles, 1)
+      if (i == 0) return
+      scale = scale_of(system)
+      call confirm(system, events, periods(i), 1.0_wp, scale, motion, nearby)
+      if (.not. nearby .or. motion%stable /= yes .or. motion%admissible /= yes) return
+      if (is_repeated(motion, scale)) return
+      call describe_chosen(system, motion, described)
+   end subroutine attractor_at_end
+
+   !> A motion with its full description, from the release of the simulation on.
+   pure subroutine describe_chosen(system, motion, described)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The motion.
+      type(found_type), intent(in) :: motion
+      !> The same, or its status.
+      type(described_type), intent(out) :: described
+      type(found_type) :: turned
+
+      turned = motion
+      ! that of the simulation is the last one
+      turned%releases = cshift(motion%releases, -1, dim=2)
+      call describe_motion(system, turned, described)
+   end subroutine describe_chosen
 
    !> Whether a motion repeats itself within its period.
    pure logical function is_repeated(motion, scale)

@@ -245,7 +245,13 @@ class Atlas(Noun, study="atlas"):
 
     def explains(self, attractor: Attractor) -> bool:
         """Whether an attractor lies in a zone of its pattern."""
-        return not unexplained(self.osc, self.zones, [attractor])
+        names, cycles = names_of(attractor.pattern, self.osc), attractor.pattern.cycles
+        return any(
+            zone.pattern.sides in names
+            and zone.pattern.cycles == cycles
+            and zone._turns(attractor.r, attractor.clearance) > 0
+            for zone in self.zones
+        )
 
     @classmethod
     def load(cls, path: str | Path) -> Atlas:
@@ -291,25 +297,6 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
 def standard(pattern: Pattern, osc: Oscillator) -> Pattern:
     """The same pattern, beginning with the symbol of the standard form."""
     return Pattern(max(names_of(pattern, osc)), pattern.cycles)
-
-
-def unexplained(osc: Oscillator, zones: list[Zone], attractors: list[Attractor]) -> list[Attractor]:
-    """The attractors that lie in no zone of their pattern; each zone tests all attractors of its pattern in one
-    call."""
-    left = list(attractors)
-    wanted = {pattern: names_of(pattern, osc) for pattern in {item.pattern for item in left}}
-    for zone in zones:
-        pattern = zone.pattern
-        own = [
-            item for item in left
-            if pattern.sides in wanted[item.pattern] and pattern.cycles == item.pattern.cycles
-        ]  # fmt: skip
-        inside = zone._turns([item.r for item in own], [item.clearance for item in own]) > 0
-        explained = {
-            id(item) for item, held in zip(own, np.atleast_1d(inside), strict=True) if held
-        }
-        left = [item for item in left if id(item) not in explained]
-    return left
 
 
 def atlas(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import VibroimpactError
 from ..model import Oscillator
 from ..motion import Motion
-from ..newton import exact
+from ..newton import attractor_at_end
 from ..trajectory import simulate
 from .lyapunov import Lyapunov, lyapunov
 
@@ -95,12 +95,6 @@ def motion_at(
     """The exact stable motion with a period of some load cycles on which a final state is, or None."""
     run = simulate(osc, r, clearance, 2 * cycles + 3, state=as_state(end, clearance), load=load)
     try:
-        motion = exact(osc, r, clearance, run, load=load)
+        return attractor_at_end(run, cycles)
     except VibroimpactError:
         return None
-    if motion.pattern.cycles != cycles or not motion.stable or not motion.admissible:
-        return None
-    events = run.events[run.events["time"] >= run.final_state["t"] - 2 * math.pi * cycles / r]
-    size = min(len(events), len(motion.events))
-    near = np.sort(events["x"])[:size] - np.sort(motion.events["x"])[:size]
-    return motion if np.abs(near).max(initial=0.0) < 1e-2 * clearance else None
