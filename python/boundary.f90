@@ -271,20 +271,28 @@ subroutine free_result(handle)
    call free(handle)
 end subroutine free_result
 
-!> A result without tables for the case of a namelist text; see vi_door.
-subroutine new_result(n, text, handle, status)
+!> A result without tables for the case of a namelist text, or for a study if no namelist gives the
+!! result and the text is blank; see vi_door.
+subroutine new_result(n, text, study, handle, status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
-   use vi_door, only: new => new_result
+   use vi_door, only: done, new => new_result, new_bare_result
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n
-   character(kind=c_char), intent(in) :: text(n)
+   character(kind=c_char), intent(in) :: text(n), study(16)
    integer(c_int64_t), intent(out) :: handle
    integer(c_int), intent(out) :: status
    character(n) :: one_case
+   character(16) :: name
 
    one_case = transfer(text, one_case)
-   call new(one_case, handle, status)
+   name = transfer(study, name)
+   status = done
+   if (len_trim(one_case) == 0) then
+      call new_bare_result(trim(name), handle)
+   else
+      call new(one_case, handle, status)
+   end if
 end subroutine new_result
 
 !> Opens a table: `names` are its own, its parent's (blank if it has none) and its dimensions'.
@@ -378,6 +386,36 @@ subroutine write_result(handle, n, path, message)
    line = reason
    message = transfer(line, message)
 end subroutine write_result
+
+!> Writes the motions of a result as a printout; `message` as of `write_result`.
+subroutine write_printout(handle, n, path, message)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
+   use vi_door, only: result_of
+   use vi_files, only: write_file
+   use vi_parse_cases, only: find_name
+   use vi_printout, only: print_motions
+   use vi_result, only: result_type
+   use vi_text, only: line_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int64_t), intent(in) :: handle
+   integer(c_int), intent(in) :: n
+   character(kind=c_char), intent(in) :: path(n)
+   character(kind=c_char), intent(out) :: message(400)
+   type(result_type), pointer :: result
+   type(line_type), allocatable :: lines(:)
+   character(n) :: name
+   character(400) :: line
+   character(:), allocatable :: stem, reason
+
+   name = transfer(path, name)
+   result => result_of(handle)
+   call find_name(name, 1, 1, stem)
+   call print_motions(stem, result, lines)
+   call write_file(name, lines, reason)
+   line = reason
+   message = transfer(line, message)
+end subroutine write_printout
 
 !> The language of namelists and the columns of all results, as JSON.
 subroutine describe_language(capacity, text, length)

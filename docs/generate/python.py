@@ -16,10 +16,10 @@ SUBJECTS = {
                    "studies.response", "studies.spacing"),
     "Other studies": ("studies.*",),
     "Namelists": ("run",),
-    "Results in files": ("interchange.result",),
+    "Results in files": ("formats.load",),
 }  # fmt: skip
 EXTRA = {
-    "What all results can do": ("interchange.result.Result",),
+    "What all results can do": ("noun.Savable",),
     "Pictures": ("plot.draw", "plot.draw_chart"),
     "Errors": tuple(f"errors.{name}" for name in vibroimpact.errors.__all__),
 }

@@ -7,7 +7,7 @@ from .bundle import Bundle, simulate_bundle
 from .case import Case, read_namelist
 from .events import Sample
 from .flags import StabilityFlags, stability_flags
-from .interchange.result import load
+from .formats.load import load
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
 from .newton import exact

@@ -230,6 +230,7 @@ class _NewResult(Protocol):
     def __call__(
         self,
         text: ArrayLike,
+        study: ArrayLike,
         n: int = ...,
     ) -> tuple[int, int]: ...
 
@@ -509,6 +510,16 @@ class _Winding(Protocol):
     ) -> _Integer: ...
 
 @type_check_only
+class _WritePrintout(Protocol):
+    # message
+    def __call__(
+        self,
+        handle: int,
+        path: ArrayLike,
+        n: int = ...,
+    ) -> _Bytes: ...
+
+@type_check_only
 class _WriteResult(Protocol):
     # message
     def __call__(
@@ -549,4 +560,5 @@ start_state: _StartState
 status_text: _StatusText
 switch_branch: _SwitchBranch
 winding: _Winding
+write_printout: _WritePrintout
 write_result: _WriteResult

@@ -1,9 +1,11 @@
-"""The cases of a namelist file, read by the compiled reader and computed by Python."""
+"""The cases of a namelist file, read and computed by the core."""
 
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,31 +14,24 @@ from numpy.typing import NDArray
 
 from . import _core, door
 from .errors import ParameterError
-from .interchange.namelist import keys_of
-from .model import Oscillator, Pattern
-from .motion import Motion
-from .newton import exact, newton
-from .solve import equispaced, impact_restitution, periodic
-from .studies.atlas import Atlas
-from .studies.basins import Basins
-from .studies.bifurcation import BifurcationDiagram
-from .studies.branch import Branches
-from .studies.chart import Chart
-from .studies.decay import Decay
-from .studies.find import Findings
-from .studies.lyapunov import Lyapunov, with_exponents
-from .studies.response import Response
-from .studies.zone import Zone
-from .trajectory import Trajectory, simulate
+from .model import Oscillator
+from .motion import Motion, MotionSet
+from .namelist import keys_of
+from .noun import RESULTS, Noun
+from .tables import language
 
 __all__ = ["Case", "read_namelist"]
 
 
-#: Kinds of cases.
-KINDS = (
-    "periodic", "equispaced", "exact", "simulate", "find", "chart", "branch", "zone", "atlas", "lyapunov",
-    "bifurcation", "response", "decay", "basins",
-)  # fmt: skip
+@cache
+def kinds() -> tuple[str, ...]:
+    """Kinds of cases: the words of the key `kind` of a study, or the name of the study."""
+    groups = language()["groups"]
+    words = {
+        study: next((key["words"] for key in groups[study] if key["name"] == "kind"), study)
+        for study in language()["results"]
+    }
+    return tuple(" ".join(words.values()).split())
 
 
 class Case(NamedTuple):
@@ -71,102 +66,42 @@ class Case(NamedTuple):
         kind: str = self.keys.get("motion_kind", self.kind)
         return kind
 
-    def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
-        """What the case asks for: its motions, branches, or one trajectory, zone, atlas or chart.
+    @property
+    def study(self) -> str:
+        """Name of the group that asks for the result."""
+        *_, study, _ = groups_of(self.text)
+        return study
 
-        `progress` is as of `atlas`, and for all but motions.
+    def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
+        """The result of the case as one object, with what is not there and what failed; `progress` is as of
+        `atlas`."""
+        return door.run_text(RESULTS[self.study], self.text, progress=progress)
+
+    def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
+        """What the case asks for: its motions, branches, or one trajectory, zone, atlas, chart or other result.
+
+        `progress` is as of `atlas`.
         """
-        if self.kind in (
-            "find", "chart", "atlas", "zone", "lyapunov", "bifurcation", "response", "decay", "basins",
-        ):  # fmt: skip
-            return [getattr(self, self.kind)(progress)]
-        if self.kind == "simulate":
-            return [self.trajectory(progress)]
-        if self.kind in ("periodic", "equispaced", "exact"):
-            return list(self.motions())
-        return list(self.branches(progress))
+        found = self.compute(progress)
+        found.require()
+        return found.parts()
 
     def to_namelist(self) -> str:
         """The case as a namelist, with what was missing filled in."""
         return self.text
 
     def motions(self) -> list[Motion]:
-        """The motions that a &motion asks for, none if there is no such motion."""
-        keys = self.keys
-        if self.motion_kind == "equispaced":
-            return equispaced(
-                self.osc, self.r, keys["clearance"], keys["cycles"], keys["precision"]
-            )
-        pattern = Pattern(keys["sides"], keys["cycles"])
-        if "positions" in keys:  # a whole motion as the guess
-            each = impact_restitution(self.osc, pattern, keys.get("impact_restitution"))
-            x, phases = np.array(keys["positions"]), np.array(keys["phases"])
-            return [
-                newton(
-                    self.osc, self.r, keys["clearance"], 1.0, pattern, x, phases + keys["tau"], each
-                )
-            ]
-        motion = periodic(
-            self.osc, self.r, keys["phases"], pattern, keys.get("impact_restitution"),
-            keys["precision"], keys.get("acceptance", 1.0),
-        )  # fmt: skip
-        if self.motion_kind == "exact":
-            motion = exact(self.osc, self.r, keys["clearance"], motion)
-        return [motion]
+        """The motions that its &motion asks for, also those that a branch starts from; none if there is no such
+        motion."""
+        system, motion, *_, output = re.findall(r"(?ms)^&.*?^/$\n?", self.text)
+        found = door.run_text(MotionSet, system + motion + output)
+        found.require()
+        return found.parts()
 
-    def branches(self, progress: Callable[[float, str], None] | None = None) -> Branches:
-        """The branches that a &branch case asks for, one for each of its motions that can be followed."""
-        return door.run_text(Branches, self.text, progress=progress)
 
-    def chart(self, progress: Callable[[float, str], None] | None = None) -> Chart:
-        """The chart that a &chart case asks for."""
-        return door.run_text(Chart, self.text, progress=progress)
-
-    def zone(self, progress: Callable[[float, str], None] | None = None) -> Zone:
-        """The zone that a &zone case asks for."""
-        return door.run_text(Zone, self.text, progress=progress)
-
-    def atlas(self, progress: Callable[[float, str], None] | None = None) -> Atlas:
-        """The atlas that an &atlas case asks for."""
-        return door.run_text(Atlas, self.text, progress=progress)
-
-    def lyapunov(self, progress: Callable[[float, str], None] | None = None) -> Lyapunov:
-        """The exponents that a &lyapunov case asks for."""
-        return with_exponents(door.run_text(Lyapunov, self.text, progress=progress))
-
-    def bifurcation(
-        self, progress: Callable[[float, str], None] | None = None
-    ) -> BifurcationDiagram:
-        """The diagram that a &bifurcation case asks for."""
-        return door.run_text(BifurcationDiagram, self.text, progress=progress)
-
-    def response(self, progress: Callable[[float, str], None] | None = None) -> Response:
-        """The response that a &response case asks for."""
-        return door.run_text(Response, self.text, progress=progress)
-
-    def find(self, progress: Callable[[float, str], None] | None = None) -> Findings:
-        """The motions at a point that a &find case asks for."""
-        return door.run_text(Findings, self.text, progress=progress)
-
-    def decay(self, progress: Callable[[float, str], None] | None = None) -> Decay:
-        """The free vibrations that a &decay case asks for."""
-        return door.run_text(Decay, self.text, progress=progress)
-
-    def basins(self, progress: Callable[[float, str], None] | None = None) -> Basins:
-        """The basins that a &basins case asks for."""
-        return door.run_text(Basins, self.text, progress=progress)
-
-    def _state(self) -> dict[str, float]:
-        """The initial state."""
-        return {name: self.keys[name] for name in ("t", "x", "x_dot", "z", "z_dot")}
-
-    def trajectory(self, progress: Callable[[float, str], None] | None = None) -> Trajectory:
-        """The simulation that a &simulate case asks for."""
-        keys = self.keys
-        return simulate(
-            self.osc, self.r, keys["clearance"], keys["cycles"], self._state(), keys["load"],
-            keys["discard"], keys["max_events"], progress,
-        )  # fmt: skip
+def groups_of(text: str) -> list[str]:
+    """The names of the groups of a case, in order."""
+    return re.findall(r"(?m)^&(\w+)$", text)
 
 
 def read_namelist(path: str | os.PathLike[str]) -> list[Case]:

@@ -12,9 +12,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core, checks
+from . import _core, checks, namelist
 from .errors import ParameterError, ParameterTypeError, StudyInterrupted
-from .interchange import namelist
 from .interrupt import new_counters, stoppable
 from .model import Oscillator
 from .tables import Handle, Result, from_core, language, text_of

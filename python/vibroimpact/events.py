@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from .errors import ParameterError
 from .model import Oscillator
+from .tables import Result
 
 KINDS = np.array(["", "impact", "stick", "release"])
 #: Columns with numbers, in the order of the core.
@@ -54,6 +56,23 @@ def event_arrays(events: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.
     kinds = 1 + (events["kind"] == KINDS[2]) + 2 * (events["kind"] == KINDS[3])
     sides = np.where(events["side"] == "R", 1, -1)
     return numbers, np.array([kinds, sides], dtype=np.int32, order="F")
+
+
+def event_columns(events: NDArray[Any]) -> dict[str, Any]:
+    """The columns of events as the core declares them."""
+    return {name: events[name] for name in EVENT_TYPE.names or ()}
+
+
+def events_of(result: Result, here: slice = slice(None)) -> NDArray[Any]:
+    """The rows of the core's table `events` as a structured array."""
+    kinds, walls, *numbers = (
+        result.column("events", name).values[here] for name in ("kind", "side", *NUMBERS)
+    )
+    for name, codes in (("kind", kinds), ("side", walls)):
+        if not codes.all():
+            raise ParameterError(f"events.{name} = '': must be a word")
+    labels = np.array([kinds, np.where(walls == 1, 1, -1)], dtype=np.int32)
+    return event_table(np.array(numbers), labels)
 
 
 def segments(

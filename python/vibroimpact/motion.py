@@ -10,15 +10,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core, checks
+from . import _core, checks, namelist
 from .errors import ParameterError
-from .events import EVENT_TYPE, Sample, sample, segments
-from .interchange import namelist
-from .interchange.result import Result
+from .events import EVENT_TYPE, Sample, event_columns, events_of, sample, segments
 from .model import Oscillator, Pattern
-from .status import VERDICT, raise_status
+from .noun import Noun, Savable
+from .status import NO_MOTION, VERDICT, raise_status
+from .tables import Result, Table, made, runs
 
 __all__ = ["Motion", "Motions", "Sample"]
+
+#: Columns of the core's tables of motions and impacts, the latter by the names here.
+OF_MOTION = (
+    "r", "clearance", "A", "tau", "residual", "x_min", "x_max", "load", "kind", "precision",
+)  # fmt: skip
+VERDICTS = ("consistent", "admissible", "stable")
+OF_IMPACTS = {
+    "restitution": "restitution", "phases": "phase", "X": "X", "Z": "Z", "X_dot_before": "X_dot_before",
+    "X_dot_after": "X_dot_after", "Z_dot_before": "Z_dot_before", "Z_dot_after": "Z_dot_after",
+}  # fmt: skip
+#: The codes of the verdicts in tables.
+CODES = {True: 1, False: 0, None: -1}
+#: Largest residual of a consistent motion, if &motion names no other.
+ACCEPTANCE = 0.03
 
 #: The leading arguments of the core's procedures on a finished motion.
 _Array = NDArray[np.float64]
@@ -26,7 +40,7 @@ _Flights = tuple[float, float, float, int, NDArray[np.int32], _Array, _Array, _A
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Motion(Result):
+class Motion(Savable, study="motion"):
     """A periodic motion with impacts. Lengths in F0/K, velocities in omega F0/K, angles in radians.
 
     Motions come from `periodic`, `equispaced`, `exact` and `find`; their arrays are read-only.
@@ -259,11 +273,81 @@ class Motion(Result):
         The digits are the same if the motion was computed from phases. Otherwise the motion itself is the guess
         for Newton's method, which then ends within rounding of it. An equispaced motion comes with its twin.
         """
-        return namelist.case(self.osc, self.r, motion=namelist.of_motion(self))
+        return namelist.case(self.osc, self.r, motion=self._keys())
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything as plain Python values, ready for JSON; complex numbers are [re, im] pairs."""
-        return {**Result.to_dict(self), "attenuation": self.attenuation if self.A > 0 else None}
+    def _keys(self) -> dict[str, Any]:
+        """The group &motion that gives it."""
+        if self.pattern.has_rest or self.load != 1.0:
+            what = "rest" if self.pattern.has_rest else f"load = {self.load!r}"
+            raise ParameterError(f"motion with {what}: has no namelist; a &simulate comes to it")
+        keys: dict[str, Any] = {"kind": self.kind, "cycles": self.pattern.cycles}
+        if self.kind == "equispaced":
+            return keys | {"clearance": self.clearance, "precision": self.precision}
+        phases = self.phases if self.guess is None else self.guess
+        keys |= {"sides": self.pattern.sides, "phases": phases.tolist()}
+        right, left = self.osc.restitution
+        if not np.array_equal(self.restitution, np.where(self.pattern.signs > 0, right, left)):
+            keys["impact_restitution"] = self.restitution.tolist()
+        if self.kind == "exact":
+            keys["clearance"] = self.clearance
+            if self.guess is None:
+                keys |= {"positions": self.X.tolist(), "tau": self.tau}
+            return keys
+        if self.consistent != (self.residual <= ACCEPTANCE):
+            # the acceptance was another one, just enough or just not
+            kind = np.float32 if self.precision == "single" else np.float64
+            limit = kind(self.residual)
+            limit = limit if self.consistent else np.nextafter(limit, kind(0))
+            keys["acceptance"] = min(1.0, float(limit))
+        return keys | {"precision": self.precision}
+
+    @property
+    def _result(self) -> Result:
+        """Its tables, with the columns that the core declares for &motion."""
+        try:
+            case = self.to_namelist()
+        except ParameterError:
+            case = ""
+        n, (right, left) = len(self.pattern), self.osc.restitution
+        own: dict[str, Any] = {name: getattr(self, name) for name in OF_MOTION}
+        own |= {name: CODES[getattr(self, name)] for name in VERDICTS}
+        own |= {
+            "motion": 1, "sides": self.pattern.sides, "cycles": self.pattern.cycles, "status": 0,
+            "attenuation": self.attenuation if self.A > 0 else math.nan,
+            "multipliers": self.multipliers, "xi": self.osc.xi, "mu": self.osc.mu, "R1": right,
+            "R2": left, "M": self.osc.M, "K": self.osc.K,
+        }  # fmt: skip
+        impacts = {key: getattr(self, name) for name, key in OF_IMPACTS.items()}
+        impacts |= {
+            "impact": np.arange(1, n + 1),
+            "side": self.pattern.symbols,
+            "guess": self.guess,
+        }
+        tables: dict[str, Any] = {"motions": ((), own), "impacts": (("impact",), impacts)}
+        if self.rest_events is not None:
+            tables["events"] = (("event",), event_columns(self.rest_events))
+        return made("motion", case, tables)
+
+    @classmethod
+    def of_result(cls, result: Result) -> Motion:
+        """The motion of a result that has one."""
+        found = motions_of(result)
+        if len(found) != 1:
+            raise ParameterError(f"result with {len(found)} motions: must have one")
+        return found[0]
+
+    def _facts(self) -> dict[str, str]:
+        shown = ", ".join(f"{phase:.4g}" for phase in self.phases[:12] / np.pi)
+        return {
+            "x": f"{self.x_min:.6g} to {self.x_max:.6g}",
+            "max|x|/A": f"{self.attenuation:.4g}" if self.A > 0 else "-",
+            "phases/π": shown + (", …" if len(self.phases) > 12 else ""),
+            "|λ|": ", ".join(f"{size:.4g}" for size in np.abs(self.multipliers)),
+            "residual": f"{self.residual:.1e}",
+        }
+
+    def _draw_small(self, ax: Any) -> None:
+        self.plot(ax=ax, kind="history")
 
     def verdicts(self) -> str:
         """The three verdicts in words, with the numbers behind them."""
@@ -314,6 +398,83 @@ class Motion(Result):
             self.osc.xi, self.osc.mu, self.r, self.pattern.cycles, self.pattern.signs,
             self.restitution, self.phases, impacts, self.A, self.tau,
         )  # fmt: skip
+
+
+class MotionSet(Noun, study="motion"):
+    """The motions of a &motion case: two of the equispaced kind, else one; none if there is no such motion."""
+
+    __slots__ = ()
+    printable = True
+
+    def parts(self) -> list[Motion]:
+        """The motions."""
+        return motions_of(self._result)
+
+    def require(self) -> None:
+        """SingularError if the motion cannot be computed."""
+        codes = self._result.column("motions", "status").values.tolist()
+        if all(codes) and codes[0] != NO_MOTION:
+            raise_status(codes[0])
+
+    def __repr__(self) -> str:
+        return f"<MotionSet: {', '.join(map(repr, self.parts())) or 'none'}>"
+
+
+def motions_of(result: Result, osc: Oscillator | None = None) -> list[Motion]:
+    """The motions of the core's tables, without those that failed.
+
+    Parameters
+    ----------
+    osc : Oscillator, optional
+        Their system, if the caller has it.
+    """
+    names = (*OF_MOTION, *VERDICTS, "sides", "cycles", "status")
+    told = {name: result.column("motions", name).decoded().ravel().tolist() for name in names}
+    multipliers = result.column("motions", "multipliers").values
+    if multipliers.size and multipliers.shape[-1] != 4:
+        raise ParameterError(
+            f"motions.multipliers of shape {multipliers.shape}: must have 4 in a row"
+        )
+    multipliers = multipliers.reshape(-1, 4)
+    columns = {name: result.column("impacts", key).values for name, key in OF_IMPACTS.items()}
+    if "guess" in result.tables["impacts"].columns:
+        columns["guess"] = result.column("impacts", "guess").values
+    n = len(multipliers)
+    own = runs(result.tables["impacts"], n)
+    events = result.tables.get("events", Table({}))
+    resting = runs(events, n) if events.columns else [slice(0, 0)] * n
+    found = []
+    for i in range(n):
+        if told["status"][i]:
+            continue
+        values: dict[str, Any] = {name: told[name][i] for name in OF_MOTION}
+        values |= {name: VERDICT[told[name][i]] for name in VERDICTS}
+        values |= {name: column[own[i]] for name, column in columns.items()}
+        pattern = Pattern(told["sides"][i], told["cycles"][i])
+        if len(values["X"]) != len(pattern):
+            raise ParameterError(
+                f"impacts.X of shape ({len(values['X'])},): must be one number for each of {pattern.sides}"
+            )
+        rest_events = events_of(result, resting[i]) if pattern.has_rest else None
+        found.append(
+            Motion(
+                osc=osc or osc_of(result, "motions", i), pattern=pattern, multipliers=multipliers[i],
+                rest_events=rest_events, **values,
+            )
+        )  # fmt: skip
+    return found
+
+
+def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
+    """The system of a row of a table that has its numbers."""
+    xi, mu, *walls = (
+        float(result.column(table, name).values.ravel()[row]) for name in ("xi", "mu", "R1", "R2")
+    )
+    columns = result.tables[table].columns
+    units = {
+        name: float(columns[name].values.ravel()[row]) for name in ("M", "K") if name in columns
+    }
+    return Oscillator(xi, mu, (walls[0], walls[1]), **units)
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)

@@ -1,29 +1,27 @@
-"""The base class of all results: a read-only view of tables, with conversion to files, pictures and other
-libraries.
+"""The base classes of all results: conversion to files and other libraries, and read-only views of tables.
 
 This is the only file that uses formats and pictures; they do not depend on any study.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .interchange.namelist import keys_of
+from .errors import ParameterError
 from .model import Oscillator
+from .namelist import keys_of
 from .tables import Result
 
-Self = TypeVar("Self", bound="Noun")
+Self = TypeVar("Self", bound="Savable")
 #: The classes by their names, for results that are read from files.
-NOUNS: dict[str, type[Noun]] = {}
-
-
-def noun_of(study: str) -> type[Noun]:
-    """The class of the results of a study."""
-    return next(noun for noun in NOUNS.values() if noun.study == study)
+NOUNS: dict[str, type[Savable]] = {}
+#: The classes by the studies whose whole result they are.
+RESULTS: dict[str, type[Noun]] = {}
 
 
 class column:  # noqa: N801 (a descriptor, written as property is)
@@ -48,66 +46,46 @@ class column:  # noqa: N801 (a descriptor, written as property is)
         return np.moveaxis(values, -1, 0) if self.first else values
 
 
-class Noun:
-    """A result of a study.
+class Savable:
+    """What all results can do: conversion to files and to objects of other libraries, and back.
 
-    Attributes
-    ----------
-    case : str
-        What was asked for, as a namelist.
-    complete : bool
-        False if Ctrl-C stopped it early; `cut` then says how far it got.
+    A class gives its tables as `_result`, and is made of such tables by `of_result`.
     """
 
-    __slots__ = ("_result",)
-    _result: Result
+    __slots__ = ()
     study: ClassVar[str] = ""
-    #: The options of a command that makes one, for studies whose command has no module of its own.
-    example: ClassVar[str] = ""
+    #: Whether there is something to draw.
+    drawable: bool = True
+    #: What is said where there is nothing to draw.
+    undrawable: ClassVar[str] = ""
+    #: Whether the vertical axis of its small picture is logarithmic.
+    _log_clearance: ClassVar[bool] = False
+    plot: Callable[..., Any]
 
-    def __init_subclass__(cls, study: str = "", example: str = "") -> None:
+    def __init_subclass__(cls, study: str = "") -> None:
         super().__init_subclass__()
-        cls.study, cls.example = study, example
-        NOUNS[cls.__name__] = cls
-
-    def __init__(self, result: Result) -> None:
-        object.__setattr__(self, "_result", result)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
-
-    def __reduce__(self) -> Any:
-        return type(self), (self._result,)
+        if study:  # a dataclass with slots is made a second time, without these arguments
+            cls.study = study
+        if cls.study:
+            NOUNS[cls.__name__] = cls
 
     @property
-    def case(self) -> str:
-        return self._result.case
+    def _result(self) -> Result:
+        """The tables."""
+        raise NotImplementedError
 
-    @property
-    def cut(self) -> str:
-        return self._result.cut
+    @classmethod
+    def of_result(cls: type[Self], result: Result) -> Self:
+        """The object that has these tables."""
+        raise NotImplementedError
 
-    @property
-    def complete(self) -> bool:
-        return not self._result.cut
+    def _facts(self) -> dict[str, str]:
+        """Names and values for Jupyter."""
+        return {}
 
-    @property
-    def keys(self) -> dict[str, Any]:
-        """The keys of the case and their values."""
-        return keys_of(self.case)
-
-    @property
-    def osc(self) -> Oscillator:
-        """The system."""
-        keys = self.keys
-        return Oscillator(keys["xi"], keys["mu"], tuple(np.atleast_1d(keys["restitution"])))
-
-    def to_namelist(self) -> str:
-        """The case as a namelist; the program, the command and Python compute the same digits from it."""
-        return self.case
+    def _draw_small(self, ax: Any) -> None:
+        """The small picture for Jupyter."""
+        self.plot(ax=ax)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None."""
@@ -161,8 +139,97 @@ class Noun:
 
         save.save(self, path)
 
+    @classmethod
+    def _load(cls: type[Self], path: str | Path) -> Self:
+        """A result of this class that `save` wrote."""
+        from .formats.load import load
+
+        result = load(path)
+        if not isinstance(result, cls):
+            raise ParameterError(
+                f"path = {str(path)!r}: must be a file that {cls.__name__}.save wrote, not a "
+                f"{type(result).__name__}"
+            )
+        return result
+
     def _repr_html_(self) -> str:
         """The representation in Jupyter, with a small picture if matplotlib is installed."""
         from .formats import html
 
         return html.html(self)
+
+
+class Noun(Savable):
+    """A result of a study as a view of its tables.
+
+    Attributes
+    ----------
+    case : str
+        What was asked for, as a namelist.
+    complete : bool
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
+    """
+
+    __slots__ = ("_result",)
+    #: The options of a command that makes one, for studies whose command has no module of its own.
+    example: ClassVar[str] = ""
+    #: Whether the core has a printout of it.
+    printable: ClassVar[bool] = False
+    _result: Result
+
+    def __init_subclass__(cls, study: str = "", part: bool = False, example: str = "") -> None:
+        """`part`: whether the result of a case has several of these, rather than being one."""
+        super().__init_subclass__(study)
+        cls.example = example
+        if not part:
+            RESULTS[study] = cls
+
+    def __init__(self, result: Result) -> None:
+        object.__setattr__(self, "_result", result)
+
+    @classmethod
+    def of_result(cls: type[Self], result: Result) -> Self:
+        return cls(result)  # type: ignore[call-arg]
+
+    def parts(self) -> list[Any]:
+        """What the result of a case consists of: the objects that are saved and drawn each by itself."""
+        return [self]
+
+    def require(self) -> None:
+        """An error if the result is not there, of a case that asks for one thing."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
+
+    def __reduce__(self) -> Any:
+        return type(self), (self._result,)
+
+    @property
+    def case(self) -> str:
+        return self._result.case
+
+    @property
+    def cut(self) -> str:
+        return self._result.cut
+
+    @property
+    def complete(self) -> bool:
+        return not self._result.cut
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """The keys of the case and their values."""
+        return keys_of(self.case)
+
+    @property
+    def osc(self) -> Oscillator:
+        """The system."""
+        keys = self.keys
+        return Oscillator(keys["xi"], keys["mu"], tuple(np.atleast_1d(keys["restitution"])))
+
+    def to_namelist(self) -> str:
+        """The case as a namelist; the program, the command and Python compute the same digits from it."""
+        return self.case

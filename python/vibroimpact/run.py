@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from . import _core, checks
-from .case import KINDS, characters, path_bytes
+from .case import characters, kinds, path_bytes
 from .errors import ParameterError, ParameterTypeError
 from .interrupt import interruptible, new_counters
 
@@ -77,7 +77,7 @@ def run_namelists(
     target = path_bytes(folder)
     if not files:
         raise ParameterError("paths = []: must name at least one file")
-    kind = "" if only is None else checks.choice(only, "only", KINDS)
+    kind = "" if only is None else checks.choice(only, "only", kinds())
     # a case takes at least 20 characters of namelist and gives messages of at most a few hundred characters
     size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
     capacity = 4096 + (len(files) + size // 20) * (800 + 4 * len(target) + max(map(len, files)))

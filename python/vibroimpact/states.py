@@ -51,6 +51,15 @@ def state_of(system: System, now: Moment, begun: Moment) -> State:
     }  # fmt: skip
 
 
+def moments_of(state: State) -> tuple[tuple[list[Any], list[int]], tuple[list[Any], list[int]]]:
+    """The numbers of a `final_state`, and those of the moment at which its flight or rest began, as the core has
+    them."""
+    numbers = [state[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
+    flags = [int(state[name]) for name in ("side", "resting", "released")]
+    begun = state["since"][-10:]
+    return (numbers, flags), ([*begun[:7]], [*map(int, begun[7:])])
+
+
 def _belongs(system: System, state: Mapping[str, Any]) -> tuple[float, ...]:
     """The numbers by which a state is recognised: those of its system, then those of the state."""
     xi, mu, walls, *rest = system

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import weakref
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from .errors import ParameterError
 
 #: How values are stored, by the kind of their column.
 STORED = {"real": "<f8", "complex": "<c16"}
@@ -81,6 +83,22 @@ class Column:
         return self.values == 1 if self.kind == "truth" else self.values
 
 
+def column_from(told: dict[str, Any], values: Any) -> Column:
+    """A column from its declaration and its values, with words as texts; verdicts are codes."""
+    words = tuple(word for word in told["words"].split(",") if word)
+    if told["kind"] == "word":
+        texts = np.asarray(values, dtype=object)
+        flat = texts.ravel().tolist()
+        words += tuple(dict.fromkeys(text for text in flat if text and text not in words))
+        places = {text: i for i, text in enumerate(("", *words))}
+        codes = np.fromiter((places[text] for text in flat), "<i4", len(flat))
+        values = codes.reshape(texts.shape)
+    # a view, so that the array of a caller keeps its own flags
+    array = np.asarray(values, STORED.get(told["kind"], "<i4")).view()
+    array.flags.writeable = False
+    return declared_column(told, words, array)
+
+
 def declared_column(told: dict[str, Any], words: tuple[str, ...], values: NDArray[Any]) -> Column:
     """A column from its declaration."""
     return Column(
@@ -127,6 +145,13 @@ class Result:
         items = [getattr(self, name) for name in self.__slots__[:-1]]
         return Result, tuple(items)
 
+    def column(self, table: str, name: str) -> Column:
+        """One column; an error if it is not there, as in a file that lacks it."""
+        try:
+            return self.tables[table].columns[name]
+        except KeyError:
+            raise ParameterError(f"{table}.{name}: must be there; it is missing") from None
+
     def columns(self) -> Iterator[tuple[Table, Column]]:
         """All columns with their tables, in the order of their declaration."""
         for declared in language()["results"][self.study]["columns"]:
@@ -161,6 +186,44 @@ class Result:
             size = {dim: here.stop - here.start}
             tables[name] = Table(size, item.parent if owners is not None else "", owners, columns)
         return Result(study, case, self.cut, False, (remark,), (), told["row"], tables)
+
+
+def made(
+    study: str, case: str, tables: Mapping[str, tuple[Sequence[str], Mapping[str, Any]]],
+    remarks: tuple[str, ...] = (), cut: str = "",
+) -> Result:  # fmt: skip
+    """A result of arrays that were computed without a case of the core.
+
+    Parameters
+    ----------
+    study : str
+        The study that declares the columns.
+    case : str
+        A namelist that gives the result, or "" if none does.
+    tables : mapping
+        For each table the names of its dimensions, and its columns; those that are None are left out.
+    """
+    about = declared(study)
+    filled = {}
+    for name, (dims, values) in tables.items():
+        columns = {
+            key: column_from(about[name, key], item)
+            for key, item in values.items() if item is not None
+        }  # fmt: skip
+        shape = next(iter(columns.values())).values.shape
+        filled[name] = Table(dict(zip(dims, shape, strict=False)), columns=columns)
+    row = language()["results"][study]["row"]
+    return Result(study, case, cut, False, remarks, (), row, filled)
+
+
+def runs(table: Table, parents: int | None = None) -> list[slice]:
+    """The rows of a table grouped by their owners, which are in order; of a table without owners all rows."""
+    owners = table.owners
+    if owners is None:
+        return [slice(None)]
+    number = (int(owners[-1]) + 1 if owners.size else 0) if parents is None else parents
+    ends = np.searchsorted(owners, np.arange(number + 1)).tolist()
+    return [slice(first, last) for first, last in pairwise(ends)]
 
 
 def from_core(study: str, number: int) -> Result:

@@ -10,24 +10,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core, checks
-from .errors import ParameterError
-from .events import EVENT_TYPE, WORDS, Sample, sample, segments
-from .interchange import namelist
-from .interchange.result import Result
+from . import _core, checks, namelist
+from .errors import ParameterError, SingularError
+from .events import EVENT_TYPE, WORDS, Sample, event_columns, events_of, sample, segments
 from .model import Oscillator
+from .motion import osc_of
+from .noun import Noun, Savable
 from .period import MOST_CYCLES, TOLERANCE, Period, last_period
-from .states import Moment, State, System, later, start_of, state_of, told
+from .states import NEEDED, Moment, State, System, later, moments_of, start_of, state_of, told
 from .status import MORE_EVENTS, raise_status
+from .tables import Result, made
 
 __all__ = ["State", "Trajectory", "simulate"]
 
+#: The moments of a trajectory in the core's table, and the keys of a &simulate.
+MOMENTS = ("initial", "initial flight", "final", "final flight")
+REQUEST = ("clearance", "cycles", "discard", "load", *NEEDED, "max_events")
+#: How far a trajectory got that has as many events as it may have.
+FULL = "max_events was reached"
 #: Largest numbers of events and of load cycles in a call of the core; Ctrl-C takes effect between calls.
 CHUNK, SPAN = 65_536, 1_000_000
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Trajectory(Result):
+class Trajectory(Savable, study="simulate"):
     """A simulated trajectory. Lengths in F0/K (or any unit, if `load` is not 1), time in 1/omega.
 
     Attributes
@@ -44,7 +50,9 @@ class Trajectory(Result):
     request : dict or None
         The case by the keys of a &simulate; None if a namelist cannot express it (see `to_namelist`).
     complete : bool
-        False if there are more than `max_events` events before the end of time.
+        False if there are more than `max_events` events before the end of time, or if it was stopped.
+    cut : str
+        How far it got, if it was stopped.
     """
 
     osc: Oscillator
@@ -56,6 +64,7 @@ class Trajectory(Result):
     final_state: State
     complete: bool
     request: dict[str, Any] | None = None
+    cut: str = ""
 
     def sample(self, t: ArrayLike) -> Sample:
         """Positions, velocities and load at times within the trajectory, from the closed form.
@@ -122,6 +131,64 @@ class Trajectory(Result):
             )
         return namelist.case(self.osc, self.r, simulate=self.request)
 
+    @property
+    def _result(self) -> Result:
+        """Its tables, with the columns that the core declares for &simulate."""
+        right, left = self.osc.restitution
+        ends = (self.initial_state, self.final_state)
+        moments = [moment for state in ends for moment in moments_of(state)]
+        final = [float(self.final_state[name]) for name in NEEDED]
+        tables: dict[str, Any] = {
+            "final": ((), {"state": final}),
+            "run": ((), {
+                "xi": self.osc.xi, "mu": self.osc.mu, "R1": right, "R2": left, "M": self.osc.M,
+                "K": self.osc.K, "r": self.r, "clearance": self.clearance, "load": self.load,
+                "finished": self.complete,
+            }),
+            "moments": (("moment",), {
+                "moment": MOMENTS, "quantities": [numbers for numbers, _ in moments],
+                "contact": [flags for _, flags in moments],
+            }),
+            "events": (("event",), event_columns(self.events)),
+        }  # fmt: skip
+        cut = "" if self.complete else self.cut or FULL
+        state = f"final state: t, x, x_dot, z, z_dot = {', '.join(map(digits, final))}"
+        case = "" if self.request is None else self.to_namelist()
+        return made("simulate", case, tables, (state,), cut)
+
+    @classmethod
+    def of_result(cls, result: Result) -> Trajectory:
+        """The trajectory of the core's tables."""
+        one = {
+            name: result.column("run", name).values.item()
+            for name in ("r", "clearance", "load", "finished")
+        }
+        osc = osc_of(result, "run")
+        system = (osc.xi, osc.mu, osc.restitution, one["r"], one["load"], one["clearance"])
+        numbers, flags = (
+            result.column("moments", name).values for name in ("quantities", "contact")
+        )
+        if (numbers.shape, flags.shape) != ((4, 7), (4, 3)):
+            raise ParameterError(
+                f"moments of shapes {numbers.shape}, {flags.shape}: must be (4, 7), (4, 3)"
+            )
+        start, begun, end, last = zip(numbers, flags, strict=True)
+        request = None
+        if result.case:
+            keys = namelist.keys_of(result.case)
+            missing = [name for name in REQUEST if name not in keys]
+            if missing:
+                raise ParameterError(f"case: must have the keys of a &simulate; missing: {missing}")
+            request = {name: keys[name] for name in REQUEST}
+        return cls(
+            osc, one["r"], one["clearance"], one["load"], events_of(result), state_of(system, start, begun),
+            state_of(system, end, last), bool(one["finished"]), request,
+            "" if result.cut == FULL else result.cut,
+        )  # fmt: skip
+
+    def _draw_small(self, ax: Any) -> None:
+        self.plot(ax=ax, kind="history")
+
     def plot(self, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
         """Draw time history, load, acceleration and phase portrait of the last load cycles (extra `plot`).
 
@@ -183,11 +250,35 @@ class Trajectory(Result):
         n, m = (int((self.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
         impacts = f"{n} impact{'s' * (n != 1)}"
         rests = f", {m} rest{'s' * (m != 1)}" if m else ""
-        cut = "" if self.complete else "; cut short by max_events"
+        cut = "" if self.complete else f"; cut short, {self.cut or FULL}"
         return (
             f"<Trajectory at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, t = {self.initial_state['t']:.6g} "
             f"to {self.final_state['t']:.6g}: {impacts}{rests}{cut}>"
         )
+
+
+class Simulation(Noun, study="simulate"):
+    """The result of a &simulate case: its trajectory, unless the simulation failed."""
+
+    __slots__ = ()
+
+    def parts(self) -> list[Trajectory]:
+        """The trajectory."""
+        return [] if self._result.empty else [Trajectory.of_result(self._result)]
+
+    def require(self) -> None:
+        """SingularError if the simulation failed."""
+        if self._result.empty:
+            raise SingularError(self._result.notes[0][1])
+
+    def __repr__(self) -> str:
+        return f"<Simulation: {', '.join(map(repr, self.parts())) or 'none'}>"
+
+
+def digits(value: float) -> str:
+    """A finite number as the core writes it, with three digits of the exponent."""
+    text = f"{value:.16E}"
+    return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"
 
 
 def simulate(

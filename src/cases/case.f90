@@ -43,6 +43,9 @@ module vi_case
       key_type('format', a_word, default='''csv''', words='csv table both', &
       meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
 
+   !> How the first line of a file with a result begins; its end tells whether the file is an input.
+   character(*), parameter, public :: first_line = '# ! vibroimpact '//version// &
+      '; lengths in F0/K, time in 1/omega, angles in radians; '
    !> Largest number of characters of the name of a result.
    integer, parameter, public :: longest_name = 100
    character(*), parameter, public :: name_letters = &
@@ -91,9 +94,7 @@ contains
       type(line_type), allocatable, intent(out) :: lines(:)
       type(values_type) :: system
 
-      call append(lines, &
-         '# ! vibroimpact '//version//'; lengths in F0/K, time in 1/omega, angles in &
-         &radians; this file is an input too')
+      call append(lines, first_line//'this file is an input too')
       system = case%system
       if (case%r <= 0) call system%drop('r')
       call system%echo(lines)

@@ -87,7 +87,7 @@ contains
       message = ''
       if (case%study%name == 'motion' .and. .not. case%output%is('format', 'csv')) then
          printed = path//'.txt'
-         call print_motions(case, result, lines)
+         call print_motions(case%name, result, lines)
          call write_file(printed, lines, message)
          if (len(message) > 0) message = printed//': '//message
       end if

@@ -1,6 +1,5 @@
 !> The motions of a case as a printout with the rows of Table 1 of the 1983 paper.
 module vi_printout
-   use vi_case, only: case_type
    use vi_kinds, only: wp
    use vi_oscillator, only: lag
    use vi_result, only: filled_type, result_type
@@ -16,22 +15,28 @@ module vi_printout
 contains
 
    !> All motions, one below the other.
-   pure subroutine print_motions(case, result, lines)
-      !> The case.
-      type(case_type), intent(in) :: case
+   pure subroutine print_motions(name, result, lines)
+      !> Name of the case.
+      character(*), intent(in) :: name
       !> Result of a &motion.
       type(result_type), intent(in) :: result
       !> The printout.
       type(line_type), allocatable, intent(out) :: lines(:)
+      character(2), parameter :: shared(5) = [character(2) :: 'xi', 'r', 'mu', 'R1', 'R2']
       integer, allocatable :: status(:)
+      real(wp), allocatable :: values(:)
+      character(:), allocatable :: text
       integer :: i, found
 
-      call append(lines, case%name)
+      call append(lines, name)
       call append(lines, '')
       call append(lines, 'Parameters of primary and secondary system')
-      call append(lines, '  xi = '//shown(case%osc%xi, 'g0.6')//', r = '//shown(case%r, 'g0.6')// &
-         ', mu = '//shown(case%osc%mu, 'g0.6')//', R1 = '//shown(case%osc%restitution(1), &
-         'g0.6')//', R2 = '//shown(case%osc%restitution(2), 'g0.6'))
+      text = ''
+      do i = 1, size(shared)
+         call result%get_reals('motions', trim(shared(i)), values)
+         text = text//', '//trim(shared(i))//' = '//shown(values(1), 'g0.6')
+      end do
+      call append(lines, '  '//text(3:))
       call append(lines, '  lengths in F0/K, velocities in omega F0/K')
       call result%get_wholes('motions', 'status', status)
       found = 0
@@ -39,7 +44,7 @@ contains
          call append(lines, '')
          if (status(i) == stat%ok) then
             found = found + 1
-            call print_motion(case, result, i, result%notes(found)%text, lines)
+            call print_motion(result, i, result%notes(found)%text, lines)
          else
             call append(lines, status_text(status(i)))
             if (all(status /= stat%ok)) exit
@@ -48,9 +53,7 @@ contains
    end subroutine print_motions
 
    !> One motion.
-   pure subroutine print_motion(case, result, i, verdicts, lines)
-      !> The case.
-      type(case_type), intent(in) :: case
+   pure subroutine print_motion(result, i, verdicts, lines)
       !> Result of a &motion.
       type(result_type), intent(in) :: result
       !> Number of the motion.
@@ -71,7 +74,7 @@ contains
             ' cycle(s), sides '//sides%words(sides%k(i))%text)
       end associate
       call append(lines, row('alpha_i/pi', each('phase')/pi, 'f12.4'))
-      call append(lines, row('Omega t_1/pi', [wrapped(tau + lag(case%osc%xi, case%r))/pi], 'f12.4'))
+      call append(lines, row('Omega t_1/pi', [wrapped(tau + lag(one('xi'), one('r')))/pi], 'f12.4'))
       call append(lines, row('tau/pi', [tau/pi], 'f12.4'))
       call append(lines, row('d/(F0/K)', [one('clearance')], 'f12.4'))
       call append(lines, row('X_i', each('X'), 'f12.4'))

@@ -7,7 +7,7 @@ module vi_door
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int64_t, c_intptr_t, c_loc, &
       c_null_ptr, c_ptr
    use vi_buffer, only: add, add_quoted, buffer_type
-   use vi_case, only: case_type, echo
+   use vi_case, only: case_type, echo, first_line
    use vi_lines, only: split_lines
    use vi_parse_cases, only: find_name, parse_cases
    use vi_kinds, only: wp
@@ -20,7 +20,8 @@ module vi_door
    private
 
    public :: bare_text, describe_result, fault_of, fill_reals, fill_wholes, free_result, &
-      list_cases, name_after, new_result, open_table, result_of, run_text, say_of, set_fault
+      list_cases, name_after, new_bare_result, new_result, open_table, result_of, run_text, &
+      say_of, set_fault
 
    !> Status of a result: done; ran, but something failed or does not exist; the case is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
@@ -181,6 +182,27 @@ contains
       call study%list(columns=columns)
       call start_result(lines, columns, study%row, holder%result)
    end subroutine new_result
+
+   !> A result without a case, since no namelist gives it; without tables, to be filled.
+   subroutine new_bare_result(name, handle)
+      !> Name of the study that declares its columns.
+      character(*), intent(in) :: name
+      !> To be freed by `free_result`.
+      integer(c_int64_t), intent(out) :: handle
+      type(holder_type), pointer :: holder
+      type(study_type) :: study
+      type(column_type), allocatable :: columns(:)
+
+      allocate (holder)
+      holder%mark = mark
+      holder%message = ''
+      holder%status = done
+      handle = address_of(c_loc(holder))
+      call find_study(name, study)
+      call study%list(columns=columns)
+      call start_result([line_type(first_line//'no namelist tells how it began')], columns, &
+         study%row, holder%result)
+   end subroutine new_bare_result
 
    !> Opens a table of a result.
    subroutine open_table(handle, name, dims, sizes, parent, owners)

@@ -9,8 +9,8 @@ module vi_find_study
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_motion, only: yes
-   use vi_motion_study, only: motion_columns, put_motions
-   use vi_result, only: column_type, result_type, wholes, words
+   use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
+   use vi_result, only: column_type, result_type, wholes
    use vi_settled_motion, only: no_impacts, not_stable, settled, unconfirmed, unfinished, wandering
    use vi_study, only: study_type
    use vi_progress, only: is_stopped
@@ -36,26 +36,6 @@ module vi_find_study
       key_type('releases', a_whole, default='32', low=0.0_wp, high=1.0e6_wp, &
       meaning='releases from rest, for each wall and number of load cycles, from which &
       &Newton''s method starts')]
-
-   !> Of events of motions with rest.
-   type(column_type), parameter :: event_columns(*) = [ &
-      column_type('events', 'time', unit='1/omega', listed=.false., &
-      meaning='time since the first event of the period'), &
-      column_type('events', 'kind', words, words='impact,stick,release', listed=.false., &
-      meaning='kind of an event of a motion with rest'), &
-      column_type('events', 'side', words, words='R,L', listed=.false., meaning='wall'), &
-      column_type('events', 'phase', unit='rad', listed=.false., &
-      meaning='load phase within a load cycle'), &
-      column_type('events', 'x', unit='F0/K', listed=.false., &
-      meaning='displacement of the primary mass'), &
-      column_type('events', 'x_dot_before', unit='omega F0/K', listed=.false., &
-      meaning='velocity of the primary mass before the event'), &
-      column_type('events', 'x_dot_after', unit='omega F0/K', listed=.false., &
-      meaning='velocity of the primary mass after it'), &
-      column_type('events', 'z_dot_before', unit='omega F0/K', listed=.false., &
-      meaning='velocity of the free mass before it'), &
-      column_type('events', 'z_dot_after', unit='omega F0/K', listed=.false., &
-      meaning='velocity of the free mass after it')]
 
    !> Of the search.
    type(column_type), parameter :: search_columns(*) = [ &
@@ -84,7 +64,7 @@ module vi_find_study
       column_type('search', 'lost', wholes, listed=.false., &
       meaning='motions that could not be confirmed once more')]
 
-   type(column_type), parameter :: find_columns(*) = [motion_columns, event_columns, &
+   type(column_type), parameter :: find_columns(*) = [motion_columns, &
       search_columns]
 
 contains
@@ -138,6 +118,7 @@ contains
          ' releases and '//whole(sum(findings%outcomes))//' of '//whole(request%states)// &
          ' states were tried'
       call put_motions(findings%motions%motion, result)
+      call put_origin(case, exact_kind, .false., case%study%number('load'), result)
       call put_events(case%r, findings%motions, result)
       call put_search(findings, result)
       call search_text(findings, text)

@@ -12,7 +12,8 @@ module vi_motion_study
       starred_symbols
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
-   use vi_result, only: column_type, complexes, result_type, verdicts, wholes, words
+   use vi_result, only: column_type, complexes, result_type, rows_of, verdicts, wholes, &
+      words
    use vi_stability, only: leading_kind
    use vi_status, only: stat, status_text
    use vi_study, only: study_type
@@ -21,7 +22,7 @@ module vi_motion_study
    implicit none (type, external)
    private
 
-   public :: check_motion, declare_motion, find_motions, motion_request, put_motions
+   public :: check_motion, declare_motion, find_motions, motion_request, put_motions, put_origin
 
    integer, parameter :: most_impacts = 1000
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -60,7 +61,8 @@ module vi_motion_study
       why=', which leaves no residual', &
       meaning='largest relative residual that counts as consistent')]
 
-   type(column_type), parameter, public :: motion_columns(*) = [ &
+   !> Of the motions and their impacts.
+   type(column_type), parameter :: impact_columns(*) = [ &
       column_type('motions', 'motion', wholes, meaning='number of the motion'), &
       column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
       column_type('impacts', 'side', words, words='R,L,R*,L*', &
@@ -98,7 +100,51 @@ module vi_motion_study
       column_type('motions', 'cycles', wholes, listed=.false., &
       meaning='load cycles of the period'), &
       column_type('motions', 'status', wholes, listed=.false., &
-      meaning='code of what failed; 0: none')]
+      meaning='code of what failed; 0: none'), &
+      column_type('motions', 'kind', words, words='periodic,equispaced,exact', listed=.false., &
+      meaning='how it was found: from given phases, as equispaced, or exactly'), &
+      column_type('motions', 'precision', words, words='double,single', listed=.false., &
+      meaning='arithmetic'), &
+      column_type('motions', 'load', unit='F0', listed=.false., meaning='load amplitude'), &
+      column_type('motions', 'xi', listed=.false., meaning='damping ratio'), &
+      column_type('motions', 'mu', listed=.false., meaning='mass ratio'), &
+      column_type('motions', 'R1', listed=.false., &
+      meaning='coefficient of restitution of the right wall'), &
+      column_type('motions', 'R2', listed=.false., &
+      meaning='coefficient of restitution of the left wall'), &
+      column_type('motions', 'M', listed=.false., &
+      meaning='primary mass in units of the caller, if known'), &
+      column_type('motions', 'K', listed=.false., &
+      meaning='stiffness in units of the caller, if known'), &
+      column_type('impacts', 'guess', unit='rad', listed=.false., &
+      meaning='load phase from which the exact motion was found, if the linear equations were &
+      &solved for it first')]
+
+   !> Of events of motions with rest.
+   type(column_type), parameter :: event_columns(*) = [ &
+      column_type('events', 'time', unit='1/omega', listed=.false., &
+      meaning='time since the first event of the period'), &
+      column_type('events', 'kind', words, words='impact,stick,release', listed=.false., &
+      meaning='kind of an event of a motion with rest'), &
+      column_type('events', 'side', words, words='R,L', listed=.false., meaning='wall'), &
+      column_type('events', 'phase', unit='rad', listed=.false., &
+      meaning='load phase within a load cycle'), &
+      column_type('events', 'x', unit='F0/K', listed=.false., &
+      meaning='displacement of the primary mass'), &
+      column_type('events', 'x_dot_before', unit='omega F0/K', listed=.false., &
+      meaning='velocity of the primary mass before the event'), &
+      column_type('events', 'x_dot_after', unit='omega F0/K', listed=.false., &
+      meaning='velocity of the primary mass after it'), &
+      column_type('events', 'z_dot_before', unit='omega F0/K', listed=.false., &
+      meaning='velocity of the free mass before it'), &
+      column_type('events', 'z_dot_after', unit='omega F0/K', listed=.false., &
+      meaning='velocity of the free mass after it')]
+
+   type(column_type), parameter, public :: motion_columns(*) = [impact_columns, event_columns]
+
+   !> The words of the column `kind`, and the place of the last one.
+   character(24), parameter :: kinds(3) = [character(24) :: 'periodic', 'equispaced', 'exact']
+   integer, parameter, public :: exact_kind = 3
 
    !> The data of a group &motion.
    type, public :: motion_request_type
@@ -332,6 +378,12 @@ contains
       end associate
       call find_motions(case, case%study, motions)
       call put_motions(motions, result)
+      associate (s => case%study)
+         call put_origin(case, findloc(kinds, s%word('kind'), 1), s%is('precision', 'single'), &
+            1.0_wp, result)
+         if (s%is('kind', 'exact') .and. .not. s%has('positions') .and. motions(1)%status == &
+            stat%ok) call result%put('impacts', 'guess', s%numbers('phases'))
+      end associate
       none = all(motions%status /= stat%ok)
       if (none) then
          call result%remark(status_text(motions(1)%status))
@@ -347,7 +399,8 @@ contains
       end do
    end subroutine run_motion
 
-   !> Puts motions into the result; one that failed has no impacts, and NaN for numbers.
+   !> Puts motions into the result; one that failed has no impacts, and NaN for numbers. Where they
+   !! come from is put there by `put_origin`.
    pure subroutine put_motions(motions, result)
       !> The motions.
       type(motion_type), intent(in) :: motions(:)
@@ -356,12 +409,11 @@ contains
       type(line_type), allocatable :: sides(:)
       integer, allocatable :: owners(:), numbers(:), walls(:)
       real(wp), allocatable :: impacts(:, :)
-      real(wp) :: numbers_of(8, size(motions))
+      real(wp) :: numbers_of(7, size(motions))
       complex(wp) :: multipliers(4, size(motions))
       character(*), parameter :: names(8) = [character(12) :: 'restitution', 'phase', 'X', 'Z', &
-         'X_dot_before', 'X_dot_after', 'Z_dot_before', 'Z_dot_after'], motion_names(8) = &
-         [character(11) :: 'r', 'clearance', 'A', 'tau', 'residual', 'x_min', 'x_max', &
-         'attenuation']
+         'X_dot_before', 'X_dot_after', 'Z_dot_before', 'Z_dot_after'], motion_names(7) = &
+         [character(11) :: 'clearance', 'A', 'tau', 'residual', 'x_min', 'x_max', 'attenuation']
       integer :: i, j, m, n, total
 
       n = size(motions)
@@ -384,9 +436,9 @@ contains
             impacts(:, total + 1:total + m) = transpose(reshape([motion%restitution, &
                motion%phases, motion%x, motion%z, motion%x_dot_before, motion%x_dot_after, &
                motion%z_dot_before, motion%z_dot_after], [m, 8]))
-            numbers_of(:7, i) = [motion%r, motion%clearance, motion%amplitude, motion%tau, &
+            numbers_of(:6, i) = [motion%clearance, motion%amplitude, motion%tau, &
                motion%residual, motion%x_min, motion%x_max]
-            if (motion%amplitude > 0) numbers_of(8, i) = max(-motion%x_min, &
+            if (motion%amplitude > 0) numbers_of(7, i) = max(-motion%x_min, &
                motion%x_max)/motion%amplitude
             where (.not. ieee_is_nan(motion%multipliers%re)) multipliers(:, i) = motion%multipliers
             total = total + m
@@ -394,7 +446,7 @@ contains
       end do
       call result%open('motions', 'motion', [n])
       call result%put('motions', 'motion', [(i, i=1, n)])
-      do i = 1, 8
+      do i = 1, 7
          call result%put('motions', trim(motion_names(i)), numbers_of(i, :))
       end do
       call result%put('motions', 'consistent', motions%consistent)
@@ -411,6 +463,31 @@ contains
          call result%put('impacts', trim(names(i)), impacts(i, :))
       end do
    end subroutine put_motions
+
+   !> Puts into the result where its motions come from.
+   pure subroutine put_origin(case, kind, single, load, result)
+      !> The case, with their system.
+      type(case_type), intent(in) :: case
+      !> Place of a word of the column `kind`.
+      integer, intent(in) :: kind
+      !> Whether the arithmetic is that of 32 bits.
+      logical, intent(in) :: single
+      !> Load amplitude (F0).
+      real(wp), intent(in) :: load
+      !> The result, with its motions.
+      type(result_type), intent(inout) :: result
+      character(*), parameter :: names(6) = [character(4) :: 'r', 'load', 'xi', 'mu', 'R1', 'R2']
+      real(wp) :: values(6)
+      integer :: i, n
+
+      n = rows_of(result%tables(findloc(result%tables%name == 'motions', .true., 1)))
+      values = [case%r, load, case%osc%xi, case%osc%mu, case%osc%restitution]
+      do i = 1, size(names)
+         call result%put('motions', trim(names(i)), spread(values(i), 1, n))
+      end do
+      call result%put('motions', 'kind', spread(kind, 1, n))
+      call result%put('motions', 'precision', spread(merge(2, 1, single), 1, n))
+   end subroutine put_origin
 
    !> The verdicts of a motion in words.
    pure subroutine describe_verdicts(motion, text)

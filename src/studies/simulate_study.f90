@@ -5,12 +5,12 @@ module vi_simulate_study
    use vi_forced_system, only: new_forced_system, state_time, state_type
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
-   use vi_result, only: column_type, result_type, words
+   use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_simulate, only: event_type, impact_event, stick_event
    use vi_status, only: stat, status_text
    use vi_study, only: study_type
    use vi_text, only: counted, exact_list, whole
-   use vi_trajectory, only: simulate_case
+   use vi_trajectory, only: pack_state, simulate_case
    implicit none (type, external)
    private
 
@@ -42,7 +42,30 @@ module vi_simulate_study
       column_type('events', 'z_dot_after', unit='omega F0/K', &
       meaning='velocity of the free mass after it'), &
       column_type('final', 'state', each='coordinate', listed=.false., &
-      meaning='the state at the end: t, x, x_dot, z, z_dot')]
+      meaning='the state at the end: t, x, x_dot, z, z_dot'), &
+      column_type('run', 'xi', listed=.false., meaning='damping ratio'), &
+      column_type('run', 'mu', listed=.false., meaning='mass ratio'), &
+      column_type('run', 'R1', listed=.false., &
+      meaning='coefficient of restitution of the right wall'), &
+      column_type('run', 'R2', listed=.false., &
+      meaning='coefficient of restitution of the left wall'), &
+      column_type('run', 'M', listed=.false., &
+      meaning='primary mass in units of the caller, if known'), &
+      column_type('run', 'K', listed=.false., &
+      meaning='stiffness in units of the caller, if known'), &
+      column_type('run', 'r', listed=.false., meaning='frequency ratio'), &
+      column_type('run', 'clearance', unit='F0/K', listed=.false., meaning='clearance d K/F0'), &
+      column_type('run', 'load', unit='F0', listed=.false., meaning='load amplitude'), &
+      column_type('run', 'finished', truths, listed=.false., &
+      meaning='whether the end was reached before max_events events'), &
+      column_type('moments', 'moment', words, words='initial,initial flight,final,final flight', &
+      listed=.false., &
+      meaning='the start and the end, and where the flight or rest of each began'), &
+      column_type('moments', 'quantities', each='quantity', listed=.false., &
+      meaning='load cycle, load phase above it (rad), x, x_dot, z, z_dot, departure speed'), &
+      column_type('moments', 'contact', wholes, each='flag', listed=.false., &
+      meaning='wall (1 right, -1 left, 0 none), whether the free mass rests on it, whether it was &
+      &released just then')]
 
 contains
 
@@ -89,9 +112,12 @@ contains
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(event_type), allocatable :: events(:)
-      type(state_type) :: final
-      real(wp) :: state(5)
-      integer :: status, i
+      type(state_type) :: moments(4)
+      real(wp) :: state(5), quantities(7, 4)
+      integer :: contact(3, 4), status, i
+      character(*), parameter :: names(7) = [character(9) :: 'xi', 'mu', 'R1', 'R2', 'r', &
+         'clearance', 'load']
+      real(wp) :: values(7)
 
       associate (not_used => threads)    ! one simulation has one thread
       end associate
@@ -99,7 +125,15 @@ contains
          call simulate_case(new_forced_system(case%osc, case%r, s%number('load'), &
             s%number('clearance')), &
             state_of(s), s%number('cycles'), s%number('discard'), s%whole_number('max_events'), &
-            final, events, status, progress)
+            moments, events, status, progress)
+         values = [case%osc%xi, case%osc%mu, case%osc%restitution, case%r, s%number('clearance'), &
+            s%number('load')]
+         if (status == stat%more_events .and. size(events) < s%whole_number('max_events')) then
+            result%empty = .true.
+            call result%fail('max_events = '//whole(s%whole_number('max_events'))//': must be &
+               &more; it was reached within the discarded cycles')
+            return
+         end if
       end associate
       if (status == stat%not_computed) then
          result%cut = 'the simulation was stopped after '//whole(count(events%kind == &
@@ -111,10 +145,24 @@ contains
          call result%fail(status_text(status))
          return
       end if
-      state = [state_time(final%cycle, final%phase, case%r), final%x, final%x_dot, final%z, &
-         final%z_dot]
+      associate (final => moments(3))
+         state = [state_time(final%cycle, final%phase, case%r), final%x, final%x_dot, final%z, &
+            final%z_dot]
+      end associate
       call result%open('final', '', [integer ::])
       call result%put('final', 'state', state)
+      call result%open('run', '', [integer ::])
+      do i = 1, size(names)
+         call result%put('run', trim(names(i)), values(i:i))
+      end do
+      call result%put('run', 'finished', [merge(1, 0, status == stat%ok)])
+      call result%open('moments', 'moment', [4])
+      call result%put('moments', 'moment', [1, 2, 3, 4])
+      do i = 1, 4
+         call pack_state(moments(i), quantities(:, i), contact(:, i))
+      end do
+      call result%put('moments', 'quantities', [quantities])
+      call result%put('moments', 'contact', [contact])
       call result%open('events', 'event', [size(events)])
       call result%put('events', 'time', [(state_time(events(i)%cycle, events(i)%phase, case%r), &
          i=1, size(events))])

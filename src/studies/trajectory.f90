@@ -76,8 +76,8 @@ contains
    end subroutine simulate_arrays
 
    !> A whole simulation: the discarded cycles, then those that are kept.
-   subroutine simulate_case(system, start, duration, discard, max_events, final, events, status, &
-      progress)
+   subroutine simulate_case(system, start, duration, discard, max_events, moments, events, &
+      status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> t (1/omega), x, x', z, z'.
@@ -86,16 +86,18 @@ contains
       real(wp), intent(in) :: duration, discard
       !> Largest number of events in the discarded cycles, and again in those that are kept.
       integer, intent(in) :: max_events
-      !> The state at the end.
-      type(state_type), intent(out) :: final
+      !> The state from which the kept cycles count, where its flight or rest began, and the same of
+      !! the end.
+      type(state_type), intent(out) :: moments(4)
       !> The events of the cycles that are kept.
       type(event_type), allocatable, intent(out) :: events(:)
-      !> `stat%ok`, `stat%more_events` (max_events was reached), `stat%budget` or `stat%not_computed`
-      !! (stopped by the caller; the final state and the events so far are those of the simulation).
+      !> `stat%ok`, `stat%more_events` (max_events was reached), `stat%budget`, or
+      !! `stat%not_computed` (stopped by the caller; the final state and the events so far are
+      !! those of the simulation).
       integer, intent(out) :: status
-      !> Progress counters, see vi_progress.
+      !> Progress counters, see vi_progress; a simulation that is stopped ends early.
       integer, intent(inout), optional :: progress(3)
-      type(state_type) :: state
+      type(state_type) :: state, final
       integer :: first
 
       call add_expected_work(simulation_work, progress)
@@ -107,9 +109,11 @@ contains
       status = stat%ok
       if (discard > 0) call gather(system, state, final, discard, max_events, .false., events, &
          status, first, progress)
+      moments = [final, state, final, state]
       if (status /= stat%ok) return
       call gather(system, state, final, duration, max_events, .true., events, status, &
          simulation_work - first, progress)
+      moments(3:) = [final, state]
    end subroutine simulate_case
 
    !> Simulates some cycles in chunks and appends the events, if they are kept.
@@ -127,7 +131,8 @@ contains
       logical, intent(in) :: keep
       !> In and out: the list of events.
       type(event_type), allocatable, intent(inout) :: events(:)
-      !> `stat%ok`, `stat%more_events`, `stat%budget` or `stat%not_computed` (stopped by the caller).
+      !> `stat%ok`, `stat%more_events`, `stat%budget`, or `stat%not_computed` (stopped by the
+      !! caller).
       integer, intent(out) :: status
       !> Units of work of these cycles in the progress counters.
       integer, intent(in) :: work

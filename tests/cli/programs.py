@@ -63,10 +63,10 @@ BREAKDOWN = ("Fortran runtime", "Backtrace", "Sanitizer", "runtime error", "SIG"
 
 def kinds():
     """The kinds of cases, each with the namelist to start from."""
-    from vibroimpact.case import KINDS
+    from vibroimpact import case
     from vibroimpact.commands.init import template
 
-    return {kind: template(kind, f"{kind}.nml") for kind in KINDS}
+    return {kind: template(kind, f"{kind}.nml") for kind in case.kinds()}
 
 
 #: A line that names a file that was written.

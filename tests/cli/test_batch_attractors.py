@@ -57,7 +57,7 @@ def assert_diagram(table, result):
 ])  # fmt: skip
 def test_diagrams_of_the_api(text, batch, command, same_build):
     table = assert_both(text, batch, command)
-    result = case_of(batch).bifurcation()
+    result = case_of(batch).run()[0]
     assert_diagram(table, result)
     header = (batch.cwd / "results/case.csv").read_text().split("\n")
     said = [re.fullmatch(r"# ! (.+): (.+) from (.+) to (.+)", line) for line in header]
@@ -129,7 +129,7 @@ def test_bad_diagram(old, new, wanted, line, batch):
 ])  # fmt: skip
 def test_response_of_the_api(text, batch, command, same_build):
     table = assert_both(text, batch, command)
-    result = case_of(batch).response()
+    result = case_of(batch).run()[0]
     for name in ("r", "clearance", "lowest", "highest"):
         assert column(table, name).tolist() == getattr(result, name).tolist()
     assert (column(table, "lowest") <= column(table, "highest")).all()
@@ -178,7 +178,7 @@ def test_bad_response(old, new, wanted, line, batch):
 ])  # fmt: skip
 def test_basins_of_the_api(text, batch, command, same_build):
     table = assert_both(text, batch, command)
-    result = case_of(batch).basins()
+    result = case_of(batch).run()[0]
     for name, values in zip(("t", "x", "x_dot", "z", "z_dot"), result.states, strict=True):
         assert column(table, name).tolist() == values.ravel().tolist()
     assert column(table, "label").tolist() == result.labels.ravel().tolist()

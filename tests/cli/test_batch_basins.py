@@ -38,7 +38,7 @@ RANDOM = f"""{TABLE}&basins clearance = 37
 ])  # fmt: skip
 def test_diagram_in_ratios_of_the_api(text, batch, command, same_build):
     table = assert_both(text, batch, command)
-    result = case_of(batch).bifurcation()
+    result = case_of(batch).run()[0]
     np.testing.assert_allclose(
         result.values[1:] / result.values[:-1], result.values[1] / result.values[0]
     )
@@ -51,7 +51,7 @@ def test_diagram_in_ratios_of_the_api(text, batch, command, same_build):
 
 def test_exponents_in_ratios_of_the_api(batch, command, same_build):
     table = assert_both(EXPONENTS, batch, command)
-    result = case_of(batch).lyapunov()
+    result = case_of(batch).run()[0]
     assert column(table, "clearance").tolist() == result.clearance.tolist()
     assert column(table, "exponent_1").tolist() == result.per_cycle[0].tolist()
     assert result.clearance[1] == pytest.approx(np.sqrt(9 * 40))
@@ -109,7 +109,7 @@ def sure(path):
 ])  # fmt: skip
 def test_random_states_of_the_api(text, batch, command, same_build):
     table = assert_both(text, batch, command)
-    result = case_of(batch).basins()
+    result = case_of(batch).run()[0]
     assert result.axes is None
     for name, values in zip(("t", "x", "x_dot", "z", "z_dot"), result.states, strict=True):
         assert column(table, name).tolist() == values.tolist()
@@ -125,7 +125,7 @@ def test_safety_of_the_api(batch, command, same_build):
     """A plane's discs and exponent; and the standard errors on standard output."""
     text = PLANE.replace("8, 9", "40, 33")
     assert_both(text, batch, command)
-    result = case_of(batch).basins()
+    result = case_of(batch).run()[0]
     shares, exponents = sure(batch.cwd / "results/case.csv")
     wanted = []
     for i, error in enumerate(result.standard_error.tolist()):

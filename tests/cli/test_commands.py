@@ -49,7 +49,7 @@ def test_cases_are_those_that_run(path, tmp_path):
     assert [case.name for case in cases] == list(results)
     for case in cases:
         if case.kind == "simulate":
-            table, events = rows(results[case.name]), case.trajectory().events
+            table, events = rows(results[case.name]), case.run()[0].events
             assert len(table) == len(events)
             for key in ("time", "x", "z_dot_after"):
                 assert [float(row[key]) for row in table] == events[key].tolist()

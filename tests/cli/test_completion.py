@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from programs import ROOT, Runner, find_command
-from vibroimpact.case import KINDS
+from vibroimpact.case import kinds
 from vibroimpact.command import main
 from vibroimpact.commands import FORMATS, NAMES
 
@@ -44,7 +44,7 @@ TYPED = [
     ("vibroimpact find --plot ", {"png", "svg", "pdf"}),
     ("vibroimpact bifurcation --spacing ", {"linear", "geometric"}),
     ("vibroimpact plot --format ", {"png", "svg", "pdf"}),
-    ("vibroimpact init ", {*KINDS}),
+    ("vibroimpact init ", {*kinds()}),
     ("vibroimpact reproduce tab", {"table1"}),
     ("vibroimpact run inputs/table1", {"inputs/table1.nml", "inputs/table1_single.nml"}),
 ]

@@ -6,7 +6,7 @@ import re
 import pytest
 import vibroimpact as vi
 from programs import Runner, contents, find_batch, find_command, kinds, write
-from vibroimpact.case import KINDS, read_namelist
+from vibroimpact.case import read_namelist
 
 
 @pytest.fixture
@@ -30,12 +30,12 @@ def templates(tool):
 def test_every_kind_of_case_has_one(tool):
     """They are told by --list, and by the fault where a name is not known."""
     done = tool("init", "--list")
-    assert [line.split()[0] for line in done.out.decode().splitlines()] == list(KINDS)
-    assert list(json.loads(tool("init", "--list", "--json").out)["results"]) == list(KINDS)
+    assert [line.split()[0] for line in done.out.decode().splitlines()] == list(kinds())
+    assert list(json.loads(tool("init", "--list", "--json").out)["results"]) == list(kinds())
     for words in (["init"], ["init", "nothing"]):
         done = tool(*words)
         assert done.status == 2
-        for name in KINDS:
+        for name in kinds():
             assert name in done.err.decode()
 
 

@@ -1,7 +1,6 @@
 """Ctrl-C: what is finished is kept, and the message tells the truth of it."""
 
 import contextlib
-import importlib
 import os
 import pathlib
 import re
@@ -17,7 +16,8 @@ from vibroimpact.progress import Progress
 
 EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
 SHORT = "&lyapunov clearance = 9, cycles = 50, x_dot = 6, z_dot = 9 /\n"
-LONG = "&simulate clearance = 9, cycles = 100000000, x_dot = 6, z_dot = 9 /\n"
+#: Nothing is kept of cycles that are discarded.
+LONG = "&simulate clearance = 9, discard = 100000000, cycles = 1, x_dot = 6, z_dot = 9 /\n"
 
 
 def interrupted(cwd, words, until):
@@ -70,7 +70,7 @@ def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("vibroimpact.commands.cases.run_namelists", stop)
-    monkeypatch.setattr(importlib.import_module("vibroimpact.case"), "simulate", stop)
+    monkeypatch.setattr("vibroimpact.door.run_text", stop)
     assert main([name, "case.nml", "--format", form]) == 1
     assert capsys.readouterr().err == f"vibroimpact {name}: interrupted; nothing was finished\n"
     assert (tmp_path / "results/case.csv").read_text() == "old"

@@ -4,7 +4,7 @@ import numpy as np
 from vibroimpact.commands import STUDIES
 from vibroimpact.commands.init import template
 from vibroimpact.door import run_text
-from vibroimpact.noun import noun_of
+from vibroimpact.noun import RESULTS
 
 NAMES = (
     "motion",
@@ -29,7 +29,7 @@ STUDIES_NAMED = (
 
 def example(study):
     """The result of the case that `vibroimpact init` writes for a study."""
-    return run_text(noun_of(study), template(study, "case.nml"))
+    return run_text(RESULTS[study], template(study, "case.nml"))
 
 
 def same(one, other):

@@ -382,7 +382,7 @@ def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(vi.errors.StudyInterrupted) as stop:
-        vi.read_namelist(path)[0].branches(progress)
+        vi.read_namelist(path)[0].compute(progress)
     (part,) = stop.value.result
     assert re.fullmatch(r"branch 1: clearance from \S+ to \S+ was reached; 1 not begun", part.cut)
     assert len(part) > 1

@@ -304,7 +304,7 @@ def test_motions_are_read_only(make):
         motion.r = 2.0
     assert motion.pattern.sides in repr(motion)
     assert motion.pattern.sides[0] in str(motion)
-    assert motion.to_dict()["r"] == motion.r
+    assert motion.to_dict()["tables"]["motions"]["columns"]["r"] == motion.r
     again = make()
     assert np.array_equal(again.X, motion.X)
     assert np.array_equal(again.multipliers, motion.multipliers)

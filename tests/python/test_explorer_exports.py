@@ -58,9 +58,7 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
     found, rests = [], []
     for name, case in cases.items():
         if "motion" in name:
-            (rests if case.kind == "simulate" else found).extend(
-                [case.trajectory()] if case.kind == "simulate" else case.motions()
-            )
+            (rests if case.kind == "simulate" else found).extend(case.run())
     assert sum(motion.admissible for motion in found) + len(rests) == len(explorer.shown)
     for item in explorer.shown:
         if item.definition.kind == "state":
@@ -69,9 +67,9 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
             )
             continue
         assert item.motion.X.tolist() in [motion.X.tolist() for motion in found]
-    assert cases["explorer_run"].trajectory().events.tolist() == simulate_run(state).events.tolist()
+    assert cases["explorer_run"].run()[0].events.tolist() == simulate_run(state).events.tolist()
     for i, zone in enumerate(explorer.zones.values(), start=1):
-        rings = cases[f"explorer_zone_{i}"].zone().loops
+        rings = cases[f"explorer_zone_{i}"].run()[0].loops
         assert [ring.tolist() for ring in rings] == [ring.tolist() for ring in zone.loops]
 
 

@@ -81,17 +81,17 @@ def test_matlab_is_read_by_others(results, tmp_path):
     motion = scipy_io.loadmat(tmp_path / "motion.mat", simplify_cells=True)["motion"]
     np.testing.assert_array_equal(motion["multipliers"], results["motion"].multipliers)
     np.testing.assert_array_equal(motion["X_dot_before"], results["motion"].X_dot_before)
-    assert motion["pattern"]["sides"] == "RL"
-    assert motion["osc"]["restitution"].tolist() == [0.75, 0.75]
-    assert bool(motion["stable"]) is True
+    assert motion["sides"] == "RL"
+    assert (motion["R1"], motion["R2"]) == (0.75, 0.75)
+    assert motion["stable"] == 1
     zone = scipy_io.loadmat(tmp_path / "zone.mat", simplify_cells=True)["zone"]
     for i, theirs in enumerate(results["zone"].boundary):
         here = zone["vertices_pieces"] == i + 1
         assert zone["type"][i] == theirs.type
         np.testing.assert_array_equal(zone["vertices_clearance"][here], theirs.clearance)
     run = scipy_io.loadmat(tmp_path / "trajectory.mat", simplify_cells=True)["trajectory"]
-    np.testing.assert_array_equal(run["events"]["x"], results["trajectory"].events["x"])
-    assert run["events"]["side"].tolist() == results["trajectory"].events["side"].tolist()
+    np.testing.assert_array_equal(run["x"], results["trajectory"].events["x"])
+    assert run["side"].tolist() == results["trajectory"].events["side"].tolist()
 
 
 @pytest.mark.parametrize(

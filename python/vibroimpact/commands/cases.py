@@ -7,29 +7,20 @@ import contextlib
 import os
 import re
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..case import Case, read_namelist
-from ..errors import (
-    ParameterError,
-    SingularError,
-    StudyInterrupted,
-)
-from ..files import write_text
-from ..interchange.csv_file import cut_of, head_text, notes, rows_text
-from ..interchange.table import columns
-from ..interrupt import interruptible
+from ..errors import ParameterError, StudyInterrupted
+from ..formats.save import write_printout
 from ..noun import Noun
 from ..plot.animation import check_format
 from ..progress import Progress
 from ..run import run_namelists
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
-from .request import Request, case_files, in_options, read_cases
-from .words import PARTIAL, WORDS, tell
+from .request import Request, read_cases
+from .words import tell
 
 #: What writes the figure of some axes to a file, if that is wanted.
 Save = Callable[[Any, Path], Path] | None
@@ -40,9 +31,7 @@ Details = Callable[[Any], list[str]]
 def run_kind(options: argparse.Namespace, request: Request, details: Details | None = None) -> int:
     """Run all cases of a kind (or of any), write and draw them; gives the exit status.
 
-    Tables alone are left to the compiled program. Its words are those that are said in any case, and its tables
-    have the bytes of those that are written here. Branches and studies of attractors by commands of their own are
-    always computed here: Ctrl-C leaves the part of a case that is finished.
+    Tables alone of cases of any kind are left to the compiled program, whose words and tables are the same.
     """
     folder = Path(options.folder)
     animated = getattr(options, "animate", None)
@@ -50,8 +39,8 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
     if animated:
         check_format(animated, f"--animate {animated}")
     more = save is not None or options.format != "csv" or options.json or options.stem
-    if not more and request.kind not in PARTIAL:
-        return tables(options, request, folder)
+    if not more and request.kind is None:
+        return tables(options, folder)
     cases, faults = read_cases(options, request)
     for line in faults:
         options.record.fault(line)
@@ -61,21 +50,14 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
         spare_inputs(options, case, folder)
     with ready(folder) if cases else contextlib.nullcontext():
         for case in cases:
-            if case.kind in WORDS:
-                status = max(status, finish(options, case, folder, save, details))
-            else:
-                status = max(status, shorter(options, case, folder, save))
+            status = max(status, finish(options, case, folder, save, details))
     return status
 
 
-def tables(options: argparse.Namespace, request: Request, folder: Path) -> int:
+def tables(options: argparse.Namespace, folder: Path) -> int:
     """Leave all to the compiled program."""
-    with (
-        case_files(options, request) as (files, made),
-        not_left_empty(folder),
-        Progress(request.kind or "run") as bar,
-    ):
-        written = Fresh(results_of(files, request.kind, folder))
+    with not_left_empty(folder), Progress("run") as bar:
+        written = Fresh(results_of(options.files, folder))
 
         def show(share: float) -> None:
             """As many results as there are, and a share of the next one."""
@@ -83,26 +65,22 @@ def tables(options: argparse.Namespace, request: Request, folder: Path) -> int:
             bar.show(min(share * (done + 1), done + 1) / max(1, len(written.before)))
 
         try:
-            log = run_namelists(files, folder, request.kind, show if bar.wanted else None)
+            log = run_namelists(options.files, folder, progress=show if bar.wanted else None)
         except KeyboardInterrupt:
             options.record.files += map(str, written.paths())
             raise
-    if made and log.status == 2 and not log.results:
-        lines = [in_options(line, made, request, options) for _, line in log.lines]
-        raise ParameterError("\n".join(lines))
     tell(log)
     return log.status
 
 
-def results_of(files: Sequence[str], kind: str | None, folder: Path) -> list[Path]:
+def results_of(files: Sequence[str], folder: Path) -> list[Path]:
     """Where the compiled program writes, as far as it can be told: a pipe is read only once."""
     found = []
     for file in filter(os.path.isfile, files):
         with contextlib.suppress(ParameterError):
             for case in read_namelist(file):
-                if kind in (None, case.kind):
-                    suffix = "txt" if case.keys.get("format") == "table" else "csv"
-                    found.append(folder / f"{case.name}.{suffix}")
+                suffix = "txt" if case.keys.get("format") == "table" else "csv"
+                found.append(folder / f"{case.name}.{suffix}")
     return found
 
 
@@ -132,54 +110,21 @@ def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
                     )
 
 
-def shorter(options: argparse.Namespace, case: Case, folder: Path, save: Save) -> int:
-    """Leave the table and the words of a case to the compiled program, and make the rest of it anew.
-
-    For motions, which take no time, and of which only that program makes the printout.
-    """
-    with tempfile.TemporaryDirectory() as place:
-        source = Path(place) / "case.nml"
-        source.write_text(case.text, encoding="utf-8")
-        with Progress(case.name) as bar:
-            target = folder if options.format == "csv" else place
-            log = run_namelists([source], target, progress=bar.show)
-    said = [line for line in log.lines if place not in line[1]]  # a table there is for nobody
-    tell(log._replace(lines=said), options.record)
-    if options.format == "csv":
-        options.record.files += map(str, log.results)
-    results = []
-    if log.results and (save is not None or options.json or options.format != "csv"):
-        with Progress(case.name) as bar:
-            results = interruptible(case.run, watch=partial(bar.show, 0.0))
-    put(options, case, results, folder, save)
-    return log.status
-
-
 def finish(
     options: argparse.Namespace, case: Case, folder: Path, save: Save, details: Details | None
 ) -> int:
-    """Compute a case that takes its time, say what came out, write and draw it."""
+    """Compute a case, say what came out, write and draw it."""
     stopped, record = False, options.record
-    results: list[Any]
     with Progress(case.name) as bar:
         try:
-            results = [case.branches(bar.show)] if case.kind == "branch" else case.run(bar.show)
+            found = case.compute(bar.show)
         except StudyInterrupted as stop:
-            results, stopped = [stop.result], True
-        except SingularError as error:
-            record.fault(f"{case.name}: {error}")
-            return 1
-        except ParameterError as error:
-            if case.kind != "simulate":
-                raise
-            # no fault of the file: max_events was reached before there was anything to keep
-            record.fault(f"{case.name}: {error}")
-            return 1
+            found, stopped = stop.result, True
     if stopped:  # a large table takes its time
         said = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
         print(said, file=sys.stderr, flush=True)
     try:
-        status = deliver(options, case, results, stopped, folder, save, details)
+        status = deliver(options, case, found, stopped, folder, save, details)
     except KeyboardInterrupt:
         record.halted = True
         raise
@@ -189,64 +134,60 @@ def finish(
 
 
 def deliver(
-    options: argparse.Namespace, case: Case, results: Sequence[Any], stopped: bool,
-    folder: Path, save: Save, details: Details | None,
+    options: argparse.Namespace, case: Case, found: Noun, stopped: bool, folder: Path, save: Save,
+    details: Details | None,
 ) -> int:  # fmt: skip
     """Say what came out of a case; write and draw it."""
-    news, faults, there = WORDS[case.kind](*results)
-    for line in [*news, *(line for result in results for line in cut_of(result))]:
+    result = found._result
+    cut = [f"cut short: {result.cut}"] if result.cut else []
+    for line in [*(text for fault, text in result.notes if not fault), *cut]:
         print(f"{case.name}: {line}")
+    faults = [text for fault, text in result.notes if fault]
     for line in [] if stopped else faults:
         options.record.fault(f"{case.name}: {line}")
-    if there:
-        put(options, case, results, folder, save)
-        for line in details(*results) if details else []:
+    if not result.empty:
+        put(options, case, found, folder, save)
+        for line in details(found) if details else []:
             print(line)
     return 1 if faults else 0
 
 
-def put(
-    options: argparse.Namespace, case: Case, results: Sequence[Any], folder: Path, save: Save
-) -> None:
-    """Write the results of a case in the form that is wanted, all in one table, and draw them."""
+def put(options: argparse.Namespace, case: Case, found: Noun, folder: Path, save: Save) -> None:
+    """Write the result of a case, all in one table or each part in the form that is wanted, and draw the parts."""
     folder.mkdir(parents=True, exist_ok=True)
-    if options.format == "csv" and case.kind in WORDS:
-        options.record.wrote(case.name, write(results, case, folder / f"{case.name}.csv"))
-    if case.kind == "branch":
-        (branches,) = results
-        results = list(branches)
-    for i, result in enumerate(results, start=1):
-        name = case.name if len(results) == 1 else f"{case.name}_{i}"
-        options.record.add(name, result)
+    record = options.record
+    if options.format == "csv":
+        form = case.keys.get("format", "csv") if found.printable else "csv"
+        if form != "csv":
+            printout = folder / f"{case.name}.txt"
+            write_printout(found, printout)
+            record.wrote(case.name, printout)
+        if form != "table":
+            record.wrote(case.name, written(found, folder / f"{case.name}.csv"))
+    parts = found.parts()
+    for i, part in enumerate(parts, start=1):
+        name = case.name if len(parts) == 1 else f"{case.name}_{i}"
+        record.add(name, part)
         if options.format != "csv":
             path = folder / f"{name}.{FORMATS[options.format]}"
-            options.record.wrote(case.name, write([result], case, path))
+            record.wrote(case.name, written(part, path))
         if save is not None and getattr(options, "animate", None):
             film = folder / f"{name}.{options.animate}"
-            options.record.wrote(case.name, result.animate(film))
-        if save is not None and options.plot:
-            if getattr(result, "axes", ()) is None:
-                print(f"{case.name}: random states have no picture")
-            elif getattr(result, "zones", True):  # an atlas may have none
-                drawn = folder / f"{name}.{options.plot}"
-                options.record.wrote(case.name, save(picture(result, options), drawn))
+            record.wrote(case.name, part.animate(film))
+        if save is not None and options.plot and part.drawable:
+            drawn = folder / f"{name}.{options.plot}"
+            record.wrote(case.name, save(picture(part, options), drawn))
+        elif save is not None and options.plot and part.undrawable:
+            print(f"{case.name}: {part.undrawable}")
+
+
+def written(result: Any, path: Path) -> Path:
+    """Write a result in the form that the name ends with."""
+    result.save(path)
+    return path
 
 
 def picture(result: Any, options: argparse.Namespace) -> Any:
     """The axes of a picture."""
-    if hasattr(result, "windows"):
-        return result.plot(quantity=getattr(options, "quantity", "x"))
-    return result.plot()
-
-
-def write(results: Sequence[Any], case: Case, path: Path) -> Path:
-    """Results in the form that the name ends with, there; a table has the case in its header."""
-    if isinstance(results[0], Noun):
-        results[0].save(path)
-    elif path.suffix == ".csv":
-        remarks = [note for i, one in enumerate(results, start=1) for note in notes(one, i)]
-        table = columns(results[0])
-        write_text(path, head_text(case.text.splitlines(), remarks) + rows_text(table))
-    else:
-        results[0].save(path)
-    return path
+    quantity = getattr(options, "quantity", None)
+    return result.plot() if quantity is None else result.plot(quantity=quantity)

@@ -9,10 +9,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..case import KINDS
+from ..case import kinds
 from ..errors import ParameterError
 from ..files import write_text
-from ..interchange.namelist import Groups
+from ..namelist import Groups
 from ..tables import language
 from . import STUDIES
 from .options import takes
@@ -113,7 +113,7 @@ def shown(value: Any) -> str:
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The kind and the file, or --list."""
     parser.add_argument(
-        "name", nargs="?", metavar="NAME", choices=KINDS, help=f"one of {', '.join(KINDS)}"
+        "name", nargs="?", metavar="NAME", choices=kinds(), help=f"one of {', '.join(kinds())}"
     )
     parser.add_argument("-o", dest="file", metavar="FILE.nml", help="the file (default: NAME.nml)")
     parser.add_argument("--list", action="store_true", help="tell what each kind of case is")
@@ -123,13 +123,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write it, or list what there is."""
     if options.list:
-        for name in KINDS:
+        for name in kinds():
             title = example(name)[0]
             print(f"{name:<12} {title}")
             options.record.add(name, title)
         return 0
     if options.name is None:
-        raise ParameterError(f"NAME: must be given, one of {', '.join(KINDS)}; or --list")
+        raise ParameterError(f"NAME: must be given, one of {', '.join(kinds())}; or --list")
     path = Path(options.file or f"{options.name}.nml")
     if path.exists() and not options.force:
         raise ParameterError(f"{path}: is there already; must be another file, or --force")

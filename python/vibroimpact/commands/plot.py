@@ -77,8 +77,4 @@ def pictured(case: Case) -> Sequence[Callable[[], Any]]:
     """What draws a case, each picture of its own."""
     with Progress(case.name) as bar:
         results = case.run(bar.show if bar.wanted else None)
-    if case.kind == "chart":
-        results = [item for item in results if not item._result.empty]
-    if case.kind in ("zone", "atlas"):
-        results = [item for item in results if getattr(item, "zones", item)]
-    return [item.plot for item in results]
+    return [item.plot for item in results if item.drawable or item.undrawable]

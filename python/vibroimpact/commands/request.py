@@ -15,10 +15,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from .. import namelist
 from ..case import Case, read_namelist
 from ..errors import ParameterError
-from ..interchange import namelist
-from ..interchange.namelist import Groups
+from ..namelist import Groups
 from .options import Option, shown
 
 #: What is said of an option that is missing.

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from ..noun import noun_of
+from ..noun import RESULTS
 from . import STUDIES, add_files, add_forms
 from .options import Option, options_of
 from .request import Request, request_of
@@ -57,6 +57,6 @@ def plain_command(study: str) -> SimpleNamespace:
             "options name. The result is written to DIR/NAME.csv, or in another form; with --plot a picture "
             f'stands beside it. NAME is "{study}" for the case of the options.', 96,
         ),
-        EXAMPLE=f"vibroimpact {study} {noun_of(study).example} -o results",
+        EXAMPLE=f"vibroimpact {study} {RESULTS[study].example} -o results",
         arguments=arguments, request=request, run=run,
     )  # fmt: skip

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..interchange.dataset import xarray
+from ..libraries import xarray
+from ..namelist import keys_of
 from ..tables import Result
 
 
@@ -59,15 +60,15 @@ def common(noun: Any) -> dict[str, Any]:
     """Attributes of every dataset: its kind, its case, and whether it is complete."""
     from .. import __version__
 
-    osc = noun.osc
+    osc, result = noun.osc, noun._result
     keys = {
-        key: value for key, value in noun.keys.items()
+        key: value for key, value in keys_of(result.case).items()
         if key not in ("xi", "mu", "restitution", "name", "format") and np.ndim(value) == 0
     }  # fmt: skip
     right, left = osc.restitution
     return {
-        **keys, "xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left, "complete": int(noun.complete),
-        "Conventions": "CF-1.11", "title": repr(noun), "case": noun.case,
+        **keys, "xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left, "complete": int(not result.cut),
+        "Conventions": "CF-1.11", "title": repr(noun), "case": result.case,
         "source": f"vibroimpact {__version__}", "result": type(noun).__name__,
         "comment": "lengths in F0/K, time in 1/omega, angles in radians",
     }  # fmt: skip

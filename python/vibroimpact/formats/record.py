@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ParameterError
-from ..tables import STORED, Column, Result, Table, declared_column, language
+from ..tables import STORED, Column, Result, Table, column_from, language
 
+#: The least and the greatest code of verdicts and of logical values.
+LIMITS = {"verdict": (-1, 1), "truth": (0, 1)}
 #: The fields of a record besides its tables, with their types.
 HEAD = {"case": str, "cut": str, "empty": bool, "remarks": list, "notes": list}
 
@@ -90,7 +92,7 @@ def from_dict(kind: Any, data: Any) -> Any:
             f"notes = {data['notes']!r}: must be pairs of a fault's mark and a text"
         )
     notes = tuple((bool(note[0]), str(note[1])) for note in data["notes"])
-    return kind(
+    return kind.of_result(
         Result(
             kind.study, data["case"], data["cut"], data["empty"], tuple(map(str, data["remarks"])),
             notes, told["row"], tables,
@@ -123,12 +125,10 @@ def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table
 def column_of(label: str, declared: dict[str, Any], data: Any, shape: tuple[int, ...]) -> Column:
     """A column from its record."""
     kind, own = declared["kind"], bool(declared["each"])
-    words = tuple(word for word in declared["words"].split(",") if word)
     if kind == "word":
-        texts = array_of(label, data, shape, object)
-        words += tuple(dict.fromkeys(text for text in texts.ravel() if text and text not in words))
-        places = {text: i for i, text in enumerate(("", *words))}
-        values = np.array([places[text] for text in texts.ravel()], "<i4").reshape(shape)
+        values = array_of(label, data, shape, object)
+        known = declared["words"].split(",") if declared["words"] else None
+        check_words(label, values, known)
     elif kind in STORED:
         if kind == "complex":
             pairs = array_of(label, data, (*shape, -1, 2) if own else (*shape, 2), "<f8")
@@ -137,8 +137,21 @@ def column_of(label: str, declared: dict[str, Any], data: Any, shape: tuple[int,
             values = array_of(label, data, (*shape, -1) if own else shape, "<f8")
     else:
         values = array_of(label, data, (*shape, -1) if own else shape, "<i4")
-    values.flags.writeable = False
-    return declared_column(declared, words, values)
+        low, high = LIMITS.get(kind, (None, None))
+        if values.size and low is not None and not low <= values.min() <= values.max() <= high:
+            raise ParameterError(f"{label} = {str(data)[:60]}: must be codes from {low} to {high}")
+    return column_from(declared, values)
+
+
+def check_words(label: str, values: NDArray[Any], known: list[str] | None) -> None:
+    """An error unless all values are texts, and among the words that are known if the core declares them."""
+    texts = values.ravel().tolist()
+    strange = [text for text in texts if not isinstance(text, str)]
+    if strange:
+        raise ParameterError(f"{label} = {strange[0]!r}: must be a text")
+    strange = [] if known is None else sorted(set(texts) - {"", *known})
+    if strange:
+        raise ParameterError(f"{label} = {strange[0]!r}: must be one of {', '.join(known or ())}")
 
 
 def array_of(label: str, data: Any, shape: tuple[int, ...], stored: Any) -> NDArray[Any]:

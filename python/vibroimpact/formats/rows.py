@@ -24,7 +24,8 @@ def rows(result: Result) -> dict[str, NDArray[Any]]:
             continue
         name = next(key for key, item in result.tables.items() if item is table)
         size = int(np.prod(list(table.dims.values())))
-        values = column.values.reshape(size, -1)[places[name]]
+        inner = column.values.shape[-1] if column.each else 1
+        values = column.values.reshape(size, inner)[places[name]]
         for i, part in enumerate(values.T, start=1):
             own = next(iter(table.dims)) if column.label == "=" else column.label or column.name
             found |= cells(column, part, own.replace("#", str(i)))

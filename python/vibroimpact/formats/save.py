@@ -14,8 +14,8 @@ from .. import _core
 from ..door import refusal
 from ..errors import ParameterError
 from ..files import write_text
-from ..interchange import matlab, netcdf
 from ..tables import STORED, Handle, Result
+from . import matlab, netcdf
 
 
 def save(noun: Any, path: str | Path) -> None:
@@ -32,16 +32,27 @@ def save(noun: Any, path: str | Path) -> None:
 
 def write_csv(noun: Any, path: Path) -> None:
     """Write the rows with the case in the header, by the core."""
+    written(_core.write_result, noun, path)
+
+
+def write_printout(noun: Any, path: Path) -> None:
+    """Write the motions of a case as a printout, by the core."""
+    written(_core.write_printout, noun, path)
+
+
+def written(function: Any, noun: Any, path: Path) -> None:
+    """Let a function of the core write a file."""
     handle = noun._result.handle or restored(noun._result)
-    message = _core.write_result(handle.number, np.frombuffer(os.fsencode(path), "S1"))
+    message = function(handle.number, np.frombuffer(os.fsencode(path), "S1"))
     reason = bytes(message.tobytes()).decode(errors="replace").strip()
     if reason:
         raise OSError(errno.ENOSPC if "full" in reason else errno.EIO, reason, str(path))
 
 
 def restored(result: Result) -> Handle:
-    """A result that was read from a file, put into the core."""
-    number, status = _core.new_result(np.frombuffer(result.case.encode(), "S1"))
+    """A result that the core does not hold, put into it."""
+    study = characters(f"{result.study:16}")
+    number, status = _core.new_result(characters(result.case or " "), study)
     handle = Handle(number)
     if status:
         raise ParameterError(f"case: {refusal(number)}")
@@ -67,22 +78,9 @@ def characters(text: str) -> Any:
     return np.frombuffer(text.encode(), "S1")
 
 
-def write_matlab(noun: Any, path: Path) -> None:
-    """Write a struct with a field for each column."""
-    fields: dict[str, Any] = {"case": noun.case}
-    names = [column.name for _, column in noun._result.columns()]
-    for name, table in noun._result.tables.items():
-        for column in table.columns.values():
-            key = column.name if names.count(column.name) == 1 else f"{name}_{column.name}"
-            fields[key] = matlab.value_of(column.decoded())
-        if table.owners is not None:
-            fields[f"{name}_{table.parent}"] = table.owners + 1  # MATLAB counts from 1
-    matlab.write_struct(type(noun).__name__, fields, noun.to_json(), path)
-
-
 WRITERS: dict[str, Callable[[Any, Path], None]] = {
     ".json": lambda noun, path: write_text(path, noun.to_json()),
     ".csv": write_csv,
     ".nc": netcdf.write_netcdf,
-    ".mat": write_matlab,
+    ".mat": matlab.write_matlab,
 }

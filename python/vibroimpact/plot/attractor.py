@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import ParameterError
-from ..interchange.dataset import system
 from . import style
 from .branch import SYMBOLS
 
@@ -51,7 +50,9 @@ def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 
         ax = plt.subplots(figsize=(width, height), layout="constrained")[1]
     swept = getattr(result, "parameter", "")
     names = ("r", "clearance", "load")
-    values = system(result.osc) | {name: getattr(result, name) for name in names if name != swept}
+    values = style.system(result.osc) | {
+        name: getattr(result, name) for name in names if name != swept
+    }
     style.identify(
         ax,
         {name: item for name, item in values.items() if swept != "restitution" or name[0] != "R"},

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import checks
-from ..interchange.dataset import system
 from . import style
 from .attractor import AREAS
 
@@ -39,7 +38,7 @@ def draw_decay(decay: Decay, ax: Any = None, kind: str | None = None) -> Any:
             PANELS[name](panel, decay)
             if decay.clearance.size <= len(COLORS) or panel is panels[0, -1]:
                 _name_runs(panel, decay)
-        values = system(decay.osc)
+        values = style.system(decay.osc)
         if decay.clearance.size == 1:
             values["clearance"] = float(decay.clearance[0])
         style.identify(panels[0, 0], values, "free vibration")

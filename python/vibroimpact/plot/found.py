@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..interchange.dataset import system
 from . import history, style
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def draw_found(found: Findings, ax: Any = None) -> Any:
         draw_multipliers(motions, panels[-1])
         add_legend(figure, panels)
         shown = f"; the first {MOST} of {len(found.motions)}" if len(found.motions) > MOST else ""
-        values = system(found.osc) | {
+        values = style.system(found.osc) | {
             name: getattr(found, name) for name in ("r", "clearance", "load")
         }
         figure.suptitle(style.given(values) + shown, fontsize=8)

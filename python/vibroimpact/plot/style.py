@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import MissingExtraError
 from ..files import write_bytes
+from ..model import Oscillator
 
 #: Okabe and Ito's colours.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
@@ -41,6 +42,12 @@ ABOVE = {
     "loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3, "fontsize": 7, "frameon": False,
     "borderaxespad": 0.2, "columnspacing": 1.2, "handlelength": 2.6,
 }  # fmt: skip
+
+
+def system(osc: Oscillator) -> dict[str, float]:
+    """The parameters of a system by name."""
+    right, left = osc.restitution
+    return {"xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left}
 
 
 def pyplot() -> Any:

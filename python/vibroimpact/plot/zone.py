@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..interchange.dataset import system
 from . import style
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ def draw_zone(
         with plt.rc_context(style.SETTINGS):
             _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.0), layout="constrained")
         style.log_scale(ax, "y")
-        style.identify(ax, system(zone.osc))
+        style.identify(ax, style.system(zone.osc))
     draw_fill(zone, ax, inverse, color or style.PRIMARY)
     shown = set(ax.get_legend_handles_labels()[1])
     drawn = {} if drawn is None else drawn
@@ -92,7 +91,7 @@ def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
         with plt.rc_context(style.SETTINGS):
             _, ax = plt.subplots(figsize=(style.TWO_COLUMNS, 4.5), layout="constrained")
         style.log_scale(ax, "y")
-        style.identify(ax, system(atlas.osc))
+        style.identify(ax, style.system(atlas.osc))
     colors = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, "#E69F00", "#56B4E9", "#F0E442")
     drawn: dict[str, list[Any]] = {}
     for i, zone in enumerate(sorted(atlas.zones, key=lambda item: -item.area)):

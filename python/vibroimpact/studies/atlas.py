@@ -10,11 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks, door
-from ..errors import ParameterError
-from ..interchange import namelist
-from ..interchange.namelist import SYMMETRIC
+from .. import checks, door, namelist
 from ..model import Oscillator, Pattern
+from ..namelist import SYMMETRIC
 from ..noun import Noun
 from .zone import NAMES, Zone, window
 
@@ -256,14 +254,20 @@ class Atlas(Noun, study="atlas"):
     @classmethod
     def load(cls, path: str | Path) -> Atlas:
         """Read an atlas that `save` wrote; see `vibroimpact.load`."""
-        from ..interchange.result import load
+        return cls._load(path)
 
-        atlas = load(path)
-        if not isinstance(atlas, cls):
-            raise ParameterError(
-                f"path = {str(path)!r}: must be a file that Atlas.save wrote, not a {type(atlas).__name__}"
-            )
-        return atlas
+    _log_clearance = True
+
+    @property
+    def drawable(self) -> bool:  # type: ignore[override]
+        """Whether it has zones."""
+        return bool(self.zones)
+
+    def _draw_small(self, ax: Any) -> None:
+        self.plot(ax=ax)
+        legend = ax.get_legend()
+        if legend:
+            legend.remove()  # it would be larger than so small a picture
 
     def plot(self, ax: Any = None, inverse: bool = False) -> Any:
         """Draw all zones, each with its name, and the points of the survey that no zone explains.

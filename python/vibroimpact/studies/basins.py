@@ -106,6 +106,13 @@ class Basins(Noun, study="basins"):
         first, second = (Axis(*each) for each in zip(*columns, strict=True))
         return first, second
 
+    undrawable = "random states have no picture"
+
+    @property
+    def drawable(self) -> bool:  # type: ignore[override]
+        """Whether its states are those of a plane."""
+        return self.axes is not None
+
     @property
     def impacts(self) -> int:
         return round(float(self._run("events")))

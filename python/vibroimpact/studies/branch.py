@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks, door
+from .. import checks, door, namelist
 from ..errors import ParameterError, SingularError, StudyInterrupted
-from ..interchange import namelist
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..noun import Noun, column
@@ -82,7 +81,7 @@ class SpecialPoint:
         return f"<{self.type} at {place}>"
 
 
-class Branch(Noun, study="branch"):
+class Branch(Noun, study="branch", part=True):
     """A family of exact motions along one parameter, as columns; points on the last axis.
 
     An index gives the `Motion` of a point. The branch is in order along its curve: the parameter turns back
@@ -256,6 +255,10 @@ class Branches(Noun, study="branch"):
     def __iter__(self) -> Iterator[Branch]:
         return (self[i] for i in range(len(self)))
 
+    def parts(self) -> list[Branch]:
+        """The branches."""
+        return list(self)
+
     def _case_of(self, i: int) -> str:
         """The case of one branch: it starts from that motion alone."""
         told = {
@@ -357,7 +360,7 @@ def branch(
         raise ParameterError(
             f"bounds = {bounds!r}: must be (lowest, highest) values of {parameter}"
         ) from None
-    start = namelist.of_motion(motion)
+    start = motion._keys()
     if start["kind"] == "equispaced" or motion.precision == "single":
         # as &motion has them they come in pairs
         start = guess_of(motion.pattern, motion.clearance, motion.phases, motion.X, motion.tau)

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
 from ..errors import ParameterError, ParameterTypeError, StudyInterrupted
-from ..interchange.dataset import xarray
-from ..interchange.namelist import SYMMETRIC
+from ..libraries import xarray
 from ..model import Oscillator, Pattern
+from ..namelist import SYMMETRIC
 from ..noun import Noun
 from ..status import status_text
 
@@ -134,6 +134,11 @@ class Chart(Noun, study="chart"):
 
     def __getitem__(self, name: str) -> Variable:
         return self.variables[name]
+
+    @property
+    def drawable(self) -> bool:  # type: ignore[override]
+        """Whether it has motions."""
+        return not self._result.empty
 
     def to_xarray(self) -> Any:
         own = {name: tuple(item) for name, item in self.variables.items()}

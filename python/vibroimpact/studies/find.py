@@ -8,17 +8,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core, checks, door
 from ..errors import ParameterError, ParameterTypeError
-from ..events import event_table
-from ..model import Oscillator, Pattern
-from ..motion import Motion
+from ..model import Oscillator
+from ..motion import Motion, motions_of
 from ..noun import Noun
-from ..status import VERDICT
-from ..tables import Result, Table
-from .zone import runs
 
 __all__ = ["Findings", "FoundMotions", "Search", "find"]
 
@@ -28,23 +23,6 @@ LITTLE = 10_000
 ROOM = 10_000
 #: The share of the work that the patterns count.
 PATTERNS = 0.9
-#: Columns of the core's tables that a `Motion` has, those of impacts by its names; those of events in the order of
-#: the core.
-OF_MOTIONS = ("r", "clearance", "A", "tau", "residual", "x_min", "x_max")
-VERDICTS = ("consistent", "admissible", "stable")
-OF_IMPACTS = {
-    "restitution": "restitution", "phases": "phase", "X": "X", "Z": "Z", "X_dot_before": "X_dot_before",
-    "X_dot_after": "X_dot_after", "Z_dot_before": "Z_dot_before", "Z_dot_after": "Z_dot_after",
-}  # fmt: skip
-OF_EVENTS = (
-    "time",
-    "phase",
-    "x",
-    "x_dot_before",
-    "x_dot_after",
-    "z_dot_before",
-    "z_dot_after",
-)
 
 
 @dataclass(frozen=True)
@@ -159,7 +137,7 @@ class Findings(Noun, study="find"):
 
     @cached_property
     def motions(self) -> list[Motion]:
-        return motions_of(self._result, self.osc, self.load)
+        return motions_of(self._result, self.osc)
 
     @cached_property
     def search(self) -> Search:
@@ -298,7 +276,7 @@ def find(
         Findings, osc, keys, r, progress=told,
         little=progress is None and _is_little(max_impacts, max_cycles, guesses, states, settling, releases),
     )  # fmt: skip
-    motions = motions_of(findings._result, osc, float(load))
+    motions = motions_of(findings._result, osc)
     return FoundMotions(motions, findings.search, findings)
 
 
@@ -347,37 +325,3 @@ def shares_of(max_impacts: int, max_cycles: int, alike: bool) -> list[tuple[floa
         (share, f"{''.join(row)}/{k}")
         for share, row, k in zip(shares.tolist(), symbols.tolist(), cycles.tolist(), strict=True)
     ]
-
-
-def motions_of(result: Result, osc: Oscillator, load: float) -> list[Motion]:
-    """The motions of the core's tables."""
-    table, impacts, events = (result.tables[name] for name in ("motions", "impacts", "events"))
-    n = next(iter(table.dims.values()))
-    told = {
-        name: table.columns[name].values.tolist() for name in (*OF_MOTIONS, *VERDICTS, "cycles")
-    }
-    sides = table.columns["sides"].decoded().tolist()
-    multipliers = table.columns["multipliers"].values
-    columns = {name: impacts.columns[key].values for name, key in OF_IMPACTS.items()}
-    found = []
-    own, resting = runs(impacts, n), runs(events, n)
-    for i in range(n):
-        values: dict[str, Any] = {name: told[name][i] for name in OF_MOTIONS}
-        values |= {name: VERDICT[told[name][i]] for name in VERDICTS}
-        values |= {name: column[own[i]] for name, column in columns.items()}
-        pattern = Pattern(sides[i], told["cycles"][i])
-        found.append(Motion(
-            osc=osc, pattern=pattern, multipliers=multipliers[i], load=load,
-            rest_events=events_of(events, resting[i]), **values,
-        ))  # fmt: skip
-    return found
-
-
-def events_of(table: Table, here: slice) -> NDArray[Any] | None:
-    """The events of one motion; None of one without rest."""
-    if here.start == here.stop:
-        return None
-    values = np.array([table.columns[name].values[here] for name in OF_EVENTS])
-    sides = np.where(table.columns["side"].values[here] == 1, 1, -1)
-    labels = np.array([table.columns["kind"].values[here], sides], dtype=np.int32)
-    return event_table(values, labels)

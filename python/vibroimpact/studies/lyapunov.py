@@ -87,6 +87,11 @@ class Lyapunov(Noun, study="lyapunov"):
         """The largest exponent per unit of time (...): positive in chaos."""
         return np.asarray(self.exponents[0])
 
+    def require(self) -> None:
+        """SingularError if it is a single point without exponents."""
+        if not self.r.ndim and self.status:
+            raise SingularError(self._result.notes[0][1])
+
     def plot(self, ax: Any = None) -> Any:
         """Draw the exponents against r or clearance, whichever varies (extra `plot`); returns the Axes."""
         from ..plot.attractor import draw_lyapunov
@@ -192,13 +197,8 @@ def lyapunov(
         start = checked_state(state, float(clearances.min()))
         points |= {name: start[name] for name in NEEDED}
     keys = {**points, "load": load, "cycles": cycles, "discard": discard, "batches": batches}
-    return with_exponents(door.run(Lyapunov, osc, keys, one_r, threads, progress))
-
-
-def with_exponents(found: Lyapunov) -> Lyapunov:
-    """The result; an error if it is a single point without exponents."""
-    if not found.r.ndim and found.status:
-        raise SingularError(found._result.notes[0][1])
+    found = door.run(Lyapunov, osc, keys, one_r, threads, progress)
+    found.require()
     return found
 
 

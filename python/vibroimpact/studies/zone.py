@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
 from ..errors import OpenBoundaryWarning, ParameterError
-from ..interchange.namelist import SYMMETRIC
 from ..model import Oscillator, Pattern
 from ..motion import Motion
+from ..namelist import SYMMETRIC
 from ..noun import Noun
-from ..tables import Table
+from ..tables import runs
 from .geometry import signed_area, winding
 
 __all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
@@ -272,6 +271,13 @@ class Zone(Noun, study="zone"):
     def __bool__(self) -> bool:
         return bool(self.loops)
 
+    _log_clearance = True
+
+    @property
+    def drawable(self) -> bool:  # type: ignore[override]
+        """Whether it has a loop."""
+        return bool(self.loops)
+
     def plot(self, ax: Any = None, inverse: bool = False, label: str | None = None) -> Any:
         """Draw the zone with its boundary pieces distinguished by line style and colour.
 
@@ -299,15 +305,6 @@ class Zone(Noun, study="zone"):
             f"<Zone {self.pattern.sides}/{self.pattern.cycles}{kind}: {loops}, "
             f"bounded by {', '.join(kinds) or 'nothing'}{'' if self.closed else ', NOT closed'}>"
         )
-
-
-def runs(table: Table, parents: int | None = None) -> list[slice]:
-    """The rows of a table grouped by their owners, which are in order."""
-    owners = table.owners
-    assert owners is not None
-    number = (int(owners[-1]) + 1 if owners.size else 0) if parents is None else parents
-    ends = np.searchsorted(owners, np.arange(number + 1)).tolist()
-    return [slice(first, last) for first, last in pairwise(ends)]
 
 
 def places(r: ArrayLike, clearance: ArrayLike) -> tuple[_Array, _Array]:

@@ -11,13 +11,13 @@ import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
 from ..files import write_bytes
-from .dataset import xarray
+from ..libraries import xarray
 
 
-def write_netcdf(result: Any, path: Path) -> None:
+def write_netcdf(noun: Any, path: Path) -> None:
     """Write the dataset, and the record from which `load` makes the result again, whole or not at all."""
-    data = result.to_xarray()
-    record = np.frombuffer(result.to_json().encode(), dtype=np.uint8)
+    data = noun.to_xarray()
+    record = np.frombuffer(noun.to_json().encode(), dtype=np.uint8)
     data["record"] = ("byte", record, {"long_name": "the result as JSON, for vibroimpact.load"})
     save_dataset(data, path)
 

@@ -1,0 +1,63 @@
+"""Reads the files that `save` wrote."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..errors import ParameterError
+from ..noun import NOUNS
+from .matlab import read_matlab
+from .netcdf import read_netcdf
+from .record import mapping
+
+READERS: dict[str, Callable[[Path], str]] = {
+    ".json": lambda path: path.read_text(encoding="utf-8"),
+    ".nc": read_netcdf,
+    ".mat": read_matlab,
+}
+
+
+def load(path: str | Path) -> Any:
+    """Read a result that its `save` wrote as .json, .nc or .mat, with the same bits.
+
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such file, or it is not one that `save` wrote whole.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "motion.json"
+    >>> vi.equispaced(osc, r=0.94, clearance=37.0)[0].save(path)
+    >>> vi.load(path)
+    <Motion RL/1 at r = 0.94, d K/F0 = 37: consistent, admissible, unstable (max|lambda| = 3.828, positive)>
+    """
+    wanted = "must be a file that the save of a result wrote"
+    if Path(path).suffix.lower() == ".csv":
+        raise ParameterError(
+            f"path = {str(path)!r}: must end with .json, .nc or .mat; a table whose header has its case is an "
+            "input of `vibroimpact run` and read_namelist"
+        )
+    try:
+        read = READERS.get(Path(path).suffix.lower(), READERS[".json"])
+        data = json.loads(read(Path(path)))
+        kind = mapping(data, "record").get("type")
+        if kind not in [*NOUNS]:
+            raise ParameterError(f"type = {kind!r}: must be one of {', '.join(NOUNS)}")
+        return NOUNS[kind].from_dict(data)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+    raise ParameterError(f"path = {str(path)!r}: {wanted}; {reason}")

@@ -1,0 +1,72 @@
+"""Results as MATLAB files: one struct with the names of the columns."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import MissingExtraError, ParameterError
+from ..files import write_bytes
+from ..tables import Result
+
+
+def scipy_io() -> Any:
+    """scipy.io, or an error that says how to get it."""
+    try:
+        import scipy.io
+    except ImportError:
+        raise MissingExtraError(
+            "MATLAB files need scipy: pip install 'vibroimpact[matlab]'"
+        ) from None
+    return scipy.io
+
+
+def write_matlab(noun: Any, path: Path) -> None:
+    """Write a struct named after the kind of result, with a field for each column; `load` reads its `record`."""
+    result: Result = noun._result
+    fields: dict[str, Any] = {"case": result.case}
+    names = [column.name for _, column in result.columns()]
+    for name, table in result.tables.items():
+        for column in table.columns.values():
+            key = column.name if names.count(column.name) == 1 else f"{name}_{column.name}"
+            values = column.decoded()
+            fields[key] = cells(values.tolist()) if column.kind == "word" else values
+        if table.owners is not None:
+            fields[f"{name}_{table.parent}"] = table.owners + 1  # MATLAB counts from 1
+    buffer = io.BytesIO()
+    scipy_io().savemat(
+        buffer,
+        {type(noun).__name__.lower(): {**fields, "record": noun.to_json()}},
+        long_field_names=True,
+        do_compression=True,
+        oned_as="column",
+    )
+    write_bytes(path, buffer.getvalue())
+
+
+def cells(items: Any) -> Any:
+    """A text, or a cell array of texts with one row."""
+    if isinstance(items, str):
+        return items
+    array = np.empty((1, len(items)), dtype=object)
+    for i, item in enumerate(items):
+        array[0, i] = cells(item)
+    return array
+
+
+def read_matlab(path: Path) -> str:
+    """The record of a file that `write_matlab` wrote."""
+    loadmat = scipy_io().loadmat
+    try:
+        data = loadmat(path)
+    except OSError:
+        raise
+    except Exception as error:  # whatever scipy stumbles on in a file that is broken
+        raise ParameterError(str(error)) from None
+    for name, struct in data.items():
+        if not name.startswith("__") and struct.dtype.names and "record" in struct.dtype.names:
+            return str(struct["record"][0, 0][0])
+    raise ParameterError("there is no struct with a field 'record'")

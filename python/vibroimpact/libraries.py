@@ -1,0 +1,16 @@
+"""Libraries of the extras, which need not be installed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .errors import MissingExtraError
+
+
+def xarray(what: str = "tables") -> Any:
+    """The xarray module, or an error that says what needs it and how to install it."""
+    try:
+        import xarray as module
+    except ImportError:
+        raise MissingExtraError(f"{what} need xarray: pip install 'vibroimpact[data]'") from None
+    return module

@@ -1,0 +1,72 @@
+"""Cases as namelists, which `vibroimpact run` and `vibroimpact-batch` read, and their keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .model import Oscillator
+
+#: Namelist groups with their keys; those with the value None are left out.
+Groups = Mapping[str, Mapping[str, Any]]
+#: How namelists spell which motions are meant.
+SYMMETRIC = {True: "yes", False: "no", None: "both"}
+
+
+def text(groups: Groups) -> str:
+    """Groups as a namelist; numbers have all their digits."""
+    lines = []
+    for group, keys in groups.items():
+        lines += [
+            f"&{group}",
+            *(f"  {key} = {_value(x)}" for key, x in keys.items() if x is not None),
+            "/",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def case(osc: Oscillator, r: float | None = None, **groups: Mapping[str, Any]) -> str:
+    """A system with what is asked of it."""
+    walls = list(osc.restitution)
+    return text({"system": {"xi": osc.xi, "mu": osc.mu, "restitution": walls, "r": r}, **groups})
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''").replace("\n", " ") + "'"
+    return ", ".join(map(repr, value)) if isinstance(value, (list, tuple)) else repr(value)
+
+
+def keys_of(text: str) -> dict[str, Any]:
+    """The keys of a case with one `key = value` a line, and its kind.
+
+    The kind is that of a &motion, else the name of the group that asks for the result; `motion_kind` is that of a
+    &motion before this group.
+    """
+    keys: dict[str, Any] = {}
+    for line in text.split("\n"):
+        name, equals, value = line.strip().partition(" = ")
+        if line[:1] == "&" and name not in ("&system", "&output"):
+            if "kind" in keys:
+                keys["motion_kind"] = keys["kind"]
+            keys["kind"] = name[1:]
+        elif equals:
+            keys[name] = _read(value)
+    return keys
+
+
+def _read(text: str) -> Any:
+    """A text, a number, or a list of texts or numbers."""
+    if text.startswith("'"):
+        words = text[1:-1].split("', '")
+        return words if len(words) > 1 else words[0]
+    numbers = [_number(item) for item in text.split(", ")]
+    return numbers if len(numbers) > 1 else numbers[0]
+
+
+def _number(text: str) -> int | float:
+    """A whole number as an int."""
+    try:
+        return int(text)
+    except ValueError:
+        return float(text)
