@@ -1,14 +1,20 @@
 !> The declaration of a study: what it is, its keys and columns, and what checks and runs its cases.
 !!
-!! Each study fills one in; `vi_study_list` collects them, and all else looks there.
+!! Each study fills one in; `vi_study_list` collects them, and all else looks there. A study needs no
+!! other module of this folder, but for texts.
 module vi_study
    use vi_case, only: case_type
-   use vi_key, only: key_type
-   use vi_result, only: column_type, result_type
+   use vi_key, only: a_whole, a_word, key_type
+   use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
+   use vi_values, only: values_type
    implicit none (type, external)
    private
 
    public :: join_groups
+
+   !> What a study needs to declare keys and columns, read a case, and fill a result.
+   public :: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, truths, &
+      values_type, verdicts, wholes, words
 
    !> Largest number of characters of the name of a study.
    integer, parameter, public :: name_length = 11

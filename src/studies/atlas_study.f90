@@ -1,17 +1,15 @@
 !> The study &atlas: the zones of all patterns in a window.
 module vi_atlas_study
    use vi_atlas, only: atlas_request_type, atlas_type, family_type, find_atlas, outcomes_of
-   use vi_case, only: case_type
    use vi_common_keys, only: check_window, window_keys
    use vi_family, only: can_be_symmetric
-   use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
-   use vi_result, only: column_type, result_type, truths, wholes, words
-   use vi_study, only: study_type
    use vi_zone_request, only: zone_request_type
    use vi_survey_outcome, only: beyond, outcome_names, periodic
    use vi_progress, only: is_stopped
+   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
+      wholes, words
    use vi_text, only: counted, exact, line_type, whole, whole_width
    use vi_zone_pieces, only: add_pieces, not_closed, piece_columns, pieces_type, put_pieces, &
       vertex_columns

@@ -6,19 +6,16 @@ module vi_basins_study
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
    use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
    use vi_attractor_spread, only: random_states
-   use vi_case, only: case_type
    use vi_common_keys, only: check_product, clearance_key, half_gap, load_key, state_keys
    use vi_forced_system, only: new_forced_system
-   use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
-   use vi_result, only: column_type, result_type, wholes, words
    use vi_spacing, only: even
-   use vi_study, only: study_type
    use vi_progress, only: is_stopped
    use vi_text, only: counted, exact, exact_list, line_type, shown, whole
-   use vi_values, only: values_type
    use vi_chart_grid, only: most_numbers
+   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
+      values_type, wholes, words
    implicit none (type, external)
    private
 

@@ -1,17 +1,15 @@
 !> The study &bifurcation: the impacts after the transient along a parameter.
 module vi_bifurcation_study
    use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
-   use vi_case, only: case_type
    use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, load_key, &
       parameter_of, parameter_place, parameter_takes, parameter_values, parameter_words, &
       range_takes, resonance, spacing_key, state_keys, state_of, window_keys
-   use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
-   use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_status, only: stat, status_text
-   use vi_study, only: study_type
    use vi_text, only: append, counted, exact, line_type, whole, whole_width
    use vi_chart_grid, only: most_numbers
+   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
+      truths, wholes, words
    implicit none (type, external)
    private
 

@@ -3,24 +3,21 @@ module vi_branch_study
    use vi_branch, only: end_bound, end_closed, end_full, end_repetition, end_stopped, end_stuck
    use vi_branch_of, only: branch_of, points_type
    use vi_branch_table, only: branch_work
-   use vi_case, only: case_type
    use vi_chain, only: periodic_chain, refine
    use vi_common_keys, only: parameter_of, parameter_place, parameter_range, parameter_takes, &
       parameter_words, parameters, resonance
    use vi_condition_names, only: condition_detail, condition_name, name_length
    use vi_frame, only: edge, grazing, repetition
-   use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_motion_study, only: check_motion, find_motions, motion_request, motion_request_type
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi, most_impacts
    use vi_periodic, only: linear_system_type
-   use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
    use vi_status, only: stat, status_text
-   use vi_study, only: study_type
    use vi_progress, only: add_expected_work, add_done_work, is_stopped
+   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, &
+      study_type, truths, values_type, verdicts, wholes, words
    use vi_text, only: line_type, number_text, whole
-   use vi_values, only: values_type
    implicit none (type, external)
    private
 

@@ -1,19 +1,16 @@
 !> The study &chart: the motions of a pattern on a grid.
 module vi_chart_study
-   use vi_case, only: case_type
    use vi_common_keys, only: cycles_key, symmetric_key, window_keys
-   use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_likeness, only: allows_symmetry
    use vi_pattern, only: new_pattern, pattern_type, side_symbols
    use vi_motion, only: yes
-   use vi_result, only: column_type, complexes, result_type, verdicts, wholes
    use vi_spacing, only: even, spaced
    use vi_status, only: stat
-   use vi_study, only: study_type
    use vi_text, only: whole
-   use vi_values, only: values_type
    use vi_chart_grid, only: compute_chart, chart_type, most_numbers, most_points, chart_grid_type
+   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, &
+      study_type, values_type, verdicts, wholes
    implicit none (type, external)
    private
 

@@ -1,13 +1,11 @@
 !> Keys that several studies have, and the checks that go with them.
 module vi_common_keys
-   use vi_case, only: case_type
-   use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_orbit, only: by_right, n_parameters
    use vi_spacing, only: spaced
    use vi_text, only: exact, number_text
-   use vi_values, only: values_type
    use vi_chart_grid, only: most_numbers
+   use vi_study, only: a_whole, a_word, case_type, key_type, values_type
    implicit none (type, external)
    private
 

@@ -1,17 +1,14 @@
 !> The study &decay: the peaks and the damping of free vibration, for one or several clearances.
 module vi_decay_study
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_case, only: case_type
    use vi_common_keys, only: check_product, clearance_key, half_gap, state_keys
    use vi_forced_system, only: two_pi
-   use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_peaks, only: find_peaks, peak_type
-   use vi_result, only: column_type, result_type, wholes
    use vi_status, only: stat, status_text
-   use vi_study, only: study_type
    use vi_text, only: counted, shown, whole
    use vi_chart_grid, only: most_numbers
+   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, wholes
    implicit none (type, external)
    private
 

@@ -1,15 +1,13 @@
 !> The study &lyapunov: all Lyapunov exponents, at a point or along a line of points.
 module vi_lyapunov_study
    use vi_attractor_lyapunov, only: lyapunov_points
-   use vi_case, only: case_type
    use vi_common_keys, only: check_parameter, check_start, clearance_key, load_key, parameter_of, &
       parameter_values, resonance, spacing_key, state_keys, state_of, window_keys
    use vi_forced_system, only: initial_state, new_forced_system, two_pi
-   use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
-   use vi_result, only: column_type, result_type, wholes
    use vi_status, only: stat, status_text
-   use vi_study, only: study_type
+   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
+      wholes
    use vi_text, only: counted, whole
    use vi_trajectory, only: pack_state
    implicit none (type, external)

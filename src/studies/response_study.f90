@@ -1,16 +1,13 @@
 !> The study &response: the greatest displacement of the primary mass along the frequency ratio.
 module vi_response_study
    use vi_attractor_response, only: respond
-   use vi_case, only: case_type
    use vi_common_keys, only: check_product, clearance_key, resonance, window_keys
-   use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
-   use vi_result, only: column_type, result_type, wholes
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
-   use vi_study, only: study_type
    use vi_text, only: counted, shown, whole
    use vi_chart_grid, only: most_numbers
+   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, wholes
    implicit none (type, external)
    private
 

@@ -8,9 +8,9 @@ module vi_zone_pieces
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
    use vi_outline, only: ring_of
-   use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_zone_request, only: zone_request_type
    use vi_progress, only: add_expected_work
+   use vi_study, only: column_type, result_type, truths, wholes, words
    use vi_text, only: line_type
    use vi_zone, only: find_zone, zone_type, zone_work
    implicit none (type, external)

@@ -1,18 +1,15 @@
 !> The study &zone: where motions of a pattern are stable.
 module vi_zone_study
-   use vi_case, only: case_type
    use vi_common_keys, only: check_window, cycles_key, symmetric_key, window_keys
    use vi_family, only: can_be_symmetric
-   use vi_key, only: a_whole, a_word, key_type
    use vi_kinds, only: wp
    use vi_orbit, only: most_impacts
    use vi_pattern, only: pattern_type, starred_symbols, starred_pattern
-   use vi_result, only: column_type, result_type, truths, wholes, words
-   use vi_study, only: study_type
    use vi_zone_request, only: zone_request_type
    use vi_progress, only: is_stopped
+   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
+      truths, values_type, wholes, words
    use vi_text, only: counted, exact, whole
-   use vi_values, only: values_type
    use vi_zone_pieces, only: not_closed, piece_columns, pieces_type, put_pieces, vertex_columns, &
       zone_pieces
    implicit none (type, external)
