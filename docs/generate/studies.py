@@ -5,22 +5,22 @@ import inspect
 import vibroimpact
 from vibroimpact.commands import STUDIES
 from vibroimpact.commands.init import MOTIONS
-from vibroimpact.noun import NOUNS
+from vibroimpact.noun import RESULTS
 
 from .shared import ROOT
 
-#: Functions that no class of results leads to.
-FUNCTIONS = {"simulate": ("simulate", "simulate_bundle")}
+#: Functions of other modules that do the same.
+FUNCTIONS = {"simulate": ("simulate_bundle",)}
 
 
 def functions(study):
     """The public functions of the module of a study."""
-    homes = {noun.__module__ for noun in NOUNS.values() if noun.study == study}
+    home = RESULTS[study].__module__
     public = [getattr(vibroimpact, name) for name in vibroimpact.__all__]
     return [
         thing.__name__
         for thing in public
-        if inspect.isfunction(thing) and inspect.unwrap(thing).__module__ in homes
+        if inspect.isfunction(thing) and inspect.unwrap(thing).__module__ == home
     ]
 
 
@@ -37,7 +37,7 @@ def pages():
         for kind, (does, _) in MOTIONS.items()
     ]
     for study, does in STUDIES.items():
-        words = code(FUNCTIONS.get(study) or functions(study))
+        words = code([*functions(study), *FUNCTIONS.get(study, ())])
         lines.append(f"| {does.replace('|', chr(92) + '|')} | {words} | `&{study}` | `{study}` |")
     readme = (ROOT / "inputs" / "README.md").read_text(encoding="utf-8")
     rows = "| result of " + readme.partition("\n| result of ")[2].partition("\n\n")[0] + "\n"

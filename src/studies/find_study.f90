@@ -1,19 +1,16 @@
 !> The study &find: every periodic motion at a point that a search finds, stable and unstable.
 module vi_find_study
-   use vi_case, only: case_type
    use vi_common_keys, only: clearance_key, load_key
    use vi_forced_system, only: event_type, impact_event, new_forced_system, release_event, &
       stick_event
    use vi_find, only: find_motions, find_request_type, findings_type
    use vi_found_motion, only: described_type
-   use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_motion, only: yes
    use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
-   use vi_result, only: column_type, result_type, wholes
    use vi_settled_motion, only: no_impacts, not_stable, settled, unconfirmed, unfinished, wandering
-   use vi_study, only: study_type
    use vi_progress, only: is_stopped
+   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, wholes
    use vi_text, only: counted, whole
    use vi_trajectory, only: store_events
    implicit none (type, external)

@@ -1,10 +1,8 @@
 !> The study &motion: a motion from its phases (eq. 26), from its clearance, or the equispaced pair.
 module vi_motion_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-   use vi_case, only: case_type
    use vi_chain, only: equispaced_chain, exact_chain, periodic_chain, refine
    use vi_common_keys, only: cycles_key
-   use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, start_motion, unknown, yes
    use vi_oscillator, only: oscillator_type
@@ -12,13 +10,12 @@ module vi_motion_study
       starred_symbols
    use vi_periodic, only: linear_system_type
    use vi_precision, only: equispaced_in_single, periodic_in_single
-   use vi_result, only: column_type, complexes, result_type, rows_of, verdicts, wholes, &
-      words
    use vi_stability, only: leading_kind
    use vi_status, only: stat, status_text
-   use vi_study, only: study_type
+   use vi_result, only: rows_of
+   use vi_study, only: a_word, case_type, column_type, complexes, key_type, result_type, &
+      study_type, values_type, verdicts, wholes, words
    use vi_text, only: counted, line_type, shown, whole
-   use vi_values, only: values_type
    implicit none (type, external)
    private
 

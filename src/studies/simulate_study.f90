@@ -1,14 +1,12 @@
 !> The study &simulate: a simulation from a state.
 module vi_simulate_study
-   use vi_case, only: case_type
    use vi_common_keys, only: check_start, clearance_key, load_key, state_keys, state_of
    use vi_forced_system, only: new_forced_system, state_time, state_type
-   use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
-   use vi_result, only: column_type, result_type, truths, wholes, words
    use vi_simulate, only: event_type, impact_event, stick_event
    use vi_status, only: stat, status_text
-   use vi_study, only: study_type
+   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
+      wholes, words
    use vi_text, only: counted, exact_list, whole
    use vi_trajectory, only: pack_state, simulate_case
    implicit none (type, external)

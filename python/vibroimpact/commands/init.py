@@ -113,7 +113,11 @@ def shown(value: Any) -> str:
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The kind and the file, or --list."""
     parser.add_argument(
-        "name", nargs="?", metavar="NAME", choices=kinds(), help=f"one of {', '.join(kinds())}"
+        "name",
+        nargs="?",
+        metavar="NAME",
+        choices=kinds(),
+        help="a kind of case, as --list tells them",
     )
     parser.add_argument("-o", dest="file", metavar="FILE.nml", help="the file (default: NAME.nml)")
     parser.add_argument("--list", action="store_true", help="tell what each kind of case is")
