@@ -32,6 +32,8 @@ module vi_borders
       logical :: retraced = .false.
       !> Whether each seed is stable and admissible, inside the window, and in no closed loop.
       logical, allocatable :: open_seeds(:)
+      !> Whether each seed is a motion of the family inside the window.
+      logical, allocatable :: used_seeds(:)
    end type zone_type
 
    !> Distances at which a motion counts as one that repeats itself, over the first one. Where a

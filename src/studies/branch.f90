@@ -348,7 +348,8 @@ contains
       share = dot_product(offset, now%tangent)
       closes = share > 0 .and. share <= next%came .and. &
          norm2(offset - share*now%tangent) < 0.2_wp*share + 1.0e-9_wp
-      if (closes) closes = distance_from(curve, [condition_type ::], now%point + share*now%tangent, &
+      if (closes) closes = distance_from(curve, [condition_type ::], now%point + &
+         share*now%tangent, &
          now%tangent, branch%points(:, 1)) < 1.0e-6_wp
    end function closes
 

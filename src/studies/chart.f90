@@ -156,7 +156,8 @@ contains
       !> (3, capacity, m, n) consistent, admissible, stable; (capacity, m, n) codes of vi_status,
       !! `stat%no_motion` in empty slots.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :)
-      !> Progress counters, see vi_progress. A request to stop is not followed: what the search found
+      !> Progress counters, see vi_progress. A request to stop is not followed: what the search
+      !! found
       !! would be lost.
       integer, intent(inout), optional :: progress(3)
       integer :: slots(size(ranks, 1), size(ranks, 2), size(ranks, 3))

@@ -9,12 +9,12 @@ module vi_find
    use vi_found_motion, only: are_same, found_type, in_standard_form, mirrored, new_found, &
       new_resting, describe_motion, described_type, scale_of
    use vi_kinds, only: wp
-   use vi_motion, only: yes
+   use vi_motion, only: no, yes
    use vi_oscillator, only: left, right
    use vi_passages, only: begin_lines, birth_type, follow_birth, lines_type
    use vi_pattern, only: pattern_type, starred_symbols
    use vi_pattern_list, only: side_patterns
-   use vi_settled_motion, only: n_outcomes, settle_on
+   use vi_settled_motion, only: longest, n_outcomes, settle_on
    use vi_starts, only: release_start, state_start
    use vi_status, only: stat
    use vi_progress, only: add_expected_work, add_done_work, is_stopped, report_share
@@ -26,9 +26,8 @@ module vi_find
    !> Units of work of a search in the progress counters, and its parts.
    integer, parameter, public :: all_work = 1000000
    integer, parameter :: pattern_work = 900000, release_work = 50000, state_work = 50000
-   !> Largest number of events of a period with rest in the search, and of motions to which one
-   !! simulation may lead.
-   integer, parameter :: few_events = 200, most_a_state = 4
+   !> Largest number of events of a period with rest in the search.
+   integer, parameter :: few_events = 200
 
    !> What to search, and the effort.
    type, public :: find_request_type
@@ -45,8 +44,9 @@ module vi_find
       !> The motions, stable ones first.
       type(described_type), allocatable :: motions(:)
       !> Patterns searched, and all there are; Newton iterations started from guesses; solutions
-      !! that would pass through a wall; releases that Newton's method was started from; motions
-      !! that could not be confirmed as they are written.
+      !! that would pass through a wall; releases that Newton's method was started from;
+      !! solutions that could not be confirmed, or of which rounding hides whether they are
+      !! admissible.
       integer :: patterns = 0, all_patterns = 0, guesses = 0, inadmissible = 0, releases = 0, &
          lost = 0
       !> Number of states of each outcome, as in vi_settled_motion.
@@ -60,7 +60,7 @@ module vi_find
    type :: batch_type
       type(found_type), allocatable :: motions(:)
       logical :: begun = .false.
-      integer :: n = 0, tried = 0, inadmissible = 0, outcome = 0
+      integer :: n = 0, tried = 0, inadmissible = 0, lost = 0, outcome = 0
    end type batch_type
 
 contains
@@ -83,7 +83,7 @@ contains
       call from_releases(request, scale, findings, progress)
       call from_states(request, scale, findings, progress)
       call verify(request, findings)
-      call tell_all(request, findings)
+      call describe_all(request, findings)
    end subroutine find_motions
 
    !> Adds the motions of all patterns without rest.
@@ -134,6 +134,7 @@ contains
       do i = 1, size(patterns)
          findings%guesses = findings%guesses + batches(i)%tried
          findings%inadmissible = findings%inadmissible + batches(i)%inadmissible
+         findings%lost = findings%lost + batches(i)%lost
          call add_batch(request%system, batches(i), scale, findings)
       end do
    end subroutine from_patterns
@@ -197,7 +198,9 @@ contains
       type(pattern_type), intent(in) :: pattern
       !> x_i/D and theta_i of each (2N, m).
       real(wp), intent(in) :: unknowns(:, :)
-      !> Out: the admissible motions, and the number of the others.
+      !> Out: the admissible motions, and the numbers of those that are not and that are not known
+      !! to
+      !! be.
       type(batch_type), intent(inout) :: batch
       type(found_type) :: found
       integer :: i, n
@@ -207,12 +210,13 @@ contains
       do i = 1, size(unknowns, 2)
          call new_found(system, pattern, system%clearance*unknowns(:n, i), unknowns(n + 1:, i), &
             found)
-         if (found%status /= stat%ok) cycle
-         if (found%admissible == yes) then
+         if (found%status == stat%ok .and. found%admissible == yes) then
             batch%n = batch%n + 1
             batch%motions(batch%n) = found
-         else
+         else if (found%status == stat%ok .and. found%admissible == no) then
             batch%inadmissible = batch%inadmissible + 1
+         else
+            batch%lost = batch%lost + 1
          end if
       end do
    end subroutine keep_admissible
@@ -272,7 +276,7 @@ contains
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(batches)
          if (is_stopped(progress)) cycle
-         allocate (batches(i)%motions(most_a_state))
+         allocate (batches(i)%motions(longest))
          associate (system => request%system, batch => batches(i))
             call settle_on(system, state_start(system%osc, system%r, system%load, &
                system%clearance, i), &
@@ -341,7 +345,7 @@ contains
    end subroutine add
 
    !> Computes each motion once more in its standard form, with its verdicts; motions that do not
-   !! converge then are left out.
+   !! converge then, or are not admissible, are counted and left out.
    subroutine verify(request, findings)
       !> What is asked for.
       type(find_request_type), intent(in) :: request
@@ -349,6 +353,7 @@ contains
       type(findings_type), intent(inout) :: findings
       type(found_type) :: again
       integer :: i, n
+      logical :: kept, refuted
 
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(again, n)
       do i = 1, findings%n
@@ -357,15 +362,21 @@ contains
             if (n == 0) cycle
             call new_found(request%system, motion%pattern, motion%unknowns(:n), &
                motion%unknowns(n + 1:), again)
-            if (again%admissible /= yes .and. again%status == stat%ok) again%status = stat%no_motion
             motion%status = again%status
+            motion%admissible = again%admissible
             if (again%status == stat%ok) motion = again
          end associate
       end do
       !$omp end parallel do
       n = 0
       do i = 1, findings%n
-         if (findings%gathered(i)%status /= stat%ok) cycle
+         associate (motion => findings%gathered(i))
+            kept = motion%status == stat%ok .and. motion%admissible == yes
+            refuted = motion%status == stat%ok .and. motion%admissible == no
+         end associate
+         if (refuted) findings%inadmissible = findings%inadmissible + 1
+         if (.not. (kept .or. refuted)) findings%lost = findings%lost + 1
+         if (.not. kept) cycle
          n = n + 1
          if (n < i) findings%gathered(n) = findings%gathered(i)
       end do
@@ -373,7 +384,7 @@ contains
    end subroutine verify
 
    !> The motions with their descriptions, in order.
-   subroutine tell_all(request, findings)
+   subroutine describe_all(request, findings)
       !> Where.
       type(find_request_type), intent(in) :: request
       !> With the motions that were gathered.
@@ -389,7 +400,7 @@ contains
       end do
       !$omp end parallel do
       order = pack([(i, i=1, size(described))], described%motion%status == stat%ok)
-      findings%lost = size(described) - size(order)
+      findings%lost = findings%lost + size(described) - size(order)
       ! by insertion: what is equal keeps its order
       do i = 2, size(order)
          n = order(i)
@@ -400,7 +411,7 @@ contains
          order(j) = n
       end do
       allocate (findings%motions, source=described(order))
-   end subroutine tell_all
+   end subroutine describe_all
 
    !> Whether a motion is listed before another: stable ones first, then by load cycles, impacts,
    !! sides, and position.

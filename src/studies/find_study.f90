@@ -59,7 +59,8 @@ module vi_find_study
       column_type('search', 'unfinished', wholes, listed=.false., &
       meaning='states whose simulation could not go on'), &
       column_type('search', 'lost', wholes, listed=.false., &
-      meaning='motions that could not be confirmed once more')]
+      meaning='solutions that could not be confirmed, or of which rounding hides whether they are &
+      &admissible')]
 
    type(column_type), parameter :: find_columns(*) = [motion_columns, &
       search_columns]
@@ -207,7 +208,7 @@ contains
       character(*), parameter :: reasons(5) = [character(60) :: &
          'passed by a motion that is not stable', &
          'repeated themselves where Newton''s method finds no motion', &
-         'did not repeat themselves within 16 load cycles', 'came to have no impacts', &
+         'did not repeat themselves within 16 load cycles', 'had no more impacts', &
          'could not be simulated to the end']
       character(:), allocatable :: apart
       integer :: i
@@ -222,7 +223,7 @@ contains
       end do
       if (len(apart) > 0) apart = ' ('//apart//')'
       if (findings%lost > 0) apart = apart//'; '//whole(findings%lost)// &
-         ' motions could not be confirmed and are left out'
+         ' solutions that could not be confirmed are left out'
       text = counted(findings%patterns, 'pattern')//' with '//whole(findings%guesses)// &
          ' guesses (phases spread evenly, the rest from the linear problem; '// &
          whole(findings%inadmissible)//' inadmissible solutions left out), followed along the &

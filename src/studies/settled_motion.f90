@@ -30,7 +30,8 @@ module vi_settled_motion
    integer, parameter, public :: n_outcomes = 6
 
    !> Longest period considered, in load cycles, and its largest number of symbols.
-   integer, parameter :: longest = 16, most_symbols = 100
+   integer, parameter, public :: longest = 16
+   integer, parameter :: most_symbols = 100
    !> Events kept of the end of a simulation, and of a period with rest.
    integer, parameter :: capacity = 40000, rest_capacity = 20000
    !> Largest number of events of a simulation.

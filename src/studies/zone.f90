@@ -66,7 +66,7 @@ contains
 
       call make_surface(request, zone%surface, status)
       allocate (zone%loops(most_loops), zone%inside(2, most_loops))
-      allocate (zone%open_seeds(size(items)), source=.false.)
+      allocate (zone%open_seeds(size(items)), zone%used_seeds(size(items)), source=.false.)
       reported = 0
       if (status /= stat%ok .or. is_neutral(request%osc)) then
          call report_share(1.0_wp, zone_work, reported, progress)
@@ -93,6 +93,7 @@ contains
       end do
       if (any(items%inside .and. .not. items%enclosed)) call enclose(request, zone, items)
       zone%open_seeds = items%inside .and. .not. items%enclosed
+      zone%used_seeds = items%there .or. items%at_node
       if (is_stopped(progress)) zone%untraced = zone%untraced + 1
       call report_share(1.0_wp, zone_work, reported, progress)
    end subroutine find_zone

@@ -84,6 +84,8 @@ module vi_zone_pieces
       integer :: steps = 0, untraced = 0, lines(2) = 0
       !> Whether each seed is stable and admissible, inside the window, and in no closed loop.
       logical, allocatable :: open_seeds(:)
+      !> Whether each seed is a motion of one of the families inside the window.
+      logical, allocatable :: used_seeds(:)
       !> Whether all boundaries that were found could be closed.
       logical :: closed = .true.
    end type pieces_type
@@ -118,9 +120,10 @@ contains
          one%symmetric = i == 1
          call find_zone(one, seeds, zone, status, progress)
          call add_pieces(zone, one, possible .and. .not. one%symmetric, found)
-         if (.not. allocated(found%open_seeds)) allocate ( &
-            found%open_seeds(size(seeds, 2)), source=.false.)
-         if (any(zone%open_seeds)) found%open_seeds = found%open_seeds .or. zone%open_seeds
+         if (.not. allocated(found%open_seeds)) allocate (found%open_seeds(size(seeds, 2)), &
+            found%used_seeds(size(seeds, 2)), source=.false.)
+         found%open_seeds = found%open_seeds .or. zone%open_seeds
+         found%used_seeds = found%used_seeds .or. zone%used_seeds
       end do
       found%closed = found%closed .and. .not. any(found%open_seeds)
    end subroutine zone_pieces

@@ -151,6 +151,7 @@ contains
       call put_pieces([found], result)
       if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
       call put_open_seeds(case, found%open_seeds, result)
+      call remark_unused_seeds(case, found%used_seeds, result)
       result%empty = found%motions == 0 .or. (found%n == 0 .and. found%closed)
       if (found%motions == 0) then
          call result%fail('no motion '//what//' was found anywhere in the window')
@@ -212,6 +213,29 @@ contains
       call result%put('open_seeds', 'r', pack(seeds(1, :), is_open))
       call result%put('open_seeds', 'clearance', pack(seeds(2, :), is_open))
    end subroutine put_open_seeds
+
+   !> Says which seeds are no motions of the pattern, or lie outside the window.
+   pure subroutine remark_unused_seeds(case, is_used, result)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> (seeds) Whether each was used.
+      logical, intent(in) :: is_used(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      real(wp), allocatable :: seeds(:, :)
+      integer :: i
+
+      allocate (seeds, source=seeds_of(case))
+      do i = 1, size(is_used)
+         if (is_used(i)) cycle
+         call result%remark('the seed at r = '//exact(seeds(1, i))//', clearance = '// &
+            exact(seeds(2, i))//' was not used: it is no motion of this pattern inside the window, &
+            &or one that repeats a shorter one')
+      end do
+      if (.not. all(is_used)) call result%say(whole(count(.not. is_used))//' of '//counted( &
+         size(is_used), 'seed')//' not used: no motion of this pattern inside the window, or one &
+         &that repeats a shorter one')
+   end subroutine remark_unused_seeds
 
    !> The types of the pieces, each once.
    pure subroutine list_types(found, text)

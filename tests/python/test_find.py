@@ -339,7 +339,7 @@ def check_account(found):
     search = found.search
     reasons = {
         "passed by a motion": search.not_stable, "Newton's method finds no motion": search.unconfirmed,
-        "did not repeat": search.wandering, "no impacts": search.without_impacts,
+        "did not repeat": search.wandering, "no more impacts": search.without_impacts,
         "could not be simulated": search.unfinished,
     }  # fmt: skip
     assert search.settled + sum(reasons.values()) == search.states

@@ -1,5 +1,6 @@
 """A zone contains each seed, or says by name around which one no boundary closes; what open boundaries mean."""
 
+import dataclasses
 import warnings
 
 import numpy as np
@@ -174,3 +175,15 @@ def test_a_boundary_is_followed_round_a_narrow_tongue():
         assert zone.closed
         assert zone.contains(places, 33.0).tolist() == [True, False, False, False, True]
         assert zone.area == pytest.approx(zones[0].area, rel=1e-5)
+
+
+def test_a_seed_that_is_no_motion_is_named():
+    """It has no zone to be around, and the result says so instead of keeping silent."""
+    good = vi.equispaced(FIGURE6, 1.1, 25.0)[0]
+    bad = dataclasses.replace(good, X=9 * good.X, phases=good.phases * 0.1)
+    zone = vi.zone(FIGURE6, good.pattern, (1.0, 1.2), (10, 60), seeds=[good, bad])
+    (remark,) = [text for text in zone.to_dict()["remarks"] if "not used" in text]
+    assert remark.startswith("the seed at r = 1.1")
+    assert zone.contains(good.r, good.clearance) == good.stable
+    alone = vi.zone(FIGURE6, good.pattern, (1.0, 1.2), (10, 60), seeds=[good])
+    assert not [text for text in alone.to_dict()["remarks"] if "not used" in text]
