@@ -9,8 +9,7 @@ module vi_likeness
    implicit none (type, external)
    private
 
-   public :: allows_symmetry, distance, is_repeated, is_symmetric, length_scale, &
-      shortest_repetition
+   public :: distance, is_repeated, is_symmetric, length_scale, shortest_repetition
 
    !> Motions with a smaller distance than this are the same.
    real(wp), parameter, public :: same = 1.0e-6_wp
@@ -27,18 +26,6 @@ contains
 
       length_scale = max(clearance, min(gain(osc%xi, r), huge(1.0_wp)))
    end function length_scale
-
-   !> Whether a motion of a pattern can be its own mirror image half a period later.
-   pure logical function allows_symmetry(osc, pattern)
-      !> Oscillator.
-      type(oscillator_type), intent(in) :: osc
-      !> The pattern.
-      type(pattern_type), intent(in) :: pattern
-
-      allows_symmetry = modulo(pattern%cycles, 2) == 1 .and. &
-         abs(osc%restitution(1) - osc%restitution(2)) <= 0 .and. &
-         all(cshift(pattern%sides, size(pattern%sides)/2) == -pattern%sides)
-   end function allows_symmetry
 
    !> The least distance over all sets of unknowns of the other motion: the largest difference of
    !! any x_i, over a scale, or of any theta_i (rad).

@@ -3,6 +3,7 @@ module vi_branch_of
    use vi_branch_table, only: branch_arrays, branch_request_type
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
+   use vi_likeness, only: length_scale, mirrors_itself => is_symmetric
    use vi_motion, only: motion_type
    use vi_orbit, only: by_left, by_right
    use vi_status, only: stat
@@ -67,19 +68,14 @@ contains
       end associate
    end subroutine branch_of
 
-   !> Whether a motion is its own mirror image half a period later, to 1e-6.
+   !> Whether a motion is its own mirror image half a period later.
    pure logical function is_symmetric(motion)
       !> The motion.
       type(motion_type), intent(in) :: motion
-      real(wp), parameter :: pi = acos(-1.0_wp), near = 1.0e-6_wp
-      integer :: half
 
       is_symmetric = can_be_symmetric(motion%pattern, motion%osc%restitution)
-      if (.not. is_symmetric) return
-      half = size(motion%x)/2
-      is_symmetric = all(abs(motion%phases(half + 1:) - motion%phases(:half) &
-         - pi*motion%pattern%cycles) < near) .and. &
-         all(abs(motion%x(half + 1:) + motion%x(:half)) < near*motion%clearance)
+      if (is_symmetric) is_symmetric = mirrors_itself(motion%pattern, length_scale(motion%osc, &
+         motion%r, motion%clearance), [motion%x, motion%phases + motion%tau])
    end function is_symmetric
 
 end module vi_branch_of

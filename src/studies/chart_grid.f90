@@ -2,8 +2,8 @@
 module vi_chart_grid
    use vi_chart, only: equispaced_chart, exact_chart
    use vi_exact, only: setting_type
+   use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
-   use vi_likeness, only: allows_symmetry
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, pattern_type
    use vi_status, only: stat
@@ -60,11 +60,11 @@ contains
       integer :: pair, slots, kind
       logical :: closed_form
 
-      closed_form = size(pattern%sides) == 2 .and. allows_symmetry(osc, pattern)
+      closed_form = size(pattern%sides) == 2 .and. can_be_symmetric(pattern, osc%restitution)
       pair = merge(2, 0, closed_form .and. grid%symmetry >= 0)
       slots = merge(0, grid%slots, closed_form .and. grid%symmetry > 0)
       kind = merge(-1, grid%symmetry, closed_form)
-      if (.not. allows_symmetry(osc, pattern)) kind = 0
+      if (.not. can_be_symmetric(pattern, osc%restitution)) kind = 0
       associate (i => size(pattern%sides), k => pair + slots, m => size(grid%clearance), &
          n => size(grid%r))
          allocate (chart%phases(i, k, m, n), chart%x(i, k, m, n), chart%multipliers(4, k, m, n), &

@@ -1,8 +1,8 @@
 !> The study &chart: the motions of a pattern on a grid.
 module vi_chart_study
    use vi_common_keys, only: cycles_key, symmetric_key, window_keys
+   use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
-   use vi_likeness, only: allows_symmetry
    use vi_pattern, only: new_pattern, pattern_type, side_symbols
    use vi_motion, only: yes
    use vi_spacing, only: even, spaced
@@ -136,7 +136,7 @@ contains
       grid = chart_grid_of(case%study)
       call check_axis(case%study, 'r', grid%r)
       call check_axis(case%study, 'clearance', grid%clearance)
-      if (grid%symmetry > 0 .and. .not. allows_symmetry(case%osc, pattern)) then
+      if (grid%symmetry > 0 .and. .not. can_be_symmetric(pattern, case%osc%restitution)) then
          call case%study%refuse('symmetric', '''yes'' takes equal restitution, an odd number of &
             &cycles and sides whose second half mirrors the first')
       else if (.not. (grid%symmetry > 0 .and. n == 2) .and. points*max(grid%slots, 4)*n > &
