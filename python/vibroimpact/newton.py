@@ -42,7 +42,9 @@ def exact(
         As in `simulate`.
     guess : Motion, Trajectory or (phases, Pattern)
         A motion at other parameters; a trajectory whose last cycles are about periodic; or impact phases, for
-        which the linear equations of 1983 give the rest of the guess.
+        which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load cycles with
+        which a trajectory ends (see `Trajectory.period`) the one is taken that repeats best: after a period
+        doubling the shorter one nearly repeats, too.
 
     Returns
     -------

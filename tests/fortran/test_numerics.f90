@@ -7,7 +7,7 @@ program test_numerics
    use vi_bernstein, only: sag, stays_within
    use vi_kinds, only: wp
    use vi_kinds_single, only: sp => wp
-   use vi_lapack, only: eigenvalues, least_squares, least_squares_work, solve
+   use vi_lapack, only: eigenvalues, eigenvector, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
    use vi_lapack_routines, only: geev, gels, gesv
    use vi_status, only: stat, status_text
@@ -21,6 +21,7 @@ program test_numerics
    call test_least_squares()
    call test_eigenvalues()
    call test_known_eigenvalues()
+   call test_eigenvector()
    call test_drivers()
    call test_unit_circle()
    call test_between_nodes()
@@ -28,6 +29,32 @@ program test_numerics
    call finish()
 
 contains
+
+   !> A v = lambda v of the eigenvalue nearest to a number, which is one of all the eigenvalues.
+   subroutine test_eigenvector()
+      real(wp) :: a(4, 4), copy(4, 4), v(4), near
+      complex(wp) :: lambda, all_of_them(4)
+      integer :: i, status, real_ones
+
+      real_ones = 0
+      do i = 1, 2000
+         call random_matrix(a)
+         near = merge(1, -1, modulo(i, 2) == 0)
+         copy = a
+         call eigenvalues(copy, all_of_them, status)
+         copy = a
+         call eigenvector(copy, near, lambda, v, status)
+         call check(status == stat%ok, 'eigenvector: status')
+         call check_close(abs(lambda - near), minval(abs(all_of_them - near)), 1.0e-9_wp, &
+            'eigenvector: of the nearest eigenvalue')
+         if (abs(lambda%im) > 0) cycle
+         real_ones = real_ones + 1
+         call check_close(norm2(v), 1.0_wp, 1.0e-12_wp, 'eigenvector: length')
+         call check(norm2(matmul(a, v) - lambda%re*v) < 1.0e-11_wp*(1 + norm2(a)), &
+            'eigenvector: equation')
+      end do
+      call check(real_ones > 500, 'eigenvector: real ones')
+   end subroutine test_eigenvector
 
    !> Schur and Cohn's test agrees with the eigenvalues, wherever it claims to know.
    subroutine test_unit_circle()
