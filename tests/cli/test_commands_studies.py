@@ -180,7 +180,8 @@ def test_equispaced_pair_by_options(tool):
     (["zone", *WINDOW, "--lines", "4"], "vibroimpact zone: --lines 4: must be a whole number with 5 <= lines"),
     (["zone", *WINDOW[2:]], "vibroimpact zone: --xi: must be given, or a namelist file"),
     (["zone", "case.nml", "--xi", "0.1"], "vibroimpact zone: --xi: must be left out beside a namelist file"),
-    (["zone", "--xi", "0.1", "--r", "0.9", "1.1", "7"], "vibroimpact zone: 7 is one value too many for the option"),
+    (["zone", "--xi", "0.1", "--r", "0.9", "1.1", "7"],
+     "vibroimpact zone: 7 is one value too many for the option"),
     (["zone", "case.nml"], "case.nml: must hold a group &zone; there is none"),
     *[(["atlas", *ATLAS_OPTIONS, "--max-impacts", "9", "--format", form], said)
       for form, said in ((form, "vibroimpact atlas: --max-impacts 9: must be a whole number with 2 <=")
