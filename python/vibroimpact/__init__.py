@@ -13,7 +13,7 @@ from .motion import Motion, Motions
 from .newton import exact
 from .period import Period
 from .run import RunLog, run_namelists
-from .solve import equispaced, linear_system, periodic, periodic_batch
+from .solve import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
 from .status import status_text
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
@@ -69,6 +69,7 @@ __all__ = [
     "chart",
     "decay",
     "equispaced",
+    "equispaced_batch",
     "errors",
     "exact",
     "find",

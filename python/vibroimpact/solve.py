@@ -13,7 +13,7 @@ from .model import Oscillator, Pattern
 from .motion import Motion, Motions
 from .status import NO_MOTION, VERDICT, raise_status
 
-__all__ = ["equispaced", "linear_system", "periodic", "periodic_batch"]
+__all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
 
 PRECISIONS = ("double", "single")
 
@@ -133,16 +133,8 @@ def periodic_batch(
         osc.xi, osc.mu, osc.restitution, ratios, pattern.cycles, pattern.signs, each, table,
         acceptance, single, bool(flights),
     )  # fmt: skip
-    for array in (impacts, scalars, multipliers, verdicts, status):
-        array.flags.writeable = False
-    clearance, amplitude, tau, residual, x_min, x_max = scalars
-    consistent, admissible, stable = verdicts.astype(np.int8)
-    return Motions(
-        osc, frozen(ratios), clearance, pattern, each, frozen(table),
-        impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
-        amplitude, tau, residual, multipliers, consistent, admissible, stable, x_min, x_max, status,
-        precision,
-    )  # fmt: skip
+    results = (impacts, scalars, multipliers, verdicts, status)
+    return _motions(osc, frozen(ratios), pattern, each, frozen(table), results, precision)
 
 
 def equispaced(
@@ -185,23 +177,14 @@ def equispaced(
     >>> vi.equispaced(osc, r=0.94, clearance=200.0)
     []
     """
-    checks.instance(osc, "osc", Oscillator)
-    if osc.restitution[0] != osc.restitution[1]:
-        raise ParameterError(
-            f"restitution = {osc.restitution!r}: must be equal on both walls for equispaced impacts; use "
-            "periodic(osc, r, phases, pattern)"
-        )
+    pattern = equispaced_pattern(osc, cycles)
     r = checks.frequency_ratio(r, osc.xi)
     clearance = checks.number(clearance, "clearance")
-    cycles = checks.integer(cycles, "cycles", 1, checks.MAX_CYCLES)
-    if cycles % 2 == 0:
-        raise ParameterError(f"cycles = {cycles}: must be odd for equispaced impacts")
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
-    pattern = Pattern("RL", cycles)
     each = impact_restitution(osc, pattern, None)
-    phases = frozen(np.array([0.0, cycles * np.pi]))
+    phases = frozen(np.array([0.0, pattern.cycles * np.pi]))
     results = _core.equispaced(
-        osc.xi, osc.mu, osc.restitution, [r], [clearance], cycles, 0.03, single, True
+        osc.xi, osc.mu, osc.restitution, [r], [clearance], pattern.cycles, 0.03, single, True
     )
     motions = []
     for j, code in enumerate(results[4].tolist()):
@@ -210,6 +193,77 @@ def equispaced(
         raise_status(code)
         motions.append(_motion(osc, r, pattern, each, phases, results, j, precision, "equispaced"))
     return motions
+
+
+def equispaced_batch(
+    osc: Oscillator,
+    r: ArrayLike,
+    clearance: ArrayLike,
+    cycles: int = 1,
+    precision: str = "double",
+) -> tuple[Motions, Motions]:
+    """`equispaced` at many points (r, clearance) in one call.
+
+    Parameters
+    ----------
+    r, clearance : array_like, scalar or (M,)
+    osc, cycles, precision
+        As in `equispaced`.
+
+    Returns
+    -------
+    tuple of two Motions
+        The two solutions at each point; `status` says where they do not exist.
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> vi.equispaced_batch(osc, 0.94, np.linspace(20, 60, 5))[0]
+    <Motions RL/1: 5 points, 5 computed, 3 consistent, admissible and stable>
+    """
+    pattern = equispaced_pattern(osc, cycles)
+    single = checks.choice(precision, "precision", PRECISIONS) == "single"
+    values = checks.real_array(clearance, "clearance", "one number or a list of numbers").ravel()
+    if not values.size:
+        raise ParameterError("clearance of 0 values: must be one number or a list of numbers")
+    m = np.size(r) if values.size == 1 else values.size
+    ratios = frequency_ratios(r, m, osc.xi)
+    for value in (values.min(), values.max()):
+        checks.number(float(value), "clearance")
+    values = np.broadcast_to(values, m)
+    each = impact_restitution(osc, pattern, None)
+    phases = np.repeat([[0.0], [pattern.cycles * np.pi]], m, axis=1)
+    results = _core.equispaced(
+        osc.xi, osc.mu, osc.restitution, ratios, values, pattern.cycles, 0.03, single, True
+    )
+    first, second = (
+        _motions(
+            osc,
+            frozen(ratios),
+            pattern,
+            each,
+            frozen(phases),
+            [x[..., i::2] for x in results],
+            precision,
+        )
+        for i in (0, 1)
+    )
+    return first, second
+
+
+def equispaced_pattern(osc: Oscillator, cycles: int) -> Pattern:
+    """RL over an odd number of load cycles; an error if the walls differ."""
+    checks.instance(osc, "osc", Oscillator)
+    if osc.restitution[0] != osc.restitution[1]:
+        raise ParameterError(
+            f"restitution = {osc.restitution!r}: must be equal on both walls for equispaced impacts; use "
+            "periodic(osc, r, phases, pattern)"
+        )
+    cycles = checks.integer(cycles, "cycles", 1, checks.MAX_CYCLES)
+    if cycles % 2 == 0:
+        raise ParameterError(f"cycles = {cycles}: must be odd for equispaced impacts")
+    return Pattern("RL", cycles)
 
 
 def linear_system(
@@ -296,4 +350,27 @@ def _motion(
         impacts[:, 0, j], impacts[:, 1, j], impacts[:, 2, j], impacts[:, 3, j], impacts[:, 4, j],
         impacts[:, 5, j], amplitude, tau, residual, multipliers[:, j], VERDICT[consistent],
         VERDICT[admissible], VERDICT[stable], x_min, x_max, precision, kind=kind,
+    )  # fmt: skip
+
+
+def _motions(
+    osc: Oscillator,
+    r: NDArray[np.float64],
+    pattern: Pattern,
+    restitution: NDArray[np.float64],
+    phases: NDArray[np.float64],
+    results: Any,
+    precision: str,
+) -> Motions:
+    """All columns of the core's results."""
+    impacts, scalars, multipliers, verdicts, status = results
+    consistent, admissible, stable = verdicts.astype(np.int8)
+    for array in (impacts, scalars, multipliers, status, consistent, admissible, stable):
+        array.flags.writeable = False
+    clearance, amplitude, tau, residual, x_min, x_max = scalars
+    return Motions(
+        osc, r, clearance, pattern, restitution, phases,
+        impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
+        amplitude, tau, residual, multipliers, consistent, admissible, stable, x_min, x_max, status,
+        precision,
     )  # fmt: skip

@@ -165,3 +165,24 @@ def test_equispaced_impact_pair_ends_where_it_should(restitution, r, cycles, par
         phase = (1 + restitution) * np.pi * cycles * np.cos(motion.tau)
         phase += 2 * (1 - restitution) * np.sin(motion.tau)
         assert phase == pytest.approx(-(1 - restitution) * motion.clearance / A, rel=1e-9)
+
+
+def test_many_points_in_one_call_have_the_bits_of_each():
+    """Both solutions, and a status where they do not exist."""
+    osc = vi.Oscillator(0.005, 0.042, 0.75)
+    r, clearance = np.array([0.94, 0.9, 1.1, 0.94]), np.array([37.0, 12.0, 40.0, 200.0])
+    pairs = vi.equispaced_batch(osc, r, clearance)
+    for j in range(r.size):
+        alone = vi.equispaced(osc, float(r[j]), float(clearance[j]))
+        together = [motions[j] for motions in pairs if motions.status[j] == 0]
+        assert len(alone) == len(together)
+        for one, other in zip(alone, together, strict=True):
+            assert (one.X == other.X).all()
+            assert (one.multipliers == other.multipliers).all()
+            assert (one.stable, one.admissible) == (other.stable, other.admissible)
+    with pytest.raises(vi.errors.ParameterError, match="clearance of 0 values"):
+        vi.equispaced_batch(osc, r, [])
+    with pytest.raises(vi.errors.ParameterError, match="r of shape"):
+        vi.equispaced_batch(osc, r, clearance[:2])
+    with pytest.raises(vi.errors.ParameterError, match="clearance = -1"):
+        vi.equispaced_batch(osc, r, [1.0, -1.0, 2.0, 3.0])

@@ -8,13 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
-from ..model import Oscillator, Pattern
-from ..solve import periodic_batch
+from .. import Oscillator, Pattern, equispaced_batch, periodic_batch
 from . import canvas
 from .experiment import read_sweeps
 from .paper import KINDS
-from .scan import equispaced_zone
+from .scan import equispaced_zone, is_good
 
 #: Frequency ratios of the curves; the experiment has bars at all of them.
 CURVES = (0.94, 0.96, 0.98, 1.00, 1.02, 1.04, 1.06)
@@ -41,14 +39,10 @@ def curve(osc: Oscillator, r: float, resolution: float = 1.0) -> Curve:
         gap = np.concatenate(
             [np.empty(0), *(np.geomspace(s.low[0], s.high[0], count) for s in zone)]
         )
-        _, scalars, _, verdicts, _ = _core.equispaced(
-            osc.xi, osc.mu, osc.restitution, np.full_like(gap, r), gap, 1, 0.03, False, True
-        )
-        both = (verdicts == 1).all(axis=0)
-        load = np.concatenate([load, 1 / scalars[0, both]])
-        attenuation = np.concatenate(
-            [attenuation, np.maximum(-scalars[4], scalars[5])[both] / scalars[1, both]]
-        )
+        for motions in equispaced_batch(osc, r, gap) if gap.size else ():
+            good = is_good(motions)
+            load = np.concatenate([load, 1 / motions.clearance[good]])
+            attenuation = np.concatenate([attenuation, motions.attenuation[good]])
     order = np.argsort(load)
     return Curve(r, load[order], attenuation[order])
 

@@ -14,13 +14,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
+from .. import (
+    Motion,
+    Motions,
+    Oscillator,
+    Pattern,
+    Trajectory,
+    equispaced_batch,
+    exact,
+    periodic_batch,
+    simulate,
+)
 from ..errors import VibroimpactError
-from ..model import Oscillator, Pattern
-from ..motion import Motion
-from ..newton import exact
-from ..solve import periodic_batch
-from ..trajectory import Trajectory, simulate
 from .paper import LOADS, scale
 
 Array = NDArray[np.float64]
@@ -51,14 +56,20 @@ class Strip(NamedTuple):
         return bool(np.interp(r, self.r, self.low) < clearance < np.interp(r, self.r, self.high))
 
 
+def is_good(motions: Motions) -> NDArray[np.bool_]:
+    """Where the motions are consistent, admissible and stable."""
+    good: NDArray[np.bool_] = (
+        (motions.consistent == 1) & (motions.admissible == 1) & (motions.stable == 1)
+    )
+    return good
+
+
 def equispaced_verdict(osc: Oscillator, precision: str = "double") -> Test:
     """Whether one of the two equispaced motions is stable, at many points (r, clearance)."""
 
     def test(r: Array, gap: Array) -> NDArray[np.bool_]:
-        _, _, _, verdicts, _ = _core.equispaced(
-            osc.xi, osc.mu, osc.restitution, r, gap, 1, 0.03, precision == "single", True
-        )
-        good: NDArray[np.bool_] = (verdicts == 1).all(axis=0).reshape(-1, 2).any(axis=1)
+        first, second = equispaced_batch(osc, r, gap, precision=precision)
+        good: NDArray[np.bool_] = is_good(first) | is_good(second)
         return good
 
     return test

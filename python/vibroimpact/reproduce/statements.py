@@ -11,18 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import _core
+from .. import Oscillator, Pattern, equispaced_batch, periodic_batch
 from ..errors import MissingExtraError
 from ..files import write_text
-from ..model import Oscillator, Pattern
-from ..solve import periodic_batch
 from . import appendix, canvas, damper, table1
 from .digits import upper_boundary
 from .experiment import read_sweeps
 from .figure9 import PANELS, motions, there
 from .paper import EQUAL, KINDS, MASRI, UNEQUAL
 from .phases import POINTS, curve
-from .scan import Array, Strip, clearance, equispaced_verdict, equispaced_zone, grid, runs
+from .scan import Array, Strip, clearance, equispaced_verdict, equispaced_zone, grid, is_good, runs
 
 AGREES, DIFFERS, UNCHECKED = "agrees", "differs", "cannot be checked"
 #: Distances from r = 1 at which a spike is searched.
@@ -165,10 +163,8 @@ def upper(r: Array, precision: str) -> Array:
 def multipliers() -> tuple[float, float, float]:
     """Share of Figure 6a's zone with max|lambda| from 0.996 to 0.999, and its range."""
     r, p = (x.ravel() for x in np.meshgrid(np.linspace(0.6, 1.45, 120), grid(160)))
-    _, _, lambdas, verdicts, _ = _core.equispaced(
-        EQUAL.xi, EQUAL.mu, EQUAL.restitution, r, clearance(r, p), 1, 0.03, False, True
-    )
-    largest = np.abs(lambdas[0, (verdicts == 1).all(axis=0)])
+    both = equispaced_batch(EQUAL, r, clearance(r, p))
+    largest = np.abs(np.concatenate([one.multipliers[0, is_good(one)] for one in both]))
     share = ((largest > 0.996) & (largest < 0.999)).mean()
     return float(share), float(largest.min()), float(largest.max())
 
