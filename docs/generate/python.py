@@ -13,7 +13,7 @@ SUBJECTS = {
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
-                   "studies.response", "studies.spacing"),
+                   "studies.response", "spacing"),
     "Other studies": ("studies.*",),
     "Namelists": ("run",),
     "Results in files": ("formats.load",),

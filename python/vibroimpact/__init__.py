@@ -14,6 +14,7 @@ from .newton import exact
 from .period import Period
 from .run import RunLog, run_namelists
 from .solve import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
+from .spacing import spaced
 from .status import status_text
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
@@ -24,7 +25,6 @@ from .studies.decay import Decay, decay
 from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
-from .studies.spacing import spaced
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 

@@ -102,17 +102,6 @@ def instance(value: Any, name: str, kind: type) -> Any:
     return value
 
 
-def plain_pattern(pattern: Any) -> None:
-    """A pattern without rest, as the linear equations need it."""
-    from .model import Pattern
-
-    instance(pattern, "pattern", Pattern)
-    if pattern.has_rest:
-        raise ParameterError(
-            f"pattern = {pattern.sides!r}: must have no star here; motions with rest come from exact and find"
-        )
-
-
 def real_array(values: ArrayLike, name: str, wanted: str) -> NDArray[np.float64]:
     """A float64 array from real numbers."""
     try:

@@ -16,6 +16,7 @@ from . import _core, checks, namelist
 from .errors import ParameterError, ParameterTypeError, StudyInterrupted
 from .interrupt import new_counters, stoppable
 from .model import Oscillator
+from .spacing import spacing_of
 from .tables import Handle, Result, from_core, language, text_of
 
 Progress = Callable[[float, str], None]
@@ -151,8 +152,6 @@ def word(value: Any, name: str, wanted: str) -> str:
 
 def line(name: str, values: Any, geometric: bool = False) -> dict[str, Any]:
     """Values along an axis for a namelist: their ends and number, if these reproduce the values."""
-    from .studies.spacing import spacing_of
-
     array = np.atleast_1d(checks.real_array(values, name, "numbers"))
     if array.ndim != 1 or array.size == 0:
         raise ParameterError(
@@ -168,8 +167,6 @@ def line(name: str, values: Any, geometric: bool = False) -> dict[str, Any]:
 
 def swept(values: NDArray[np.float64], parameter: str) -> dict[str, Any] | None:
     """The keys of the values of a parameter, if their ends, number and spacing reproduce the values."""
-    from .studies.spacing import spacing_of
-
     for end in (values.min(), values.max()):
         checks.number(float(end), "restitution" if parameter[0] == "R" else parameter, parameter)
     spacing = spacing_of(values) if values.ndim == 1 else None

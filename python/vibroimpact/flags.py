@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError
-from .model import Oscillator, Pattern
+from .model import Oscillator, Pattern, plain_pattern
 from .solve import frequency_ratios, impact_restitution
 
 __all__ = ["StabilityFlags", "stability_flags"]
@@ -94,7 +94,7 @@ def stability_flags(
     0.441
     """
     checks.instance(osc, "osc", Oscillator)
-    checks.plain_pattern(pattern)
+    plain_pattern(pattern)
     n = len(pattern)
     wanted = f"an array (N = {n}, M), each column increasing from 0 to below 2 pi k"
     table = checks.real_array(phases, "phases", wanted)

@@ -212,9 +212,10 @@ class Units:
         >>> round(physical["d"], 6), round(physical["Omega"], 6)
         (0.125, 20.8)
         """
-        from .motion import Motion
-
-        checks.instance(motion, "motion", Motion)
+        if not hasattr(motion, "load_phase"):
+            raise ParameterTypeError(
+                f"motion = {motion!r}: must be a vibroimpact.Motion, not {type(motion).__name__}"
+            )
         physical: dict[str, Any] = {
             "d": motion.clearance * self.length,
             "Omega": motion.r * self.omega,
@@ -298,6 +299,15 @@ class Pattern:
     def symbols(self) -> list[str]:
         """The symbols one by one, each with its star."""
         return re.findall(r"[RL]\*?", self.sides)
+
+
+def plain_pattern(pattern: Any) -> None:
+    """Checks that it is a pattern without rest, as the linear equations need it."""
+    checks.instance(pattern, "pattern", Pattern)
+    if pattern.has_rest:
+        raise ParameterError(
+            f"pattern = {pattern.sides!r}: must have no star here; motions with rest come from exact and find"
+        )
 
 
 def _walls(restitution: Any) -> tuple[float, float]:

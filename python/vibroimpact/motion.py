@@ -209,9 +209,7 @@ class Motion(Savable, study="motion"):
         -------
         Axes, or an array of Axes if all panels were drawn.
         """
-        from .plot import draw
-
-        return draw(self, ax, kind, max(2, self.pattern.cycles) if cycles is None else cycles)
+        return self._draw(ax, kind, max(2, self.pattern.cycles) if cycles is None else cycles)
 
     def animate(
         self,
@@ -243,9 +241,7 @@ class Motion(Savable, study="motion"):
         >>> motion.animate("pair.gif", seconds=0.3).name
         'pair.gif'
         """
-        from .plot import animate
-
-        return animate(self, path, self.pattern.cycles if cycles is None else cycles, seconds)
+        return self._animate(path, self.pattern.cycles if cycles is None else cycles, seconds)
 
     def impact_maps(self) -> NDArray[np.float64]:
         """The matrices [P_i] of (A7), (N, 4, 4).

@@ -87,6 +87,18 @@ class Savable:
         """The small picture for Jupyter."""
         self.plot(ax=ax)
 
+    def _draw(self, *options: Any) -> Any:
+        """The picture of this class; its function in `plot` has these options."""
+        from .plot.pictures import PICTURES
+
+        return PICTURES[type(self).__name__](self, *options)
+
+    def _animate(self, *options: Any) -> Any:
+        """The animation, with the options of `plot.animate`."""
+        from .plot import animate
+
+        return animate(self, *options)  # type: ignore[arg-type]
+
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None."""
         from .formats import record
@@ -154,9 +166,10 @@ class Savable:
 
     def _repr_html_(self) -> str:
         """The representation in Jupyter, with a small picture if matplotlib is installed."""
-        from .formats import html
+        from .formats.html import html
+        from .plot.thumbnail import thumbnail
 
-        return html.html(self)
+        return html(self, thumbnail(self))
 
 
 class Noun(Savable):

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError
-from .model import Oscillator, Pattern
+from .model import Oscillator, Pattern, plain_pattern
 from .motion import Motion, Motions
 from .status import NO_MOTION, VERDICT, raise_status
 
@@ -71,7 +71,7 @@ def periodic(
     <Motion RL/1 at r = 0.94, d K/F0 = 38.221: consistent, admissible, stable (max|lambda| = 0.9347, complex)>
     """
     checks.instance(osc, "osc", Oscillator)
-    checks.plain_pattern(pattern)
+    plain_pattern(pattern)
     r = checks.frequency_ratio(r, osc.xi)
     table = checks.phases(phases, len(pattern), pattern.cycles)
     each = impact_restitution(osc, pattern, restitution)
@@ -122,7 +122,7 @@ def periodic_batch(
     <Motions RL/1: 7 points, 7 computed, 5 consistent, admissible and stable>
     """
     checks.instance(osc, "osc", Oscillator)
-    checks.plain_pattern(pattern)
+    plain_pattern(pattern)
     table = checks.phase_table(phases, len(pattern), pattern.cycles)
     m = table.shape[1]
     ratios = frequency_ratios(r, m, osc.xi)
@@ -291,7 +291,7 @@ def linear_system(
     ((6, 5), (6,))
     """
     checks.instance(osc, "osc", Oscillator)
-    checks.plain_pattern(pattern)
+    plain_pattern(pattern)
     r = checks.frequency_ratio(r, osc.xi)
     table = checks.phases(phases, len(pattern), pattern.cycles)
     each = impact_restitution(osc, pattern, restitution)

@@ -203,9 +203,7 @@ class Trajectory(Savable, study="simulate"):
         -------
         Axes, or an array of Axes if all panels were drawn.
         """
-        from .plot import draw
-
-        return draw(self, ax, kind, cycles)
+        return self._draw(ax, kind, cycles)
 
     def animate(
         self, path: str | os.PathLike[str] | None = None, cycles: float = 3.0, seconds: float = 3.0
@@ -232,9 +230,7 @@ class Trajectory(Savable, study="simulate"):
         >>> run.animate("rest.gif", cycles=1, seconds=0.3).name
         'rest.gif'
         """
-        from .plot import animate
-
-        return animate(self, path, cycles, seconds)
+        return self._animate(path, cycles, seconds)
 
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """Start of each segment (6, n), and the side on which the free mass rests in it."""

@@ -17,10 +17,9 @@ from ..formats.save import write_printout
 from ..noun import Noun
 from ..plot.animation import check_format
 from ..progress import Progress
-from ..run import run_namelists
+from ..run import RunLog, run_namelists
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .request import Request, read_cases
-from .words import tell
 
 #: What writes the figure of some axes to a file, if that is wanted.
 Save = Callable[[Any, Path], Path] | None
@@ -71,6 +70,20 @@ def tables(options: argparse.Namespace, folder: Path) -> int:
             raise
     tell(log)
     return log.status
+
+
+def tell(log: RunLog) -> None:
+    """Print what was said while namelist files ran, faults to standard error."""
+    for fault, line in log.lines:
+        stream = sys.stderr if fault else sys.stdout
+        # a path need not be text: its bytes are printed as they are
+        buffer = getattr(stream, "buffer", None)
+        if buffer is None:
+            print(line, file=stream)
+        else:
+            stream.flush()
+            buffer.write(os.fsencode(line + "\n"))
+            buffer.flush()
 
 
 def results_of(files: Sequence[str], folder: Path) -> list[Path]:

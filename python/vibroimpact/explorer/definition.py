@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from .. import checks
 from ..errors import ParameterError, SingularError
 from ..likeness import is_symmetric, same
-from ..model import Oscillator, Pattern
+from ..model import Oscillator, Pattern, plain_pattern
 from ..motion import Motion
 from ..newton import exact
 from ..solve import equispaced
@@ -87,7 +87,7 @@ class Definition:
         ):
             raise ParameterError(f"motion = {text!r}: must be number 0 or 1 of RL in odd cycles")
         if kind == "phases":
-            checks.plain_pattern(pattern)
+            plain_pattern(pattern)
             checks.phases(list(numbers), len(pattern), pattern.cycles)
         return cls(pattern, kind, tuple(map(int, numbers)) if kind == "equispaced" else numbers)
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..errors import ParameterError
+from ..motion import Motion, Sample
 from .style import FREE, IMPACT, LOAD, ONE_COLUMN, PRIMARY, REST, SETTINGS, TWO_COLUMNS, pyplot
 
 if TYPE_CHECKING:
-    from ..motion import Motion, Sample
     from ..trajectory import Trajectory
 
 __all__ = ["KINDS", "History", "draw", "history"]
@@ -81,8 +81,6 @@ def draw(
 
 
 def _title(thing: Motion | Trajectory) -> str:
-    from ..motion import Motion
-
     osc = thing.osc
     text = (
         rf"$\xi$ = {osc.xi:g}, $\mu$ = {osc.mu:g}, $R_1$ = {osc.restitution[0]:g}, "
@@ -97,8 +95,6 @@ def _title(thing: Motion | Trajectory) -> str:
 
 def history(thing: Motion | Trajectory, cycles: float) -> History:
     """Samples dense enough for a smooth curve, with both sides of each jump."""
-    from ..motion import Motion
-
     cycle = 2 * math.pi / thing.r
     if isinstance(thing, Motion):
         first, last = 0.0, cycles * cycle

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..studies.atlas import OUTCOMES, Atlas
+from ..studies.zone import Piece, Zone, default_label
 from . import style
-
-if TYPE_CHECKING:
-    from ..studies.atlas import Atlas
-    from ..studies.zone import Piece, Zone
 
 #: Line style and colour of each type of boundary: no two differ by colour alone.
 LINES = {
@@ -40,8 +38,6 @@ def draw_zone(
     A boundary that another zone of the same figure shares, and that `drawn` contains, is not drawn again: the
     gaps of a dashed line would be filled.
     """
-    from ..studies.zone import default_label
-
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):
@@ -128,8 +124,6 @@ def draw_without_impacts(atlas: Atlas, ax: Any, inverse: bool) -> None:
 
 def draw_survey(atlas: Atlas, ax: Any, inverse: bool) -> None:
     """Mark the points of the survey that no zone explains, each outcome with a mark of its own."""
-    from ..studies.atlas import OUTCOMES
-
     survey = atlas.survey
     places = {
         name: np.c_[survey.r, survey.clearance][survey.outcome == code]

@@ -274,9 +274,7 @@ class Atlas(Noun, study="atlas"):
 
         Returns the Axes.
         """
-        from ..plot.zone import draw_atlas
-
-        return draw_atlas(self, ax, inverse)
+        return self._draw(ax, inverse)
 
     def __repr__(self) -> str:
         gaps = f", {len(self.unexplained)} attractors unexplained" if self.unexplained else ""

@@ -12,8 +12,8 @@ from .. import checks, door
 from ..errors import ParameterError
 from ..model import Oscillator
 from ..noun import Noun, column
+from ..spacing import spaced
 from .catalogue import BasinAttractor, attractors_of
-from .spacing import spaced
 
 __all__ = ["Axis", "BasinAttractor", "Basins", "basins"]
 
@@ -173,9 +173,7 @@ class Basins(Noun, study="basins"):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the plane, one colour for each attractor, and the impacts of the attractors (extra `plot`)."""
-        from ..plot.attractor import draw_basins
-
-        return draw_basins(self, ax)
+        return self._draw(ax)
 
     def __repr__(self) -> str:
         names = self._result.tables["attractors"].columns["name"].decoded()

@@ -188,9 +188,7 @@ class BifurcationDiagram(Noun, study="bifurcation"):
         -------
         Axes
         """
-        from ..plot.attractor import draw_bifurcation
-
-        return draw_bifurcation(self, ax, quantity)
+        return self._draw(ax, quantity)
 
     def __repr__(self) -> str:
         low, high = self.values[0], self.values[-1]

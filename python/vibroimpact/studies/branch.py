@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import checks, door, namelist
 from ..errors import ParameterError, SingularError, StudyInterrupted
-from ..model import Oscillator, Pattern
+from ..model import Oscillator, Pattern, plain_pattern
 from ..motion import Motion
 from ..noun import Noun, column
 from ..solve import frozen
@@ -219,9 +219,7 @@ class Branch(Noun, study="branch", part=True):
         -------
         Axes
         """
-        from ..plot.branch import draw_branch
-
-        return draw_branch(self, ax, y)
+        return self._draw(ax, y)
 
     def __repr__(self) -> str:
         types = self._result.tables["points"].columns["special"].decoded().tolist()
@@ -344,7 +342,7 @@ def branch(
     [('bound', 10.0), ('grazing', 18.085596), ('flip', 34.964757), ('bound', 60.0)]
     """
     checks.instance(motion, "motion", Motion)
-    checks.plain_pattern(motion.pattern)
+    plain_pattern(motion.pattern)
     if motion.load != 1.0:
         raise ParameterError(
             f"motion.load = {motion.load!r}: must be 1; scale the clearance instead"

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks, door
 from ..errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..libraries import xarray
-from ..model import Oscillator, Pattern
+from ..model import Oscillator, Pattern, plain_pattern
 from ..namelist import SYMMETRIC
 from ..noun import Noun
 from ..status import status_text
@@ -147,9 +147,7 @@ class Chart(Noun, study="chart"):
 
     def plot(self, ax: Any = None, color: str | None = None, inverse: bool = False) -> Any:
         """Draw where the motions are stable, unstable, inadmissible or absent; see `plot.draw_chart`."""
-        from ..plot.chart import draw_chart
-
-        return draw_chart(self, ax, color, inverse)
+        return self._draw(ax, color, inverse)
 
     def __repr__(self) -> str:
         sizes = self._result.tables["points"].dims
@@ -247,7 +245,7 @@ def chart(
     """
     xarray("charts")
     checks.instance(osc, "osc", Oscillator)
-    checks.plain_pattern(pattern)
+    plain_pattern(pattern)
     if symmetric not in (None, True, False):
         raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
     if not isinstance(multipliers, (bool, np.bool_)):

@@ -69,9 +69,7 @@ class Decay(Noun, study="decay"):
         Returns both Axes. With `ax`, or with `kind` "peaks" or "damping", one panel is drawn, the peaks unless
         `kind` names the other one, and its Axes is returned.
         """
-        from ..plot.decay import draw_decay
-
-        return draw_decay(self, ax, kind)
+        return self._draw(ax, kind)
 
     def __repr__(self) -> str:
         cut = "" if self.complete else f"; cut short, {self.cut}"

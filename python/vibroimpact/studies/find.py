@@ -160,9 +160,7 @@ class Findings(Noun, study="find"):
         -------
         Axes, or an array of Axes
         """
-        from ..plot.found import draw_found
-
-        return draw_found(self, ax)
+        return self._draw(ax)
 
     def __repr__(self) -> str:
         stable = sum(motion.stable is True for motion in self.motions)

@@ -94,9 +94,7 @@ class Lyapunov(Noun, study="lyapunov"):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the exponents against r or clearance, whichever varies (extra `plot`); returns the Axes."""
-        from ..plot.attractor import draw_lyapunov
-
-        return draw_lyapunov(self, ax)
+        return self._draw(ax)
 
     def __repr__(self) -> str:
         if self.r.ndim:

@@ -56,9 +56,7 @@ class Response(Noun, study="response"):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw each attractor as a dot and the envelopes as lines (extra `plot`); returns the Axes."""
-        from ..plot.attractor import draw_response
-
-        return draw_response(self, ax)
+        return self._draw(ax)
 
     def __repr__(self) -> str:
         cut = "" if self.complete else f"; cut short, {self.cut}"

@@ -293,9 +293,7 @@ class Zone(Noun, study="zone"):
         -------
         Axes
         """
-        from ..plot.zone import draw_zone
-
-        return draw_zone(self, ax, inverse, label)
+        return self._draw(ax, inverse, label)
 
     def __repr__(self) -> str:
         kinds = list(dict.fromkeys(piece.type for piece in self.boundary if piece.type != "window"))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, checks
-from ..errors import ParameterError
+from . import _core, checks
+from .errors import ParameterError
 
 __all__ = ["spaced"]
 

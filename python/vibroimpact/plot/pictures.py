@@ -1,0 +1,21 @@
+"""The pictures of results by their classes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from .attractor import draw_basins, draw_bifurcation, draw_lyapunov, draw_response
+from .branch import draw_branch
+from .chart import draw_chart
+from .decay import draw_decay
+from .found import draw_found
+from .history import draw
+from .zone import draw_atlas, draw_zone
+
+#: What draws a result, by its class; the options are those of the `plot` of the class, in order.
+PICTURES: dict[str, Callable[..., Any]] = {
+    "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
+    "Chart": draw_chart, "Decay": draw_decay, "Findings": draw_found, "Lyapunov": draw_lyapunov, "Motion": draw,
+    "Response": draw_response, "Trajectory": draw, "Zone": draw_zone,
+}  # fmt: skip
