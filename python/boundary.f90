@@ -556,7 +556,7 @@ subroutine end_of_trajectory(m, xi, mu, walls, r, load, clearance, of_simulation
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: m, labels(2, m), most_cycles, solve, capacity
-   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, of_simulation(3), &
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, of_simulation(4), &
       values(7, m), tolerance
    integer(c_int), intent(out) :: cycles, n, symbols(m), first(m), n_own, own_cycles, &
       own_sides(capacity), verdicts(3), n_events, own_labels(2, capacity), status

@@ -81,9 +81,9 @@ def exact(
     each = given = None
     if isinstance(guess, Motion):
         pattern = guess.pattern
-        scale = clearance / guess.clearance
         if pattern.has_rest:
-            releases = of_releases(guess, scale)
+            # the velocity at a release follows the load, and the clearance little
+            releases = of_releases(guess, load / guess.load)
             return release_motion(osc, r, clearance, load, pattern.cycles, releases)
         each = None if guess.osc.restitution != osc.restitution else guess.restitution
         if (
@@ -92,7 +92,7 @@ def exact(
             and guess.precision == "double"
         ):
             given = guess.phases
-        x, theta = scale * guess.X, guess.phases + guess.tau
+        x, theta = guess.X * (clearance / guess.clearance), guess.phases + guess.tau
     elif isinstance(guess, Trajectory):
         return motion_at_end(osc, r, clearance, load, guess)
     elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], Pattern):

@@ -69,7 +69,7 @@ def end_of(
     values, labels = event_arrays(events[np.searchsorted(events["time"], begin) :])
     if not labels.size:
         raise not_periodic(trajectory, most_cycles)
-    of_simulation = np.array([r, trajectory.clearance, begin])
+    of_simulation = np.array([r, trajectory.load, trajectory.clearance, begin])
     return of_simulation, values, labels, most_cycles, tolerance
 
 

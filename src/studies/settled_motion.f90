@@ -79,7 +79,7 @@ contains
       outcome = wandering
       call read_periods(events(:n), longest, most_symbols, about, periods)
       do i = size(periods), 1, -1
-         call confirm(system, events, periods(i), 1.0_wp, scale, motion, nearby)
+         call confirm(system, events, periods(i), [1.0_wp, 1.0_wp], scale, motion, nearby)
          if (i > 1 .and. motion%status == stat%ok) then
             if (is_repeated(motion, scale)) cycle
          end if
@@ -99,9 +99,10 @@ contains
       solve, cycles, n, symbols, first, apart, described)
       !> The forced system of the motion.
       type(forced_system_type), intent(in) :: system
-      !> Of the simulation: frequency ratio, clearance, and the time (1/omega) from which on all its
-      !! events are given.
-      real(wp), intent(in) :: of_simulation(3)
+      !> Of the simulation: frequency ratio, load, clearance, and the time (1/omega) from which on
+      !! all
+      !! its events are given.
+      real(wp), intent(in) :: of_simulation(4)
       !> (7, m), (2, m) Its events as of `store_events`.
       real(wp), intent(in) :: values(:, :)
       !> As of `values`.
@@ -128,7 +129,8 @@ contains
       n = 0
       apart = huge(1.0_wp)
       described%motion%status = stat%no_motion
-      associate (r => of_simulation(1), clearance => of_simulation(2), begin => of_simulation(3))
+      associate (r => of_simulation(1), load => of_simulation(2), clearance => of_simulation(3), &
+         begin => of_simulation(4))
          call read_events(values, labels, r, events)
          call read_periods(events, most_cycles, size(events), tolerance, periods, r*begin)
          if (size(periods) == 0) return
@@ -137,8 +139,8 @@ contains
          symbols(:n) = periods(1)%reading%symbols(:n)
          first(:n) = periods(1)%reading%first(:n)
          apart = periods(1)%mismatch
-         if (solve == 1) call motion_at_end(system, events, periods, system%clearance/clearance, &
-            described)
+         if (solve == 1) call motion_at_end(system, events, periods, [system%clearance/clearance, &
+            system%load/max(load, tiny(load))], described)
          if (solve == 2) call attractor_at_end(system, events, periods, most_cycles, described)
       end associate
    end subroutine end_arrays
@@ -155,8 +157,8 @@ contains
       type(event_type), intent(in) :: events(:)
       !> At least one, as from `read_periods`.
       type(period_type), intent(in) :: periods(:)
-      !> The clearance over that of the simulation.
-      real(wp), intent(in) :: factor
+      !> Clearance and load over those of the simulation.
+      real(wp), intent(in) :: factor(2)
       !> The motion, or its status.
       type(described_type), intent(out) :: described
       type(found_type) :: motion, chosen
@@ -203,7 +205,7 @@ contains
       i = findloc(periods%cycles, cycles, 1)
       if (i == 0) return
       scale = scale_of(system)
-      call confirm(system, events, periods(i), 1.0_wp, scale, motion, nearby)
+      call confirm(system, events, periods(i), [1.0_wp, 1.0_wp], scale, motion, nearby)
       if (.not. nearby .or. motion%stable /= yes .or. motion%admissible /= yes) return
       if (is_repeated(motion, scale)) return
       call describe_chosen(system, motion, described)
@@ -245,8 +247,8 @@ contains
       type(event_type), intent(in) :: events(:)
       !> One of the periods with which they end.
       type(period_type), intent(in) :: period
-      !> The clearance over that of the simulation.
-      real(wp), intent(in) :: factor
+      !> Clearance and load over those of the simulation.
+      real(wp), intent(in) :: factor(2)
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
       !> The motion to which Newton's method leads, or its status.
@@ -259,7 +261,7 @@ contains
       nearby = .false.
       n = period%reading%n
       if (any(abs(period%reading%symbols(:n)) == 2)) then
-         associate (release => events(period%last), v => factor*events(period%last)%x_dot_after)
+         associate (release => events(period%last), v => factor(2)*events(period%last)%x_dot_after)
             if (release%kind /= release_event) return
             call new_resting(system, release%side, period%cycles, [release%phase, v], &
                rest_capacity, motion)
@@ -272,7 +274,7 @@ contains
          end associate
          return
       end if
-      x = factor*events(period%reading%first(:n))%x
+      x = factor(1)*events(period%reading%first(:n))%x
       theta = total_phase(events(period%reading%first(:n))) - system%lag
       theta = theta - two_pi*floor(theta(1)/two_pi)
       call new_found(system, pattern_type(period%reading%symbols(:n), period%cycles), x, theta, &

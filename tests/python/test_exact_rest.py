@@ -130,6 +130,18 @@ def test_guesses_with_rest_scale_with_the_load(factor):
         assert other.multipliers == pytest.approx(motion.multipliers, abs=1e-7)
 
 
+def test_a_guess_with_rest_serves_at_other_clearances():
+    """The velocity at a release follows the load: a motion is a guess over its zone, which ends at D = 1.345."""
+    osc = vi.Oscillator(0.0114, 0.028, (0.75, 0.61))
+    (guess,) = [m for m in vi.find(osc, 0.55, 1.45, 3, 1) if m.pattern.sides == "RL*"]
+    for clearance in (1.42, 1.4, 1.37, 1.35, 1.347):
+        motion = vi.exact(osc, 0.55, clearance, guess)
+        assert motion.pattern.sides == "RL*"
+        assert motion.stable
+    zone = vi.zone(osc, guess.pattern, (0.5, 0.6), (1.0, 2.0))
+    assert zone.contains(0.55, [1.344, 1.347, 1.45]).tolist() == [False, True, True]
+
+
 def test_rest_motion_has_no_impact_maps():
     """An accumulation has infinitely many impacts: no list of [P_i], and an error that says so."""
     with pytest.raises(vi.errors.ParameterError, match="rest"):
