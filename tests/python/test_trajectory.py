@@ -200,3 +200,37 @@ def test_trajectory_is_frozen_and_says_what_it_is():
     assert run.complete
     names = ("time", "kind", "side", *COLUMNS)
     assert set(names) <= set(run.events.dtype.names)
+
+
+def test_a_stopped_case_keeps_its_events(tmp_path, monkeypatch):
+    """Those up to the stop are those of the whole; where it was stopped goes to files and back."""
+    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    path = tmp_path / "case.nml"
+    path.write_text(
+        "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"
+        "&simulate clearance = 6, cycles = 100000000, max_events = 100000000 /\n"
+    )
+    (case,) = vi.read_namelist(path)
+    calls = []
+
+    def stop(share, note):
+        calls.append(share)
+        if len(calls) > 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vi.errors.StudyInterrupted) as stopped:
+        case.run(stop)
+    (run,) = stopped.value.result.parts()
+    assert not run.complete
+    assert "stopped after" in run.cut
+    assert run.cut in repr(run)
+    whole = vi.simulate(RIG, 0.9, 6.0, 30)
+    assert run.events[: whole.events.size].tobytes() == whole.events.tobytes()
+    run.save(tmp_path / "run.json")
+    again = vi.load(tmp_path / "run.json")
+    assert (again.cut, again.final_state) == (run.cut, run.final_state)
+    later = vi.simulate(RIG, 0.9, 6.0, 1, again.final_state)
+    assert later.events[0]["time"] > run.events[-1]["time"]
+    run.save(tmp_path / "run.csv")
+    with (tmp_path / "run.csv").open() as table:
+        assert f"# ! cut short: {run.cut}\n" in [next(table) for _ in range(40)]
