@@ -220,7 +220,7 @@ def equispaced_batch(
     >>> import numpy as np, vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> vi.equispaced_batch(osc, 0.94, np.linspace(20, 60, 5))[0]
-    <Motions RL/1: 5 points, 5 computed, 3 consistent, admissible and stable>
+    <Motions RL/1: 5 points, 5 computed, 0 consistent, admissible and stable>
     """
     pattern = equispaced_pattern(osc, cycles)
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
