@@ -8,6 +8,7 @@ from .case import Case, read_namelist
 from .events import Sample
 from .flags import StabilityFlags, stability_flags
 from .formats.load import load
+from .likeness import is_symmetric, motion_images, same_motion, standard_motion
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
 from .newton import exact
@@ -73,18 +74,22 @@ __all__ = [
     "errors",
     "exact",
     "find",
+    "is_symmetric",
     "linear_system",
     "load",
     "lyapunov",
+    "motion_images",
     "periodic",
     "periodic_batch",
     "read_namelist",
     "response",
     "run_namelists",
+    "same_motion",
     "simulate",
     "simulate_bundle",
     "spaced",
     "stability_flags",
+    "standard_motion",
     "status_text",
     "zone",
 ]

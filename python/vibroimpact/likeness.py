@@ -16,7 +16,7 @@ from .errors import SingularError
 from .motion import Motion
 from .newton import described_motion, found_motion, of_releases
 
-__all__ = ["images", "is_symmetric", "same", "standard"]
+__all__ = ["is_symmetric", "motion_images", "same_motion", "standard_motion"]
 
 
 class _Parts(NamedTuple):
@@ -35,11 +35,19 @@ def _parts(motion: Motion) -> _Parts:
     return _Parts(np.zeros(1, np.int32), np.zeros(2), of_releases(motion, 1.0))
 
 
-def standard(motion: Motion, *, mirrored: bool = False) -> Motion:
+def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
     """A motion, or its mirror image, over its shortest period, with its impacts counted from the one that puts
     R before L.
 
     The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if the walls are alike.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 4.3], vi.Pattern("LR")))
+    >>> vi.standard_motion(motion).pattern.sides
+    'RL'
     """
     system = (motion.osc, motion.r, motion.clearance, motion.load)
     changed, *answer = found_motion(
@@ -48,21 +56,38 @@ def standard(motion: Motion, *, mirrored: bool = False) -> Motion:
     return described_motion(*system, answer) if changed else motion
 
 
-def images(motion: Motion) -> Iterator[Motion]:
-    """A motion in standard form, and its mirror image where the walls are alike."""
-    yield standard(motion)
+def motion_images(motion: Motion) -> Iterator[Motion]:
+    """A motion in standard form, and its mirror image where the walls are alike.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 4.3], vi.Pattern("RL")))
+    >>> [round(float(image.phases[1]), 3) for image in vi.motion_images(motion)]
+    [4.342, 1.941]
+    """
+    yield standard_motion(motion)
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
         try:
-            image = standard(motion, mirrored=True)
+            image = standard_motion(motion, mirrored=True)
         except SingularError:  # on the limit of convergence, as the motion itself is
             return
         yield image
 
 
-def same(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
+def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     """Whether two motions of one system, or one and the other's mirror image, are the same.
 
     The impact with which each begins does not matter.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> one, other = vi.equispaced(osc, 0.94, 37.0)
+    >>> vi.same_motion(one, other), vi.same_motion(one, one, mirrored=True)
+    (False, True)
     """
     first, second = _parts(one), _parts(other)
     if (
@@ -77,6 +102,16 @@ def same(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
 
 
 def is_symmetric(motion: Motion) -> bool:
-    """Whether a motion without rest is its own mirror image half a period later."""
+    """Whether a motion without rest is its own mirror image half a period later.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> vi.is_symmetric(vi.equispaced(osc, 0.94, 37.0)[0])
+    True
+    """
     right, left = motion.osc.restitution
-    return right == left and not motion.pattern.has_rest and same(motion, motion, mirrored=True)
+    return (
+        right == left and not motion.pattern.has_rest and same_motion(motion, motion, mirrored=True)
+    )

@@ -300,6 +300,26 @@ class Pattern:
         """The symbols one by one, each with its star."""
         return re.findall(r"[RL]\*?", self.sides)
 
+    def standard(self, alike: bool = False) -> Pattern:
+        """The same pattern, begun at the symbol that puts R before L.
+
+        Parameters
+        ----------
+        alike : bool
+            Whether the walls are alike, so that the mirror image counts as the same.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> vi.Pattern("LRL").standard(), vi.Pattern("LRL").standard(alike=True)
+        (Pattern('RLL', 1), Pattern('RRL', 1))
+        """
+        orders = [self.symbols]
+        if alike:
+            orders.append([item.translate(str.maketrans("RL", "LR")) for item in self.symbols])
+        turned = ("".join(one[j:] + one[:j]) for one in orders for j in range(len(one)))
+        return Pattern(max(turned), self.cycles)
+
 
 def plain_pattern(pattern: Any) -> None:
     """Checks that it is a pattern without rest, as the linear equations need it."""

@@ -6,7 +6,7 @@ import threading
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.studies.atlas import OUTCOMES, standard
+from vibroimpact.studies.atlas import OUTCOMES
 from vibroimpact.tables import language
 
 pytestmark = pytest.mark.xdist_group("atlas")
@@ -73,7 +73,7 @@ def test_survey_is_explained(atlas):
     assert len(atlas.attractors) > 20
     assert atlas.unexplained == []
     for item in atlas.attractors:
-        assert item.pattern == standard(item.pattern, EQUAL)
+        assert item.pattern == item.pattern.standard(alike=True)
 
 
 def test_every_point_of_the_survey_is_counted(atlas):
@@ -109,10 +109,10 @@ def test_motions_beyond_the_limits_are_stable(atlas):
                 period = run.period(cycles)
             except vi.errors.ParameterError:
                 continue
-            if period.mismatch < 1e-6 and standard(period.pattern, EQUAL) == item.pattern:
+            if period.mismatch < 1e-6 and period.pattern.standard(alike=True) == item.pattern:
                 motion = vi.exact(EQUAL, item.r, item.clearance, run)
                 assert (motion.stable, motion.admissible) == (True, True)
-                assert standard(motion.pattern, EQUAL) == item.pattern
+                assert motion.pattern.standard(alike=True) == item.pattern
                 confirmed += 1
                 break
     assert confirmed == len(atlas.beyond) > 0
@@ -300,7 +300,7 @@ def test_zone_with_rest_agrees_with_simulation():
     for _ in range(60):
         r, clearance = random.uniform(0.84, 0.94), random.uniform(4, 8)
         pattern = attractor(UNEQUAL, r, clearance)
-        there = pattern is not None and standard(pattern, UNEQUAL).sides == "RL*"
+        there = pattern is not None and pattern.standard().sides == "RL*"
         # another attractor may exist beside it, but what simulation reaches is in the zone
         assert not there or zone.contains(r, clearance)
         inside += there

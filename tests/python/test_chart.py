@@ -1,6 +1,5 @@
 """Charts against single points, laws of symmetry, continuity of slots, threads, files and bad input."""
 
-import importlib
 import math
 import sys
 
@@ -12,7 +11,7 @@ from vibroimpact.newton import newton
 
 xarray = pytest.importorskip("xarray")
 
-standard = importlib.import_module("vibroimpact.likeness").standard
+standard_motion = vi.standard_motion
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 UNEQUAL = vi.Oscillator(0.01, 0.02, (0.7, 0.6))
@@ -117,7 +116,7 @@ def test_nothing_missed(sides, cycles):
         here = data.isel(r=k, clearance=j)
         known = here.X.values[:, (here.status == 0).values]
         for motion in searched(OSC, R[k], D[j], pattern, 200):
-            if not motion.admissible or len(standard(motion).pattern) < len(pattern):
+            if not motion.admissible or len(standard_motion(motion).pattern) < len(pattern):
                 continue
             seen += 1
             turns = [np.roll(motion.X, -i) for i in range(len(pattern))]

@@ -24,7 +24,7 @@ from vibroimpact.explorer.session import Session
 from vibroimpact.explorer.shapes import thinned, zone_shapes
 from vibroimpact.explorer.state import Run, State
 from vibroimpact.explorer.zones import COARSE, FINE, compute, families
-from vibroimpact.likeness import same
+from vibroimpact.likeness import same_motion
 from vibroimpact.studies.geometry import signed_area
 
 # -- the state and its link
@@ -92,7 +92,7 @@ def test_definitions_give_the_same_bits(r, clearance, walls):
     osc = vi.Oscillator(0.0114, 0.028, walls)
     found = vi.find(osc, r, clearance)
     shown = fuller(osc, r, clearance, quick(osc, r, clearance))
-    assert all(any(same(motion, item.motion) for item in shown) for motion in found)
+    assert all(any(same_motion(motion, item.motion) for item in shown) for motion in found)
     assert len(shown) >= len(found) > 0
     for item in shown:
         again = Definition.read(item.definition.text).solve(osc, r, clearance)
@@ -133,7 +133,7 @@ def test_a_chosen_motion_is_followed():
     end = (
         path.special_points[0].motion if path.clearance[0] < 37 else path.special_points[-1].motion
     )
-    assert same(explorer.chosen.motion, end)
+    assert same_motion(explorer.chosen.motion, end)
 
 
 def test_a_motion_that_has_gone_is_not_chosen():

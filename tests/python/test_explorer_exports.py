@@ -14,7 +14,7 @@ from vibroimpact.explorer.export import as_namelist, as_python
 from vibroimpact.explorer.motions import fuller
 from vibroimpact.explorer.state import State
 from vibroimpact.explorer.zones import FINE, compute, families
-from vibroimpact.likeness import same
+from vibroimpact.likeness import same_motion
 
 
 def filled(state):
@@ -63,7 +63,8 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
     for item in explorer.shown:
         if item.definition.kind == "state":
             assert any(
-                same(vi.exact(run.osc, run.r, run.clearance, run), item.motion) for run in rests
+                same_motion(vi.exact(run.osc, run.r, run.clearance, run), item.motion)
+                for run in rests
             )
             continue
         assert item.motion.X.tolist() in [motion.X.tolist() for motion in found]

@@ -8,7 +8,7 @@ import vibroimpact as vi
 from shared_motions import pair_motion, rest_motion, triple_motion
 from shared_systems import RIG, TABLE
 from vibroimpact.explorer.motions import ordered
-from vibroimpact.likeness import images, is_symmetric, same, standard
+from vibroimpact.likeness import is_symmetric, motion_images, same_motion, standard_motion
 
 
 @pytest.fixture(scope="module")
@@ -29,11 +29,11 @@ def near(fork, offset):
 def test_two_motions_that_have_just_parted(fork):
     """Mirror images 9e-5 apart are two motions: for `same`, for the explorer and for `is_symmetric`."""
     one = near(fork, -3e-9)
-    other = standard(one, mirrored=True)
+    other = standard_motion(one, mirrored=True)
     # the distance grows as the root of the offset: 1.5636 of it, from the branch at offsets of 1e-3 to 1e-8
     assert one.phases[1] - np.pi == pytest.approx(8.6e-5, rel=0.02)
-    assert not same(one, other)
-    assert same(one, other, mirrored=True)
+    assert not same_motion(one, other)
+    assert same_motion(one, other, mirrored=True)
     assert not is_symmetric(one)
     assert len(ordered([one])) == len(ordered([one, other, one])) == 2
 
@@ -41,7 +41,7 @@ def test_two_motions_that_have_just_parted(fork):
 def test_one_motion_before_they_part(fork):
     motion = near(fork, 1e-5)
     assert is_symmetric(motion)
-    assert same(motion, standard(motion, mirrored=True))
+    assert same_motion(motion, standard_motion(motion, mirrored=True))
     assert len(ordered([motion])) == 1
 
 
@@ -49,14 +49,14 @@ def test_one_motion_before_they_part(fork):
 def test_mirror_images_and_turns(make):
     """Twice mirrored is the motion; the standard form is its own."""
     motion = make()
-    form = standard(motion)
-    assert same(form, motion)
-    assert standard(form) is form
+    form = standard_motion(motion)
+    assert same_motion(form, motion)
+    assert standard_motion(form) is form
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
-        image = standard(form, mirrored=True)
-        assert same(standard(image, mirrored=True), form)
-        assert same(image, form, mirrored=True)
-        assert [same(one, form) for one in images(form)] == [True, False]
+        image = standard_motion(form, mirrored=True)
+        assert same_motion(standard_motion(image, mirrored=True), form)
+        assert same_motion(image, form, mirrored=True)
+        assert [same_motion(one, form) for one in motion_images(form)] == [True, False]
     letters = form.pattern.symbols
     if not form.pattern.has_rest:
         assert letters == max(letters[j:] + letters[:j] for j in range(len(letters)))
@@ -66,5 +66,5 @@ def test_rest_is_never_one_with_impacts_alone():
     """Of two letters in a cycle each."""
     resting, plain = rest_motion(), pair_motion(RIG, 0.9, 6.0)
     assert len(resting.pattern) == len(plain.pattern)
-    assert not same(resting, plain)
-    assert not same(plain, resting)
+    assert not same_motion(resting, plain)
+    assert not same_motion(plain, resting)

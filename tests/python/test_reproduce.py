@@ -12,7 +12,7 @@ import time
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.likeness import standard
+from vibroimpact.likeness import standard_motion
 from vibroimpact.reproduce import (
     appendix,
     captions,
@@ -196,9 +196,9 @@ def test_patterns_are_found(point, sides):
     found = vi.find(EQUAL, *point, max_impacts=5, max_cycles=1, states=8)
     # attractors beyond the limits of the search are listed too
     stable = [m for m in found if m.stable and len(m.pattern) <= 5 and m.pattern.cycles == 1]
-    assert {max(m.pattern.sides, standard(m, mirrored=True).pattern.sides) for m in stable} == {
-        sides
-    }
+    assert {
+        max(m.pattern.sides, standard_motion(m, mirrored=True).pattern.sides) for m in stable
+    } == {sides}
 
 
 # experiment

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from ..studies.zone import Zone
+from .. import Zone
 from .explorer import diagram_of
 from .latest import Current, Latest, Stale
 from .motions import Shown, fuller

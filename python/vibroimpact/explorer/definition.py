@@ -6,18 +6,23 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from .. import checks
+from .. import (
+    Motion,
+    Oscillator,
+    Pattern,
+    checks,
+    equispaced,
+    exact,
+    is_symmetric,
+    same_motion,
+    simulate,
+)
 from ..errors import ParameterError, SingularError
-from ..likeness import is_symmetric, same
-from ..model import Oscillator, Pattern, plain_pattern
-from ..motion import Motion
-from ..newton import exact
-from ..solve import equispaced
-from ..states import NEEDED
-from ..trajectory import simulate
 
 __all__ = ["Definition", "definition_of", "start_of"]
 
+#: The numbers of a state.
+NEEDED = ("t", "x", "x_dot", "z", "z_dot")
 #: How a motion is computed, and the number of numbers needed for it (None: one for each impact).
 KINDS = {"equispaced": 1, "phases": None, "state": len(NEEDED)}
 
@@ -87,7 +92,8 @@ class Definition:
         ):
             raise ParameterError(f"motion = {text!r}: must be number 0 or 1 of RL in odd cycles")
         if kind == "phases":
-            plain_pattern(pattern)
+            if pattern.has_rest:
+                raise ParameterError(f"motion = {text!r}: must be without rest")
             checks.phases(list(numbers), len(pattern), pattern.cycles)
         return cls(pattern, kind, tuple(map(int, numbers)) if kind == "equispaced" else numbers)
 
@@ -102,7 +108,7 @@ def definition_of(motion: Motion) -> tuple[Definition, Motion] | None:
             made = definition.solve(motion.osc, motion.r, motion.clearance)
         except (ArithmeticError, ValueError):
             continue
-        if same(made, motion):
+        if same_motion(made, motion):
             return definition, made
     return None
 

@@ -9,13 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from .. import (
+    BifurcationDiagram,
+    Motion,
+    Trajectory,
+    Zone,
+    bifurcation_diagram,
+    exact,
+    same_motion,
+    simulate,
+)
 from ..errors import ParameterError, SingularError, VibroimpactError
-from ..likeness import same
-from ..motion import Motion
-from ..newton import exact
-from ..studies.bifurcation import BifurcationDiagram, bifurcation_diagram
-from ..studies.zone import Zone
-from ..trajectory import Trajectory, simulate
 from .definition import definition_of, start_of
 from .motions import Shown, ordered, quick
 from .state import Run, State
@@ -109,7 +113,7 @@ class Explorer:
             wanted = definition.solve(state.osc, state.r, state.clearance)
         except (ArithmeticError, ValueError):
             return 0
-        return next((i for i, item in enumerate(self.shown) if same(item.motion, wanted)), 0)
+        return next((i for i, item in enumerate(self.shown) if same_motion(item.motion, wanted)), 0)
 
     @property
     def chosen(self) -> Shown | None:
@@ -129,7 +133,7 @@ class Explorer:
             fault = f"motion = {state.motion.text!r}: is not there at this point ({error})"
             self.state = replace(state, motion=None)
             return [fault]
-        if not any(same(motion, item.motion) for item in self.shown):
+        if not any(same_motion(motion, item.motion) for item in self.shown):
             self.shown.append(Shown(motion, state.motion))
         return []
 
@@ -157,7 +161,7 @@ class Explorer:
         found = definition_of(near) if near.admissible and near.consistent else None
         if found is None:
             return
-        match = [item for item in self.shown if same(item.motion, found[1])]
+        match = [item for item in self.shown if same_motion(item.motion, found[1])]
         if not match:
             match = [Shown(found[1], found[0])]
             self.shown.append(match[0])

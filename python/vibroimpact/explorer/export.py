@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from ..states import NEEDED
-from ..studies.zone import Zone
+from .. import Zone
+from .definition import NEEDED
 from .explorer import VALUES, Explorer, along
 from .motions import Shown
 from .state import State

@@ -5,21 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
-import numpy as np
-
+from .. import Motion, Oscillator, Zone, exact, find, is_symmetric, motion_images, same_motion
 from ..errors import SingularError
-from ..likeness import images, is_symmetric, same
-from ..model import Oscillator
-from ..motion import Motion
-from ..newton import exact, newton
-from ..studies.find import find
-from ..studies.zone import Zone
 from .definition import Definition, definition_of
 
 __all__ = ["Shown", "fuller", "quick"]
-
-#: Steps from a zone's boundary to a point in it.
-STEPS = 6
 
 
 class Shown(NamedTuple):
@@ -69,8 +59,8 @@ def ordered(motions: Iterable[Motion], kept: Iterable[Shown] = ()) -> list[Shown
     """Each once, with its mirror image where the walls are alike; the stable ones first."""
     shown = list(kept)
     for motion in motions:
-        for image in images(motion):
-            if any(same(image, other.motion) for other in shown):
+        for image in motion_images(motion):
+            if any(same_motion(image, other.motion) for other in shown):
                 continue
             made = definition_of(image)
             if made is not None:
@@ -100,26 +90,8 @@ def _followed(
 def _from_zones(
     osc: Oscillator, r: float, clearance: float, zones: Iterable[Zone]
 ) -> Iterator[Motion]:
-    """The motions of zones that contain a point, followed from the nearest vertex of the boundary."""
+    """The motions of zones that contain a point."""
     for zone in zones:
-        if zone.pattern.has_rest or zone.osc != osc:
-            continue
-        r_size, d_size = np.ptp(zone.r), np.ptp(np.log(zone.clearance))
-        distances = [
-            np.hypot((piece.r - r) / r_size, np.log(piece.clearance / clearance) / d_size)
-            for piece in zone.boundary
-        ]
-        best = min(range(len(distances)), key=lambda i: float(distances[i].min()))
-        piece, j = zone.boundary[best], int(np.argmin(distances[best]))
-        x, theta = piece.x[:, j], piece.theta[:, j]
-        begin, last = float(piece.clearance[j]), None
-        try:
-            for part in np.linspace(0, 1, STEPS + 1)[1:].tolist():
-                there = begin * (clearance / begin) ** part if part < 1 else clearance
-                ratio = piece.r[j] + (r - piece.r[j]) * part if part < 1 else r
-                last = newton(osc, float(ratio), there, 1.0, zone.pattern, x * there, theta)
-                x, theta = last.X / there, last.phases + last.tau
-        except SingularError:
-            continue
-        if last is not None and last.admissible and last.consistent:
-            yield last
+        motion = None if zone.osc != osc else zone.motion(r, clearance)
+        if motion is not None:
+            yield motion

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..studies.bifurcation import BifurcationDiagram
-from ..studies.zone import Window
+from .. import BifurcationDiagram
 from .shapes import labels
+from .zones import Window
 
 __all__ = ["Changes", "diagram", "fit", "packed", "point", "zones"]
 

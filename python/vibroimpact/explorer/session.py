@@ -7,9 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from .. import Motion, Trajectory
 from ..errors import VibroimpactError
-from ..motion import Motion
-from ..trajectory import Trajectory
 from . import pictures, sketches, words
 from .background import Background
 from .explorer import Explorer, simulate_run

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import Zone
 from ..plot.zone import LINES
 from ..studies.geometry import signed_area, winding
-from ..studies.zone import Window, Zone
-from .zones import Family
+from .zones import Family, Window
 
 __all__ = ["labels", "thinned", "zone_shapes"]
 

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..motion import Motion
+from .. import Motion, Trajectory
 from ..plot import style
 from ..plot.history import history as history_of
-from ..trajectory import Trajectory
 from .pictures import Changes, fit
 
 __all__ = ["circle", "history"]

@@ -8,11 +8,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
-from .. import checks
+from .. import Oscillator, Pattern, checks
 from ..errors import ParameterError, VibroimpactError
-from ..model import Oscillator, Pattern
-from ..states import NEEDED
-from .definition import Definition
+from .definition import NEEDED, Definition
 
 __all__ = ["Run", "State"]
 

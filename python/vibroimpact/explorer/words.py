@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ..studies.bifurcation import BifurcationDiagram
-from ..trajectory import Trajectory
+from .. import BifurcationDiagram, Trajectory
 from .explorer import Explorer, settles_on
 from .motions import Shown
 from .shapes import color, hatch

@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..model import Oscillator, Pattern
-from ..studies.atlas import standard
-from ..studies.zone import Window, Zone, zone
+from .. import Oscillator, Pattern, Zone, zone
 from .state import pattern_text
 
 __all__ = ["COARSE", "FINE", "Family", "compute", "families"]
 
+#: Lowest and highest r, lowest and highest clearance.
+Window = tuple[tuple[float, float], tuple[float, float]]
 #: Lattice lines, and with them the guesses at a node, as of `zone`: few find nearly all in a sixth of the time.
 COARSE, FINE = 5, 17
 GUESSES = {COARSE: 4, FINE: 12}
@@ -50,7 +50,8 @@ def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
     >>> [family.name for family in families(vi.Oscillator(0.01, 0.03, 0.75), patterns)]
     ['RL symmetric', 'RL unsymmetric', 'RRL']
     """
-    for pattern in dict.fromkeys(standard(pattern, osc) for pattern in patterns):
+    alike = osc.restitution[0] == osc.restitution[1]
+    for pattern in dict.fromkeys(pattern.standard(alike) for pattern in patterns):
         kinds = (True, False) if _can_be_symmetric(osc, pattern) else (None,)
         yield from (Family(pattern, kind) for kind in kinds)
 

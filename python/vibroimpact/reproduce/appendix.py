@@ -11,12 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import Motion, Pattern, exact, periodic, simulate
 from ..files import write_text
-from ..model import Pattern
-from ..motion import Motion
-from ..newton import exact
-from ..solve import periodic
-from ..trajectory import simulate
 from .paper import MASRI, UNEQUAL
 
 #: The clearance d in the unit of length of Table 1.

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from .. import Oscillator
 from ..errors import MissingExtraError
-from ..model import Oscillator
 
 DIGITS = 40
 #: Phase from each impact to the other one.

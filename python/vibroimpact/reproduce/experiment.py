@@ -13,13 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .. import Motion, Oscillator, Trajectory, exact, simulate, standard_motion
 from ..errors import ParameterError, VibroimpactError
 from ..files import write_text
-from ..likeness import standard
-from ..model import Oscillator
-from ..motion import Motion
-from ..newton import exact
-from ..trajectory import State, Trajectory, simulate
 from .paper import EQUAL, HOLD, LOADS, NATURAL_FREQUENCY, RATIOS, UNEQUAL, kind_of, scale
 
 #: Rigs by name.
@@ -56,7 +52,7 @@ def sweep(
     levels = (np.geomspace(*LOADS, count) * scale(r)).tolist()
     cycles = 2 * MOST_CYCLES + 2
     discard = max(0, round(hold * NATURAL_FREQUENCY * r) - cycles)
-    state: State = dict.fromkeys(("t", "x", "x_dot", "z", "z_dot"), 0.0)
+    state: dict[str, Any] = dict.fromkeys(("t", "x", "x_dot", "z", "z_dot"), 0.0)
     seen = []
     for direction, order in (("up", levels), ("down", levels[::-1])):
         for load in order:
@@ -121,10 +117,12 @@ def seeds(sweeps: list[dict[str, Any]], osc: Oscillator) -> dict[str, list[Motio
             state = {k: v * (1 if k == "t" else clearance) for k, v in item["state"].items()}
             try:
                 run = simulate(osc, one["r"], clearance, 2 * MOST_CYCLES, state=state)
-                motion = standard(exact(osc, one["r"], clearance, run))
+                motion = standard_motion(exact(osc, one["r"], clearance, run))
                 if osc.restitution[0] == osc.restitution[1]:
                     motion = max(
-                        motion, standard(motion, mirrored=True), key=lambda m: m.pattern.sides
+                        motion,
+                        standard_motion(motion, mirrored=True),
+                        key=lambda m: m.pattern.sides,
                     )
             except VibroimpactError:
                 continue  # at the limit to another kind

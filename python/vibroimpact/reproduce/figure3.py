@@ -6,9 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..likeness import standard
-from ..motion import Motion
-from ..studies.find import find
+from .. import Motion, find, standard_motion
 from . import canvas
 from .paper import MASRI, ratios
 from .scan import Strip, equispaced_zone, pair_zone, traced_zone
@@ -24,7 +22,7 @@ def zones(resolution: float = 1.0) -> dict[str, list[Strip]]:
     seeds: list[Motion] = []
     for at, clearance in LOOK:
         found = find(MASRI, at, clearance, max_impacts=3, max_cycles=1, guesses=24, states=6)
-        seeds += [m for m in map(standard, found) if m.stable and m.pattern.sides == "RRL"]
+        seeds += [m for m in map(standard_motion, found) if m.stable and m.pattern.sides == "RRL"]
     return {
         "2e": equispaced_zone(MASRI, r, round(300 * resolution)),
         "2u": pair_zone(MASRI, r, round(1600 * resolution)),

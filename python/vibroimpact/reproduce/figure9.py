@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..motion import Motion
-from ..newton import exact
+from .. import Motion, exact, simulate
 from ..plot import draw
-from ..trajectory import simulate
 from . import canvas
 from .paper import UNEQUAL
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Oscillator
+from .. import Oscillator
 
 #: Oscillators of Figure 3 and Table 1, of Figure 4, of Figures 6 and 7, of Figure 8 (and 9, 10b).
 MASRI = Oscillator(xi=0.005, mu=0.042, restitution=0.75)

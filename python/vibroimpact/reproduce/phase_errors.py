@@ -13,12 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from .. import Motion, exact, periodic_batch, simulate
 from ..errors import SingularError
 from ..files import write_text
-from ..motion import Motion
-from ..newton import exact
-from ..solve import periodic_batch
-from ..trajectory import simulate
 from .paper import EQUAL, NATURAL_FREQUENCY
 
 #: A point in the zone of 3, 4 and 5 impacts: r and d K/F0.

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Pattern
-from ..solve import periodic_batch
+from .. import Pattern, periodic_batch
 from . import canvas
 from .paper import SADEK
 

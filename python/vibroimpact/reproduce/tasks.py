@@ -12,10 +12,10 @@ from collections.abc import Iterable
 from functools import cache
 from importlib import import_module
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from .. import _core
 from ..files import write_text
 from .experiment import RIGS
 from .paper import RATIOS
@@ -109,6 +109,14 @@ def _imports(module: str, seen: set[str]) -> set[str]:
     return seen
 
 
+def _core() -> Path:
+    """The compiled core."""
+    spec = find_spec("vibroimpact._core")
+    if spec is None or spec.origin is None:
+        raise ModuleNotFoundError("vibroimpact._core")
+    return Path(spec.origin)
+
+
 @cache
 def _sources(module: str) -> str:
     """Digest of everything on which a module's results depend: its sources, those of the package, the compiled
@@ -117,9 +125,7 @@ def _sources(module: str) -> str:
     package = {path for path in here.parent.rglob("*.py") if path.parent != here}
     package.discard(here.parent / "command.py")  # computes nothing
     used = _imports(module, set()) - {"tasks"}
-    return _digest(
-        {Path(_core.__file__), *package, *(p for name in used for p in here.glob(f"{name}.*"))}
-    )
+    return _digest({_core(), *package, *(p for name in used for p in here.glob(f"{name}.*"))})
 
 
 def fingerprint(name: str, resolution: float) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 
 import vibroimpact
 
+from .. import Oscillator, Pattern
 from ..errors import ParameterError
-from ..model import Oscillator, Pattern
 from .scan import Strip
 
 

@@ -296,11 +296,6 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
     return names
 
 
-def standard(pattern: Pattern, osc: Oscillator) -> Pattern:
-    """The same pattern, beginning with the symbol of the standard form."""
-    return Pattern(max(names_of(pattern, osc)), pattern.cycles)
-
-
 def atlas(
     osc: Oscillator,
     r: tuple[float, float],

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
-from ..errors import OpenBoundaryWarning, ParameterError
+from ..errors import OpenBoundaryWarning, ParameterError, SingularError
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..namelist import SYMMETRIC
+from ..newton import newton
 from ..noun import Noun
 from ..tables import runs
 from .geometry import signed_area, winding
@@ -262,6 +263,41 @@ class Zone(Noun, study="zone"):
             met |= (a.min() <= r) & (r <= a.max())
             met |= (b.min() <= clearance) & (clearance <= b.max())
         return np.asarray(window & met & (turns <= 0))
+
+    def motion(self, r: float, clearance: float) -> Motion | None:
+        """The motion at a point, followed from the nearest vertex of the boundary; it need not be stable.
+
+        None if it cannot be followed so far, and for patterns with rest.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+        >>> zone = vi.zone(osc, vi.Pattern("RL"), (0.8, 1.2), (2, 200), symmetric=True)
+        >>> zone.motion(1.1, 25.0)
+        <Motion RL/1 at r = 1.1, d K/F0 = 25: consistent, admissible, stable (max|lambda| = 0.8965, complex)>
+        """
+        r, clearance = checks.number(r, "r"), checks.number(clearance, "clearance")
+        if self.pattern.has_rest or not self.boundary:
+            return None
+        r_size, d_size = np.ptp(self.r), np.ptp(np.log(self.clearance))
+        distances = [
+            np.hypot((piece.r - r) / r_size, np.log(piece.clearance / clearance) / d_size)
+            for piece in self.boundary
+        ]
+        best = min(range(len(distances)), key=lambda i: float(distances[i].min()))
+        piece, j = self.boundary[best], int(np.argmin(distances[best]))
+        x, theta = piece.x[:, j], piece.theta[:, j]
+        begin, last = float(piece.clearance[j]), None
+        for part in np.linspace(0, 1, 7)[1:].tolist():
+            there = begin * (clearance / begin) ** part if part < 1 else clearance
+            ratio = piece.r[j] + (r - piece.r[j]) * part if part < 1 else r
+            try:
+                last = newton(self.osc, float(ratio), there, 1.0, self.pattern, x * there, theta)
+            except SingularError:
+                return None
+            x, theta = last.X / there, last.phases + last.tau
+        return last if last is not None and last.admissible and last.consistent else None
 
     @property
     def area(self) -> float:
