@@ -161,7 +161,7 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, capacity, progr
    type(line_type), allocatable :: files(:)
    character(n_paths) :: all_paths
    character(n_folder) :: one_folder
-   character(:), allocatable :: said
+   character(:), allocatable :: answer
    character(16) :: kind
    integer :: i
 
@@ -175,11 +175,11 @@ subroutine run_namelists(n_paths, paths, n_folder, folder, only, capacity, progr
    do i = 1, size(log%results)
       call append(log%lines, '>'//log%results(i)%text)
    end do
-   said = join(log%lines, achar(10))
-   length = len(said)
+   answer = join(log%lines, achar(10))
+   length = len(answer)
    text = ' '
    do i = 1, min(length, capacity)
-      text(i) = said(i:i)
+      text(i) = answer(i:i)
    end do
    status = log%status
 end subroutine run_namelists
@@ -203,21 +203,21 @@ subroutine read_namelist(n_path, path, capacity, text, length, status)
    type(case_type), allocatable :: cases(:)
    type(line_type), allocatable :: lines(:)
    character(n_path) :: one_path
-   character(:), allocatable :: said
+   character(:), allocatable :: answer
    integer :: i
 
    one_path = transfer(path, one_path)
-   call read_cases(one_path, cases, said)
-   status = merge(wrong, done, len(said) > 0)
+   call read_cases(one_path, cases, answer)
+   status = merge(wrong, done, len(answer) > 0)
    do i = 1, size(cases)
       if (status == wrong) exit
       call echo(cases(i), lines)
-      said = said//join(lines, achar(10))//achar(10)
+      answer = answer//join(lines, achar(10))//achar(10)
    end do
-   length = len(said)
+   length = len(answer)
    text = ' '
    do i = 1, min(length, capacity)
-      text(i) = said(i:i)
+      text(i) = answer(i:i)
    end do
 end subroutine read_namelist
 
@@ -346,9 +346,9 @@ end subroutine fill_wholes
 
 !> Says what there is to say of a result: a line on how it was cut short (or none), then remarks; a
 !! line feed stands behind each.
-subroutine say_of(handle, n, text)
+subroutine add_notes_of(handle, n, text)
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
-   use vi_door, only: say => say_of
+   use vi_door, only: add_notes => add_notes_of
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int64_t), intent(in) :: handle
@@ -359,8 +359,8 @@ subroutine say_of(handle, n, text)
 
    lines = transfer(text, lines)
    first = index(lines, new_line('a'))
-   call say(handle, lines(:first - 1), lines(first + 1:))
-end subroutine say_of
+   call add_notes(handle, lines(:first - 1), lines(first + 1:))
+end subroutine add_notes_of
 
 !> Writes a result as CSV; `message` says what went wrong, with blanks behind it.
 subroutine write_result(handle, n, path, message)

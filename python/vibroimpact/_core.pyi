@@ -14,6 +14,15 @@ _Bytes: TypeAlias = NDArray[np.bytes_]
 __f2py_numpy_version__: str
 
 @type_check_only
+class _AddNotesOf(Protocol):
+    def __call__(
+        self,
+        handle: int,
+        text: ArrayLike,
+        n: int = ...,
+    ) -> None: ...
+
+@type_check_only
 class _DescribeLanguage(Protocol):
     # text, length
     def __call__(
@@ -360,15 +369,6 @@ class _SampleTrajectory(Protocol):
     ) -> _Real: ...
 
 @type_check_only
-class _SayOf(Protocol):
-    def __call__(
-        self,
-        handle: int,
-        text: ArrayLike,
-        n: int = ...,
-    ) -> None: ...
-
-@type_check_only
 class _SidePatterns(Protocol):
     # n, impacts, cycles, sides
     def __call__(
@@ -529,6 +529,7 @@ class _WriteResult(Protocol):
         n: int = ...,
     ) -> _Bytes: ...
 
+add_notes_of: _AddNotesOf
 describe_language: _DescribeLanguage
 describe_result: _DescribeResult
 end_of_trajectory: _EndOfTrajectory
@@ -550,7 +551,6 @@ run_namelists: _RunNamelists
 same_motion: _SameMotion
 sample: _Sample
 sample_trajectory: _SampleTrajectory
-say_of: _SayOf
 side_patterns: _SidePatterns
 simulate: _Simulate
 simulate_bundle: _SimulateBundle

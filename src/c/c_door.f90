@@ -5,11 +5,11 @@ module vi_c_door
       c_int32_t, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
    use vi_describe, only: describe_all
    use vi_door, only: done, failed, fault_of, free_result, list_cases, new_result, no_result, &
-      result_of, run_text, say_of, wrong
+      result_of, run_text, add_notes_of, wrong
    use vi_fill, only: is_open_for, put_reals, put_table, put_wholes
    use vi_processor, only: available_threads
    use vi_result, only: filled_type, result_type, rows_of, table_type
-   use vi_tell, only: tell, tell_word
+   use vi_answer, only: answer, answer_word
    use vi_text, only: join, line_type
    use vi_version, only: version
    use vi_write_csv, only: write_csv
@@ -142,7 +142,7 @@ contains
       bind(c, name='vibroimpact_text')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> Kind of text, one of the codes of vi_tell.
+      !> Kind of text, one of the codes of vi_answer.
       integer(c_int), value, intent(in) :: what
       !> Buffer for the text.
       type(c_ptr), value, intent(in) :: out
@@ -150,7 +150,7 @@ contains
       integer(c_size_t), value, intent(in) :: capacity
       character(:), allocatable :: characters
 
-      call tell(handle, what, characters)
+      call answer(handle, what, characters)
       call give(characters, out, capacity, n)
    end function c_text
 
@@ -189,65 +189,65 @@ contains
    end function c_write
 
    !> A table by its place.
-   integer(c_int) function c_table(handle, place, told) result(status) &
+   integer(c_int) function c_table(handle, place, info) result(status) &
       bind(c, name='vibroimpact_table')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
       !> Place of the table or column, from 0.
       integer(c_int), value, intent(in) :: place
       !> The table.
-      type(c_table_type), intent(inout), optional :: told
+      type(c_table_type), intent(inout), optional :: info
       type(result_type), pointer :: result
 
       status = no_result
       call find_result(handle, result)
-      if (.not. associated(result) .or. .not. present(told)) return
+      if (.not. associated(result) .or. .not. present(info)) return
       if (place < 0 .or. place >= size(result%tables)) return
-      call tell_table(result%tables(place + 1), told)
+      call describe_table(result%tables(place + 1), info)
       status = done
    end function c_table
 
    !> Fills the struct of a table.
-   subroutine tell_table(table, told)
+   subroutine describe_table(table, info)
       !> The table.
       type(table_type), intent(in), target :: table
       !> The struct of C that is filled.
-      type(c_table_type), intent(inout) :: told
+      type(c_table_type), intent(inout) :: info
       integer :: i
 
-      call put_name(table%name, told%name)
+      call put_name(table%name, info%name)
       do i = 1, 3
-         call put_name(table%dims(i), told%dims(:, i))
+         call put_name(table%dims(i), info%dims(:, i))
       end do
-      told%n_dims = table%n_dims
-      told%sizes = table%sizes
-      told%rows = rows_of(table)
-      told%parent = table%parent - 1
-      told%owners = c_null_ptr
-      if (allocated(table%owners)) told%owners = c_loc(table%owners)
-   end subroutine tell_table
+      info%n_dims = table%n_dims
+      info%sizes = table%sizes
+      info%rows = rows_of(table)
+      info%parent = table%parent - 1
+      info%owners = c_null_ptr
+      if (allocated(table%owners)) info%owners = c_loc(table%owners)
+   end subroutine describe_table
 
    !> A column by its place.
-   integer(c_int) function c_column(handle, place, told) result(status) &
+   integer(c_int) function c_column(handle, place, info) result(status) &
       bind(c, name='vibroimpact_column')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
       !> Place of the table or column, from 0.
       integer(c_int), value, intent(in) :: place
       !> The column.
-      type(c_column_type), intent(inout), optional :: told
+      type(c_column_type), intent(inout), optional :: info
       type(result_type), pointer :: result
 
       status = no_result
       call find_result(handle, result)
-      if (.not. associated(result) .or. .not. present(told)) return
+      if (.not. associated(result) .or. .not. present(info)) return
       if (place < 0 .or. place >= size(result%columns)) return
-      call tell_column(result, result%columns(place + 1), place, told)
+      call describe_column(result, result%columns(place + 1), place, info)
       status = done
    end function c_column
 
    !> A column by its name.
-   integer(c_int) function c_find(handle, table, name, told) result(status) &
+   integer(c_int) function c_find(handle, table, name, info) result(status) &
       bind(c, name='vibroimpact_find')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
@@ -256,7 +256,7 @@ contains
       !> Name of the column.
       type(c_ptr), value, intent(in) :: name
       !> The column.
-      type(c_column_type), intent(inout), optional :: told
+      type(c_column_type), intent(inout), optional :: info
       type(result_type), pointer :: result
       character(:), allocatable :: table_name, column_name
 
@@ -265,11 +265,11 @@ contains
       if (.not. associated(result)) return
       call take(table, table_name)
       call take(name, column_name)
-      status = c_column(handle, result%place(table_name, column_name) - 1, told)
+      status = c_column(handle, result%place(table_name, column_name) - 1, info)
    end function c_find
 
    !> Fills the struct of a column.
-   subroutine tell_column(result, filled, place, told)
+   subroutine describe_column(result, filled, place, info)
       !> The result.
       type(result_type), intent(in) :: result
       !> The column.
@@ -277,37 +277,37 @@ contains
       !> Place of the column, from 0.
       integer, intent(in) :: place
       !> The struct of C that is filled.
-      type(c_column_type), intent(inout) :: told
+      type(c_column_type), intent(inout) :: info
       integer :: own
 
       associate (column => filled%column)
-         call put_name(column%table, told%table)
-         call put_name(column%name, told%name)
-         call put_name(column%each, told%each)
-         call put_name(column%unit, told%unit)
-         call put_name(column%label, told%label)
-         call put_name(column%meaning, told%meaning)
-         told%kind = column%kind
-         told%listed = merge(1, 0, column%listed)
+         call put_name(column%table, info%table)
+         call put_name(column%name, info%name)
+         call put_name(column%each, info%each)
+         call put_name(column%unit, info%unit)
+         call put_name(column%label, info%label)
+         call put_name(column%meaning, info%meaning)
+         info%kind = column%kind
+         info%listed = merge(1, 0, column%listed)
          own = merge(1, 0, len_trim(column%each) > 0)
       end associate
-      told%place = place
-      told%table_place = filled%table - 1
-      told%shape = 1
-      told%n_dims = own
-      if (own == 1) told%shape(1) = filled%inner
+      info%place = place
+      info%table_place = filled%table - 1
+      info%shape = 1
+      info%n_dims = own
+      if (own == 1) info%shape(1) = filled%inner
       if (filled%table > 0) then
          associate (table => result%tables(filled%table))
-            told%n_dims = own + table%n_dims
-            told%shape(own + 1:own + table%n_dims) = table%sizes(:table%n_dims)
+            info%n_dims = own + table%n_dims
+            info%shape(own + 1:own + table%n_dims) = table%sizes(:table%n_dims)
          end associate
       end if
-      told%n_words = size(filled%words)
-      told%x = c_null_ptr
-      told%k = c_null_ptr
-      if (allocated(filled%x)) told%x = c_loc(filled%x)
-      if (allocated(filled%k)) told%k = c_loc(filled%k)
-   end subroutine tell_column
+      info%n_words = size(filled%words)
+      info%x = c_null_ptr
+      info%k = c_null_ptr
+      if (allocated(filled%x)) info%x = c_loc(filled%x)
+      if (allocated(filled%k)) info%k = c_loc(filled%k)
+   end subroutine describe_column
 
    !> A word of a column of words.
    integer(c_size_t) function c_word(handle, column, code, out, capacity) result(n) &
@@ -325,7 +325,7 @@ contains
       character(:), allocatable :: characters
 
       characters = ''
-      if (column >= 0 .and. column < huge(1)) call tell_word(handle, column + 1, code, characters)
+      if (column >= 0 .and. column < huge(1)) call answer_word(handle, column + 1, code, characters)
       call give(characters, out, capacity, n)
    end function c_word
 
@@ -456,7 +456,7 @@ contains
       if (.not. is_open_for(handle)) return
       call take(cut, how_far)
       call take(remarks, lines)
-      call say_of(handle, how_far, lines)
+      call add_notes_of(handle, how_far, lines)
       status = done
    end function c_say
 

@@ -11,7 +11,7 @@
  *     vibroimpact_free(result);
  *
  * Texts are UTF-8 and end with a null character. A null pointer stands for an empty text. Nothing here
- * prints, stops the program or keeps a state: what is wrong is told by the status and, in words, by
+ * prints, stops the program or keeps a state: what is wrong is given by the status and, in words, by
  * vibroimpact_text(result, VIBROIMPACT_MESSAGE, ...).
  *
  * Memory: a result is yours until you free it, and so is all that its columns point to. No other memory
@@ -19,7 +19,7 @@
  *
  * Threads: any thread may call any function at any time, and use results that another one made. One result
  * may be read by many threads at once, as long as none of them fills or frees it. A thread that runs a
- * case needs a stack of 2 MiB; those of POSIX have 8 MiB unless told otherwise.
+ * case needs a stack of 2 MiB; those of POSIX have 8 MiB by default.
  */
 #ifndef VIBROIMPACT_H
 #define VIBROIMPACT_H
@@ -114,7 +114,7 @@ int vibroimpact_table(vibroimpact_result result, int place, struct vibroimpact_t
 /* What the values of a column are. */
 enum {
     VIBROIMPACT_REALS = 1,    /* x: numbers; what is not there is a NaN */
-    VIBROIMPACT_WHOLES = 2,   /* k: whole numbers; those that tell rows of a table count from 1 */
+    VIBROIMPACT_WHOLES = 2,   /* k: whole numbers; those that name rows of a table count from 1 */
     VIBROIMPACT_WORDS = 3,    /* k: words, see vibroimpact_word; 0 for none */
     VIBROIMPACT_VERDICTS = 4, /* k: 1 for yes, 0 for no, -1 for unknown */
     VIBROIMPACT_TRUTHS = 5,   /* k: 1 for true, 0 for false */

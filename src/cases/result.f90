@@ -90,7 +90,7 @@ module vi_result
       character(:), allocatable :: cut
    contains
       procedure :: fail, get_reals, get_wholes, open, place, put_codes, put_complexes, &
-         put_reals, put_text, put_wholes, remark, say
+         put_reals, put_text, put_wholes, remark, add_note
       generic :: put => put_reals, put_wholes, put_complexes
    end type result_type
 
@@ -331,14 +331,14 @@ contains
    end subroutine remark
 
    !> Adds a line on what was found.
-   pure subroutine say(result, text)
+   pure subroutine add_note(result, text)
       !> The result.
       class(result_type), intent(inout) :: result
       !> The line.
       character(*), intent(in) :: text
 
-      call add_note(result, .false., text)
-   end subroutine say
+      call append_note(result, .false., text)
+   end subroutine add_note
 
    !> Adds a line on what failed or does not exist.
    pure subroutine fail(result, text)
@@ -347,11 +347,11 @@ contains
       !> The line.
       character(*), intent(in) :: text
 
-      call add_note(result, .true., text)
+      call append_note(result, .true., text)
    end subroutine fail
 
    !> Adds a note.
-   pure subroutine add_note(result, fault, text)
+   pure subroutine append_note(result, fault, text)
       !> The result.
       class(result_type), intent(inout) :: result
       !> Whether something failed.
@@ -367,6 +367,6 @@ contains
       longer(n + 1)%fault = fault
       longer(n + 1)%text = text
       call move_alloc(longer, result%notes)
-   end subroutine add_note
+   end subroutine append_note
 
 end module vi_result

@@ -2,7 +2,7 @@
 module vi_batch
    use vi_case, only: case_type
    use vi_files, only: make_folder, same_file, writable, write_file
-   use vi_log, only: done, failed, log_type, say, wrong
+   use vi_log, only: done, failed, log_type, add_message, wrong
    use vi_printout, only: print_motions
    use vi_processor, only: available_threads
    use vi_progress, only: is_stopped
@@ -45,17 +45,18 @@ contains
       if (len(message) == 0 .and. present(only)) call keep(path, only, cases, message)
       if (len(message) == 0) call take_names(path, folder, cases, log, message)
       if (len(message) > 0) then
-         call say(log, wrong, message)
+         call add_message(log, wrong, message)
          return
       end if
       call make_folder(folder, message)
       if (len(message) > 0) then
-         call say(log, wrong, folder//': '//message)
+         call add_message(log, wrong, folder//': '//message)
          return
       end if
       do i = 1, size(cases)
          if (is_stopped(progress)) then
-            call say(log, failed, cases(i)%name//': not run, since the program was interrupted')
+            call add_message(log, failed, &
+               cases(i)%name//': not run, since the program was interrupted')
             cycle
          end if
          call run_case(cases(i), folder, log, written, progress)
@@ -99,18 +100,19 @@ contains
       end if
       written = len(message) == 0
       if (.not. written) then
-         call say(log, wrong, message//writable)
+         call add_message(log, wrong, message//writable)
          return
       end if
-      if (len(result%cut) > 0) call say(log, failed, case%name//': interrupted: '//result%cut)
+      if (len(result%cut) > 0) call add_message(log, failed, &
+         case%name//': interrupted: '//result%cut)
       do i = 1, size(result%notes)
-         call say(log, merge(failed, done, result%notes(i)%fault), case%name//': '// &
+         call add_message(log, merge(failed, done, result%notes(i)%fault), case%name//': '// &
             result%notes(i)%text)
       end do
-      if (len(printed) > 0) call say(log, done, case%name//': '//printed)
+      if (len(printed) > 0) call add_message(log, done, case%name//': '//printed)
       if (len(table) == 0) return
       call append(log%results, table)
-      call say(log, done, case%name//': '//table)
+      call add_message(log, done, case%name//': '//table)
    end subroutine run_case
 
    !> Keeps the cases of one kind, of which there has to be at least one.

@@ -40,7 +40,7 @@ contains
       type(log_type) :: log
       character(:), allocatable :: folder, item
       logical :: files_only, lost, printed
-      integer :: i, j, said
+      integer :: i, j, printed_lines
 
       status = done
       folder = 'results'
@@ -53,19 +53,19 @@ contains
          call get_argument(i, item)
          if ((item == '-h' .or. item == '--help') .and. .not. files_only) then
             call describe_use(lines)
-            call tell(lines, status)
+            call print_lines(lines, status)
             return
          else if (item == '--version') then
             call append(lines, 'vibroimpact-batch '//version)
-            call tell(lines, status)
+            call print_lines(lines, status)
             return
          else if (item == '--describe' .and. .not. files_only) then
             call describe_all(lines)
-            call tell(lines, status)
+            call print_lines(lines, status)
             return
          else if (item == '--keys' .and. .not. files_only) then
             call get_argument(i + 1, item)
-            call tell_keys(item, status)
+            call print_keys(item, status)
             return
          else if (item == '-o' .and. .not. files_only) then
             i = i + 1
@@ -87,11 +87,11 @@ contains
          status = wrong
          return
       end if
-      said = 0
+      printed_lines = 0
       do i = 1, size(files)
          call run_file(files(i)%text, folder, log, progress=progress)
-         do said = said + 1, size(log%lines)
-            associate (line => log%lines(said)%text)
+         do printed_lines = printed_lines + 1, size(log%lines)
+            associate (line => log%lines(printed_lines)%text)
                if (line(1:1) == '!') then
                   write (error_unit, '(a)') line(2:)
                else if (.not. lost) then
@@ -100,7 +100,7 @@ contains
                end if
             end associate
          end do
-         said = size(log%lines)
+         printed_lines = size(log%lines)
       end do
       status = max(log%status, merge(failed, done, lost))
    end subroutine run_command
@@ -139,7 +139,7 @@ contains
    end subroutine get_argument
 
    !> Prints a text, such as the help, instead of running a file.
-   subroutine tell(lines, status)
+   subroutine print_lines(lines, status)
       !> The lines.
       type(line_type), intent(in) :: lines(:)
       !> Exit status of the program.
@@ -152,10 +152,10 @@ contains
          status = merge(done, failed, printed)
          if (.not. printed) return
       end do
-   end subroutine tell
+   end subroutine print_lines
 
    !> Describes the keys of a group.
-   subroutine tell_keys(name, status)
+   subroutine print_keys(name, status)
       !> The group, with its & or without.
       character(*), intent(in) :: name
       !> Exit status of the program.
@@ -169,7 +169,7 @@ contains
       group = lower(name(1 + index(name(:min(1, len(name))), '&'):))
       if (any(names == group)) then
          call describe_group(group, lines)
-         call tell(lines, status)
+         call print_lines(lines, status)
       else
          list = trim(names(1))
          do i = 2, size(names)
@@ -177,7 +177,7 @@ contains
          end do
          call refuse('--keys '//name//': must be followed by one of '//list, status)
       end if
-   end subroutine tell_keys
+   end subroutine print_keys
 
    !> Checks the folder of -o: a name that looks like that of a file is refused, unless it exists or
    !! ends with a slash.

@@ -4,7 +4,7 @@ module vi_log
    implicit none (type, external)
    private
 
-   public :: say
+   public :: add_message
 
    !> Exit statuses: all done; ran, but something failed or does not exist; the input is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
@@ -24,7 +24,7 @@ module vi_log
 contains
 
    !> Adds a line to the log and remembers the worst status.
-   subroutine say(log, status, text)
+   subroutine add_message(log, status, text)
       !> In and out: the log.
       type(log_type), intent(inout) :: log
       !> `done`, `failed` or `wrong`.
@@ -34,6 +34,6 @@ contains
 
       call append(log%lines, merge('-', '!', status == done)//printable(text))
       log%status = max(log%status, status)
-   end subroutine say
+   end subroutine add_message
 
 end module vi_log

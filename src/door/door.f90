@@ -21,7 +21,7 @@ module vi_door
 
    public :: bare_text, describe_result, fault_of, fill_reals, fill_wholes, free_result, &
       list_cases, name_after, new_bare_result, new_result, open_table, result_of, run_text, &
-      say_of, set_fault
+      add_notes_of, set_fault
 
    !> Status of a result: done; ran, but something failed or does not exist; the case is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
@@ -272,7 +272,7 @@ contains
    end subroutine fill_wholes
 
    !> Sets the remarks of a result that is filled by a caller, and how far it got.
-   subroutine say_of(handle, cut, remarks)
+   subroutine add_notes_of(handle, cut, remarks)
       !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
       !> How far the study got, if it was stopped before its end; otherwise empty.
@@ -290,7 +290,7 @@ contains
       do i = 1, size(lines) - 1
          call result%remark(lines(i)%text)
       end do
-   end subroutine say_of
+   end subroutine add_notes_of
 
    !> Sets the name of the case of a result to that of the file to which it will be written.
    subroutine name_after(result, path)

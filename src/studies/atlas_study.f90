@@ -125,7 +125,7 @@ contains
       type(atlas_type) :: atlas
       type(pieces_type), allocatable :: found(:)
       type(line_type), allocatable :: sides(:)
-      character(:), allocatable :: said, patterns
+      character(:), allocatable :: outcomes, patterns
       integer :: j, lost
       logical :: stopped
 
@@ -150,7 +150,7 @@ contains
       end do
       ! the zones of attractors outside all zones can be among those that were not searched
       lost = merge(0, count(.not. atlas%explained), stopped)
-      call survey_text(atlas, said)
+      call survey_text(atlas, outcomes)
       call result%open('families', 'family', [size(found)])
       call result%put_text('families', 'sides', sides)
       call result%put('families', 'cycles', [(atlas%families(j)%pattern%cycles, j=1, size(found))])
@@ -161,13 +161,14 @@ contains
       result%empty = all(found%n == 0) .and. all(found%closed) .and. lost == 0 .and. .not. stopped
       if (result%empty) then
          call result%fail('no zone: neither search nor survey found a stable, &
-            &admissible motion within the limits in the window; '//said)
+            &admissible motion within the limits in the window; '//outcomes)
          return
       end if
-      call remark_survey(atlas, found, said, lost, result)
-      call result%say(counted(count(found%loops > 0), 'zone')//', '//counted(sum(found%loops), &
+      call remark_survey(atlas, found, outcomes, lost, result)
+      call result%add_note(counted(count(found%loops > 0), &
+         'zone')//', '//counted(sum(found%loops), &
          'loop')//', '//counted(size(atlas%explained), 'attractor')//' surveyed')
-      call result%say(said)
+      call result%add_note(outcomes)
       do j = 1, size(found)
          if (.not. found(j)%closed) call result%fail(pattern_text( &
             atlas%families(j)%pattern%sides, atlas%families(j)%pattern%cycles)//' '//not_closed)
@@ -229,20 +230,20 @@ contains
    end subroutine put_points
 
    !> Adds remarks on the outcomes of the survey, and on what is missing.
-   pure subroutine remark_survey(atlas, found, said, lost, result)
+   pure subroutine remark_survey(atlas, found, outcomes, lost, result)
       !> The atlas.
       type(atlas_type), intent(in) :: atlas
       !> The pieces of each family.
       type(pieces_type), intent(in) :: found(:)
       !> The outcomes of the survey, in words.
-      character(*), intent(in) :: said
+      character(*), intent(in) :: outcomes
       !> Number of attractors that should lie in a zone and do not; they are listed if it is not 0.
       integer, intent(in) :: lost
       !> The result.
       type(result_type), intent(inout) :: result
       integer :: i, j
 
-      call result%remark(said)
+      call result%remark(outcomes)
       call result%remark(without_impacts)
       do j = 1, size(found)
          if (.not. found(j)%closed) call result%remark(pattern_text( &

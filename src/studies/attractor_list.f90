@@ -4,7 +4,7 @@ module vi_attractor_list
    use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, within
    use vi_attractor_settled, only: settle_chains
    use vi_attractor_target, only: target_type
-   use vi_attractor_wandering, only: group_type, tell_apart
+   use vi_attractor_wandering, only: group_type, separate_groups
    use vi_forced_system, only: forced_system_type
    use vi_kinds, only: wp
    use vi_status, only: stat
@@ -268,7 +268,7 @@ contains
                n = found%found(1, j)
                i = list%n + 1
                if (i > most_attractors) cycle
-               call tell_apart(list%system, found%values(:, :n, 1, j), &
+               call separate_groups(list%system, found%values(:, :n, 1, j), &
                   found%labels(2, :n, 1, j), new, list%groups, i, labels(members(j)))
                if (labels(members(j)) == i) call add_described(list, new)
                cycle

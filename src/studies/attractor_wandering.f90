@@ -11,7 +11,7 @@ module vi_attractor_wandering
    implicit none (type, external)
    private
 
-   public :: tell_apart
+   public :: separate_groups
 
    !> Largest number of such attractors.
    integer, parameter :: most_groups = 30
@@ -31,7 +31,7 @@ module vi_attractor_wandering
 contains
 
    !> The attractor of a trajectory that does not repeat itself; it may be a new one.
-   subroutine tell_apart(system, values, sides, known, groups, next, label)
+   subroutine separate_groups(system, values, sides, known, groups, next, label)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Its last impacts as in `store_events`.
@@ -73,7 +73,7 @@ contains
       more(:size(groups)) = groups
       more(size(more)) = own
       call move_alloc(more, groups)
-   end subroutine tell_apart
+   end subroutine separate_groups
 
    !> Marks the cell of an impact.
    pure subroutine mark(group, system, phase, x, side)

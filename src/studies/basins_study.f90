@@ -285,7 +285,7 @@ contains
             text = text//', '//names(i)%text//' '//shown(100*share(labels, i), 'f12.2')//'% +- '// &
                shown(100*standard_error(labels, i), 'f12.2')//'%'
          end do
-         call result%say(text)
+         call result%add_note(text)
       end if
       if (lost > 0) call result%fail(whole(lost)//' of '//counted(reached, 'state')// &
          ' not decided')

@@ -263,7 +263,8 @@ contains
          ' simulations were reached'
       lost = reached - count(found%status == stat%ok)
       result%empty = lost == reached
-      if (.not. result%empty) call result%say(counted(n, 'run')//' of '//whole(m)//' values, '// &
+      if (.not. result%empty) call result%add_note(counted(n, &
+         'run')//' of '//whole(m)//' values, '// &
          counted(sum(found%found), 'impact')//', '//counted(windows, 'periodic window'))
       if (lost > 0) call result%fail(whole(lost)//' of '//counted(reached, 'simulation')// &
          ' failed: '//status_text(maxval(found%status, found%status /= stat%not_computed)))

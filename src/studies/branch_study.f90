@@ -282,7 +282,7 @@ contains
          call result%remark('branch '//whole(i)//': first end: '//end_text( &
             branches(i)%reasons(1))//'; last end: '//end_text(branches(i)%reasons(2)))
          call summarize(branches(i), text)
-         call result%say(text)
+         call result%add_note(text)
          if (any(branches(i)%reasons == end_full)) then
             call result%fail('cut short, max_points was reached')
          else if (any(branches(i)%reasons == end_stuck)) then
@@ -291,7 +291,7 @@ contains
       end do
    end subroutine run_branch
 
-   !> Puts what is told of each branch as a whole.
+   !> Puts the columns of each branch as a whole.
    pure subroutine put_starts(branches, starts, result)
       !> With points.
       type(points_type), intent(in) :: branches(:)

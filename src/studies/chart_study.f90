@@ -283,7 +283,8 @@ contains
       if (result%empty) then
          call result%fail('no motion '//what//' was found anywhere in the window')
       else
-         call result%say(whole(count(chart%status == stat%ok))//' motions '//what//' at '//whole( &
+         call result%add_note(whole(count(chart%status == &
+            stat%ok))//' motions '//what//' at '//whole( &
             count(any(chart%status == stat%ok, 1)))//' of '//whole(m*n)//' points, '//whole(count( &
             all(chart%verdicts == yes, 1)))//' admissible and stable')
       end if

@@ -154,7 +154,7 @@ contains
       call result%put('peaks', 'impacts', listed%impacts)
       call result%put('peaks', 'rests', listed%rests)
       result%empty = size(listed) == 0
-      call tell(result, most, decrement, counts(done), status(done))
+      call add_summary(result, most, decrement, counts(done), status(done))
    end subroutine run_decay
 
    !> The logarithmic decrement from each peak to the next one on the same side; NaN of the last
@@ -171,7 +171,7 @@ contains
    end function decrements
 
    !> Says what was found, and what is missing.
-   subroutine tell(result, most, decrement, counts, status)
+   subroutine add_summary(result, most, decrement, counts, status)
       !> The result.
       type(result_type), intent(inout) :: result
       !> Peaks asked for in each run.
@@ -184,7 +184,7 @@ contains
       character(:), allocatable :: reason
 
       damping = pack(decrement/hypot(two_pi, decrement), decrement <= huge(decrement))
-      if (size(damping) > 0) call result%say('damping ratio of a cycle from '// &
+      if (size(damping) > 0) call result%add_note('damping ratio of a cycle from '// &
          shown(minval(damping), 'f12.5')//' to '//shown(maxval(damping), 'f12.5')//' at '// &
          counted(size(counts), 'clearance'))
       if (all(counts == most)) return
@@ -196,6 +196,6 @@ contains
       end if
       call result%fail(whole(count(counts < most))//' of '//counted(size(counts), 'clearance')// &
          ' with fewer than '//whole(most)//' peaks: '//reason)
-   end subroutine tell
+   end subroutine add_summary
 
 end module vi_decay_study

@@ -126,7 +126,7 @@ contains
          if (result%empty) then
             call result%fail('no periodic motion was found')
          else
-            call result%say(counted(n, 'motion')//', '//whole(count( &
+            call result%add_note(counted(n, 'motion')//', '//whole(count( &
                findings%motions%motion%stable == yes))//' stable')
          end if
       end associate

@@ -231,7 +231,7 @@ contains
       n = size(done)
       lost = count(status(done) /= stat%ok)
       result%empty = lost == n
-      if (.not. result%empty) call result%say(counted(n, 'point')//', '//whole(count( &
+      if (.not. result%empty) call result%add_note(counted(n, 'point')//', '//whole(count( &
          exponents(1, done) > 3*deviations(1, done)))//' with a positive exponent')
       if (lost == 0) return
       status = status(done)

@@ -389,7 +389,7 @@ contains
       do i = 1, size(motions)
          if (motions(i)%status == stat%ok) then
             call describe_verdicts(motions(i), text)
-            call result%say(text)
+            call result%add_note(text)
          else if (.not. none) then
             call result%remark('motion '//whole(i)//': '//status_text(motions(i)%status))
          end if
@@ -493,7 +493,8 @@ contains
       !> Its verdicts, and the modulus of its leading multiplier.
       character(:), allocatable, intent(out) :: text
 
-      text = said(motion%consistent, 'consistent')//', '//said(motion%admissible, 'admissible') &
+      text = verdict_text(motion%consistent, 'consistent')//', '//verdict_text(motion%admissible, &
+         'admissible') &
          //', '//trim(merge('stable?  ', merge('stable   ', 'unstable ', motion%stable == yes), &
          motion%stable == unknown))
       if (ieee_is_nan(motion%multipliers(1)%re)) then
@@ -505,7 +506,7 @@ contains
    end subroutine describe_verdicts
 
    !> A verdict in words.
-   pure function said(verdict, word) result(text)
+   pure function verdict_text(verdict, word) result(text)
       !> `yes`, `no` or `unknown`.
       integer, intent(in) :: verdict
       !> The adjective.
@@ -515,6 +516,6 @@ contains
       text = word
       if (verdict == unknown) text = word//'?'
       if (verdict /= unknown .and. verdict /= yes) text = 'not '//word
-   end function said
+   end function verdict_text
 
 end module vi_motion_study

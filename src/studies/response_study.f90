@@ -177,7 +177,8 @@ contains
       lost = count(status(:, done) /= stat%ok)
       n = size(done)
       result%empty = lost == n*states
-      if (.not. result%empty) call result%say('max|X|/A from '//shown(minval(envelope(1, done)), &
+      if (.not. result%empty) call result%add_note('max|X|/A from '//shown(minval(envelope(1, &
+         done)), &
          'f12.4')//' to '//shown(maxval(envelope(2, done)), 'f12.4')//' at '//counted(n, 'point'))
       if (lost > 0) call result%fail(whole(lost)//' of '//counted(n*states, 'simulation')// &
          ' failed: '//status_text(maxval(status(:, done))))

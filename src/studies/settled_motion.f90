@@ -178,7 +178,7 @@ contains
       end do
       if (chosen%status /= stat%ok) then
          described%motion%status = motion%status
-         ! one whose period does not close to rounding is told all the same, as not consistent
+         ! one whose period does not close to rounding is described all the same, as not consistent
          if (allocated(motion%releases)) chosen = motion
       end if
       if (allocated(chosen%releases)) call describe_chosen(system, chosen, described)

@@ -174,7 +174,8 @@ contains
       call result%put('events', 'z_dot_after', events%z_dot_after)
       if (status == stat%more_events) call result%remark('cut short: max_events was reached')
       call result%remark('final state: t, x, x_dot, z, z_dot = '//exact_list(state))
-      call result%say(counted(count(events%kind == impact_event), 'impact')//', '//counted(count( &
+      call result%add_note(counted(count(events%kind == impact_event), &
+         'impact')//', '//counted(count( &
          events%kind == stick_event), 'rest'))
       if (status == stat%more_events) call result%fail('cut short, max_events was reached')
    end subroutine run_simulate

@@ -76,7 +76,7 @@ contains
          zone%surface%scale), net)
       zone%lines = shape(net%head)
       do i = 1, size(items)
-         call sow(net, [seeds(1, i), log(seeds(2, i))], seeds(3:, i), items(i))
+         call prepare_seed(net, [seeds(1, i), log(seeds(2, i))], seeds(3:, i), items(i))
       end do
       call cover(net, 1, progress)
       ! gfortran evaluates the bounds of an absent array that is passed on
@@ -286,7 +286,7 @@ contains
    end subroutine simulate_nodes
 
    !> Prepares a seed, and adds it as a node of the lattice if that is possible.
-   pure subroutine sow(net, place, whole, seed)
+   pure subroutine prepare_seed(net, place, whole, seed)
       !> In and out: the seed is added.
       type(net_type), intent(inout) :: net
       !> r and log D, and the unknowns in the whole pattern.
@@ -300,7 +300,7 @@ contains
          [(0.0_wp, i=1, unknown_count(net%surface%frame)), seed%at]), whole)
       call place_at_node(net, seed%at, seed%unknowns, nearest_lines(net%lines, seed%at), &
          seed%at_node)
-   end subroutine sow
+   end subroutine prepare_seed
 
    !> Computes the motion of a seed at its own place: whether it belongs to the family and is inside
    !! a zone.

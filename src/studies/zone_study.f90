@@ -89,7 +89,7 @@ contains
             &cycles and sides whose second half mirrors the first')
       else if (any(abs(pattern%sides) == 2) .and. .not. case%study%is('symmetric', 'both')) then
          call case%study%refuse('symmetric', 'and ''both'' for a pattern with rest, whose motions &
-            &are not told apart')
+            &are not distinguished')
       else if (modulo(seed_numbers(case%study), 2 + 2*n) > 0) then
          call case%study%refuse('seeds', whole(2 + 2*n)//' numbers each')
       else
@@ -161,7 +161,7 @@ contains
       end if
       if (result%empty) return
       call list_types(found, types)
-      call result%say(what//', '//counted(found%loops, 'loop')//' in '//counted(found%n, &
+      call result%add_note(what//', '//counted(found%loops, 'loop')//' in '//counted(found%n, &
          'piece')//types)
       if (.not. found%closed) call result%fail(not_closed)
    end subroutine run_zone
@@ -232,7 +232,7 @@ contains
             exact(seeds(2, i))//' was not used: it is no motion of this pattern inside the window, &
             &or one that repeats a shorter one')
       end do
-      if (.not. all(is_used)) call result%say(whole(count(.not. is_used))//' of '//counted( &
+      if (.not. all(is_used)) call result%add_note(whole(count(.not. is_used))//' of '//counted( &
          size(is_used), 'seed')//' not used: no motion of this pattern inside the window, or one &
          &that repeats a shorter one')
    end subroutine remark_unused_seeds

@@ -56,7 +56,7 @@ def restored(result: Result) -> Handle:
     handle = Handle(number)
     if status:
         raise ParameterError(f"case: {refusal(number)}")
-    _core.say_of(number, characters("\n".join([result.cut, *result.remarks]) + "\n"))
+    _core.add_notes_of(number, characters("\n".join([result.cut, *result.remarks]) + "\n"))
     for name, table in result.tables.items():
         names = f"{name:16}{table.parent:16}{' '.join(reversed(table.dims)):64}"
         sizes = np.array(list(table.dims.values()), np.int32)[::-1]

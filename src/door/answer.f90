@@ -1,5 +1,5 @@
 !> Texts of a result.
-module vi_tell
+module vi_answer
    use, intrinsic :: iso_c_binding, only: c_int64_t
    use vi_buffer, only: add, buffer_type
    use vi_csv, only: csv_header, csv_rows, has_rows, row_count
@@ -9,18 +9,19 @@ module vi_tell
    implicit none (type, external)
    private
 
-   public :: tell, tell_word
+   public :: answer, answer_word
 
    !> Kinds of texts: the fault of the case; the complete case as a namelist; lines on what was
    !! found; lines on what failed or does not exist; remarks of the header of files; how far it got
    !! if it was stopped; the CSV; the result without its values as JSON.
-   integer, parameter, public :: tell_message = 0, tell_case = 1, tell_notes = 2, tell_faults = 3, &
-      tell_remarks = 4, tell_cut = 5, tell_csv = 6, tell_json = 7
+   integer, parameter, public :: answer_message = 0, answer_case = 1, tell_notes = 2, &
+      answer_faults = 3, &
+      answer_remarks = 4, answer_cut = 5, answer_csv = 6, answer_json = 7
 
 contains
 
    !> A text; empty if there is none.
-   subroutine tell(handle, what, text)
+   subroutine answer(handle, what, text)
       !> Handle of a result, from vi_door.
       integer(c_int64_t), intent(in) :: handle
       !> One of the above.
@@ -32,35 +33,35 @@ contains
       integer :: i, line, status
 
       text = ''
-      if (what == tell_message) call fault_of(handle, status, text, line)
-      if (what == tell_json) call describe_result(handle, text)
+      if (what == answer_message) call fault_of(handle, status, text, line)
+      if (what == answer_json) call describe_result(handle, text)
       result => result_of(handle)
       if (.not. associated(result)) return
       if (.not. allocated(result%tables)) return        ! the case is wrong
       select case (what)
-      case (tell_case)
+      case (answer_case)
          call bare_text(result%case, text)
-      case (tell_notes, tell_faults)
+      case (tell_notes, answer_faults)
          do i = 1, size(result%notes)
-            if (result%notes(i)%fault .neqv. what == tell_faults) cycle
+            if (result%notes(i)%fault .neqv. what == answer_faults) cycle
             call add(buffer, result%notes(i)%text//new_line('a'))
          end do
-      case (tell_remarks)
+      case (answer_remarks)
          do i = 1, size(result%remarks)
             call add(buffer, result%remarks(i)%text//new_line('a'))
          end do
-      case (tell_cut)
+      case (answer_cut)
          text = result%cut
-      case (tell_csv)
-         if (.not. result%empty) call tell_rows(result, text)
+      case (answer_csv)
+         if (.not. result%empty) call answer_rows(result, text)
       case default
          continue
       end select
       if (buffer%n > 0) text = buffer%text(:buffer%n)
-   end subroutine tell
+   end subroutine answer
 
    !> The CSV as one text; empty if a column has no values.
-   subroutine tell_rows(result, text)
+   subroutine answer_rows(result, text)
       !> The result.
       type(result_type), intent(in) :: result
       !> Header and rows.
@@ -78,10 +79,10 @@ contains
       call csv_rows(result, 1, row_count(result), rows)
       call add(buffer, rows)
       text = buffer%text(:buffer%n)
-   end subroutine tell_rows
+   end subroutine answer_rows
 
    !> A word of a column of words; empty if there is none.
-   subroutine tell_word(handle, column, code, text)
+   subroutine answer_word(handle, column, code, text)
       !> Handle of a result, from vi_door.
       integer(c_int64_t), intent(in) :: handle
       !> Place of the column, from 1.
@@ -99,6 +100,6 @@ contains
       if (column < 1 .or. column > size(result%columns) .or. code < 1) return
       if (code <= size(result%columns(column)%words)) text = &
          result%columns(column)%words(code)%text
-   end subroutine tell_word
+   end subroutine answer_word
 
-end module vi_tell
+end module vi_answer
