@@ -22,7 +22,8 @@ module vi_borders
       type(curve_type) :: surface
       !> A point inside, beside each loop (2, n).
       real(wp), allocatable :: inside(:, :)
-      !> Motions found in the window, steps of the net, and borders that were not traced.
+      !> Motions found in the window, steps of the net, and borders that were not traced; one more
+      !! if a limit of the net was reached.
       integer :: nodes = 0, steps = 0, untraced = 0
       !> Lattice lines of constant r and of constant D.
       integer :: lines(2) = 0

@@ -20,7 +20,7 @@ module vi_net
    public :: new_net, add_seed, cover, cover_from
 
    !> Room for crossings of one line with those of the lattice.
-   integer, parameter :: crossing_capacity = 64
+   integer, parameter :: crossing_capacity = 256
 
    !> A point on the boundary of a zone: the condition that is zero there, and a point inside
    !! nearby.
@@ -48,6 +48,8 @@ module vi_net
       integer :: n_crossings = 0
       !> Steps made.
       integer :: steps = 0
+      !> Whether something was left out because one of the limits was reached.
+      logical :: full = .false.
    end type net_type
 
    !> Room for nodes and borders, and steps that may be made.
@@ -92,6 +94,7 @@ contains
          if (maxval(abs(offset)) < 1.0e-6_wp) return
          node = net%follower(node)
       end do
+      net%full = net%full .or. net%n == capacity
       if (net%n == capacity) return
       net%n = net%n + 1
       node = net%n
@@ -229,6 +232,7 @@ contains
          before = now
          now = next
       end do
+      net%full = .true.
    end subroutine follow_line
 
    !> Notes the nodes between two places.
@@ -277,6 +281,7 @@ contains
       !> The point of the line at the crossing.
       real(wp), intent(in) :: point(:)
 
+      net%full = net%full .or. net%n_crossings == crossing_capacity
       if (net%n_crossings == crossing_capacity) return
       net%n_crossings = net%n_crossings + 1
       associate (crossing => net%crossings(net%n_crossings))
@@ -305,6 +310,7 @@ contains
 
       inside = is_inside(now%conditions, now%values, line%active(1))
       if (inside .eqv. is_inside(next%conditions, next%values, line%active(1))) return
+      net%full = net%full .or. net%n_borders == border_capacity
       if (net%n_borders == border_capacity) return
       call innermost_zero(line, now, next, inside, best, which)
       if (which == 0) return

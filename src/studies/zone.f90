@@ -95,6 +95,7 @@ contains
       zone%open_seeds = items%inside .and. .not. items%enclosed
       zone%used_seeds = items%there .or. items%at_node
       if (is_stopped(progress)) zone%untraced = zone%untraced + 1
+      if (net%full) zone%untraced = zone%untraced + 1
       call report_share(1.0_wp, zone_work, reported, progress)
    end subroutine find_zone
 
