@@ -1,0 +1,78 @@
+"""The order of the package: no circle of imports but through the base class of results, which hands over files and
+pictures."""
+
+import ast
+import graphlib
+from pathlib import Path
+
+import vibroimpact as vi
+
+PACKAGE = Path(vi.__file__).parent
+#: The only file that may import upward, inside functions.
+BASE = "noun.py"
+
+
+def target(path, node, name):
+    """The file of the package that `from ... import name` names; None for other packages."""
+    if not node.level:
+        return None
+    folder = path.parent
+    for _ in range(node.level - 1):
+        folder = folder.parent
+    for part in (node.module or "").split("."):
+        folder = folder / part if part else folder
+    for found in (
+        folder / f"{name}.py",
+        folder / name / "__init__.py",
+        folder.with_suffix(".py"),
+        folder / "__init__.py",
+    ):
+        if found.is_file():
+            return found
+    return None
+
+
+def imports(path, inside):
+    """The files that a file imports when it is imported, or (`inside`) when its functions run too."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in statements(tree, inside):
+        if isinstance(node, ast.ImportFrom):
+            for item in node.names:
+                found = target(path, node, item.name)
+                # the package itself imports all nouns and studies; that is where its users begin
+                if found not in (None, path, PACKAGE / "__init__.py"):
+                    yield str(found.relative_to(PACKAGE))
+
+
+def statements(tree, inside):
+    """Statements that run, those of functions too or not; none of those for type checkers alone."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and not inside:
+            continue
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            continue
+        yield node
+        yield from statements(node, inside)
+
+
+def circle(inside, without=()):
+    """A circle of files that import each other; empty if there is none."""
+    paths = {str(path.relative_to(PACKAGE)): path for path in PACKAGE.rglob("*.py")}
+    assert len(paths) > 100
+    graph = {
+        name: set(imports(path, inside and name not in without)) for name, path in paths.items()
+    }
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        return error.args[1]
+    return []
+
+
+def test_no_circle_among_imports_at_the_top_of_files():
+    assert circle(inside=False) == []
+
+
+def test_no_circle_inside_functions_but_through_the_base_class():
+    assert circle(inside=True, without={BASE}) == []
+    assert BASE in circle(inside=True)
