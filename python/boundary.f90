@@ -481,8 +481,7 @@ subroutine sample_trajectory(n, m, xi, mu, r, load, clearance, starts, resting, 
    real(c_double), intent(out) :: values(6, m)
 
    call sample_segments(new_forced_system(oscillator_type(xi, mu), r, load, clearance), starts, &
-      resting, &
-      times, values)
+      resting, times, values)
 end subroutine sample_trajectory
 
 !> The exact motion near a guess of x_i and theta_i = alpha_i + tau, by Newton's method.
@@ -660,8 +659,7 @@ subroutine start_state(xi, r, load, clearance, start, state, contact)
    integer(c_int), intent(out) :: contact(3)
 
    call pack_state(initial_state(new_forced_system(oscillator_type(xi), r, load, clearance), &
-      start), &
-      state, contact)
+      start), state, contact)
 end subroutine start_state
 
 !> Simulates many systems for a number of load cycles: final states, impacts and rests of each.

@@ -1,8 +1,7 @@
 !> The declaration of a study: what it is, its keys and columns, and what checks and runs its cases.
 !!
 !! Each study fills one in; `vi_study_list` collects them, and all else looks there. A study needs
-!! no
-!! other module of this folder, but for texts.
+!! no other module of this folder, but for texts.
 module vi_study
    use vi_case, only: case_type
    use vi_key, only: a_whole, a_word, key_type

@@ -20,8 +20,7 @@ contains
       !> In: both right sides, b(k, i) for equation i. Out: both solutions, b(k, j) for unknown j.
       real(wp), intent(inout) :: b(2, most)
       !> False if the matrix is singular as far as rounding can tell; then b is no solution. A NaN
-      !! in
-      !! the equations can give a regular matrix, and is then in the solution too.
+      !! in the equations can give a regular matrix, and is then in the solution too.
       logical, intent(out) :: regular
       !> The greatest first right side, relative to the greatest coefficient of its equation.
       real(wp), intent(out) :: residual

@@ -397,8 +397,7 @@ contains
    end subroutine list_families
 
    !> Adds the families of a pattern, first the symmetric motions and then the others, if the
-   !! pattern
-   !! is in standard order and not listed yet.
+   !! pattern is in standard order and not listed yet.
    pure subroutine add_families(osc, pattern, families)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc

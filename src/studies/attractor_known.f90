@@ -5,8 +5,7 @@ module vi_attractor_known
    use vi_attractor_tangent, only: period_derivative
    use vi_attractor_target, only: difference, over_period, target_type
    use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
-      release_event, &
-      state_type, two_pi
+      release_event, state_type, two_pi
    use vi_event_symbols, only: symbol_endings
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve

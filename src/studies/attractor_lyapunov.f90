@@ -17,8 +17,7 @@ module vi_attractor_lyapunov
    use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, orthonormalise, &
       restitution_at
    use vi_forced_system, only: forced_system_type, event_type, impact_event, new_forced_system, &
-      release_event, state_type, &
-      two_pi
+      release_event, state_type, two_pi
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate

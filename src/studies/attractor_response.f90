@@ -45,8 +45,7 @@ contains
       n = size(r)
       m = states*n
       allocate (parameters(6, 1, m), starts(5, m), impacts(7, capacity, 1, m), labels(2, capacity, &
-         1, m), &
-         found(1, m), counts(4, 1, m), extremes(2, 1, m), ends(5, 1, m), ends_status(1, m))
+         1, m), found(1, m), counts(4, 1, m), extremes(2, 1, m), ends(5, 1, m), ends_status(1, m))
       do j = 1, n
          parameters(:, 1, (j - 1)*states + 1:j*states) = spread([r(j), clearance(j), osc%xi, &
             osc%mu, osc%restitution], 2, states)

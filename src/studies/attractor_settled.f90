@@ -6,8 +6,7 @@ module vi_attractor_settled
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
-      new_forced_system, &
-      state_time, state_type, stick_event
+      new_forced_system, state_time, state_type, stick_event
    use vi_event_symbols, only: symbol_endings
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type

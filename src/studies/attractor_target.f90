@@ -85,8 +85,7 @@ contains
          if (.not. good) return
       end if
       call simulate(system, state, int(target%cycles, int64), phase + 0.5_wp*two_pi, events, &
-         found, &
-         final, status)
+         found, final, status)
       good = status == stat%ok
       if (.not. good) return
       nearest = 0.5_wp*two_pi

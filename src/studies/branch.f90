@@ -349,8 +349,7 @@ contains
       closes = share > 0 .and. share <= next%came .and. &
          norm2(offset - share*now%tangent) < 0.2_wp*share + 1.0e-9_wp
       if (closes) closes = distance_from(curve, [condition_type ::], now%point + &
-         share*now%tangent, &
-         now%tangent, branch%points(:, 1)) < 1.0e-6_wp
+         share*now%tangent, now%tangent, branch%points(:, 1)) < 1.0e-6_wp
    end function closes
 
    !> Appends a place to a branch.

@@ -60,8 +60,7 @@ contains
          capacity = 2*most
          allocate (p%parameters(6, capacity), p%phases(n, capacity), p%impacts(n, 6, capacity), &
             p%scalars(6, capacity), p%multipliers(4, capacity), p%verdicts(3, capacity), &
-            p%codes(capacity), &
-            p%special(3, capacity))
+            p%codes(capacity), p%special(3, capacity))
          call branch_arrays(request, [motion%x/motion%clearance, motion%phases + motion%tau], &
             p%parameters, p%phases, p%impacts, p%scalars, p%multipliers, p%verdicts, p%codes, &
             p%special, p%n, p%reasons, p%status, progress)

@@ -7,8 +7,7 @@ module vi_bundle
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: forced_system_type, event_type, impact_event, new_forced_system, &
-      simulate, state_type, &
-      stick_event
+      simulate, state_type, stick_event
    use vi_status, only: stat
    use vi_trajectory, only: later, pack_state, unpack_state
    implicit none (type, external)
@@ -47,8 +46,7 @@ contains
       do j = 1, size(r)
          state = unpack_state(states(:, j), contacts(:, j))
          call simulate_counting(new_forced_system(osc, r(j), load(j), clearance(j)), state, &
-            cycles, &
-            most_events, counts(:, j), status(j))
+            cycles, most_events, counts(:, j), status(j))
          call pack_state(state, states(:, j), contacts(:, j))
       end do
       !$omp end parallel do

@@ -157,8 +157,7 @@ contains
       !! `stat%no_motion` in empty slots.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :)
       !> Progress counters, see vi_progress. A request to stop is not followed: what the search
-      !! found
-      !! would be lost.
+      !! found would be lost.
       integer, intent(inout), optional :: progress(3)
       integer :: slots(size(ranks, 1), size(ranks, 2), size(ranks, 3))
       type(setting_type) :: here

@@ -69,8 +69,7 @@ contains
          n => size(grid%r))
          allocate (chart%phases(i, k, m, n), chart%x(i, k, m, n), chart%multipliers(4, k, m, n), &
             chart%tau(k, m, n), chart%x_min(k, m, n), chart%x_max(k, m, n), chart%verdicts(3, k, &
-            m, n), &
-            chart%status(k, m, n))
+            m, n), chart%status(k, m, n))
          allocate (chart%found(m, n), source=0)
       end associate
       if (pair > 0) call add_pair(osc, pattern, grid, threads, chart, progress)

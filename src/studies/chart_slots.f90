@@ -236,8 +236,7 @@ contains
    !> The last slot whose motion has the lowest rank, if that is below a rank; otherwise 0.
    pure integer function weakest(ranks, holder, rank) result(slot)
       !> (keep) ranks of the motions at a point; (capacity) the motion that holds each slot; the
-      !! rank in
-      !! question.
+      !! rank in question.
       integer, intent(in) :: ranks(:), holder(:), rank
 
       slot = minloc(ranks(holder), 1, back=.true.)

@@ -103,8 +103,7 @@ contains
    end subroutine correct
 
    !> Distance of a point from the place where a curve crosses the plane through it; huge if
-   !! Newton's
-   !! method does not find the curve there.
+   !! Newton's method does not find the curve there.
    pure real(wp) function distance_from(curve, conditions, guess, normal, point)
       !> The curve.
       type(curve_type), intent(in) :: curve

@@ -110,8 +110,7 @@ contains
       associate (system => request%system, osc => request%system%osc)
          ! without load there is no clearance in units of it: so large that nothing is there
          c = [system%r, log(system%clearance/max(system%load, system%clearance*1.0e-300_wp)), &
-            osc%xi, &
-            osc%mu, osc%restitution(right), osc%restitution(left)]
+            osc%xi, osc%mu, osc%restitution(right), osc%restitution(left)]
       end associate
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(patterns)
@@ -199,8 +198,7 @@ contains
       !> x_i/D and theta_i of each (2N, m).
       real(wp), intent(in) :: unknowns(:, :)
       !> Out: the admissible motions, and the numbers of those that are not and that are not known
-      !! to
-      !! be.
+      !! to be.
       type(batch_type), intent(inout) :: batch
       type(found_type) :: found
       integer :: i, n
@@ -245,8 +243,7 @@ contains
          allocate (batches(i)%motions(1))
          associate (system => request%system, found => batches(i)%motions(1))
             call new_resting(system, side, cycles, release_start(system%osc, system%r, &
-               system%load, &
-               system%clearance, side, modulo(i - 1, n)), few_events, found)
+               system%load, system%clearance, side, modulo(i - 1, n)), few_events, found)
             batches(i)%n = merge(1, 0, found%status == stat%ok)
          end associate
       end do
@@ -279,8 +276,7 @@ contains
          allocate (batches(i)%motions(longest))
          associate (system => request%system, batch => batches(i))
             call settle_on(system, state_start(system%osc, system%r, system%load, &
-               system%clearance, i), &
-               request%settling, scale, batch%outcome, batch%motions, batch%n)
+               system%clearance, i), request%settling, scale, batch%outcome, batch%motions, batch%n)
          end associate
          call add_done_work(state_work/size(batches), progress)
       end do

@@ -71,15 +71,13 @@ contains
          last = min(k*lanes, size(r))
          if (n <= most_impacts) then
             call block(plan, r(first:last), phases(first:last, :), with_radius, wide_here, &
-               workspace, &
-               consistent(first:last), stable(first:last), radius(first:last))
+               workspace, consistent(first:last), stable(first:last), radius(first:last))
          else
             stable(first:last) = unsure
          end if
          call refer(osc, r(first:last), pattern, restitution, phases(first:last, :), acceptance, &
             with_radius, workspace, consistent(first:last), stable(first:last), &
-            radius(first:last), &
-            status(first:last), referred)
+            radius(first:last), status(first:last), referred)
       end do
       !$omp end parallel do
    end subroutine stability_flags

@@ -205,8 +205,7 @@ contains
          batches = s%whole_number('batches')
          do j = 1, n
             call pack_state(initial_state(new_forced_system(case%osc, r(j), loads(j), &
-               clearance(j)), &
-               state_of(s)), states(:, j), contacts(:, j))
+               clearance(j)), state_of(s)), states(:, j), contacts(:, j))
          end do
          call lyapunov_points(case%osc, r, loads, clearance, states, contacts, &
             s%whole_number('discard'), s%whole_number('cycles')/batches, batches, threads, &

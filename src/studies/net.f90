@@ -2,9 +2,8 @@
 !! zone.
 !!
 !! The lines of a lattice in the window are followed on every part of the surface that the seeds
-!! belong to,
-!! through folds as well. A motion where two lines cross is a node; from every node both lines are
-!! followed, so that all its connected parts are covered.
+!! belong to, through folds as well. A motion where two lines cross is a node; from every node both
+!! lines are followed, so that all its connected parts are covered.
 module vi_net
    use vi_crossing, only: hidden_zero, innermost_zero
    use vi_curve, only: curve_type

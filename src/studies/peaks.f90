@@ -7,8 +7,7 @@
 module vi_peaks
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_forced_system, only: forced_system_type, event_type, flight_from, impact_event, &
-      initial_state, &
-      new_forced_system, rest_from, state_time, state_type, stick_event, two_pi
+      initial_state, new_forced_system, rest_from, state_time, state_type, stick_event, two_pi
    use vi_kinds, only: wp
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: eta, oscillator_type
@@ -83,8 +82,7 @@ contains
       do j = 1, size(clearances)
          if (is_stopped(progress)) cycle
          call follow(new_forced_system(osc, clock, 0.0_wp, clearances(j)), start, peaks(:, j), &
-            counts(j), &
-            status(j), progress)
+            counts(j), status(j), progress)
       end do
       !$omp end parallel do
    end subroutine find_peaks

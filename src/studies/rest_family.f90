@@ -248,8 +248,7 @@ contains
       type(forced_system_type) :: system
 
       system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
-         c(by_r), &
-         1.0_wp, exp(c(by_clearance)))
+         c(by_r), 1.0_wp, exp(c(by_clearance)))
    end function system_of
 
    !> The release with which a period starts.

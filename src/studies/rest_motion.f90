@@ -12,8 +12,7 @@ module vi_rest_motion
    use vi_attractor_tangent, only: period_derivative
    use vi_doubt, only: caution, greater, worst_change
    use vi_forced_system, only: forced_system_type, event_type, impact_event, release_event, &
-      state_time, &
-      state_type, stick_event, two_pi
+      state_time, state_type, stick_event, two_pi
    use vi_event_symbols, only: read_symbols, symbol_sequence_type, total_phase
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
@@ -61,8 +60,7 @@ contains
       do while (n == 0)
          state = release_state(system, side, start)
          call simulate(system, state, int(cycles, int64), start(1) + horizon, events, found, &
-            final, &
-            status)
+            final, status)
          if (status /= stat%ok) return
          nearest = horizon
          do i = 1, found
@@ -350,8 +348,7 @@ contains
 
    !> Simulates a period: the state at its end, its events, symbols and unknowns.
    pure subroutine simulate_period(system, side, cycles, point, image, residual, events, n, &
-      family, &
-      unknowns, status)
+      family, unknowns, status)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> The wall, +1 or -1, and the load cycles k.

@@ -139,8 +139,7 @@ contains
       integer :: k, n, status, calls
 
       system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
-         c(by_r), &
-         1.0_wp, exp(c(by_clearance)))
+         c(by_r), 1.0_wp, exp(c(by_clearance)))
       allocate (events(chunk))
       do k = 1, size(releases)
          state = initial_state_of(k, size(releases), system%clearance)

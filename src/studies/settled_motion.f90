@@ -100,8 +100,7 @@ contains
       !> The forced system of the motion.
       type(forced_system_type), intent(in) :: system
       !> Of the simulation: frequency ratio, load, clearance, and the time (1/omega) from which on
-      !! all
-      !! its events are given.
+      !! all its events are given.
       real(wp), intent(in) :: of_simulation(4)
       !> (7, m), (2, m) Its events as of `store_events`.
       real(wp), intent(in) :: values(:, :)

@@ -94,8 +94,7 @@ contains
          attractors(i) = attractor_type(r=c(1), clearance=c(2))
          if (is_stopped(progress)) cycle
          call settle_point(osc, u(3:5), settling, limits_type(most_symbols, most_cycles), &
-            attractors(i), &
-            progress)
+            attractors(i), progress)
          call add_done_work(survey_work, progress)
       end do
       !$omp end parallel do

@@ -77,8 +77,7 @@ contains
       logical :: good
 
       call exact_period(system, [state%phase/system%r, state%x, state%x_dot, state%z, &
-         state%z_dot], &
-         cycles, known, good)
+         state%z_dot], cycles, known, good)
       if (good) good = size(known%symbols) <= most_symbols
       if (good) good = any(known%symbols > 0) .and. any(known%symbols < 0)
       shorter = .false.

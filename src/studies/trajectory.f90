@@ -27,8 +27,7 @@ contains
    !! A column of `table` is the record of an event: time, four words of `names`, phase, x, x'
    !! before and after, z' before and after.
    pure subroutine simulate_arrays(system, state, contact, last_cycle, last_phase, names, table, &
-      n, &
-      final_state, final_contact, status)
+      n, final_state, final_contact, status)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> (7) as in `pack_state`. In: the initial state. Out: where the last flight or rest began.
@@ -264,8 +263,7 @@ contains
                   system%load, s(2), s(3), s(4))
             else
                flight = new_flight(system%osc%xi, system%r, system%amplitude, s(2) - system%lag, &
-                  s(3), &
-                  s(4), 0.0_wp, 0.0_wp, duration)
+                  s(3), s(4), 0.0_wp, 0.0_wp, duration)
             end if
          end associate
          flight%z = 0
@@ -310,8 +308,7 @@ contains
                z_dot = d(1)
             else
                flight = new_flight(system%osc%xi, system%r, system%amplitude, s(2) - system%lag, &
-                  s(3), &
-                  s(4), s(5), s(6), t)
+                  s(3), s(4), s(5), s(6), t)
                d = derivatives(flight, t)
                z = flight_position(flight, t)
                z_dot = s(6)

@@ -181,8 +181,7 @@ contains
       do i = 1, zone%n
          if (.not. zone%loops(i)%closed) cycle
          call ring_of(zone%surface, zone%loops(i), zone%inside(:, i), request%r, &
-            request%clearance, &
-            ring)
+            request%clearance, ring)
          turns = turns + winding(ring, points)
       end do
       seeds%enclosed = turns > 0
@@ -190,8 +189,7 @@ contains
       do i = 1, zone%n
          if (.not. zone%loops(i)%closed) cycle
          call ring_of(zone%surface, zone%loops(i), zone%inside(:, i), request%r, &
-            request%clearance, &
-            ring)
+            request%clearance, ring)
          do j = 1, size(seeds)
             if (seeds(j)%inside .and. .not. seeds(j)%enclosed) seeds(j)%enclosed = passes(ring, &
                points(:, j), request%r, request%clearance)

@@ -22,8 +22,7 @@ module vi_zone_pieces
       'not closed: a boundary could not be followed until it closes'
 
    !> Columns of the results of zones and atlases. A family is what was searched at once: the
-   !! motions
-   !! of a pattern, of an atlas the symmetric ones or the others.
+   !! motions of a pattern, of an atlas the symmetric ones or the others.
    type(column_type), parameter, public :: piece_columns(*) = [ &
       column_type('pieces', 'loop', wholes, &
       meaning='number of the closed boundary; 0 if it could not be closed'), &
