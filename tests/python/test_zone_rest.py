@@ -191,3 +191,25 @@ def stable_near(osc, r, clearance, release):
     phase, v = motion.events[["phase", "x_dot_after"]][-1]  # of the last event, the release
     near = math.hypot(math.remainder(phase - release[0], 2 * math.pi), v / release[1] - 1)
     return near < 0.02 and motion.stable is True
+
+
+@pytest.mark.slow
+def test_the_atlas_of_a_heavy_free_mass_explains_its_attractors():
+    """Its zones with rest are narrow, and all that a survey finds within the limits lies in one of them."""
+    atlas = vi.atlas(HEAVY, (0.6, 1.4), (0.5, 150))
+    assert all(zone.closed for zone in atlas.zones)
+    assert atlas.unexplained == []
+    assert {"R*L", "R*LL", "RRL"} <= {zone.pattern.sides for zone in atlas.zones}
+    draw = np.random.default_rng(3)
+    for zone in atlas.zones:
+        if not zone.pattern.has_rest:
+            continue
+        inside = next(
+            (r, c)
+            for r, c in zip(
+                draw.uniform(0.6, 1.4, 100_000), np.exp(draw.uniform(-0.7, 5, 100_000)), strict=True
+            )
+            if zone.contains(r, c)
+        )
+        stable = {m.pattern for m in vi.find(HEAVY, *inside, len(zone.pattern), 1) if m.stable}
+        assert zone.pattern in {pattern.standard() for pattern in stable}
