@@ -124,7 +124,6 @@ contains
          found%open_seeds = found%open_seeds .or. zone%open_seeds
          found%used_seeds = found%used_seeds .or. zone%used_seeds
       end do
-      found%closed = found%closed .and. .not. any(found%open_seeds)
    end subroutine zone_pieces
 
    !> Adds the pieces of one family.
@@ -145,7 +144,8 @@ contains
       found%untraced = found%untraced + zone%untraced
       if (all(found%lines == 0)) found%lines = zone%lines
       ! a full list of loops may have lost some
-      found%closed = found%closed .and. zone%untraced == 0 .and. zone%n < size(zone%loops)
+      found%closed = found%closed .and. zone%untraced == 0 .and. zone%n < size(zone%loops) .and. &
+         .not. any(zone%open_seeds)
       do j = 1, zone%n
          call split(zone, zone%loops(j), request%symmetric, mirrored, found)
          if (zone%loops(j)%closed) call add_ring(zone, j, request, found)
