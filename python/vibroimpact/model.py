@@ -312,7 +312,7 @@ class Pattern:
         --------
         >>> import vibroimpact as vi
         >>> vi.Pattern("LRL").standard(), vi.Pattern("LRL").standard(alike=True)
-        (Pattern('RLL', 1), Pattern('RRL', 1))
+        (Pattern(sides='RLL', cycles=1), Pattern(sides='RRL', cycles=1))
         """
         orders = [self.symbols]
         if alike:
