@@ -1,4 +1,4 @@
-!> The motions that begin at a bifurcation of another motion, each a little beside it.
+!> The motions that begin at a bifurcation of another motion, each at parameters near it.
 !!
 !! At a pitchfork the two motions without the mirror symmetry begin, at a flip one of twice the
 !! period, at a grazing one in which the touch is an impact. Newton's method starts from the motion
@@ -76,7 +76,7 @@ contains
       end do
    end subroutine switch_arrays
 
-   !> The motions that begin at a bifurcation, each where it exists beside it along a parameter.
+   !> The motions that begin at a bifurcation, each at a nearby parameter value where it exists.
    pure subroutine switch_branch(motion, kind, flight, side, parameter, tied, found, n)
       !> The motion at the bifurcation, with clearance and oscillator.
       type(motion_type), intent(in) :: motion
@@ -327,7 +327,7 @@ contains
          motion%osc%xi, motion%osc%mu, motion%osc%restitution]
    end function parameters_of
 
-   !> The parameters a little beside a motion along one of them.
+   !> The parameters of a motion, with a small change of one of them.
    pure subroutine move_beside(motion, parameter, tied, offset, c, allowed)
       !> The motion.
       type(motion_type), intent(in) :: motion

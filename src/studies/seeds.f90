@@ -185,7 +185,7 @@ contains
       call read_periods(events, longest(2), longest(1), about, periods)
       if (size(periods) == 0) return
       associate (period => periods(size(periods)))
-         ! one without rest is none of the motion that the release belongs to
+         ! a period without rest is not of the motion that the release belongs to
          if (all(abs(period%reading%symbols) == 1)) return
          release%cycles = period%cycles
          release%symbols = period%reading%symbols

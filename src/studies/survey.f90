@@ -209,7 +209,7 @@ contains
             else if (size(symbols) > 0) then
                call name_it(osc, symbols, cycles, limits, attractor)
             end if
-            ! beside a flip the shorter period nearly repeats itself, too, but is not stable
+            ! near a flip the shorter period nearly repeats itself too, but is not stable
             if (shorter .or. size(symbols) > 0) return
          end associate
       end do

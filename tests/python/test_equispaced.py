@@ -42,7 +42,7 @@ def test_equispaced_at_an_undamped_resonance(cycles, odd, mu):
 @pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize(("sides", "phases"), [
     ("RL", [0, 3.5]), ("RRL", [0, 1.5, 3.9]), ("equispaced", None)])  # fmt: skip
-def test_few_digits_near_resonance_are_told(sides, phases, precision):
+def test_few_digits_near_resonance_are_reported(sides, phases, precision):
     """As r -> 1 without damping x/d has a limit, but A has none: digits go, and then the answer does.
 
     x/d changes by less than 10 |r - 1| here, so that the motion a little farther off is the true one. The
