@@ -8,6 +8,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
 KINDS = "numerics/kinds.f90"
+# Each folder may use only those before it.
+FOLDERS = ("numerics", "mechanics", "motions", "cases", "studies", "door", "cli", "c")
 MAX_COLUMNS = 100
 
 
@@ -62,6 +64,18 @@ def test_modules_are_used_upwards_only():
         assert used <= allowed, f"{name} uses what is not above it: {sorted(used - allowed)}"
         above.add(stem_module(name))
         core.add(stem_module(name))
+
+
+def test_folders_are_used_upwards_only():
+    names = [name for name in ordered_files() if (SOURCE / name).exists()]
+    folder_of = {stem_module(name): name.split("/")[0] for name in names}
+    for name in names:
+        path = SOURCE / name
+        rank = FOLDERS.index(name.split("/")[0])
+        for line in code_lines(path):
+            match = re.match(r"\s*use\s*(?:,\s*\w+\s*)?(?:::)?\s*(\w+)", line)
+            below = match and FOLDERS.index(folder_of.get(match[1], FOLDERS[0])) > rank
+            assert not below, f"{name} uses {match[1]}, which is in a folder below it"
 
 
 def test_module_names():
