@@ -138,12 +138,12 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     text, length, status = _core.read_namelist(characters(name), capacity)
     if length > capacity:
         text, length, status = _core.read_namelist(characters(name), length)
-    said = os.fsdecode(text[:length].tobytes())
+    echo = os.fsdecode(text[:length].tobytes())
     if status:
-        raise ParameterError(said)
+        raise ParameterError(echo)
     cases: list[dict[str, Any]] = []
     # the reader gives each case as the header of its result has it: one `# key = value` a line
-    for line in said.split("\n"):
+    for line in echo.split("\n"):
         if line.startswith("# &system"):
             cases.append({"text": ""})
         if cases and not line.startswith("# !"):

@@ -150,8 +150,8 @@ def module_of(name: str) -> Any:
 
 def help_of(name: str) -> str:
     """What a subcommand does."""
-    told: str = STUDIES[name] if name in STUDIES else module_of(name).HELP
-    return told
+    meaning: str = STUDIES[name] if name in STUDIES else module_of(name).HELP
+    return meaning
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -185,10 +185,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def said_or_told(name: str, options: argparse.Namespace) -> int:
     """Run a command with normal output, quietly, or with its output in one JSON document."""
     heard = options.quiet or options.json
-    with redirect_stdout(StringIO()) if heard else nullcontext() as said:
+    with redirect_stdout(StringIO()) if heard else nullcontext() as printed:
         status = outcome(name, options)
     if options.json:
-        print(options.record.text(status, said.getvalue() if said else ""))
+        print(options.record.text(status, printed.getvalue() if printed else ""))
     return status
 
 

@@ -60,18 +60,18 @@ def run(
     try:
         return run_text(noun, text, threads, progress, little)
     except ParameterError as error:
-        told = str(error).removeprefix(f"&{study} ").removeprefix("&system ")
-        raise ParameterError(translated(told, names)) from None
+        message = str(error).removeprefix(f"&{study} ").removeprefix("&system ")
+        raise ParameterError(translated(message, names)) from None
 
 
-def translated(told: str, names: Mapping[str, str]) -> str:
+def translated(message: str, names: Mapping[str, str]) -> str:
     """A message of the core with the caller's names; a name such as state['x'] is used only at its beginning."""
     for word, name in names.items():
         whole_word = rf"\b{word}\b" if word.isidentifier() else re.escape(word)
         if ":" in name or "'" in name:
             whole_word = rf"^{word}\b"
-        told = re.sub(whole_word, lambda _, name=name: name, told)  # type: ignore[misc]
-    return told
+        message = re.sub(whole_word, lambda _, name=name: name, message)  # type: ignore[misc]
+    return message
 
 
 def run_text(

@@ -425,7 +425,7 @@ def motions_of(result: Result, osc: Oscillator | None = None) -> list[Motion]:
         Their system, if the caller has it.
     """
     names = (*OF_MOTION, *VERDICTS, "sides", "cycles", "status")
-    told = {name: result.column("motions", name).decoded().ravel().tolist() for name in names}
+    fields = {name: result.column("motions", name).decoded().ravel().tolist() for name in names}
     multipliers = result.column("motions", "multipliers").values
     if multipliers.size and multipliers.shape[-1] != 4:
         raise ParameterError(
@@ -441,12 +441,12 @@ def motions_of(result: Result, osc: Oscillator | None = None) -> list[Motion]:
     resting = runs(events, n) if events.columns else [slice(0, 0)] * n
     found = []
     for i in range(n):
-        if told["status"][i]:
+        if fields["status"][i]:
             continue
-        values: dict[str, Any] = {name: told[name][i] for name in OF_MOTION}
-        values |= {name: VERDICT[told[name][i]] for name in VERDICTS}
+        values: dict[str, Any] = {name: fields[name][i] for name in OF_MOTION}
+        values |= {name: VERDICT[fields[name][i]] for name in VERDICTS}
         values |= {name: column[own[i]] for name, column in columns.items()}
-        pattern = Pattern(told["sides"][i], told["cycles"][i])
+        pattern = Pattern(fields["sides"][i], fields["cycles"][i])
         if len(values["X"]) != len(pattern):
             raise ParameterError(
                 f"impacts.X of shape ({len(values['X'])},): must be one number for each of {pattern.sides}"

@@ -92,6 +92,6 @@ def run_namelists(
             progress(float(counters[0] / max(1, counters[1])))
 
     text, length, status = interruptible(_core.run_namelists, *arguments, watch=watch)
-    said = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]
-    lines = [(line.startswith("!"), line[1:]) for line in said if line[0] in "-!"]
-    return RunLog(lines, int(status), [Path(line[1:]) for line in said if line[0] == ">"])
+    log = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]
+    lines = [(line.startswith("!"), line[1:]) for line in log if line[0] in "-!"]
+    return RunLog(lines, int(status), [Path(line[1:]) for line in log if line[0] == ">"])

@@ -82,7 +82,7 @@ def start_of(system: System, state: Mapping[str, Any] | None) -> tuple[Moment, M
     return moment, moment
 
 
-def told(state: Mapping[str, Any] | None) -> dict[str, float] | None:
+def as_numbers(state: Mapping[str, Any] | None) -> dict[str, float] | None:
     """The namelist keys of the initial state; None if a namelist cannot express it, as after another
     simulation."""
     if state is None:

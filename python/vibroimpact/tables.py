@@ -83,10 +83,10 @@ class Column:
         return self.values == 1 if self.kind == "truth" else self.values
 
 
-def column_from(told: dict[str, Any], values: Any) -> Column:
+def column_from(description: dict[str, Any], values: Any) -> Column:
     """A column from its declaration and its values, with words as texts; verdicts are codes."""
-    words = tuple(word for word in told["words"].split(",") if word)
-    if told["kind"] == "word":
+    words = tuple(word for word in description["words"].split(",") if word)
+    if description["kind"] == "word":
         texts = np.asarray(values, dtype=object)
         flat = texts.ravel().tolist()
         words += tuple(dict.fromkeys(text for text in flat if text and text not in words))
@@ -94,17 +94,20 @@ def column_from(told: dict[str, Any], values: Any) -> Column:
         codes = np.fromiter((places[text] for text in flat), "<i4", len(flat))
         values = codes.reshape(texts.shape)
     # a view, so that the array of a caller keeps its own flags
-    array = np.asarray(values, STORED.get(told["kind"], "<i4")).view()
+    array = np.asarray(values, STORED.get(description["kind"], "<i4")).view()
     array.flags.writeable = False
-    return declared_column(told, words, array)
+    return declared_column(description, words, array)
 
 
-def declared_column(told: dict[str, Any], words: tuple[str, ...], values: NDArray[Any]) -> Column:
+def declared_column(
+    description: dict[str, Any], words: tuple[str, ...], values: NDArray[Any]
+) -> Column:
     """A column from its declaration."""
-    return Column(
-        told["name"], told["kind"], told["each"], told["unit"], told["meaning"], told["label"],
-        told["listed"], words, values,
+    name, kind, each, unit, meaning, label, listed = (
+        description[key]
+        for key in ("name", "kind", "each", "unit", "meaning", "label", "listed")
     )  # fmt: skip
+    return Column(name, kind, each, unit, meaning, label, listed, words, values)
 
 
 @cache
@@ -162,8 +165,8 @@ class Result:
     def part(self, table: str, row: int, study: str, case: str, remark: str) -> Result:
         """One row of a table with all rows that belong to it, as the result of another study; the arrays are
         views."""
-        told = language()["results"][study]
-        known = {(item["table"], item["name"]) for item in told["columns"]}
+        study_tables = language()["results"][study]
+        known = {(item["table"], item["name"]) for item in study_tables["columns"]}
         rows = {table: slice(row, row + 1)}
         tables = {}
         for name, item in self.tables.items():
@@ -185,7 +188,7 @@ class Result:
             (dim,) = item.dims
             size = {dim: here.stop - here.start}
             tables[name] = Table(size, item.parent if owners is not None else "", owners, columns)
-        return Result(study, case, self.cut, False, (remark,), (), told["row"], tables)
+        return Result(study, case, self.cut, False, (remark,), (), study_tables["row"], tables)
 
 
 def made(
@@ -229,16 +232,16 @@ def runs(table: Table, parents: int | None = None) -> list[slice]:
 def from_core(study: str, number: int) -> Result:
     """The result behind a handle, which is freed with it."""
     handle = Handle(number)
-    told = json.loads(text_of(_core.describe_result, number))
+    described = json.loads(text_of(_core.describe_result, number))
     tables = {}
-    for item in told["tables"]:
+    for item in described["tables"]:
         # the core counts rows from 1, and its first dimension varies first
         dims = dict(reversed(item["dims"]))
         owners = None
         if item["parent"]:
             owners = shown(handle, item["owners"], tuple(dims.values())) - 1
         tables[item["name"]] = Table(dims, item["parent"], owners)
-    for item in told["columns"]:
+    for item in described["columns"]:
         if item["address"] is None:
             continue
         table = tables[item["table"]]
@@ -247,9 +250,9 @@ def from_core(study: str, number: int) -> Result:
         stored = STORED.get(about["kind"], "<i4")
         values = shown(handle, item["address"], (*table.dims.values(), *own), stored)
         table.columns[item["name"]] = declared_column(about, tuple(item["words"]), values)
-    lines = [line[2:] for line in told["case"] if not line.startswith("# !")]
+    lines = [line[2:] for line in described["case"] if not line.startswith("# !")]
     case = "".join(f"{line}\n" for line in lines[: lines.index("&output")])
     return Result(
-        study, case, told["cut"], told["empty"], tuple(told["remarks"]),
-        tuple((bool(fault), text) for fault, text in told["notes"]), told["row"], tables, handle,
+        study, case, described["cut"], described["empty"], tuple(described["remarks"]),
+        tuple((bool(fault), text) for fault, text in described["notes"]), described["row"], tables, handle,
     )  # fmt: skip

@@ -17,7 +17,7 @@ from .model import Oscillator
 from .motion import osc_of
 from .noun import Noun, Savable
 from .period import MOST_CYCLES, TOLERANCE, Period, last_period
-from .states import NEEDED, Moment, State, System, later, moments_of, start_of, state_of, told
+from .states import NEEDED, Moment, State, System, as_numbers, later, moments_of, start_of, state_of
 from .status import MORE_EVENTS, raise_status
 from .tables import Result, made
 
@@ -351,23 +351,23 @@ def simulate(
     now, begun = start_of(system, state)
     whole = discard + cycles or 1.0
 
-    def tell(done: float) -> None:
+    def report(done: float) -> None:
         """Reports the number of load cycles that are done."""
         if progress is not None:
             progress(done / whole, "simulation")
 
     if discard:
-        _, now, begun, complete = _run(system, now, begun, discard, max_events, tell, keep=False)
+        _, now, begun, complete = _run(system, now, begun, discard, max_events, report, keep=False)
         if not complete:
             raise ParameterError(
                 f"max_events = {max_events}: must be more; it was reached within the discarded cycles"
             )
     first = state_of(system, now, begun)
     events, now, begun, complete = _run(
-        system, now, begun, cycles, max_events, lambda done: tell(discard + done), keep=True
+        system, now, begun, cycles, max_events, lambda done: report(discard + done), keep=True
     )
     events.flags.writeable = False
-    start = told(state)
+    start = as_numbers(state)
     request = start and {
         "clearance": clearance, "cycles": cycles, "discard": discard, "load": load, **start,
         "max_events": max_events,
@@ -378,12 +378,12 @@ def simulate(
 
 def _run(
     system: System, now: Moment, begun: Moment, cycles: float, max_events: int,
-    tell: Callable[[float], None], *, keep: bool,
+    report: Callable[[float], None], *, keep: bool,
 ) -> tuple[NDArray[Any], Moment, Moment, bool]:  # fmt: skip
     """Simulate some cycles in chunks.
 
     `now` is the moment from which the cycles count, and `begun` the one at which its flight or rest began;
-    `tell` is called with the number of cycles done.
+    `report` is called with the number of cycles done.
 
     Returns
     -------
@@ -412,7 +412,7 @@ def _run(
             tables.append(table[:n] if 4 * n > len(table) else table[:n].copy())
         if status not in (0, MORE_EVENTS):
             raise_status(status)
-        tell(min(cycles, float(now[0][0]) - first))
+        report(min(cycles, float(now[0][0]) - first))
         if last_part if status == 0 else total == max_events:
             break
         chunk = CHUNK if status else chunk

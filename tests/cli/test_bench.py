@@ -24,7 +24,7 @@ def test_document(tmp_path):
     assert found["threads"].startswith("measured on 1; ")
     for name, (label, unit, _) in bench.MEASURES.items():
         assert 0 < found[name] < math.inf
-        (line,) = [line for line in document["said"] if line.startswith(label)]
+        (line,) = [line for line in document["output"] if line.startswith(label)]
         assert line.endswith(f" {found[name]:,.4g} {unit}")
     assert not list(tmp_path.iterdir())
 

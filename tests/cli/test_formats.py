@@ -201,8 +201,8 @@ def test_the_document_holds_the_results(tool):
     document = json.loads(done.out)
     assert (document["command"], document["status"], document["faults"]) == ("run", 0, [])
     assert document["files"] == ["results/case.csv"]
-    assert len(document["said"]) == 3
-    assert document["said"][-1] == "case: results/case.csv"
+    assert len(document["output"]) == 3
+    assert document["output"][-1] == "case: results/case.csv"
     (case,) = vi.read_namelist(tool.cwd / "case.nml")
     assert list(document["results"].values()) == [motion.to_dict() for motion in case.run()]
     again = vi.Motion.from_dict(document["results"]["case_2"])

@@ -23,7 +23,7 @@ from ..tables import language
 
 #: The studies that have a command, and what each does, as the core declares them; motions have none.
 STUDIES: dict[str, str] = {
-    name: told["meaning"] for name, told in language()["results"].items() if name != "motion"
+    name: study["meaning"] for name, study in language()["results"].items() if name != "motion"
 }
 #: In the order of the help text.
 NAMES = (
@@ -79,7 +79,7 @@ class Record:
             left = "; nothing was finished"
         self.fault(f"vibroimpact {self.command}: interrupted{left}")
 
-    def text(self, status: int, said: str) -> str:
+    def text(self, status: int, printed: str) -> str:
         """One JSON document."""
         results = {
             name: item.to_dict() if hasattr(item, "to_dict") else item
@@ -87,7 +87,7 @@ class Record:
         }
         document = {
             "command": self.command, "status": status, "faults": self.faults,
-            "said": said.splitlines(), "files": self.files, "results": results,
+            "output": printed.splitlines(), "files": self.files, "results": results,
         }  # fmt: skip
         return json.dumps(document, allow_nan=False)
 

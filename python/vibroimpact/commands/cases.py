@@ -68,11 +68,11 @@ def tables(options: argparse.Namespace, folder: Path) -> int:
         except KeyboardInterrupt:
             options.record.files += map(str, written.paths())
             raise
-    tell(log)
+    print_log(log)
     return log.status
 
 
-def tell(log: RunLog) -> None:
+def print_log(log: RunLog) -> None:
     """Print what was said while namelist files ran, faults to standard error."""
     for fault, line in log.lines:
         stream = sys.stderr if fault else sys.stdout
@@ -134,8 +134,8 @@ def finish(
         except StudyInterrupted as stop:
             found, stopped = stop.result, True
     if stopped:  # a large table takes its time
-        said = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
-        print(said, file=sys.stderr, flush=True)
+        message = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
+        print(message, file=sys.stderr, flush=True)
     try:
         status = deliver(options, case, found, stopped, folder, save, details)
     except KeyboardInterrupt:

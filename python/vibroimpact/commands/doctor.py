@@ -59,8 +59,10 @@ def run(options: argparse.Namespace) -> int:
     advice = []
     for extra, libraries in found.items():
         missing = [name for name, version in libraries.items() if version is None]
-        said = ", ".join(f"{name} {version or 'MISSING'}" for name, version in libraries.items())
-        print(f"{'extra ' + extra + ':':<18} {said}")
+        versions = ", ".join(
+            f"{name} {version or 'MISSING'}" for name, version in libraries.items()
+        )
+        print(f"{'extra ' + extra + ':':<18} {versions}")
         if missing:
             advice.append(f"for {PURPOSES[extra]}: pip install 'vibroimpact[{extra}]'")
     if advice:
@@ -91,8 +93,8 @@ def threads() -> str:
     except (OSError, AttributeError):  # a library in which the symbol is hidden
         return processors
     chosen = os.environ.get("OMP_NUM_THREADS")
-    said = f" (OMP_NUM_THREADS = {chosen})" if chosen else ""
-    return f"{most} of {processors}{said}, OpenMP {built()['openmp']}"
+    setting = f" (OMP_NUM_THREADS = {chosen})" if chosen else ""
+    return f"{most} of {processors}{setting}, OpenMP {built()['openmp']}"
 
 
 def program() -> str:

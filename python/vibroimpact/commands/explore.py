@@ -39,11 +39,11 @@ def run(options: argparse.Namespace) -> int:
 
     if not 0 <= options.port <= 65535:
         raise ParameterError(f"--port {options.port}: must be a whole number from 0 to 65535")
-    serve(options.address, options.port, options.show, tell)
+    serve(options.address, options.port, options.show, print_address)
     print("ended")
     return 0
 
 
-def tell(url: str) -> None:
+def print_address(url: str) -> None:
     """Say where the page is."""
     print(f"explorer: {url}   (Ctrl-C ends it)", flush=True)

@@ -70,17 +70,17 @@ class Option(NamedTuple):
     def how(self) -> dict[str, Any]:
         """The arguments of `add_argument`."""
         key = self.keys[0][1]
-        told: dict[str, Any] = {"help": explained(self), "metavar": self.metavars[0]}
+        arguments: dict[str, Any] = {"help": explained(self), "metavar": self.metavars[0]}
         if len(self.keys) > 1:
-            return told | {
+            return arguments | {
                 "nargs": len(self.keys) * key["most"],
                 "type": str.strip,
                 "metavar": self.metavars * key["most"],
             }
         if key["words"]:
-            return told | {"choices": key["words"].split(), "metavar": None}
+            return arguments | {"choices": key["words"].split(), "metavar": None}
         many = {} if key["most"] == 1 else {"nargs": "+"}
-        return told | many | {"type": TYPES[key["kind"]]}
+        return arguments | many | {"type": TYPES[key["kind"]]}
 
 
 def metavar(key: Mapping[str, Any], with_others: bool) -> str:

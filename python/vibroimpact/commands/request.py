@@ -132,9 +132,9 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
         return line
     typed = option.typed(options)
     value = shown(typed) if isinstance(typed, list) else match[3]
-    told = re.sub("^is missing; ", f"{MISSING}; it ", match[4])
+    text = re.sub("^is missing; ", f"{MISSING}; it ", match[4])
     for other in request.known:
-        told = other.in_words(told, "" if other == option else f" of --{other.name}")
+        text = other.in_words(text, "" if other == option else f" of --{other.name}")
 
     def flag(found: re.Match[str]) -> str:
         """Another key, with its word if it has one, as an option."""
@@ -142,5 +142,5 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
         word = (found[3] or "").replace("'", "")
         return f"{found[1]} --{other.name}{word}" if other else found[0]
 
-    told = re.sub(r"(beside|goes with|is for|or give) (\w+)(?: =( \S+))?", flag, told)
-    return f"--{option.name}{f' {value}' if value else ''}: {told}"
+    text = re.sub(r"(beside|goes with|is for|or give) (\w+)(?: =( \S+))?", flag, text)
+    return f"--{option.name}{f' {value}' if value else ''}: {text}"

@@ -78,8 +78,8 @@ def from_dict(kind: Any, data: Any) -> Any:
         if not isinstance(data.get(key), wanted):
             raise ParameterError(f"{key} = {data.get(key)!r}: must be of type {wanted.__name__}")
     declared: dict[str, dict[str, Any]] = {}
-    told = language()["results"][kind.study]
-    for item in told["columns"]:
+    study = language()["results"][kind.study]
+    for item in study["columns"]:
         declared.setdefault(item["table"], {})[item["name"]] = item
     tables = {}
     for name, table in mapping(data.get("tables"), "tables").items():
@@ -95,7 +95,7 @@ def from_dict(kind: Any, data: Any) -> Any:
     return kind.of_result(
         Result(
             kind.study, data["case"], data["cut"], data["empty"], tuple(map(str, data["remarks"])),
-            notes, told["row"], tables,
+            notes, study["row"], tables,
         )
     )  # fmt: skip
 

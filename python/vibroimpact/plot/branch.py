@@ -36,9 +36,9 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
     if ax is None:
         with style.pyplot().rc_context(style.SETTINGS):
             _, ax = style.pyplot().subplots(figsize=(style.ONE_COLUMN, 2.8), layout="constrained")
-        told = ("xi", "mu", "R1", "R2", "r", "clearance")
+        labelled = ("xi", "mu", "R1", "R2", "r", "clearance")
         style.identify(
-            ax, {name: getattr(branch, name) for name in told},
+            ax, {name: getattr(branch, name) for name in labelled},
             f"{branch.pattern.sides}/{branch.pattern.cycles}",
         )  # fmt: skip
     good, stable = branch.admissible == 1, branch.stable == 1

@@ -259,14 +259,14 @@ class Branches(Noun, study="branch"):
 
     def _case_of(self, i: int) -> str:
         """The case of one branch: it starts from that motion alone."""
-        told = {
+        first = {
             name: item.decoded()[i]
             for name, item in self._result.tables["branches"].columns.items()
         }
         keys = self.keys
         start = guess_of(
-            Pattern(keys.get("sides", "RL"), keys["cycles"]), float(told["start_clearance"]),
-            told["start_phases"], told["start_X"], float(told["start_tau"]),
+            Pattern(keys.get("sides", "RL"), keys["cycles"]), float(first["start_clearance"]),
+            first["start_phases"], first["start_X"], float(first["start_tau"]),
         )  # fmt: skip
         own = ("parameter", "low", "high", "longest_step", "max_points")
         return namelist.case(

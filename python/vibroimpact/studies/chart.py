@@ -83,7 +83,7 @@ class Chart(Noun, study="chart"):
         multipliers, codes = columns["multipliers"], np.unique(columns["status"])
         attenuation = np.maximum(-columns["x_min"], columns["x_max"]) / a
         moduli = np.hypot(multipliers.real, multipliers.imag)
-        told: dict[str, tuple[Any, Any, str, str]] = {
+        variables: dict[str, tuple[Any, Any, str, str]] = {
             "multiplier_modulus": (
                 ("multiplier", *grid), moduli, "1",
                 "modulus of the multipliers (eigenvalues of [P]), leading one first",
@@ -113,7 +113,7 @@ class Chart(Noun, study="chart"):
             name: Variable(
                 dims, np.ascontiguousarray(values), {"long_name": meaning, "units": unit}
             )
-            for name, (dims, values, unit, meaning) in told.items()
+            for name, (dims, values, unit, meaning) in variables.items()
         }
         for name in ("consistent", "admissible", "stable"):
             about = {

@@ -269,9 +269,9 @@ def find(
     for name, value in keys.items():
         if value is None:
             raise ParameterTypeError(f"{name} = None: must be a number")
-    told = None if progress is None else _Told(osc, max_impacts, max_cycles, progress)
+    report = None if progress is None else _PatternProgress(osc, max_impacts, max_cycles, progress)
     findings = door.run(
-        Findings, osc, keys, r, progress=told,
+        Findings, osc, keys, r, progress=report,
         little=progress is None and _is_little(max_impacts, max_cycles, guesses, states, settling, releases),
     )  # fmt: skip
     motions = motions_of(findings._result, osc)
@@ -290,7 +290,7 @@ def _is_little(
         return False
 
 
-class _Told:
+class _PatternProgress:
     """Tells progress with each pattern once, in order, with the share done."""
 
     def __init__(

@@ -143,15 +143,15 @@ class Zone(Noun, study="zone"):
     @cached_property
     def boundary(self) -> list[Piece]:
         pieces, vertices = (self._result.tables[name] for name in ("pieces", "vertices"))
-        told = {name: item.decoded() for name, item in pieces.columns.items()}
+        labels = {name: item.decoded() for name, item in pieces.columns.items()}
         values = [vertices.columns[name].values for name in ("r", "clearance", "x", "theta")]
         n = 1 if self.pattern.has_rest else len(self.pattern)
         found = []
         for i, here in enumerate(runs(vertices)):
             r, clearance, x, theta = (item[here] for item in values)
-            loop, symmetric = int(told["loop"][i]) - 1, bool(told["symmetric"][i])
+            loop, symmetric = int(labels["loop"][i]) - 1, bool(labels["symmetric"][i])
             x, theta = x[:, :n].T, theta[:, :n].T
-            kind, detail = str(told["type"][i]), str(told["detail"][i])
+            kind, detail = str(labels["type"][i]), str(labels["detail"][i])
             found.append(Piece(kind, r, clearance, x, theta, loop, detail, symmetric))
         return found
 
