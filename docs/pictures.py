@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write docs/static/overview.png, the picture of README.md, and zones.png, what the tutorial draws."""
+"""Write docs/static/system.svg, overview.png (for README.md), and zones.png, which the tutorial draws."""
 
 import contextlib
 import io
@@ -11,10 +11,17 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import vibroimpact as vi
 from PIL import Image
-from vibroimpact.plot import style
+from vibroimpact.plot import draw_system, style
 
 DOCS = Path(__file__).parent
 STYLE = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False}
+
+
+def system():
+    """The sketch of the system."""
+    figure = draw_system().figure
+    with plt.rc_context({"svg.hashsalt": "system"}):
+        figure.savefig(DOCS / "static" / "system.svg", metadata={"Date": None})
 
 
 def overview():
@@ -30,6 +37,8 @@ def overview():
     right.set_ylim(bottom=0.002)
     right.legend(loc="lower center", ncols=2, frameon=False)
     right.set_title("where 2, 3 and 4 impacts a cycle are stable", fontsize=9)
+    left.set_title("$r$ = 1.04, $dK/F_0$ = 25", fontsize=9, loc="left")
+    figure.suptitle(style.given(style.system(osc)), fontsize=9)
     figure.savefig("overview.png", dpi=200)
 
 
@@ -47,6 +56,7 @@ def tutorial():
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
+        system()
         with plt.rc_context(STYLE):
             overview()
         tutorial()

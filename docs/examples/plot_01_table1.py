@@ -1,9 +1,9 @@
 """
-Impact times given: Table 1
+Given impact times: Table 1
 ===========================
 
-The theory of 1983 takes the phases of the impacts as given; what is left is a linear system. This is
-the third column of the paper's Table 1, two unequally spaced impacts a cycle.
+In the theory of 1983 the phases of the impacts are given, and the other unknowns follow from a linear
+system. This example is the third column of the paper's Table 1, two unequally spaced impacts a cycle.
 """
 
 import math
@@ -17,13 +17,13 @@ print("clearance d K/F0 =", round(motion.clearance, 3))
 print("multipliers      ", abs(motion.multipliers).round(4))
 
 # %%
-# The clearance comes out of the equations: with these phases it is 38.22, not the 37 that the table
-# is headed with. The product of the multipliers is known beforehand, exp(−4πξk/r)·∏R²:
+# The clearance is a result of the equations: with these phases it is 38.22, not 37 as in the heading of
+# the table. The product of the multipliers must be exp(−4πξk/r)·∏R²; the difference is
 
 product = math.prod(abs(motion.multipliers))
 print(product - math.exp(-4 * math.pi * 0.005 / 0.94) * 0.75**4)
 
 # %%
-# Displacements, load, acceleration and phase portrait over two cycles:
+# Displacements, load, acceleration and phase portrait over two load cycles:
 
 motion.plot()

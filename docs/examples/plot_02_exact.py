@@ -2,8 +2,7 @@
 An exact motion at a given clearance
 ====================================
 
-With the clearance given, the phases are unknowns too. Newton's method finds them from a guess; here
-the guess is the rounded phase of Table 1.
+If the clearance is given, the phases are unknowns too. Newton's method finds them from a guess, here the rounded phase of Table 1.
 """
 
 import math
@@ -18,8 +17,8 @@ print(repr(exact))
 print(f"second phase: {exact.phases[1] / math.pi:.6f} pi instead of 1.37 pi")
 
 # %%
-# The exact phases make the linear equations of 1983 give the same motion back, which ties two
-# independent pieces of the program together:
+# With the exact phases, the linear equations of 1983 give the same motion. This links two independent
+# parts of the program:
 
 again = vi.periodic(osc, 0.94, exact.phases, pattern)
 print(f"clearance {again.clearance:.12f}, first position {again.X[0] - exact.X[0]:.1e} apart")

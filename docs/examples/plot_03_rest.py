@@ -2,9 +2,9 @@
 Simulation with impacts that accumulate
 =======================================
 
-On the taped left wall (R = 0.61) impacts follow each other ever faster until the free mass rests
-there. The simulation sums the accumulation to its limit, lets the mass ride on the wall, and releases
-it when the contact force ends: no time step, no tolerance.
+On the taped left wall (R = 0.61) the impacts follow at ever shorter intervals until the free mass
+rests on the wall. The simulation sums the accumulation to its limit, keeps the mass on the wall, and
+releases it when the contact force vanishes. It uses no time step and no tolerance.
 """
 
 import vibroimpact as vi
@@ -16,7 +16,7 @@ for event in run.events[:4]:
     print(f"t = {event['time']:.6f}  {event['kind']:8s} on {event['side']}")
 
 # %%
-# The pattern of this motion is written ``RL*``. Its exact form, with multipliers:
+# The pattern of this motion is written ``RL*``. The exact motion with its multipliers:
 
 motion = vi.exact(osc, 0.9, 6.0, run)
 print(repr(motion))

@@ -2,8 +2,8 @@
 All periodic motions at a point
 ===============================
 
-``find`` searches from many guesses for every pattern of impacts, from releases and from simulations,
-and gives stable and unstable motions alike.
+``find`` searches for motions of every pattern from many guesses, from releases and from simulations. It
+returns both stable and unstable motions.
 """
 
 import matplotlib.pyplot as plt
@@ -16,10 +16,11 @@ for motion in motions:
 print(motions.search)
 
 # %%
-# The first four, the free mass as seen from the primary mass:
+# Phase portraits of the first four: the motion of the free mass relative to the primary mass.
 
 figure, axes = plt.subplots(2, 2, figsize=(7.2, 5.4), layout="constrained")
 for motion, ax in zip(motions, axes.flat, strict=False):
     motion.plot(ax=ax, kind="portrait")
     name = "stable" if motion.stable else "unstable"
     ax.set_title(f"{motion.pattern.sides}, {name}", fontsize=9)
+figure.suptitle("ξ = 0.005, μ = 0.042, R = 0.75, r = 0.94, dK/F0 = 37", fontsize=8)

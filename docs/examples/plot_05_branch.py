@@ -2,8 +2,8 @@
 A branch with its special points
 ================================
 
-One motion followed along the clearance: where it loses its stability (a flip), and from where on it would
-pass through a wall (a grazing). A bound is an end of the range.
+A branch follows one motion as the clearance changes. It shows where the motion loses its stability (a
+flip), and where it begins to pass through a wall (a grazing). A bound is an end of the range.
 """
 
 import math
@@ -17,7 +17,7 @@ for point in path.special_points:
     print(point)
 
 # %%
-# The largest displacement along it, relative to that without impacts:
+# The largest displacement along the branch, relative to that without impacts:
 
 path.plot()
 

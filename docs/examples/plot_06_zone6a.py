@@ -2,8 +2,8 @@
 The zone of Figure 6a
 =====================
 
-Where two equally spaced impacts a cycle are stable and admissible: one closed curve, every piece of
-which has the name of what happens there.
+The zone in which two equally spaced impacts a cycle are stable and admissible. Its boundary is one closed
+curve; each piece of it is named after the condition that ends the zone there.
 """
 
 import vibroimpact as vi

@@ -16,7 +16,8 @@ for sides, symmetric in (("RL", False), ("RRL", None), ("RRLL", None)):
     zones.append(zone)
 
 # %%
-# 2u is unequally spaced. Each zone ends in a flip, a fold, a pitchfork or a Neimark–Sacker curve:
+# 2u stands for two impacts, unequally spaced. Flips, folds, pitchforks and Neimark–Sacker curves bound
+# the zones:
 
 ax = None
 for zone in zones:

@@ -2,10 +2,10 @@
 A small atlas
 =============
 
-All zones of a window, without being told which patterns are there: the patterns are enumerated, and a
-survey by simulation tells which zones are missing. Every point of the survey is counted by what became of
-it; those that no zone explains are marked in the picture. The motion without impacts has its place, too:
-where D > 2A the free mass can rest untouched.
+All zones of a window. You need not give the patterns: the program enumerates them, and a survey by
+simulation reports zones that are missing. Each point of the survey is counted by its outcome, and points
+that no zone explains are marked in the picture. Where D > 2A the free mass can also stay at rest without
+impacts; this region is hatched.
 """
 
 import vibroimpact as vi

@@ -1,9 +1,9 @@
 """
-A chart coloured by what the damper does
-========================================
+A chart coloured by attenuation
+===============================
 
-Every point of a grid with its verdicts; the stable zone is coloured by max|x|/A, the largest displacement
-relative to that without impacts: dark is good.
+A chart gives the verdicts at each point of a grid. The stable zone is coloured by max|x|/A, the largest
+displacement relative to that without impacts; dark colours mean a strong reduction.
 """
 
 import numpy as np

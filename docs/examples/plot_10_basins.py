@@ -2,8 +2,8 @@
 Basins of attraction
 ====================
 
-Which motion an initial state goes to. At Table 1's point the unequispaced motion and its mirror image
-are both stable: RL/1 (1) and (2).
+The basins show which motion each initial state reaches. At the point of Table 1 the unequispaced motion
+and its mirror image are both stable: RL/1 (1) and (2).
 """
 
 import vibroimpact as vi

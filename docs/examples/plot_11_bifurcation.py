@@ -2,9 +2,9 @@
 A bifurcation diagram
 =====================
 
-Simulations carried from value to value, up and then down. Where the two sweeps differ there is
-hysteresis: dots and crosses are of the sweep up, open marks of the sweep down. The lines on top name the periodic
-windows: 2/1 is two impacts in one load cycle.
+The simulation continues from value to value, first up and then down. Where the two sweeps differ there is
+hysteresis: dots and crosses belong to the sweep up, open marks to the sweep down. The lines at the top name the
+periodic windows: 2/1 is two impacts in one load cycle.
 """
 
 import numpy as np

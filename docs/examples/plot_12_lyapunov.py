@@ -2,9 +2,10 @@
 Lyapunov exponents
 ==================
 
-All four exponents along a line of the plane. The largest is negative on a periodic motion, 0 on a
-quasi-periodic one and positive on a chaotic one. On the periodic motion here they come in two pairs, as its
-complex multipliers do. Where the free mass comes to rest, two of them are −∞: open marks at the lower edge.
+All four exponents along a line of the plane. The largest exponent is negative for a periodic motion, 0 for a
+quasi-periodic motion and positive for a chaotic motion. The periodic motion here has two pairs of equal exponents,
+because its multipliers are complex. Where the free mass comes to rest, two exponents are −∞; these are drawn as open
+marks at the lower edge.
 """
 
 import numpy as np
@@ -20,8 +21,8 @@ print(result)
 result.plot()
 
 # %%
-# Their sum is known: what the damping and the impacts take away. At a stable periodic motion the
-# exponents are the logarithms of the multipliers.
+# The damping and the impacts determine the sum of the exponents. For a stable periodic motion the exponents
+# are the logarithms of the multipliers.
 
 point = vi.lyapunov(osc, 1.04, 30.0, cycles=2000)
 motion = vi.equispaced(osc, 1.04, 30.0)[0]

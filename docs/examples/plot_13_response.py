@@ -2,8 +2,9 @@
 Response of an impact damper
 ============================
 
-The largest displacement along the frequency ratio, max|X|/A, relative to that without impacts: where it
-is below 1, the impacts help. Each dot is an attractor that one of the initial states comes to.
+The response is the largest displacement relative to that without impacts, max|X|/A, against the frequency
+ratio. Where it is below 1 the impacts reduce the vibration. Each dot is an attractor that one of the initial
+states reaches.
 """
 
 import numpy as np

@@ -2,12 +2,12 @@ r"""
 Free vibration of an impact damper
 ==================================
 
-An impact damper is judged first by how it brings a free vibration to rest. The primary mass is released from the
-displacement 1 with the free mass in the middle of its slot; there is no load, so :math:`F_0/K` is any unit of
-length, and only the ratio of clearance and amplitude matters.
+The first measure of an impact damper is how fast it reduces a free vibration. The primary mass is released from the
+displacement 1 with the free mass in the middle of its slot; there is no load, so any length can be
+the unit instead of :math:`F_0/K`, and only the ratio of clearance to amplitude matters.
 
-A peak is the greatest :math:`|X|` between two zeros of :math:`X`, exact to rounding: a stationary point of the
-closed form or an impact that turns the mass back. The damping of a cycle is the logarithmic decrement
+A peak is the largest :math:`|X|` between two zeros of :math:`X`, exact to rounding. It is a stationary point of the
+closed form, or an impact that reverses the velocity. The damping of a cycle is the logarithmic decrement
 :math:`\delta = \ln(X_k/X_{k+2})` from a peak to the next one on the same side, given as the damping ratio of a
 linear oscillator with this decrement, :math:`\zeta = \delta/\sqrt{4\pi^2 + \delta^2}`.
 """
@@ -22,8 +22,8 @@ for i, clearance in enumerate(free.clearance):
     print(f"d = {clearance}: after 10 cycles {abs(x[20]):.3f}, after 20 cycles {abs(x[40]):.3f}")
 
 # %%
-# The damping grows as the amplitude falls, until the free mass no longer keeps in step. Then the dashpot is left
-# alone between two impacts, and a cycle with an impact may even gain energy from the free mass. The dashed line is
-# the dashpot's :math:`\xi`.
+# The damping increases as the amplitude falls, until the free mass no longer impacts in every half cycle. Between
+# two impacts only the dashpot then dissipates energy, and in a cycle with an impact the primary mass can even gain
+# energy from the free mass. The dashed line is the damping ratio :math:`\xi` of the dashpot.
 
 free.plot()

@@ -1,8 +1,7 @@
-"""Every test with the words that it says it checks, grouped by file and numbered."""
+"""What each test checks, by the first sentence of its docstring, grouped by file."""
 
 import ast
 import re
-from itertools import count
 
 from .shared import ROOT, sentence
 
@@ -33,17 +32,23 @@ def words(name):
 
 
 def python_checks(path):
-    """(purpose of the file, [what each test says])."""
+    """(purpose of the file, [what each test checks]); the name of a test that has no docstring."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     found = []
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
             text = ast.get_docstring(node)
             title = words(node.name)
-            text = text and text.split("\n\n")[0]
-            link = " " if (text or "").startswith("...") else ": "
-            found.append(f"{title[:-1]}{link}{text.lstrip('. ')}" if text else title)
+            found.append(
+                f"**{title[:-1]}:** {first_sentence(text).lstrip('. ')}" if text else title
+            )
     return ast.get_docstring(tree) or "", found
+
+
+def first_sentence(text):
+    """The first sentence of a docstring."""
+    whole = " ".join(text.split("\n\n")[0].split())
+    return re.split(r"(?<=[a-z)0-9]\.) (?=[A-Z])", whole, maxsplit=1)[0]
 
 
 def fortran_checks(path):
@@ -70,8 +75,8 @@ def is_independent(path):
 
 
 def pages():
-    """A count by subject, what the tests compare with, then all checks."""
-    number, totals, body, routes = count(1), [], [], []
+    """A count by subject, what the tests compare with, then the single checks against independent code or data."""
+    totals, body, details, routes, whole = [], [], [], [], 0
     for folder, title in FOLDERS.items():
         table, lists, total = [], [], 0
         for path in sorted(
@@ -89,21 +94,38 @@ def pages():
             used = ", ".join(dict.fromkeys(route for word, route in ROUTES.items() if word in text))
             about = sentence(re.split(r"(?<=\.) ", " ".join(purpose.split()), maxsplit=1)[0])
             table.append(f"| {subject} | {len(found)} | {about} | {used} |")
+            total += len(found)
+            if not used:
+                continue
             lists += [
-                f"### {title}: {subject}",
+                f"### {subject}",
                 "",
-                f"`{folder}/{path.name}` {sentence(purpose)}",
+                f"`{folder}/{path.name}`: {sentence(purpose)}",
+                "",
+                "<details>",
+                f"<summary>{len(found)} checks</summary>"
+                if len(found) > 1
+                else "<summary>1 check</summary>",
                 "",
             ]
-            lists += [f"{next(number)}. {sentence(text)}" for text in found]
-            lists.append("")
-            total += len(found)
+            lists += [f"- {sentence(text)}" for text in found]
+            lists += ["", "</details>", ""]
         totals.append(f"{total} of {title[:1].lower()}{title[1:]}")
+        whole += total
         head = [
-            "| subject | checks | of what, against what | with the help of |",
+            "| subject | checks | what is checked, and against what | independent code and data |",
             "|---|---|---|---|",
         ]
-        body += [f"## {title}", "", *head, *table, "", *lists]
-    whole = f"**{next(number) - 1} checks**: {', '.join(totals)}."
-    compare = ["## Code of the tests alone", "", *routes, ""]
-    return {"checks.md": "\n".join([whole, "", *compare, *body])}
+        body += [f"## {title}", "", *head, *table, ""]
+        details += lists
+    compare = [
+        "## Independent models",
+        "",
+        "The tests compare the package with these:",
+        "",
+        *routes,
+        "",
+    ]
+    singles = ["## Single checks against independent code or data", "", *details]
+    first = [f"**{whole} checks**: {', '.join(totals)}.", ""]
+    return {"checks.md": "\n".join([*first, *compare, *body, *singles])}

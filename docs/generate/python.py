@@ -20,7 +20,7 @@ SUBJECTS = {
 }  # fmt: skip
 EXTRA = {
     "What all results can do": ("noun.Savable",),
-    "Pictures": ("plot.draw", "plot.draw_chart"),
+    "Pictures": ("plot.draw", "plot.draw_chart", "plot.draw_system"),
     "Errors": tuple(f"errors.{name}" for name in vibroimpact.errors.__all__),
 }
 

@@ -20,7 +20,7 @@ module vi_bifurcation_study
    type(key_type), parameter :: bifurcation_keys(*) = [ &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
-      meaning='clearance d K/F0, one or one for each value'), &
+      meaning='clearance d K/F0 (d is the whole travel of m), one or one for each value'), &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
       may_miss=.true., never='parameter=r', why='=: it is the parameter', option='r-list', &
       meaning='frequency ratio at each value, if it changes with it'), &

@@ -37,9 +37,10 @@ module vi_chart_study
       key_type('clearance', most=most_points, low=window_keys(3)%low, high=window_keys(3)%high, &
       may_miss=.true., option='clearance-list', unit='F0/K', &
       takes='increasing numbers with 1e-12 <= clearance <= 1e12', &
-      meaning='the clearances d K/F0, if they are not evenly spaced'), &
+      meaning='the clearances d K/F0 (d is the whole travel of m), if not evenly spaced'), &
       key_type('clearance_min', low=window_keys(3)%low, high=window_keys(3)%high, unit='F0/K', &
-      never='clearance', option='clearance', meaning='first clearance d K/F0'), &
+      never='clearance', option='clearance', &
+      meaning='first clearance d K/F0; d is the whole travel of m between the walls'), &
       key_type('clearance_max', low=window_keys(4)%low, high=window_keys(4)%high, unit='F0/K', &
       over='clearance_min', never='clearance', option='clearance', &
       meaning='last clearance d K/F0'), &

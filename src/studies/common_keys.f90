@@ -28,7 +28,8 @@ module vi_common_keys
       key_type('restitution', low=0.0_wp, high=1.0_wp)]
 
    type(key_type), parameter, public :: clearance_key = key_type('clearance', low=least_gap, &
-      high=most_gap, unit='F0/K', meaning='clearance d K/F0')
+      high=most_gap, unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls')
    type(key_type), parameter, public :: load_key = key_type('load', low=0.0_wp, high=1.0e12_wp, &
       default='1', meaning='load amplitude, in units of the load that defines the unit of length')
    type(key_type), parameter, public :: cycles_key = key_type('cycles', a_whole, default='1', &
@@ -47,7 +48,7 @@ module vi_common_keys
       key_type('r_max', low=least_r, high=most_r, over='r_min', option='r', &
       meaning='last frequency ratio'), &
       key_type('clearance_min', low=least_gap, high=most_gap, option='clearance', unit='F0/K', &
-      meaning='first clearance d K/F0'), &
+      meaning='first clearance d K/F0; d is the whole travel of m between the walls'), &
       key_type('clearance_max', low=least_gap, high=most_gap, over='clearance_min', &
       option='clearance', unit='F0/K', meaning='last clearance d K/F0')]
 

@@ -17,7 +17,7 @@ module vi_decay_study
    type(key_type), parameter :: decay_keys(*) = [ &
       key_type('clearance', most=100000, low=clearance_key%low, high=clearance_key%high, &
       or='inverse_clearance', unit='F0/K', &
-      meaning='clearances d K/F0; F0/K is the unit of length'), &
+      meaning='clearances d K/F0 (d is the whole travel of m); F0/K is the unit of length'), &
       key_type('inverse_clearance', most=100000, low=1.0e-12_wp, high=1.0e12_wp, &
       or='clearance', unit='K/F0', meaning='F0/(d K) of each clearance'), &
       key_type('amplitude', default='1', low=-1.0e9_wp, high=1.0e9_wp, unit='F0/K', &

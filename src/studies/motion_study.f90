@@ -31,7 +31,8 @@ module vi_motion_study
       &(clearance given, phases guessed)', meaning='what is known of the motion'), &
       cycles_key, &
       key_type('clearance', low=1.0e-12_wp, high=1.0e12_wp, never='kind=periodic', &
-      why=', which finds the clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      why=', which finds the clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       key_type('sides', a_word, never=equispaced, why=known, &
       takes='letters R and L, one an impact, 2 to 1000 of them, each wall at least once', &
       meaning='walls of the impacts in order, as RRL'), &

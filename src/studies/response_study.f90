@@ -24,7 +24,8 @@ module vi_response_study
       key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, never='r', option='r', &
       meaning='number of frequency ratios'), &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
-      or='inverse_clearance', unit='F0/K', meaning='clearance d K/F0, one or one for each r'), &
+      or='inverse_clearance', unit='F0/K', &
+      meaning='clearance d K/F0 (d is the whole travel of m), one or one for each r'), &
       key_type('inverse_clearance', most=1000000, low=1.0e-12_wp, high=1.0e12_wp, &
       or='clearance', unit='K/F0', meaning='F0/(d K), one or one for each r'), &
       key_type('states', a_whole, default='24', low=1.0_wp, high=1.0e6_wp, &

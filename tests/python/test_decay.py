@@ -224,8 +224,11 @@ def test_picture(clearances):
         assert ("dK/F_0" in told) == (len(clearances) == 1)
         for peaks, damping in (panels, alone, given):
             assert peaks.get_yscale() == damping.get_xscale() == "log"
-            assert (peaks.get_xlabel(), peaks.get_ylabel()) == (r"$\omega t$", "peaks $|X|K/F_0$")
-            assert (r"\zeta" in damping.get_ylabel(), "K/F_0" in damping.get_xlabel()) == (
+            assert (peaks.get_xlabel(), peaks.get_ylabel()) == (
+                r"$t$ ($1/\omega$)",
+                "peaks $|X|$ ($F_0/K$)",
+            )
+            assert (r"\zeta" in damping.get_ylabel(), "F_0/K" in damping.get_xlabel()) == (
                 True,
                 True,
             )

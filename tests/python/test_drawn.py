@@ -84,6 +84,16 @@ def test_chart_is_identified_and_hatched_to_its_edges():
         np.testing.assert_array_equal(inside.reshape(kind.shape) == 1, kind == 2)
 
 
+def test_zones_in_one_picture_differ_in_fill(results):
+    """The fill of each further zone in the same axes has another colour, unless a colour is given."""
+    zone = results["zone"]
+    ax = zone.plot()
+    zone.plot(ax)
+    fills = [patch.get_facecolor()[:3] for patch in ax.patches]
+    assert len(fills) == 2
+    assert fills[0] != fills[1]
+
+
 def test_shared_boundaries_are_drawn_once(results):
     """Of the pitchfork between two zones there is one line; all other vertices are there."""
     atlas = results["atlas"]

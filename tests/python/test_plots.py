@@ -12,6 +12,7 @@ from shared_systems import RIG, TABLE, TURN
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from vibroimpact.plot import draw_system, sketch  # noqa: E402
 
 KINDS = ("history", "load", "acceleration", "portrait")
 LABELS = {
@@ -217,6 +218,35 @@ def test_short_and_quiet_trajectories_are_drawn():
         axes[0].figure.canvas.draw()
         assert len(axes) == len(KINDS)
         assert np.isfinite([one.get_xlim() + one.get_ylim() for one in axes]).all()
+
+
+def test_clearance_in_the_sketch_is_the_whole_travel():
+    """The two gaps beside m are d/2 each, so that their sum is d; all symbols are there, within the picture."""
+    ax = draw_system()
+    texts = [text.get_text() for text in ax.texts]
+    for symbol in ("$M$", "$m$", "$K$", "$C$", "$X$", "$Z$"):
+        assert symbol in texts
+    assert texts.count("$d/2$") == 2
+    assert any("whole travel" in text for text in texts)
+    (left, right), (low, high) = sketch.SLOT[:2], sketch.MASS[:2]
+    assert low - left == pytest.approx(right - high)
+    figure = ax.figure
+    figure.canvas.draw()
+    for text in ax.texts:
+        box = text.get_window_extent()
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
+
+
+def test_the_scale_of_the_spikes_is_told():
+    """The legend gives the change of velocity of the longest spike, and lies above the axes."""
+    motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    ax = motion.plot(kind="acceleration")
+    largest = np.abs(motion.X_dot_after - motion.X_dot_before).max()
+    ax.figure.canvas.draw()
+    (text,) = ax.get_legend().get_texts()
+    assert f"longest: {largest:.3g} " in text.get_text()
+    assert ax.get_legend().get_window_extent().y0 >= ax.bbox.y1 - 1
 
 
 def test_settings_are_left_alone():

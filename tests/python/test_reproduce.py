@@ -15,13 +15,14 @@ import vibroimpact as vi
 from vibroimpact.likeness import standard_motion
 from vibroimpact.reproduce import (
     appendix,
+    canvas,
     captions,
     damper,
-    experiment,
     phase_errors,
     run,
     scan,
     statements,
+    sweeps,
     tasks,
 )
 from vibroimpact.reproduce.digits import upper_boundary
@@ -30,6 +31,7 @@ from vibroimpact.reproduce.phases import curve
 
 RATIOS = np.array([0.7, 0.9, 1.0, 1.1, 1.3])
 ROUGH = 0.1
+VERDICTS = ("agrees", "differs", "cannot be checked")
 
 
 def perturbed(motion):
@@ -201,12 +203,12 @@ def test_patterns_are_found(point, sides):
     } == {sides}
 
 
-# experiment
+# simulated sweeps
 
 
 def test_sweep_ends_on_motions_of_the_zone():
     """A rising and falling load at r = 1.1: equispaced holds lie in the equispaced zone."""
-    seen = experiment.sweep(EQUAL, 1.1, 9, 30.0)
+    seen = sweeps.sweep(EQUAL, 1.1, 9, 30.0)
     assert [item["direction"] for item in seen] == ["up"] * 9 + ["down"] * 9
     assert seen[8]["load"] == seen[9]["load"] > seen[0]["load"]
     (strip,) = scan.equispaced_zone(EQUAL, np.array([1.1]), 120)
@@ -227,7 +229,7 @@ def test_bars_join_successive_holds():
         for d, order in (("up", (0, 1, 2, 3)), ("down", (3, 2, 1, 0)))
         for load, kind in ((float(i), kinds[i]) for i in order)
     ]
-    found = experiment.bars([{"r": 1.0, "seen": seen}], "2e")
+    found = sweeps.bars([{"r": 1.0, "seen": seen}], "2e")
     assert [(bar.low, bar.high) for bar in found] == [(0, 1), (3, 3), (3, 3), (0, 1)]
 
 
@@ -397,6 +399,71 @@ def test_two_readings_of_figure_10(name, osc, whole):
 
 @pytest.mark.slow
 @pytest.mark.xdist_group("reproduce")
+def test_simulations_are_not_called_measurements(whole):
+    """Where only a simulation is compared the verdict says so; nothing calls it an experiment."""
+    rows = [row for row in statements_of(whole) if "simulated" in row["found"]]
+    assert len(rows) >= 8
+    for row in rows:
+        assert row["verdict"] in ("simulation agrees", "simulation differs", "cannot be checked")
+        assert "measure" in row["statement"]
+    report = (whole / "report.html").read_text(encoding="utf-8")
+    assert "numerical experiment" not in report
+    assert "experiment and theory" not in report
+    for name in ("figure6a", "figure6b", "figure7", "figure8a", "figure8b", "figure10a"):
+        done = json.loads((whole / "data" / f".{name}.done").read_text(encoding="utf-8"))
+        assert "experiment" not in done["said"]
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("reproduce")
+def test_two_readings_of_section_2(whole):
+    """One row is on the verdicts, one on what is accepted; with 1.5 % far fewer motions are accepted."""
+    rows = [row for row in statements_of(whole) if "virtually no effect" in row["statement"]]
+    assert [row["statement"].split("read as: on ")[1].split()[0] for row in rows] == [
+        "the",
+        "which",
+    ]
+    assert rows[1]["verdict"] == "differs"
+    near = [
+        row
+        for row in json.loads((whole / "data" / "phase_errors.json").read_text(encoding="utf-8"))
+        if row["error"] == 0.02
+    ]
+    change = max(abs(row["wrong"][0] - row["wrong"][1]) for row in near)
+    assert rows[0]["verdict"] == ("agrees" if 100 * change < 2 else "differs")
+    for k, rule in enumerate(("3 %", "1.5 %")):
+        shares = ", ".join(f"{100 * row['accepted'][k]:.0f}" for row in near)
+        assert f"{shares} % ({rule})" in rows[1]["found"]
+
+
+def test_tally_counts_every_statement():
+    """Each verdict is counted once."""
+    verdicts = [*VERDICTS, "agrees", "simulation agrees", "simulation agrees", "simulation differs"]
+    assert statements.tally(verdicts) == (
+        "2 agree, 1 differ, 1 cannot be checked; 3 are about measurements that the text does not give: for 2 of "
+        "them a simulation agrees with the computed zone"
+    )
+
+
+def test_thinned_outline_is_the_same_curve():
+    """Every point that is left out lies within the tolerance of the line that is drawn."""
+    angle = np.linspace(0, 2 * math.pi, 4001)
+    line = np.stack([1 + 0.3 * np.cos(angle), np.exp(np.sin(3 * angle))], axis=1)
+    few = canvas.thinned(line)
+    assert len(few) < 400
+    assert (few[0] == line[0]).all()
+    assert (few[-1] == line[-1]).all()
+    scale = np.ptp(np.c_[line[:, 0], np.log(line[:, 1])], axis=0)
+    points, corners = (np.c_[x[:, 0], np.log(x[:, 1])] / scale for x in (line, few))
+    start, step = corners[:-1], np.diff(corners, axis=0)
+    share = ((points[:, None] - start) * step).sum(axis=2) / (step**2).sum(axis=1)
+    foot = start + np.clip(share, 0, 1)[..., None] * step
+    away = np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1)
+    assert away.max() <= canvas.THINNED
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("reproduce")
 def test_report_stands_alone(whole):
     """The page refers to nothing outside itself, and holds every figure and statement."""
     text = (whole / "report.html").read_text(encoding="utf-8")
@@ -406,8 +473,11 @@ def test_report_stands_alone(whole):
     assert text.count("<img ") == sum(name.startswith("figure") for name in tasks.NAMES)
     assert text.count('src="data:image/svg+xml;base64,') == text.count("<img ")
     for row in statements_of(whole):
-        assert row["verdict"] in ("agrees", "differs", "cannot be checked")
+        assert row["verdict"] in {*VERDICTS, "simulation agrees", "simulation differs"}
         assert row["found"]
+    tally = statements.tally([row["verdict"] for row in statements_of(whole)])
+    assert text.index(tally) < text.index("<nav>")
+    assert len(text) < 3_000_000
     assert text.count("<section") == text.count("</section>")
 
 

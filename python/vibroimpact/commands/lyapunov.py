@@ -23,7 +23,7 @@ EXAMPLE = "vibroimpact lyapunov --xi .0114 --mu .028 --restitution .75 --r 1.04 
 #: The options of which one may be a line of points, and what is said of them.
 LINES = {
     "r": "frequency ratio: a number, or LOW HIGH N for N of them",
-    "clearance": "clearance d K/F0: a number, or LOW HIGH N for N of them",
+    "clearance": "clearance d K/F0 (d is the whole travel of m): a number, or LOW HIGH N for N of them",
 }
 #: The keys of such a line.
 SPAN = ("low", "high", "values")

@@ -30,14 +30,14 @@ AREAS = (
     "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
 )  # fmt: skip
 COORDINATES = {
-    "x": "$XK/F_0$", "x_dot": r"$\dot XK/(\omega F_0)$", "y": "$YK/F_0$",
-    "z_dot": r"$\dot ZK/(\omega F_0)$", "t": r"$\omega t$",
+    "x": "$X$ ($F_0/K$)", "x_dot": r"$\dot X$ ($\omega F_0/K$)", "y": "$Y$ ($F_0/K$)",
+    "z_dot": r"$\dot Z$ ($\omega F_0/K$)", "t": style.TIME_LABEL,
 }  # fmt: skip
 QUANTITIES = {
-    "phase": "load phase of the impacts", "x": "$XK/F_0$ at the impacts",
-    "x_dot_before": r"$\dot X_b K/(\omega F_0)$", "x_dot_after": r"$\dot X_a K/(\omega F_0)$",
-    "z_dot_before": r"$\dot Z_b K/(\omega F_0)$", "z_dot_after": r"$\dot Z_a K/(\omega F_0)$",
-    "approach": r"$|\dot Z_b - \dot X_b| K/(\omega F_0)$",
+    "phase": "load phase at the impacts (rad)", "x": "$X$ at the impacts ($F_0/K$)",
+    "x_dot_before": r"$\dot X_b$ ($\omega F_0/K$)", "x_dot_after": r"$\dot X_a$ ($\omega F_0/K$)",
+    "z_dot_before": r"$\dot Z_b$ ($\omega F_0/K$)", "z_dot_after": r"$\dot Z_a$ ($\omega F_0/K$)",
+    "approach": r"$|\dot Z_b - \dot X_b|$ ($\omega F_0/K$)",
 }  # fmt: skip
 
 

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from ..studies.branch import Branch
 
 SYMBOLS = {
-    "r": r"$r = \Omega/\omega$", "clearance": "$dK/F_0$", "xi": r"$\xi$", "mu": r"$\mu$", "R1": "$R_1$",
-    "R2": "$R_2$", "restitution": "$R$", "attenuation": r"$\max|X|/A$", "x_max": "$X_{max}K/F_0$",
-    "x_min": "$X_{min}K/F_0$", "tau": r"$\tau$", "largest": r"$\max|\lambda|$", "A": "$AK/F_0$",
+    "r": style.R_LABEL, "clearance": style.CLEARANCE_LABEL, "xi": r"$\xi$", "mu": r"$\mu$", "R1": "$R_1$",
+    "R2": "$R_2$", "restitution": "$R$", "attenuation": style.ATTENUATION_LABEL, "x_max": r"$X_{\max}$ ($F_0/K$)",
+    "x_min": r"$X_{\min}$ ($F_0/K$)", "tau": r"$\tau$ (rad)", "largest": r"$\max|\lambda|$", "A": "$A$ ($F_0/K$)",
 }  # fmt: skip
 MARKERS = {
     "fold": ("o", "k"), "pitchfork": ("P", style.PRIMARY), "flip": ("s", style.FREE),

@@ -9,7 +9,18 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..errors import ParameterError, ParameterTypeError
-from .style import ONE_COLUMN, PRIMARY, SETTINGS, identify, is_geometric, log_scale, pyplot
+from .style import (
+    CLEARANCE_LABEL,
+    LOAD_LABEL,
+    ONE_COLUMN,
+    PRIMARY,
+    R_LABEL,
+    SETTINGS,
+    identify,
+    is_geometric,
+    log_scale,
+    pyplot,
+)
 
 __all__ = ["draw_chart"]
 
@@ -94,8 +105,8 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
             ax.figure.colorbar(image, ax=ax, label=COLORS[color][1])
         if is_geometric(y):
             log_scale(ax, "y")
-        ax.set_xlabel(r"$r = \Omega/\omega$")
-        ax.set_ylabel(r"$F_0/(dK)$" if inverse else r"$dK/F_0$")
+        ax.set_xlabel(R_LABEL)
+        ax.set_ylabel(LOAD_LABEL if inverse else CLEARANCE_LABEL)
         none = CLASSES[-1][3] if data.attrs.get("complete", 1) else "not reached, or no motion"
         patches = [
             Patch(

@@ -70,8 +70,8 @@ def _draw_peaks(ax: Any, decay: Decay) -> None:
     for clearance, own, look in _runs(decay):
         ax.plot(decay.time[own], np.abs(decay.x[own]), lw=0.6, label=f"{clearance:.6g}", **look)
     style.log_scale(ax, "y")
-    ax.set_xlabel(r"$\omega t$")
-    ax.set_ylabel("peaks $|X|K/F_0$")
+    ax.set_xlabel(style.TIME_LABEL)
+    ax.set_ylabel("peaks $|X|$ ($F_0/K$)")
 
 
 def _draw_damping(ax: Any, decay: Decay) -> None:
@@ -90,7 +90,7 @@ def _draw_damping(ax: Any, decay: Decay) -> None:
         r"$\xi$", (1, decay.osc.xi), xycoords=ax.get_yaxis_transform(), xytext=(3, 0),
         textcoords="offset points", va="center", color="0.4", fontsize=8, annotation_clip=False,
     )  # fmt: skip
-    ax.set_xlabel("$|X|K/F_0$ at the start of the cycle")
+    ax.set_xlabel("$|X|$ at the start of the cycle ($F_0/K$)")
     ax.set_ylabel(r"damping ratio $\zeta$ of the cycle")
 
 

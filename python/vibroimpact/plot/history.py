@@ -11,7 +11,18 @@ from numpy.typing import NDArray
 from .. import checks
 from ..errors import ParameterError
 from ..motion import Motion, Sample
-from .style import FREE, IMPACT, LOAD, ONE_COLUMN, PRIMARY, REST, SETTINGS, TWO_COLUMNS, pyplot
+from .style import (
+    ABOVE,
+    FREE,
+    IMPACT,
+    LOAD,
+    ONE_COLUMN,
+    PRIMARY,
+    REST,
+    SETTINGS,
+    TWO_COLUMNS,
+    pyplot,
+)
 
 if TYPE_CHECKING:
     from ..trajectory import Trajectory
@@ -152,7 +163,7 @@ def _draw_history(ax: Any, h: History) -> None:
                 h.event_cycles[chosen], (h.events["x"] + side * h.half)[chosen], marker, color=colour, ms=3,
                 label=kind, mew=0,
             )  # fmt: skip
-    ax.set_ylabel(r"$X$, $Z$  ($F_0/K$)")
+    ax.set_ylabel(r"$X$, $Z$ ($F_0/K$)")
     ax.set_xlabel("time (load cycles)")
     ax.margins(x=0)
     ax.legend(
@@ -162,13 +173,14 @@ def _draw_history(ax: Any, h: History) -> None:
 
 def _draw_load(ax: Any, h: History) -> None:
     ax.plot(h.cycles, h.sample.load, color=LOAD)
-    ax.set_ylabel(r"load ($F_0$)")
+    ax.set_ylabel("load ($F_0$)")
     ax.set_xlabel("time (load cycles)")
     ax.margins(x=0)
 
 
 def _draw_acceleration(ax: Any, h: History) -> None:
-    """Acceleration of the primary mass; an impact is a spike whose length is its change of velocity."""
+    """Acceleration of the primary mass; the length of the spike at an impact is proportional to its change of
+    velocity."""
     ax.plot(h.cycles, h.acceleration, color=PRIMARY)
     impacts = h.events["kind"] == "impact"
     jump = (h.events["x_dot_after"] - h.events["x_dot_before"])[impacts]
@@ -183,10 +195,13 @@ def _draw_acceleration(ax: Any, h: History) -> None:
             tips,
             color=IMPACT,
             lw=0.9,
-            label=r"impact: $\Delta\dot X$ ($\omega F_0/K$, scaled)",
+            label=rf"impact: $\Delta\dot X$ (longest: {largest:.3g} $\omega F_0/K$)",
         )
-        ax.legend(loc="upper right", bbox_to_anchor=(1.0, 1.16), handlelength=1.4)
-    ax.set_ylabel(r"$\ddot X$  ($\omega^2 F_0/K$)")
+        # above the axes, where it covers no curve
+        ax.legend(
+            **ABOVE | {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1.4}
+        )
+    ax.set_ylabel(r"$\ddot X$ ($\omega^2 F_0/K$)")
     ax.set_xlabel("time (load cycles)")
     ax.margins(x=0)
 
@@ -198,8 +213,8 @@ def _draw_portrait(ax: Any, h: History) -> None:
     for wall in (-h.half, h.half):
         ax.axvline(wall, color=PRIMARY, lw=0.7, ls=(0, (4, 2)))
     ax.plot(y, y_dot, color=FREE, lw=0.8)
-    ax.set_xlabel(r"$Y = Z - X$  ($F_0/K$)")
-    ax.set_ylabel(r"$\dot Y$  ($\omega F_0/K$)")
+    ax.set_xlabel("$Y = Z - X$ ($F_0/K$)")
+    ax.set_ylabel(r"$\dot Y$ ($\omega F_0/K$)")
 
 
 #: The panels, in the order of the figure.

@@ -27,6 +27,10 @@ SYMBOLS = {
     "clearance": "$dK/F_0$", "load": "load/$F_0$",
 }  # fmt: skip
 
+#: Labels of axes: a quantity, and its unit in brackets unless it is dimensionless.
+R_LABEL, CLEARANCE_LABEL, LOAD_LABEL = r"$r = \Omega/\omega$", "$dK/F_0$", "$F_0/(dK)$"
+ATTENUATION_LABEL, TIME_LABEL = r"$\max|X|/A$", r"$t$ ($1/\omega$)"
+
 SETTINGS = {
     "font.size": 8,
     "axes.labelsize": 8,

@@ -29,11 +29,18 @@ MARKS = {
 }  # fmt: skip
 
 
+#: Colours of the fills of zones in the same axes, in order, and the label of a fill, which no legend shows.
+FILLS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, "#E69F00", "#56B4E9", "#F0E442")
+FILL = "_zone"
+
+
 def draw_zone(
     zone: Zone, ax: Any = None, inverse: bool = False, label: str | None = None, color: str | None = None,
     legend: bool = True, drawn: dict[str, list[Any]] | None = None,
 ) -> Any:  # fmt: skip
     """Draw one zone: a light fill, the pieces of its boundary, and its name inside.
+
+    The fill of each further zone in the same axes has another colour.
 
     A boundary that another zone of the same figure shares, and that `drawn` contains, is not drawn again: the
     gaps of a dashed line would be filled.
@@ -44,7 +51,8 @@ def draw_zone(
             _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.0), layout="constrained")
         style.log_scale(ax, "y")
         style.identify(ax, style.system(zone.osc))
-    draw_fill(zone, ax, inverse, color or style.PRIMARY)
+    before = sum(patch.get_label() == FILL for patch in ax.patches)
+    draw_fill(zone, ax, inverse, color or FILLS[before % len(FILLS)])
     shown = set(ax.get_legend_handles_labels()[1])
     drawn = {} if drawn is None else drawn
     lines: dict[str, list[Any]] = {}
@@ -69,8 +77,8 @@ def draw_zone(
     place_label(
         zone, ax, inverse, default_label(zone.pattern, zone.symmetric) if label is None else label
     )
-    ax.set_xlabel(r"$r = \Omega/\omega$")
-    ax.set_ylabel("$F_0/(dK)$" if inverse else "$dK/F_0$")
+    ax.set_xlabel(style.R_LABEL)
+    ax.set_ylabel(style.LOAD_LABEL if inverse else style.CLEARANCE_LABEL)
     if legend and shown:
         ax.legend(**style.ABOVE)
     return ax
@@ -88,10 +96,9 @@ def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
             _, ax = plt.subplots(figsize=(style.TWO_COLUMNS, 4.5), layout="constrained")
         style.log_scale(ax, "y")
         style.identify(ax, style.system(atlas.osc))
-    colors = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, "#E69F00", "#56B4E9", "#F0E442")
     drawn: dict[str, list[Any]] = {}
     for i, zone in enumerate(sorted(atlas.zones, key=lambda item: -item.area)):
-        draw_zone(zone, ax, inverse, None, colors[i % len(colors)], legend=False, drawn=drawn)
+        draw_zone(zone, ax, inverse, None, FILLS[i % len(FILLS)], legend=False, drawn=drawn)
     draw_without_impacts(atlas, ax, inverse)
     draw_survey(atlas, ax, inverse)
     ax.set_xlim(*atlas.r)
@@ -173,7 +180,9 @@ def draw_fill(zone: Zone, ax: Any, inverse: bool, color: str) -> None:
     for ring in zone.loops:
         points = np.c_[ring[:, 0], 1 / ring[:, 1] if inverse else ring[:, 1]]
         paths.append(Path(np.r_[points, points[:1]], closed=True))
-    patch = PathPatch(Path.make_compound_path(*paths), facecolor=color, alpha=0.15, linewidth=0)
+    patch = PathPatch(
+        Path.make_compound_path(*paths), facecolor=color, alpha=0.15, linewidth=0, label=FILL
+    )
     ax.add_patch(patch)
     ax.autoscale_view()
 

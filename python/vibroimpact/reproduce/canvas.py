@@ -1,4 +1,4 @@
-"""Drawing and saving of the figures of zones: zones as bands, experiments as bars, the numbers as a table."""
+"""Drawing and saving of the figures of zones: zones as bands, simulated holds as bars, the numbers as a table."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .. import Oscillator
 from ..files import write_bytes, write_text
 from ..plot import style
-from .experiment import Bar
 from .paper import KINDS
 from .scan import Strip
+from .sweeps import Bar
 
-LOAD, GAP = r"$F_0/(dK)$", r"$dK/F_0$"
+LOAD, GAP = style.LOAD_LABEL, style.CLEARANCE_LABEL
+#: Largest distance, as a share of the window, between a drawn outline and the computed one: 0.04 points of print.
+THINNED = 1e-4
 
 
 def sheet(columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any) -> tuple[Any, Any]:
@@ -28,6 +32,33 @@ def sheet(columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any) 
             rows, columns, figsize=(width, height), layout="constrained", **options
         )
     return figure, axes
+
+
+def identify(ax: Any, osc: Oscillator, more: str = "") -> None:
+    """The parameters of the system, as the title of the figure."""
+    ax.figure.suptitle(style.given(style.system(osc)) + more, fontsize=8)
+
+
+def thinned(line: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Some of the points (M, 2) of a line over r and clearance, which draw the same line (Douglas and Peucker)."""
+    scaled = np.stack([line[:, 0], np.log(line[:, 1])], axis=1)
+    scaled /= np.maximum(np.ptp(scaled, axis=0), 1e-300)
+    keep = np.zeros(len(line), dtype=bool)
+    keep[[0, -1]] = True
+    parts = [(0, len(line) - 1)]
+    while parts:
+        first, last = parts.pop()
+        if last - first < 2:
+            continue
+        start, step = scaled[first], scaled[last] - scaled[first]
+        offset = scaled[first + 1 : last] - start
+        along = np.clip(offset @ step / max(float(step @ step), 1e-300), 0, 1)
+        distance = np.linalg.norm(offset - along[:, None] * step, axis=1)
+        if distance.max() > THINNED:
+            middle = first + 1 + int(distance.argmax())
+            keep[middle] = True
+            parts += [(first, middle), (middle, last)]
+    return line[keep]
 
 
 def legend(ax: Any, **options: Any) -> None:
@@ -49,7 +80,7 @@ def zone(
     if traced and traced.closed:
         pieces = [piece for piece in traced.boundary if piece.type != "window"]
         lines = [np.stack([piece.r, piece.clearance], axis=1) for piece in pieces]
-        for ring in traced.loops:
+        for ring in map(thinned, traced.loops):
             ax.fill(
                 ring[:, 0],
                 1 / ring[:, 1] if inverse else ring[:, 1],
@@ -60,7 +91,7 @@ def zone(
     for strip in () if traced and traced.closed else strips:
         edges = (1 / strip.high, 1 / strip.low) if inverse else (strip.low, strip.high)
         ax.fill_between(strip.r, *edges, color=colour, alpha=alpha, lw=0)
-    for line in lines:
+    for line in map(thinned, lines):
         y = 1 / line[:, 1] if inverse else line[:, 1]
         ax.plot(line[:, 0], y, color=colour, lw=0.8, ls=style_)
     if len(strips):
@@ -72,13 +103,13 @@ def zone(
 
 
 def bars(ax: Any, found: Sequence[Bar], kind: str, label: str = "") -> None:
-    """Loads at which the holds of an experiment ended on a kind, as vertical bars."""
+    """Loads at which the simulated holds ended on a kind, as vertical bars."""
     if not found:
         return
     r, low, high = np.array(found).T
     colour = KINDS[kind][0]
     ax.vlines(r, low, high, color=colour, lw=1.6)
-    name = f"{label or KINDS[kind][1]}, experiment"
+    name = f"{label or KINDS[kind][1]}, simulation"
     ax.plot(
         np.tile(r, 2), np.concatenate([low, high]), "_", color=colour, ms=4, mew=1.0, label=name
     )
@@ -93,28 +124,28 @@ def letters(ax: Any, places: Mapping[str, tuple[float, float]]) -> None:
 
 def axes_of_zones(ax: Any, *, inverse: bool = True) -> None:
     """Labels and a logarithmic ordinate: the zones span two decades."""
-    ax.set_yscale("log")
-    ax.set_xlabel(r"frequency ratio $r = \Omega/\omega$")
+    style.log_scale(ax, "y")
+    ax.set_xlabel(style.R_LABEL)
     ax.set_ylabel(LOAD if inverse else GAP)
 
 
 def save(figure: Any, folder: Path, name: str) -> None:
-    """Write a figure as PNG and SVG."""
+    """Write a figure as PNG, for print, and as SVG."""
     plt = style.pyplot()
     # nothing in the file may change from run to run
     with plt.rc_context({**style.SETTINGS, "svg.hashsalt": name}):
         for kind, date in (("png", {}), ("svg", {"metadata": {"Date": None}})):
             buffer = io.BytesIO()
-            figure.savefig(buffer, format=kind, dpi=160, **date)
+            figure.savefig(buffer, format=kind, dpi=200, **date)
             write_bytes(folder / f"{name}.{kind}", buffer.getvalue())
     plt.close(figure)
 
 
 def inside(sweeps: list[dict[str, Any]], kind: str, strips: Sequence[Strip]) -> str:
-    """The number of holds that ended on a kind and lie in its zone, in words."""
+    """The number of simulated holds that ended on a kind and lie in its zone, in words."""
     holds = [(s["r"], 1 / x["load"]) for s in sweeps for x in s["seen"] if x["kind"] == kind]
     good = sum(any(strip.contains(*hold) for strip in strips) for hold in holds)
-    return f"{good} of {len(holds)} holds on {KINDS[kind][1]} lie in the zone"
+    return f"{good} of {len(holds)} simulated holds on {KINDS[kind][1]} lie in the zone"
 
 
 def table(folder: Path, name: str, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
@@ -139,8 +170,9 @@ def strip_rows(zones: Mapping[str, Sequence[Strip]]) -> list[tuple[Any, ...]]:
 STRIP_HEADER = ("zone", "piece", "r", "clearance_low", "clearance_high")
 
 
-def spectrum(count: int) -> list[Any]:
-    """Colours from dark to light that can be distinguished in grey."""
-    from matplotlib import colormaps
-
-    return list(colormaps["viridis"](np.linspace(0.0, 0.88, count)))
+#: Colour, line style and mark of the curves of one figure, in order: no two neighbours are alike in any of them.
+LOOKS = (
+    ("#000000", "-", "o"), ("#56B4E9", (0, (5, 1.5)), "s"), ("#D55E00", "-", "^"),
+    ("#009E73", (0, (5, 1.5, 1, 1.5)), "D"), ("#CC79A7", "-", "v"), ("#0072B2", (0, (2, 1)), "P"),
+    ("#E69F00", "-", "X"),
+)  # fmt: skip

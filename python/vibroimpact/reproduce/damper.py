@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import Oscillator, Pattern, equispaced_batch, periodic_batch
+from ..plot import style
 from . import canvas
-from .experiment import read_sweeps
 from .paper import KINDS
 from .scan import equispaced_zone, is_good
+from .sweeps import read_sweeps
 
-#: Frequency ratios of the curves; the experiment has bars at all of them.
+#: Frequency ratios of the curves; there are simulated sweeps at all of them.
 CURVES = (0.94, 0.96, 0.98, 1.00, 1.02, 1.04, 1.06)
 
 
@@ -52,22 +53,31 @@ def draw(osc: Oscillator, folder: Path, name: str, rig: str, resolution: float) 
     found = [curve(osc, r, resolution) for r in CURVES]
     holds = {sweep["r"]: sweep["seen"] for sweep in read_sweeps(folder, rig)}
     figure, ax = canvas.sheet(height=4.2)
-    for one, colour in zip(found, canvas.spectrum(len(found)), strict=True):
+    figure.set_size_inches(6.4, 4.2)  # the legend stands beside the axes
+    for one, (colour, line, mark) in zip(found, canvas.LOOKS, strict=True):
         # a gap in the zone is a gap in the curve
         far = np.diff(np.log(one.load), prepend=np.log(one.load[:1])) > 0.1
         ax.plot(
-            np.where(far, np.nan, one.attenuation), one.load, color=colour, label=f"$r$ = {one.r:g}"
-        )
+            np.where(far, np.nan, one.attenuation), one.load, color=colour, ls=line, marker=mark,
+            markevery=[], ms=3.5, mew=0, label=f"$r$ = {one.r:g}",
+        )  # fmt: skip
         seen = [x for x in holds[one.r] if x["kind"] in KINDS]
         two = [x for x in seen if x["kind"] in ("2", "2e", "2u")]
-        for chosen, marker, size in ((seen, ".", 3.5), (two, "o", 3)):
+        others = [x for x in seen if x not in two]
+        for chosen, look in (
+            (others, {"mfc": "none", "mew": 0.5, "ms": 3}),
+            (two, {"mew": 0, "ms": 3.5}),
+        ):
             values = [(x["attenuation"], x["load"]) for x in chosen]
-            ax.plot(*np.array(values).reshape(-1, 2).T, marker, color=colour, ms=size, mew=0)
+            ax.plot(*np.array(values).reshape(-1, 2).T, mark, color=colour, **look)
     ax.axvline(1, color="0.5", lw=0.7, ls=(0, (5, 3)))
-    ax.set(yscale="log", xscale="log", xlabel=r"$X_{\max}/A$", ylabel=canvas.LOAD)
-    ax.plot([], [], "o", color="0.4", ms=3, mew=0, label="experiment, 2 impacts/cycle")
-    ax.plot([], [], ".", color="0.4", ms=3.5, mew=0, label="experiment, others")
-    canvas.legend(ax, loc="best")
+    style.log_scale(ax, "x")
+    style.log_scale(ax, "y")
+    ax.set(xlabel=style.ATTENUATION_LABEL, ylabel=canvas.LOAD)
+    ax.plot([], [], "o", color="0.4", ms=3.5, mew=0, label="simulation, 2 impacts/cycle")
+    ax.plot([], [], "o", color="0.4", ms=3, mew=0.5, mfc="none", label="simulation, others")
+    canvas.legend(ax, loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=2.6)
+    canvas.identify(ax, osc)
     canvas.save(figure, folder, name)
     rows = [(one.r, *row) for one in found for row in zip(one.load, one.attenuation, strict=True)]
     canvas.table(folder, name, ("r", "load", "attenuation"), rows)

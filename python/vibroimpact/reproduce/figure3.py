@@ -49,7 +49,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     ax.annotate("Table 1", (0.937, 37.6), fontsize=6.5, ha="right", va="bottom")
     canvas.axes_of_zones(ax, inverse=False)
     ax.set(xlim=(0.8, 1.2), ylim=(2, 150))
-    ax.set_title(r"$\xi = 0.005$, $\mu = 0.042$, $R_1 = R_2 = 0.75$", fontsize=8)
+    canvas.identify(ax, MASRI)
     canvas.legend(ax, loc="upper right")
     canvas.save(figure, folder, "figure3")
     canvas.table(folder, "figure3", canvas.STRIP_HEADER, canvas.strip_rows(found))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..plot import style
 from . import canvas
 from .phases import curves, draw, mark
 
@@ -13,8 +14,8 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     found = curves(resolution)
     figure, ax = canvas.sheet(height=3.8)
     draw(ax, found, "clearance")
-    mark(ax, "clearance", ("$B'$", "$B$"))
-    ax.set_xscale("log")
+    mark(ax, "clearance", ("$B'$", "$B$"), -5.0)  # on the left no other curve is near
+    style.log_scale(ax, "x")
     ax.set_xlabel(canvas.GAP)
     canvas.legend(ax, loc="upper left")
     canvas.save(figure, folder, "figure4a")

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from . import canvas
-from .experiment import bars, read_sweeps
 from .paper import EQUAL, ratios
 from .scan import Array, Strip, equispaced_zone
+from .sweeps import bars, read_sweeps
 from .traced import compared, outline
 
 
@@ -25,8 +25,8 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     sweeps = read_sweeps(folder, "equal")
     figure, (ax, near) = canvas.sheet(2, width_ratios=(1.6, 1))
     traced = outline(EQUAL, "RL", (0.55, 1.5), found["double"], symmetric=True)
-    canvas.zone(ax, found["double"], "2e", "theory, double precision", traced=traced)
-    canvas.zone(ax, found["single"], "2e", "theory, single precision", color="k", alpha=0, ls=":")
+    canvas.zone(ax, found["double"], "2e", "computed, double precision", traced=traced)
+    canvas.zone(ax, found["single"], "2e", "computed, single precision", color="k", alpha=0, ls=":")
     canvas.bars(ax, bars(sweeps, "2e"), "2e")
     canvas.axes_of_zones(ax)
     ax.set(xlim=(0.55, 1.5), ylim=(0.005, 1.0))
@@ -40,8 +40,10 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
             )
     canvas.axes_of_zones(near)
     near.set_yscale("linear")
-    near.set(xlabel=r"$10^3\,(r - 1)$", title="upper boundary at $r = 1$")
-    near.title.set_fontsize(8)
+    near.yaxis.set_major_formatter("{x:g}")
+    near.set(xlabel=r"$10^3\,(r - 1)$")
+    near.set_title("upper boundary at $r = 1$", fontsize=8)
+    canvas.identify(ax, EQUAL)
     canvas.legend(near, loc="upper left")
     canvas.save(figure, folder, "figure6a")
     rows = canvas.strip_rows({**found, **{f"{name} near 1": close[name] for name in close}})

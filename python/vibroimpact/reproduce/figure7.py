@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from . import canvas
-from .experiment import bars, read_sweeps, seeds
 from .paper import EQUAL, ratios
 from .scan import Strip, traced_zone
+from .sweeps import bars, read_sweeps, seeds
 from .traced import compared, outline
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
-    """Zones by pattern, traced from the motions at the ends of holds of the experiment, as in the paper."""
+    """Zones by pattern, traced from the motions that the simulated holds end on; the paper took measured ones."""
     found = seeds(read_sweeps(folder, "equal"), EQUAL)
     r, count = ratios(0.55, 1.5, resolution), max(60, round(300 * resolution))
     return {
@@ -39,6 +39,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         print(f"Figure 7: {', '.join(names)}: {canvas.inside(sweeps, kind, strips)}")
     canvas.axes_of_zones(ax)
     ax.set(xlim=(0.55, 1.5), ylim=(0.01, 5.0))
+    canvas.identify(ax, EQUAL)
     canvas.legend(ax, loc="lower right")
     canvas.save(figure, folder, "figure7")
     canvas.table(folder, "figure7", canvas.STRIP_HEADER, canvas.strip_rows(found))

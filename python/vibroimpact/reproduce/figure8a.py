@@ -5,16 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from . import canvas
-from .experiment import bars, read_sweeps, seeds
 from .figure9 import PANELS
 from .paper import UNEQUAL, ratios
 from .scan import Strip, pair_zone, traced_zone
+from .sweeps import bars, read_sweeps, seeds
 from .traced import compared, outline
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
-    """Zones of two and of three impacts, the latter traced from the motions at the ends of holds of the
-    experiment."""
+    """Zones of two and of three impacts, the latter traced from the motions at the ends of the simulated holds."""
     r = ratios(0.55, 1.5, resolution)
     threes = [x for x in seeds(read_sweeps(folder, "unequal"), UNEQUAL).items() if len(x[0]) == 3]
     plain = [motion for sides, motions in threes if "*" not in sides for motion in motions]
@@ -37,6 +36,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     canvas.letters(ax, {name: PANELS[name][2:] for name in ("a", "b", "c")})
     canvas.axes_of_zones(ax)
     ax.set(xlim=(0.55, 1.5), ylim=(0.006, 1.5))
+    canvas.identify(ax, UNEQUAL)
     canvas.legend(ax, loc="lower right")
     canvas.save(figure, folder, "figure8a")
     canvas.table(folder, "figure8a", canvas.STRIP_HEADER, canvas.strip_rows(found))

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from . import canvas
-from .experiment import bars, read_sweeps, seeds
 from .figure9 import PANELS
 from .paper import UNEQUAL, ratios
 from .scan import Strip, traced_zone
+from .sweeps import bars, read_sweeps, seeds
 from .traced import compared, outline
 
 #: The window of the figure.
@@ -16,8 +16,7 @@ R, CLEARANCE = (0.55, 1.5), (0.4, 60.0)
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
-    """Zones of each pattern with rest found at the ends of holds of the experiment; the paper had no theory for
-    these.
+    """Zones of each pattern with rest found at the ends of the simulated holds; the paper had no theory for these.
 
     The scan continues a motion from point to point, and stops a little before the boundaries that `zone` traces.
     """
@@ -35,16 +34,17 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     found = zones(folder, resolution)
     sweeps = read_sweeps(folder, "unequal")
     figure, ax = canvas.sheet(height=4.0)
-    for (sides, strips), colour in zip(found.items(), canvas.spectrum(len(found)), strict=True):
+    for (sides, strips), (colour, line, _) in zip(found.items(), canvas.LOOKS, strict=False):
         count = sides.count("R")
         name = f"{sides}: {count} on steel, rest on tape"
         traced = outline(UNEQUAL, sides, R, strips, clearance=CLEARANCE)
-        canvas.zone(ax, strips, "rest", name, color=colour, traced=traced)
+        canvas.zone(ax, strips, "rest", name, color=colour, ls=line, traced=traced)
         print(f"Figure 8b, {sides}: {compared(traced, strips)}")
     canvas.bars(ax, bars(sweeps, "rest"), "rest")
     canvas.letters(ax, {name: PANELS[name][2:] for name in ("c", "d")})
     canvas.axes_of_zones(ax)
     ax.set(xlim=R, ylim=(0.02, 2.5))
+    canvas.identify(ax, UNEQUAL)
     canvas.legend(ax, loc="lower right")
     canvas.save(figure, folder, "figure8b")
     canvas.table(folder, "figure8b", canvas.STRIP_HEADER, canvas.strip_rows(found))

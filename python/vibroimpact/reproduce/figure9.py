@@ -35,7 +35,7 @@ def there(motion: Motion, sides: str) -> bool:
 
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure9.png and .svg, write figure9.csv; True if all four kinds are there and stable."""
-    figure, axes = canvas.sheet(2, 5.6, rows=4, sharex="col", height_ratios=(0.7, 1.0, 0.7, 1.0))
+    figure, axes = canvas.sheet(2, 6.2, rows=4, sharex="col", height_ratios=(0.7, 1.0, 0.7, 1.0))
     rows, good = [], True
     for i, (panel, motion) in enumerate(motions().items()):
         caption, sides, r, clearance = PANELS[panel]
@@ -44,12 +44,13 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         draw(motion, acceleration, "acceleration", cycles=2)
         load.set_xlabel("")
         acceleration.tick_params(labelbottom=True)
-        load.set_title(f"({panel}) {caption}\n$r$ = {r:g}, $dK/F_0$ = {clearance:g}", fontsize=7)
+        load.set_title(f"({panel}) {caption}\n$r$ = {r:g}, $dK/F_0$ = {clearance:g}", fontsize=7.5)
         numbers = (len(motion.events), abs(motion.multipliers[0]), motion.x_min, motion.x_max)
         rows.append((panel, motion.pattern.sides, r, clearance, *numbers))
         said = "stable" if there(motion, sides) else "NOT FOUND"
         print(f"Figure 9{panel}: {caption}: {sides} at r = {r:g}, d K/F0 = {clearance:g}: {said}")
         good = good and there(motion, sides)
+    canvas.identify(axes[0, 0], UNEQUAL)
     canvas.save(figure, folder, "figure9")
     header = ["panel", "sides", "r", "clearance", "events a cycle", "max|lambda|", "x_min", "x_max"]
     canvas.table(folder, "figure9", header, rows)

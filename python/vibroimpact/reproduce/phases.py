@@ -42,20 +42,21 @@ def curves(resolution: float = 1.0) -> list[Curve]:
 
 def draw(ax: Any, found: list[Curve], column: str) -> None:
     """Draw a column of the curves against the ratio of durations; thin where a motion passes through a wall."""
-    colours = canvas.spectrum(len(found))
-    for one, colour in zip(found, colours, strict=True):
+    for one, (colour, _, mark) in zip(found, canvas.LOOKS, strict=True):
         values = getattr(one, column)
         ax.plot(values, one.ratio, color=colour, lw=0.5, ls=(0, (2, 2)))
-        ax.plot(np.where(one.admissible, values, np.nan), one.ratio, color=colour, lw=1.2,
-                label=f"$r$ = {one.r:g}")  # fmt: skip
+        # the marks at the upper end tell the curves apart without colour
+        ax.plot(np.where(one.admissible, values, np.nan), one.ratio, color=colour, lw=1.2, marker=mark,
+                ms=4, mew=0, markevery=[-1], clip_on=False, label=f"$r$ = {one.r:g}")  # fmt: skip
     ax.set_ylabel("ratio of durations")
     ax.set_ylim(0, 1)
-    ax.set_title(r"$\xi = 0.004$, $\mu = 0.0484$, $R_1 = R_2 = 0.6$", fontsize=8)
+    canvas.identify(ax, SADEK)
 
 
-def mark(ax: Any, column: str, names: tuple[str, str]) -> None:
-    """Mark the two points on r = 0.999 between which only the load changes."""
+def mark(ax: Any, column: str, names: tuple[str, str], beside: float = 5.0) -> None:
+    """Mark the two points on r = 0.999 between which only the load changes, their letters `beside` them."""
     points = curve(0.999, np.array(POINTS))
     for value, ratio, name in zip(getattr(points, column), points.ratio, names, strict=True):
         ax.plot(value, ratio, "ko", ms=3, zorder=5)
-        ax.annotate(name, (value, ratio), textcoords="offset points", xytext=(5, -3), fontsize=8)
+        ax.annotate(name, (value, ratio), textcoords="offset points", xytext=(beside, -3), fontsize=8,
+                    ha="left" if beside > 0 else "right")  # fmt: skip

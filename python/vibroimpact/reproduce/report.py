@@ -16,6 +16,7 @@ from typing import Any
 from ..files import write_text
 from .appendix import CORRECTIONS, TABLE_1
 from .captions import CAPTIONS, INTRODUCTION, PHASE_ERRORS
+from .statements import tally
 from .table1 import MISPRINTS
 from .tasks import NAMES, SWEEPS, seconds
 
@@ -73,13 +74,21 @@ def picture(folder: Path, name: str) -> str:
         f'<section id="{name}"><h2>{title}</h2>\n<figure class="{"wide" if wide else "one"}">'
         f'<img alt="{escape(title)}" src="data:image/svg+xml;base64,{image}">'
         f"<figcaption>{text}</figcaption></figure>\n"
-        f"<details><summary>What the computation said</summary><pre>{escape(said)}</pre></details></section>"
+        f"<details><summary>Messages of the computation</summary><pre>{escape(said)}</pre></details></section>"
     )
+
+
+def rows_of(folder: Path) -> list[dict[str, str]]:
+    """The statements of the paper with their verdicts."""
+    rows: list[dict[str, str]] = json.loads(
+        (folder / "data" / "statements.json").read_text(encoding="utf-8")
+    )
+    return rows
 
 
 def statements(folder: Path) -> str:
     """The statements of the paper and the findings."""
-    rows = json.loads((folder / "data" / "statements.json").read_text(encoding="utf-8"))
+    rows = rows_of(folder)
     lines = [
         (whole(x["where"]), pretty(x["statement"]), pretty(x["found"]), verdict(x["verdict"]))
         for x in rows
@@ -148,7 +157,7 @@ def phase_errors(folder: Path) -> str:
 
 def timings(folder: Path) -> str:
     """Processor time of each task."""
-    parts = {f"holds of the rig with {rig} R": sum(seconds(folder, x) for x in names)
+    parts = {f"simulated holds, {rig} R": sum(seconds(folder, x) for x in names)
              for rig, names in SWEEPS.items()}  # fmt: skip
     parts |= {
         name: seconds(folder, name)
@@ -166,6 +175,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Write report.html."""
     style = (files(__package__) / "report.css").read_text(encoding="utf-8")
     figures = [name for name in NAMES if name in CAPTIONS]
+    rows = rows_of(folder)
     links = {
         "statements": "Statements",
         "table1": "Table 1",
@@ -185,6 +195,8 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         "<h1>Stable periodic vibroimpacts of an oscillator, recomputed</h1>",
         f'<p class="lead">Every table and figure of N. Popplewell, C. N. Bapat and K. McLachlan, J. Sound Vib. 87 '
         f"(1983) 41–59, doi {DOI}, computed by vibroimpact {escape(version('vibroimpact'))}.</p>{rough}",
+        f"<p><b>{len(rows)} statements of the paper:</b> {escape(tally([row['verdict'] for row in rows]))}. "
+        'Each is listed <a href="#statements">below</a> with what is found here.</p>',
         "<nav>" + " ".join(f'<a href="#{key}">{name}</a>' for key, name in links.items()) + "</nav>",
         INTRODUCTION,
         '<section id="statements"><h2>What the paper says, and what is found</h2>',

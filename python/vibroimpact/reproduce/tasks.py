@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..files import write_text
-from .experiment import RIGS
 from .paper import RATIOS
+from .sweeps import RIGS
 
 #: The names that a user can give.
 NAMES = (
@@ -48,7 +48,7 @@ def _figure(name: str, weight: float, rig: str = "") -> Task:
 
 #: Every task by name, each after its dependencies.
 TASKS: dict[str, Task] = {
-    name: Task("experiment", (), (f"data/{name}.json",), 0.7 if rig == "equal" else 1.5)
+    name: Task("sweeps", (), (f"data/{name}.json",), 0.7 if rig == "equal" else 1.5)
     for rig, names in reversed(SWEEPS.items())
     for name in names
 }
@@ -163,7 +163,7 @@ def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
     begin = time.process_time()
     task, said = TASKS[name], io.StringIO()
     with contextlib.redirect_stdout(said):
-        if task.module == "experiment":
+        if task.module == "sweeps":
             _, rig, r = name.split("_")
             import_module(f".{task.module}", __package__).run_sweep(
                 folder, rig, float(r), resolution

@@ -1,7 +1,7 @@
-"""A numerical experiment in place of the paper's measured bars: the load is raised slowly, then lowered.
+"""Simulated sweeps in place of the paper's measured bars: the load is raised slowly, then lowered.
 
-As on the rig, the frequency is fixed, the load is held for two minutes at each level (2385 r load cycles), the
-motion carries over from level to level, and the motion at the end of each hold is recorded.
+As on the rig, the frequency is fixed, the load is held for two minutes at each level (2385 r load cycles), each
+hold starts from the state at the end of the hold before it, and the motion at the end of each hold is recorded.
 """
 
 from __future__ import annotations
