@@ -2,7 +2,8 @@
 An exact motion at a given clearance
 ====================================
 
-If the clearance is given, the phases are unknowns too. Newton's method finds them from a guess, here the rounded phase of Table 1.
+If the clearance is given, the phases are unknowns too. Newton's method finds them from a
+guess, here the rounded phase of Table 1.
 """
 
 import math

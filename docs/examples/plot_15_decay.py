@@ -2,12 +2,12 @@ r"""
 Free vibration of an impact damper
 ==================================
 
-The first measure of an impact damper is how fast it reduces a free vibration. The primary mass is released from the
-displacement 1 with the free mass in the middle of its slot; there is no load, so any length can be
+The first measure of an impact damper is how fast it reduces a free vibration. The primary mass is released
+from the displacement 1 with the free mass in the middle of its slot; there is no load, so any length can be
 the unit instead of :math:`F_0/K`, and only the ratio of clearance to amplitude matters.
 
-A peak is the largest :math:`|X|` between two zeros of :math:`X`, exact to rounding. It is a stationary point of the
-closed form, or an impact that reverses the velocity. The damping of a cycle is the logarithmic decrement
+A peak is the largest :math:`|X|` between two zeros of :math:`X`, exact to rounding. It is a stationary point
+of the closed form, or an impact that reverses the velocity. The damping of a cycle is the logarithmic decrement
 :math:`\delta = \ln(X_k/X_{k+2})` from a peak to the next one on the same side, given as the damping ratio of a
 linear oscillator with this decrement, :math:`\zeta = \delta/\sqrt{4\pi^2 + \delta^2}`.
 """
