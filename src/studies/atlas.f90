@@ -11,7 +11,6 @@ module vi_atlas
    use vi_symbols, only: standard_symbols
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
-   use vi_seeds, only: initial_state_of
    use vi_zone_request, only: zone_request_type
    use vi_survey, only: attractor_type, settle_from, survey
    use vi_survey_outcome, only: count_outcomes, outcome_names
@@ -212,8 +211,8 @@ contains
          associate (at => places(:, nodes(2, i), nodes(3, i)))
             tried(i) = attractor_type(r=at(1), clearance=at(2))
             if (is_stopped(progress)) cycle
-            call settle_from(request%osc, initial_state_of(nodes(1, i), size(releases, 1), at(2)), &
-               request%settling, request%max_impacts, request%max_cycles, tried(i), progress)
+            call settle_from(request%osc, nodes(1, i), request%settling, request%max_impacts, &
+               request%max_cycles, tried(i), progress)
          end associate
       end do
       !$omp end parallel do

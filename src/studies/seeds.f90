@@ -9,12 +9,14 @@ module vi_seeds
    use vi_pattern, only: pattern_type
    use vi_rest_family, only: follow_symbols, last_release
    use vi_search, only: search_pattern
+   use vi_forced_system, only: initial_state
    use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate, state_type
+   use vi_starts, only: state_start
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: initial_state_of, motions_at, part_of, simulate_releases
+   public :: motions_at, part_of, simulate_releases
 
    !> Largest number of motions of a pattern at a point; load cycles simulated to find a release.
    integer, parameter :: capacity = 64, settling = 60
@@ -142,7 +144,8 @@ contains
          c(by_r), 1.0_wp, exp(c(by_clearance)))
       allocate (events(chunk))
       do k = 1, size(releases)
-         state = initial_state_of(k, size(releases), system%clearance)
+         state = initial_state(system, state_start(system%osc, system%r, system%load, &
+            system%clearance, k))
          status = stat%more_events
          calls = 0
          do while (status == stat%more_events .and. calls < 10)
@@ -157,18 +160,6 @@ contains
          if (present(longest)) call read_end(events(:n), longest, releases(k))
       end do
    end subroutine simulate_releases
-
-   !> The state that one of some simulations begins with.
-   pure function initial_state_of(k, n, clearance) result(state)
-      !> Number of the simulation, and number of simulations.
-      integer, intent(in) :: k, n
-      !> Clearance D = d K/F0.
-      real(wp), intent(in) :: clearance
-      type(state_type) :: state
-
-      state%phase = 6.283_wp*(k - 1)/n
-      state%x_dot = 0.3_wp*clearance*mod(k, 3)
-   end function initial_state_of
 
    !> The period up to the last release that nearly repeats the one before it.
    pure subroutine read_end(events, longest, release)

@@ -9,6 +9,7 @@ module vi_survey
    use vi_event_symbols, only: period_type, read_periods, symbol_sequence_type, total_phase
    use vi_family, only: new_family
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
+   use vi_forced_system, only: initial_state
    use vi_kinds, only: wp
    use vi_symbols, only: standard_symbols
    use vi_orbit, only: by_clearance, by_r, most_impacts, n_parameters
@@ -17,6 +18,7 @@ module vi_survey
    use vi_rest_family, only: follow_symbols, new_rest_family
    use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate_cycles, &
       state_type
+   use vi_starts, only: state_start
    use vi_status, only: stat
    use vi_survey_outcome, only: beyond, chaotic, event_limit, is_chaotic, is_free, no_impacts, &
       not_confirmed, not_settled, periodic, stable_period
@@ -141,11 +143,11 @@ contains
 
    !> The motion on which a simulation from a given state is after some load cycles, if it repeats
    !! itself by then.
-   subroutine settle_from(osc, state, settling, most_symbols, most_cycles, attractor, progress)
+   subroutine settle_from(osc, start, settling, most_symbols, most_cycles, attractor, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
-      !> State at the start.
-      type(state_type), intent(in) :: state
+      !> Number of the initial state, as of `state_start`.
+      integer, intent(in) :: start
       !> Load cycles of the transient.
       integer, intent(in) :: settling
       !> Limits of the motions kept.
@@ -154,11 +156,14 @@ contains
       type(attractor_type), intent(inout) :: attractor
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      type(state_type) :: final
+      type(forced_system_type) :: system
+      type(state_type) :: state
 
-      final = state
-      call look(osc, new_forced_system(osc, attractor%r, 1.0_wp, attractor%clearance), settling, &
-         most_cycles, limits_type(most_symbols, most_cycles), final, attractor, progress)
+      system = new_forced_system(osc, attractor%r, 1.0_wp, attractor%clearance)
+      state = initial_state(system, state_start(osc, attractor%r, 1.0_wp, attractor%clearance, &
+         start))
+      call look(osc, system, settling, most_cycles, limits_type(most_symbols, most_cycles), state, &
+         attractor, progress)
    end subroutine settle_from
 
    !> Simulates the transient, then examines the cycles after it.
