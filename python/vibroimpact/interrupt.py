@@ -13,6 +13,12 @@ from numpy.typing import NDArray
 
 #: Seconds between two checks whether the call is done; an interrupt in between takes effect at once.
 INTERVAL = 0.05
+#: In a thread that runs a call: whether its caller no longer waits for it (`event`).
+_HERE = threading.local()
+
+
+class AbandonedError(BaseException):
+    """Raised in a call for whose result nobody waits any more."""
 
 
 def interruptible(
@@ -22,15 +28,16 @@ def interruptible(
     """The result of a function of the core, during which the main thread can react to Ctrl-C.
 
     Meanwhile `watch`, if given, is called a few times a second. After an interrupt or an exception of `watch`
-    the result is discarded. The progress counters tell the core to stop, if they are among its arguments;
-    otherwise it continues in a thread that ends with the program.
+    the result is discarded. The progress counters tell the core to stop, if they are among its arguments or if
+    the function calls `stoppable` with `progress`; otherwise it continues in a thread that ends with the program.
     """
     if watch is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments)
-    call = _started(function, *arguments)
+    abandoned, *call = _started(function, *arguments)
     try:
         return _finished(*call, watch)
     except BaseException:
+        abandoned.set()
         if counters is not None:
             counters[2] = 1
         raise
@@ -51,15 +58,18 @@ def stoppable(
         return function(*arguments, counters), True
 
     share = 0.0
+    above = getattr(_HERE, "abandoned", None)
 
     def watch() -> None:
         nonlocal share
+        if above is not None and above.is_set():
+            raise AbandonedError
         # the known work can grow
         share = max(share, float(counters[0] / max(1, counters[1])))
         if progress is not None:
             progress(share, note)
 
-    call = _started(function, *arguments, counters)
+    _, *call = _started(function, *arguments, counters)
     try:
         return _finished(*call, watch), True
     except KeyboardInterrupt:
@@ -95,8 +105,8 @@ if hasattr(os, "register_at_fork"):  # a child has none of these threads
 
 def _started(
     function: Callable[..., Any], *arguments: Any
-) -> tuple[threading.Event, list[Any], list[BaseException]]:
-    """A call in a thread of its own, with containers for its result and its exception."""
+) -> tuple[threading.Event, threading.Event, list[Any], list[BaseException]]:
+    """A call in a thread of its own: events for "abandoned" and "done", lists for its result and its exception."""
     answer: list[Any] = []
     fault: list[BaseException] = []
     try:
@@ -105,6 +115,7 @@ def _started(
         worker = _Worker()
 
     def run() -> None:
+        _HERE.abandoned = abandoned
         try:
             answer.append(function(*arguments))
         except BaseException as error:
@@ -114,9 +125,9 @@ def _started(
             done.set()
 
     # an event, since a thread whose `join` was interrupted counts as ended (Python before 3.13)
-    done = threading.Event()
+    done, abandoned = threading.Event(), threading.Event()
     worker.calls.put(run)
-    return done, answer, fault
+    return abandoned, done, answer, fault
 
 
 def _finished(

@@ -15,7 +15,7 @@ from vibroimpact.plot.zone import LINES
 def test_page_shows_what_the_library_computes(page):
     """The table has the motions that `find` finds here, the figures have their curves, the chart the zones."""
     page.open("r=1.04&clearance=20")
-    osc = vi.Oscillator(0.0114, 0.028, 0.75)
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     found = set(shown_numbers(vi.find(osc, 1.04, 20.0)))
     rows = page.rows()
     assert found <= {row[1:] for row in numbers(rows)}
@@ -50,7 +50,7 @@ def test_pointer_tap_and_drag(page):
     page.settle()
     r, clearance = float(page.field("r")), float(page.field("clearance"))
     assert 0.9 < r < 1.04
-    osc = vi.Oscillator(0.0114, 0.028, 0.75)
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     assert set(shown_numbers(vi.find(osc, r, clearance))) <= {
         row[1:] for row in numbers(page.rows())
     }
@@ -166,6 +166,7 @@ def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
 def test_a_run_from_the_portrait(page):
     """A click in the portrait puts the free mass there."""
     page.open()
+    page.page.locator("#portrait").scroll_into_view_if_needed()
     page.page.mouse.click(*page.place(0.6, 0.4, "portrait"))
     page.page.wait_for_function("location.search.includes('show=run')")
     y = float(page.field("z", "run")) - float(page.field("x", "run"))

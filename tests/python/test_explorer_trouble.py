@@ -40,7 +40,7 @@ def test_the_page_tells_that_the_server_has_ended(browser):
 #: Nothing that takes longer than a frame comes to its end.
 BROKEN = """
 from vibroimpact.explorer import background
-def broken(*_):
+def broken(*_, **__):
     raise RuntimeError("broken on purpose")
 background.compute = background.fuller = background.diagram_of = broken
 """
@@ -143,8 +143,8 @@ def test_two_tabs_do_not_know_of_each_other(page, browser, server):
     page.settle()
     assert (other.rows(), other.text("families"), other.page.url) == before
     for one, osc, r, clearance in (
-        (page, vi.Oscillator(0.0114, 0.028, (0.745, 0.61)), 0.9, 6.0),
-        (other, vi.Oscillator(0.02, 0.028, 0.75), 1.04, 20.0),
+        (page, vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.745, 0.61)), 0.9, 6.0),
+        (other, vi.Oscillator(xi=0.02, mu=0.028, restitution=0.75), 1.04, 20.0),
     ):
         found = set(shown_numbers(vi.find(osc, r, clearance)))
         assert found
@@ -164,7 +164,9 @@ def test_reload_in_the_middle_of_computing(page):
         page.page.wait_for_function(f"location.search.includes('xi={value}')")
         page.page.reload()
     page.settle()
-    found = set(shown_numbers(vi.find(vi.Oscillator(0.014, 0.028, 0.75), 1.04, 20.0)))
+    found = set(
+        shown_numbers(vi.find(vi.Oscillator(xi=0.014, mu=0.028, restitution=0.75), 1.04, 20.0))
+    )
     assert found <= {row[1:] for row in numbers(page.rows())}
     assert page.text("fault") == ""
 

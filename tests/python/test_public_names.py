@@ -8,8 +8,17 @@ import vibroimpact as vi
 
 PACKAGE = Path(vi.__file__).parent
 #: What all parts of the package share besides: errors and checks of values, files written whole or not at all,
-#: progress bars, the style of pictures, and areas and winding numbers of closed curves.
-SERVICES = {"checks", "errors", "files", "libraries", "plot", "progress", "studies.geometry"}
+#: calls that an interrupt ends, progress bars, the style of pictures, areas and winding numbers of closed curves.
+SERVICES = {
+    "checks",
+    "errors",
+    "files",
+    "interrupt",
+    "libraries",
+    "plot",
+    "progress",
+    "studies.geometry",
+}
 
 
 def imported(path):

@@ -12,6 +12,7 @@ from typing import Any
 from .. import Zone
 from .explorer import diagram_of
 from .latest import Current, Latest, Stale
+from .limits import TooLong, watched
 from .motions import Shown, fuller
 from .shapes import zone_shapes
 from .state import State
@@ -29,6 +30,8 @@ PATIENCE = 10
 GRACE = 2.0
 #: Seconds after which all coarse zones, or one fine zone, are given up.
 LIMITS = {COARSE: 30.0, FINE: 120.0}
+#: Seconds after which a fuller search or a diagram is given up.
+LONGEST = 120.0
 
 
 class Background:
@@ -59,6 +62,11 @@ class Background:
         self.search, self.rest, self.sweep = worker("motions"), worker("rest"), worker("diagram")
         self.coarse_done = threading.Event()
 
+    def drop(self) -> None:
+        """End all jobs; their results are no longer needed."""
+        for worker in (self.coarse_zones, self.fine_zones, self.search, self.rest, self.sweep):
+            worker.drop()
+
     def zones(
         self, state: State, show: Callable[[dict[Family, Zone], Any, bool, str], None]
     ) -> None:
@@ -71,7 +79,7 @@ class Background:
         def one(family: Family, lines: int, look: Callable[..., None]) -> Zone | None:
             try:
                 look()
-                return compute(state.osc, family, state.window, lines, look)
+                return watched(look, compute, state.osc, family, state.window, lines)
             except TooLong:
                 return None
 
@@ -132,7 +140,7 @@ class Background:
         """The bifurcation diagram along the line."""
 
         def sweep(current: Current) -> None:
-            diagram = diagram_of(state, lambda *_: stop(current))
+            diagram = watched(within(current, LONGEST), diagram_of, state)
             self._later("diagram", current, lambda: show(diagram))
 
         self.sweep.submit(sweep)
@@ -142,7 +150,8 @@ class Background:
         show: Callable[[list[Shown]], None],
     ) -> None:  # fmt: skip
         stop(current)
-        found = fuller(state.osc, state.r, state.clearance, kept, lambda *_: stop(current))
+        look = within(current, LONGEST)
+        found = watched(look, fuller, state.osc, state.r, state.clearance, kept)
         self._later(kind, current, lambda: show(found))
 
     def _later(self, kind: str, current: Current, work: Callable[[], None]) -> None:
@@ -152,14 +161,12 @@ class Background:
             try:
                 if current():
                     work()
+            except Stale:
+                raise  # the page has been closed
             except Exception as error:
                 self.failed(kind, error)
 
         self.at_its_turn(turn)
-
-
-class TooLong(Exception):  # noqa: N818 (no error)
-    """Raised in a search for zones that takes too long."""
 
 
 def watch(current: Current, lines: int, grace: float = 0.0) -> Callable[..., None]:
@@ -171,7 +178,19 @@ def watch(current: Current, lines: int, grace: float = 0.0) -> Callable[..., Non
         if taken >= grace:
             stop(current)
         if taken > LIMITS[lines]:
-            raise TooLong
+            raise TooLong(f"given up after {LIMITS[lines]:g} s")
+
+    return look
+
+
+def within(current: Current, seconds: float) -> Callable[..., None]:
+    """A progress callback that ends a job when a newer one waits or it takes too long."""
+    begin = time.monotonic()
+
+    def look(*_: object) -> None:
+        stop(current)
+        if time.monotonic() - begin > seconds:
+            raise TooLong(f"given up after {seconds:g} s")
 
     return look
 

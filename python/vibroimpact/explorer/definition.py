@@ -18,6 +18,7 @@ from .. import (
     simulate,
 )
 from ..errors import ParameterError, SingularError
+from .limits import Progress, shown
 
 __all__ = ["Definition", "definition_of", "start_of"]
 
@@ -25,6 +26,8 @@ __all__ = ["Definition", "definition_of", "start_of"]
 NEEDED = ("t", "x", "x_dot", "z", "z_dot")
 #: How a motion is computed, and the number of numbers needed for it (None: one for each impact).
 KINDS = {"equispaced": 1, "phases": None, "state": len(NEEDED)}
+#: Most symbols and load cycles of a motion, and most events of the simulation from which one is found.
+MOST_SYMBOLS, MOST_CYCLES, MOST_EVENTS = 24, 16, 100_000
 
 
 @dataclass(frozen=True)
@@ -54,14 +57,21 @@ class Definition:
     kind: str
     numbers: tuple[float, ...]
 
-    def solve(self, osc: Oscillator, r: float, clearance: float) -> Motion:
-        """The motion; SingularError if there is none."""
+    def solve(
+        self, osc: Oscillator, r: float, clearance: float, progress: Progress | None = None
+    ) -> Motion:
+        """The motion; SingularError if there is none. An exception of `progress` ends a simulation."""
         cycles = self.pattern.cycles
         if self.kind == "phases":
             return exact(osc, r, clearance, (list(self.numbers), self.pattern))
         if self.kind == "state":
             state = dict(zip(NEEDED, self.numbers, strict=True))
-            return exact(osc, r, clearance, simulate(osc, r, clearance, 3 * cycles, state))
+            run = simulate(
+                osc, r, clearance, 3 * cycles, state, max_events=MOST_EVENTS, progress=progress
+            )
+            if not run.complete:
+                raise SingularError(f"more than {MOST_EVENTS} events in {3 * cycles} load cycles")
+            return exact(osc, r, clearance, run)
         pair = equispaced(osc, r, clearance, cycles)
         if not self.numbers[0] < len(pair):
             raise SingularError(f"there are {len(pair)} equispaced motions here")
@@ -82,30 +92,38 @@ class Definition:
             pattern = Pattern(sides, int(cycles))
             numbers = tuple(float(word) for word in words.split(","))
         except ValueError:
-            raise ParameterError(f"motion = {text!r}: must be {wanted}") from None
+            raise ParameterError(f"motion = {shown(text)}: must be {wanted}") from None
+        if len(pattern) > MOST_SYMBOLS or pattern.cycles > MOST_CYCLES:
+            raise ParameterError(
+                f"motion = {shown(text)}: must have at most {MOST_SYMBOLS} symbols and {MOST_CYCLES} load cycles"
+            )
         if kind not in KINDS or len(numbers) != (KINDS[kind] or len(pattern)):
-            raise ParameterError(f"motion = {text!r}: must be {wanted}")
+            raise ParameterError(f"motion = {shown(text)}: must be {wanted}")
         if not all(math.isfinite(number) for number in numbers):
-            raise ParameterError(f"motion = {text!r}: must hold finite numbers")
+            raise ParameterError(f"motion = {shown(text)}: must hold finite numbers")
         if kind == "equispaced" and (
             numbers[0] not in (0, 1) or pattern.sides != "RL" or pattern.cycles % 2 == 0
         ):
-            raise ParameterError(f"motion = {text!r}: must be number 0 or 1 of RL in odd cycles")
+            raise ParameterError(
+                f"motion = {shown(text)}: must be number 0 or 1 of RL in odd cycles"
+            )
         if kind == "phases":
             if pattern.has_rest:
-                raise ParameterError(f"motion = {text!r}: must be without rest")
+                raise ParameterError(f"motion = {shown(text)}: must be without rest")
             checks.phases(list(numbers), len(pattern), pattern.cycles)
         return cls(pattern, kind, tuple(map(int, numbers)) if kind == "equispaced" else numbers)
 
 
-def definition_of(motion: Motion) -> tuple[Definition, Motion] | None:
+def definition_of(
+    motion: Motion, progress: Progress | None = None
+) -> tuple[Definition, Motion] | None:
     """A definition for a motion and the motion that it gives; None if no definition reproduces the motion.
 
     The page shows the motion that the definition gives, so a user of the definition gets the same bits.
     """
     for definition in _definitions(motion):
         try:
-            made = definition.solve(motion.osc, motion.r, motion.clearance)
+            made = definition.solve(motion.osc, motion.r, motion.clearance, progress)
         except (ArithmeticError, ValueError):
             continue
         if same_motion(made, motion):

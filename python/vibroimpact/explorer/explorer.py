@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -19,8 +18,9 @@ from .. import (
     same_motion,
     simulate,
 )
-from ..errors import ParameterError, SingularError, VibroimpactError
-from .definition import definition_of, start_of
+from ..errors import ParameterError, SingularError
+from .definition import Definition, definition_of, start_of
+from .limits import Limit, Progress, TooLong
 from .motions import Shown, ordered, quick
 from .state import Run, State
 from .zones import Family
@@ -29,6 +29,8 @@ __all__ = ["Explorer", "settles_on"]
 
 #: Values along the line of a bifurcation diagram.
 VALUES = 161
+#: Most events that a simulation may show.
+MOST_EVENTS = 200_000
 #: A line closer to an axis than this, as a share of the window, is made parallel to it.
 SNAP = 0.02
 #: Fields of the state, grouped by the results that depend on them.
@@ -48,6 +50,8 @@ class Explorer:
         Of each family, the zone that was computed last.
     inside : dict
         Those that contain the point.
+    faults : list of str
+        What was given up since they were last told.
 
     Examples
     --------
@@ -61,8 +65,10 @@ class Explorer:
     1.08
     """
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state: State, limit: Limit | None = None) -> None:
         self.state = state
+        self.limit = Limit() if limit is None else limit
+        self.faults: list[str] = []
         self.shown: list[Shown] = []
         #: The oscillator, r and clearance at which they were found.
         self.shown_at: Any = None
@@ -78,9 +84,17 @@ class Explorer:
         here, self.shown_at = place == self.shown_at, place
         kept = self.shown if here else []
         self.inside = self.zones_at(state)
-        self.shown = quick(
-            state.osc, state.r, state.clearance, self.inside.values(), [] if here else known, kept
-        )
+        self.shown = self.quickly(state, self.inside, [] if here else known, kept)
+
+    def quickly(
+        self, at: State, inside: dict[Family, Zone], known: list[Motion], kept: list[Shown]
+    ) -> list[Shown]:
+        """The motions of a quick search at the point of a state; `kept` alone if it takes too long."""
+        try:
+            return self.limit(quick, at.osc, at.r, at.clearance, inside.values(), known, kept)
+        except TooLong as error:
+            self.faults.append(f"the quick search for motions: {error}")
+            return kept
 
     def learn(self, found: list[Shown]) -> None:
         """Take over the result of a fuller search at the point, and keep what has been added meanwhile."""
@@ -98,7 +112,7 @@ class Explorer:
         """The motions at the point of another state, quickly, and the zones that contain it."""
         known = [item.motion for item in self.shown]
         inside = self.zones_at(there)
-        return quick(there.osc, there.r, there.clearance, inside.values(), known), inside
+        return self.quickly(there, inside, known, []), inside
 
     @property
     def index(self) -> int:
@@ -110,8 +124,8 @@ class Explorer:
             if item.definition == definition:
                 return i
         try:
-            wanted = definition.solve(state.osc, state.r, state.clearance)
-        except (ArithmeticError, ValueError):
+            wanted = self.limit(definition.solve, state.osc, state.r, state.clearance)
+        except (ArithmeticError, ValueError, TooLong):
             return 0
         return next((i for i, item in enumerate(self.shown) if same_motion(item.motion, wanted)), 0)
 
@@ -126,11 +140,14 @@ class Explorer:
         if state.motion is None:
             return []
         try:
-            motion = state.motion.solve(state.osc, state.r, state.clearance)
+            motion = self.limit(state.motion.solve, state.osc, state.r, state.clearance)
             if not motion.admissible:
                 raise SingularError("the motion would pass through a wall")
-        except (ArithmeticError, ValueError) as error:
-            fault = f"motion = {state.motion.text!r}: is not there at this point ({error})"
+        except (ArithmeticError, ValueError, TooLong) as error:
+            what = (
+                "was not computed" if isinstance(error, TooLong) else "is not there at this point"
+            )
+            fault = f"motion = {state.motion.text!r}: {what} ({error})"
             self.state = replace(state, motion=None)
             return [fault]
         if not any(same_motion(motion, item.motion) for item in self.shown):
@@ -155,10 +172,9 @@ class Explorer:
         """Choose the motion at the point to which another one can be continued, if there is one."""
         state = self.state
         try:
-            near = exact(state.osc, state.r, state.clearance, motion)
-        except SingularError:
+            found = self.limit(_continued, motion, state)
+        except (SingularError, TooLong):
             return
-        found = definition_of(near) if near.admissible and near.consistent else None
         if found is None:
             return
         match = [item for item in self.shown if same_motion(item.motion, found[1])]
@@ -188,7 +204,7 @@ class Explorer:
 
     def let_run(self, run: Run) -> Trajectory:
         """Simulate; after an error the state is unchanged."""
-        trajectory = simulate_run(replace(self.state, run=run))
+        trajectory = self.limit(simulate_run, replace(self.state, run=run))
         self.state = replace(self.state, run=run, show="run")
         return trajectory
 
@@ -223,30 +239,52 @@ class Explorer:
         self.state = replace(self.state, line=(a, b, c, d))
 
 
-def simulate_run(state: State) -> Trajectory:
-    """The simulation of a state that has one."""
+def _continued(
+    motion: Motion, state: State, progress: Progress | None = None
+) -> tuple[Definition, Motion] | None:
+    """The motion at the point of a state to which another one can be continued, and its definition."""
+    near = exact(state.osc, state.r, state.clearance, motion)
+    return definition_of(near, progress) if near.admissible and near.consistent else None
+
+
+def simulate_run(state: State, progress: Progress | None = None) -> Trajectory:
+    """The simulation of a state that has one; an exception of `progress` ends it."""
     run = state.run or Run()
-    return simulate(state.osc, state.r, state.clearance, run.cycles, run.state, discard=run.discard)
+    start: Any = run.state
+    if run.discard:
+        before = simulate(
+            state.osc, state.r, state.clearance, 0, start, discard=run.discard, progress=progress
+        )
+        start = before.final_state  # goes on bit for bit
+    trajectory = simulate(
+        state.osc, state.r, state.clearance, run.cycles, start, max_events=MOST_EVENTS,
+        progress=progress,
+    )  # fmt: skip
+    if not trajectory.complete:
+        raise ParameterError(
+            f"cycles = {run.cycles:g}: must be fewer here; they have more than {MOST_EVENTS} events"
+        )
+    return trajectory
 
 
-def settles_on(trajectory: Trajectory, cycles: int = 1000) -> str:
-    """The motion on which a simulation settles, in words."""
+def settles_on(trajectory: Trajectory, cycles: int = 1000, progress: Progress | None = None) -> str:
+    """The motion on which a simulation settles, in words; an exception of `progress` ends the search."""
     osc, r, clearance = trajectory.osc, trajectory.r, trajectory.clearance
     try:
-        later = simulate(osc, r, clearance, 40, trajectory.final_state, discard=cycles)
+        later = simulate(
+            osc, r, clearance, 40, trajectory.final_state, discard=cycles, progress=progress
+        )
         if not len(later.events):
             return f"no impacts after {cycles} more cycles"
         period = later.period()
-    except VibroimpactError:
+    except (ParameterError, SingularError):
         return f"no period of up to 16 cycles after {cycles} more cycles"
     symbols, n = period.pattern.symbols, len(period.pattern)
     sides = "".join(max(symbols[j:] + symbols[:j] for j in range(n)))  # as in the table
     return f"settles on {n}/{period.pattern.cycles} {sides}"
 
 
-def diagram_of(
-    state: State, progress: Callable[[float, str], None] | None = None
-) -> BifurcationDiagram:
+def diagram_of(state: State, progress: Progress | None = None) -> BifurcationDiagram:
     """The bifurcation diagram along the line of a state that has one; an exception of `progress` ends it."""
     parameter, values, other = along(state)
     fixed: dict[str, Any] = {"clearance" if parameter == "r" else "r": other}

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 
-__all__ = ["Current", "Latest", "Stale"]
+__all__ = ["Current", "Latest", "Stale", "ending"]
 
 #: Argument of a job, so that it can end early: whether it is still the newest and the interpreter goes on.
 Current = Callable[[], bool]
@@ -74,7 +74,7 @@ class Latest:
         while True:
             with self.lock:
                 job, mine, self.waiting = self.waiting, self.number, None
-                if job is None or _ending():
+                if job is None or ending():
                     self.running = False
                     return
             current = partial(self._newest, mine)
@@ -87,9 +87,9 @@ class Latest:
                     self.failed(error)
 
     def _newest(self, number: int) -> bool:
-        return self.number == number and not _ending()
+        return self.number == number and not ending()
 
 
-def _ending() -> bool:
+def ending() -> bool:
     """Whether the interpreter is ending and waits for its threads."""
     return not threading.main_thread().is_alive()

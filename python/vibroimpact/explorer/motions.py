@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from .. import Motion, Oscillator, Zone, exact, find, is_symmetric, motion_images, same_motion
 from ..errors import SingularError
 from .definition import Definition, definition_of
+from .limits import Progress
 
 __all__ = ["Shown", "fuller", "quick"]
 
@@ -28,11 +29,11 @@ class Shown(NamedTuple):
 
 def quick(
     osc: Oscillator, r: float, clearance: float, zones: Iterable[Zone] = (), known: Iterable[Motion] = (),
-    kept: Iterable[Shown] = (),
+    kept: Iterable[Shown] = (), progress: Progress | None = None,
 ) -> list[Shown]:  # fmt: skip
     """Motions of up to five impacts a cycle from few guesses, from the zones here and from those known nearby.
 
-    `zones` contain the point; `kept` are those known here.
+    `zones` contain the point; `kept` are those known here; `progress` as in `find`.
 
     Examples
     --------
@@ -42,27 +43,29 @@ def quick(
     >>> [(shown.label, shown.motion.stable) for shown in quick(osc, 0.94, 37.0)][:2]
     [('2/1 RL', True), ('2/1 RL', True)]
     """
-    found = find(osc, r, clearance, 5, 1, guesses=12, states=0, releases=8)
+    found = find(osc, r, clearance, 5, 1, guesses=12, states=0, releases=8, progress=progress)
     more = [*_from_zones(osc, r, clearance, zones), *_followed(osc, r, clearance, known)]
-    return ordered([*found, *more], kept)
+    return ordered([*found, *more], kept, progress)
 
 
 def fuller(
     osc: Oscillator, r: float, clearance: float, kept: Iterable[Shown] = (),
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress | None = None,
 ) -> list[Shown]:  # fmt: skip
     """All motions that `find` finds with its usual limits, and those known here; `progress` as there."""
-    return ordered(find(osc, r, clearance, progress=progress), kept)
+    return ordered(find(osc, r, clearance, progress=progress), kept, progress)
 
 
-def ordered(motions: Iterable[Motion], kept: Iterable[Shown] = ()) -> list[Shown]:
+def ordered(
+    motions: Iterable[Motion], kept: Iterable[Shown] = (), progress: Progress | None = None
+) -> list[Shown]:
     """Each once, with its mirror image where the walls are alike; the stable ones first."""
     shown = list(kept)
     for motion in motions:
         for image in motion_images(motion):
             if any(same_motion(image, other.motion) for other in shown):
                 continue
-            made = definition_of(image)
+            made = definition_of(image, progress)
             if made is not None:
                 shown.append(Shown(made[1], made[0]))
     return sorted(shown, key=_order)

@@ -5,7 +5,7 @@ export function render({ model }) {
   const waiting = new Map()
   const models = {}
   const sketches = Object.fromEntries(["history", "portrait", "circle"].map((name) => [name, sketch(at(name))]))
-  let busy = 0, sent = 0, peeking = false, dragged = null, touched = false
+  let busy = 0, sent = 0, peeking = false, dragged = null, touched = false, drawing = false
 
   function ask(kind, message = {}) {
     const old = waiting.get(kind)
@@ -176,10 +176,11 @@ export function render({ model }) {
         at("chart").focus({ preventScroll: true })
         ask("point", { r: x, clearance: y })
       }
-      if (event === "panstart") dragged = [x, y]
+      if (event === "panstart" && (drawing || !touched)) dragged = [x, y]
       if (event === "panend" && dragged) {
         ask("line", { from: dragged, to: [x, y] })
         dragged = null
+        draws(false)
       }
     },
     sketches,
@@ -191,6 +192,14 @@ export function render({ model }) {
     settled: () => !busy && waiting.size === 0
       && !/…$/.test(at("status").textContent) && /were searched.$/.test(at("searched").textContent),
   }
+  // a finger that moves scrolls the page, unless it is to draw
+  function draws(on) {
+    drawing = on
+    at("draw").setAttribute("aria-pressed", String(on))
+    at("chart").classList.toggle("drawing", on)
+  }
+  at("draw").addEventListener("click", () => draws(!drawing))
+  document.addEventListener("pointercancel", () => { dragged = null }, true)
   // a finger has no place until it taps
   for (const event of ["pointerdown", "pointermove"]) {
     document.addEventListener(event, (e) => { touched = e.pointerType === "touch" }, true)
@@ -218,7 +227,10 @@ export function render({ model }) {
       ask("step", { right, up })
     } else if (event.key.toLowerCase() === "l") {
       ask("through", { across: event.shiftKey })
-    } else if (event.key === "Escape") ask("erase")
+    } else if (event.key === "Escape") {
+      draws(false)
+      ask("erase")
+    }
     else return
     event.preventDefault()
   })

@@ -17,7 +17,10 @@ from panel.io.state import set_curdoc
 from ..plot.style import condition_name
 from ..plot.zone import LINES
 from .figures import dashes, figures
-from .session import Session
+from .latest import Stale
+from .pictures import packed
+from .session import Session, own_fault
+from .turns import Turns
 
 __all__ = ["page"]
 
@@ -85,12 +88,35 @@ def page() -> Any:
         ConnectionLost, CustomJS(code="window.vibroimpact && window.vibroimpact.lost()")
     )
 
-    def at_its_turn(work: Callable[[], None]) -> None:
-        if document.session_context is not None:  # else the page has been closed
-            document.add_next_tick_callback(work)
+    turns = Turns()
 
-    session = Session(urlencode(words), bridge.tell, at_its_turn)
-    bridge.heard = session.heard
+    def tell(text: str, numbers: Any) -> None:
+        if document.session_context is not None:  # else the page has been closed
+            document.add_next_tick_callback(lambda: bridge.tell(text, numbers))
+
+    # the first messages wait until the session has been made: a link may ask for long computations
+    session: list[Session] = []
+
+    def heard(message: dict[str, Any]) -> None:
+        try:
+            if not session:
+                session.append(Session(urlencode(words), tell, turns.submit))
+            if turns.closed:
+                raise Stale
+            session[0].heard(message)
+        except Stale:
+            raise
+        except Exception as error:
+            answer = {"fault": own_fault(error), "number": message["number"], "pictures": {}}
+            tell(*packed(answer))
+
+    def closed(_: Any) -> None:
+        turns.close()
+        for one in session:
+            one.close()
+
+    bridge.heard = lambda message: turns.submit(lambda: heard(message))
+    pn.state.on_session_destroyed(closed)
     template = pn.Template(_text("page.html"))
     for name, text in (
         ("style", _text("page.css")), ("sliders", SLIDERS), ("run_fields", RUN_FIELDS),

@@ -63,19 +63,20 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
     pn = panel()
     from tornado.ioloop import IOLoop
 
+    from .origin import protect
     from .page import page
 
     host = f"[{number}]" if ":" in number else number
     port = _free(number, port)
     loop = IOLoop.current()
-    # a page of another origin is not served
-    origins = [f"{name}:{port}" for name in (host, "localhost")]
+    names = tuple(dict.fromkeys((host, "localhost")))
     server = pn.serve(
         {"/": page}, port=port, address=number, show=False, start=False, verbose=False, loop=loop,
-        title="vibroimpact explorer", websocket_origin=origins,
+        title="vibroimpact explorer", websocket_origin=[f"{name}:{port}" for name in names],
         # a ping may reach a page that is closing before its messages are read, which Bokeh reports as an error
         keep_alive_milliseconds=0,
     )  # fmt: skip
+    protect(server._tornado, names, port)
     url = f"http://{host}:{port}/"
     # handled by the event loop, so that an interrupt never occurs within a message
     for number_of in (signal.SIGINT, signal.SIGTERM):

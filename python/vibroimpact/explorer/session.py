@@ -13,6 +13,8 @@ from . import pictures, sketches, words
 from .background import Background
 from .explorer import Explorer, simulate_run
 from .export import as_namelist, as_python
+from .latest import Stale
+from .limits import Limit
 from .motions import Shown
 from .state import Run, State, joined
 
@@ -48,7 +50,8 @@ class Session:
         at_its_turn: Callable[[Callable[[], None]], None],
     ) -> None:
         state, self.faults = State.read(query)
-        self.explorer = Explorer(state)
+        self.limit = Limit()
+        self.explorer = Explorer(state, self.limit)
         self.faults += self.explorer.restore()
         self.tell = tell
         self.background = Background(at_its_turn, self.failed)
@@ -84,9 +87,21 @@ class Session:
                 answer = ({} if steady else {"fault": ""}) | getattr(self, f"on_{kind}")(message)
             except VibroimpactError as error:
                 answer = {"fault": str(error), **self.summary()}
+            if self.explorer.faults:
+                faults, self.explorer.faults = self.explorer.faults, []
+                answer["fault"] = joined(
+                    filter(None, (answer.get("fault"), *dict.fromkeys(faults)))
+                )
             self.send(answer | number)
+        except Stale:
+            raise  # the page has been closed
         except Exception as error:
             self.send({"fault": own_fault(error)} | number)
+
+    def close(self) -> None:
+        """The page has been closed: everything that is being computed for it ends."""
+        self.limit.close()
+        self.background.drop()
 
     def send(self, answer: dict[str, Any]) -> None:
         """Send one message with all texts and drawings."""
@@ -176,7 +191,7 @@ class Session:
 
     def runs(self, trajectory: Trajectory) -> dict[str, Any]:
         """A simulation has been made."""
-        self.trajectory, self.ran = trajectory, words.run_text(trajectory)
+        self.trajectory, self.ran = trajectory, words.run_text(trajectory, self.limit)
         return self.summary()
 
     def on_stop(self, _: dict[str, Any]) -> dict[str, Any]:
@@ -239,8 +254,8 @@ class Session:
         self.trajectory, self.ran = None, ""
         if self.explorer.state.run is not None:
             try:
-                self.trajectory = simulate_run(self.explorer.state)
-                self.ran = words.run_text(self.trajectory)
+                self.trajectory = self.limit(simulate_run, self.explorer.state)
+                self.ran = words.run_text(self.trajectory, self.limit)
             except VibroimpactError as error:
                 self.ran = str(error)
 

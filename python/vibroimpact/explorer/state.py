@@ -11,13 +11,16 @@ from urllib.parse import parse_qsl, urlencode
 from .. import Oscillator, Pattern, checks
 from ..errors import ParameterError, VibroimpactError
 from .definition import NEEDED, Definition
+from .limits import shown
 
 __all__ = ["Run", "State"]
 
 NUMBERS = ("xi", "mu", "R1", "R2", "r", "clearance")
 WINDOW = ("r_min", "r_max", "clearance_min", "clearance_max")
-#: Largest number of zones drawn.
-MOST_PATTERNS = 12
+#: Largest number of zones drawn, and of the symbols and load cycles of their patterns.
+MOST_PATTERNS, MOST_SYMBOLS, MOST_CYCLES = 12, 8, 4
+#: Most digits of a whole number.
+MOST_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -132,9 +135,10 @@ class State:
                 f"patterns: must be 1 to {MOST_PATTERNS}, there are {len(self.patterns)}"
             )
         for pattern in self.patterns:
-            if len(pattern) > 8 or pattern.cycles > 4:
+            if len(pattern) > MOST_SYMBOLS or pattern.cycles > MOST_CYCLES:
                 raise ParameterError(
-                    f"patterns = {pattern.sides}/{pattern.cycles}: must have at most 8 symbols and 4 cycles"
+                    f"patterns = {pattern.sides}/{pattern.cycles}: must have at most {MOST_SYMBOLS} symbols "
+                    f"and {MOST_CYCLES} cycles"
                 )
         checks.choice(self.show, "show", ("motion", "run"))
         if self.line is not None:
@@ -148,7 +152,7 @@ class State:
     @property
     def osc(self) -> Oscillator:
         """The system."""
-        return Oscillator(self.xi, self.mu, (self.R1, self.R2))
+        return Oscillator(xi=self.xi, mu=self.mu, restitution=(self.R1, self.R2))
 
     @property
     def window(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -233,18 +237,24 @@ def _value(name: str, text: str) -> Any:
             return None
         words, count = text.split(","), len(fields(Run)) if name == "run" else 4
         if len(words) != count:
-            raise ParameterError(f"{name} = {text!r}: must be {count} numbers with commas between")
+            raise ParameterError(
+                f"{name} = {shown(text)}: must be {count} numbers with commas between"
+            )
         if name == "run":
             return Run.read(dict(zip((item.name for item in fields(Run)), words, strict=True)))
         return tuple(_finite(word, name) for word in words)
     names = ", ".join(item.name for item in fields(State))
-    raise ParameterError(f"{name} = {text!r}: is no part of the explorer's state; must be {names}")
+    raise ParameterError(
+        f"{name} = {shown(text)}: is no part of the explorer's state; must be {names}"
+    )
 
 
 def _pattern(word: str) -> Pattern:
     sides, slash, cycles = word.partition("/")
-    if slash and not cycles.isdecimal():
-        raise ParameterError(f"patterns = {word!r}: must be SIDES or SIDES/CYCLES, as RL/2")
+    if slash and not (cycles.isdecimal() and len(cycles) <= MOST_DIGITS):
+        raise ParameterError(f"patterns = {shown(word)}: must be SIDES or SIDES/CYCLES, as RL/2")
+    if len(sides) > 2 * MOST_SYMBOLS:
+        raise ParameterError(f"patterns = {shown(word)}: must have at most {MOST_SYMBOLS} symbols")
     return Pattern(sides, int(cycles) if slash else 1)
 
 
@@ -254,7 +264,10 @@ def _number(text: str, name: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise ParameterError(f"{name} = {text!r}: must be {checks.allowed(kind, name)}") from None
+        wanted = checks.allowed(kind, name)
+        raise ParameterError(f"{name} = {shown(text)}: must be {wanted}") from None
+    if math.isinf(value):  # 1e400 is a number, which no float holds
+        raise ParameterError(f"{name} = {shown(text)}: must be {checks.allowed(kind, name)}")
     return checks.number(value, kind, name)
 
 
@@ -264,7 +277,7 @@ def _finite(text: str, name: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ParameterError(f"{name} = {text!r}: must be a finite number")
+        raise ParameterError(f"{name} = {shown(text)}: must be a finite number")
     return value
 
 

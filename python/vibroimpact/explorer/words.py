@@ -7,6 +7,7 @@ from typing import Any
 
 from .. import BifurcationDiagram, Trajectory
 from .explorer import Explorer, settles_on
+from .limits import Limit, TooLong
 from .motions import Shown
 from .shapes import color, hatch
 from .state import NUMBERS, WINDOW, number_text, pattern_text
@@ -51,14 +52,18 @@ def fields(explorer: Explorer) -> dict[str, str]:
     )
 
 
-def run_text(trajectory: Trajectory) -> str:
+def run_text(trajectory: Trajectory, limit: Limit) -> str:
     """The outcome of a simulation."""
     kinds = trajectory.events["kind"].tolist()
     counts = [
         f"{n} {name}{'s' * (n != 1)}"
         for n, name in ((kinds.count("impact"), "impact"), (kinds.count("stick"), "rest"))
     ]
-    return f"{', '.join(counts)}; {settles_on(trajectory)}"
+    try:
+        end = limit(settles_on, trajectory)
+    except TooLong as error:
+        end = f"whether it settles was not found out ({error})"
+    return f"{', '.join(counts)}; {end}"
 
 
 def diagram_text(diagram: BifurcationDiagram) -> str:

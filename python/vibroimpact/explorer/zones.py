@@ -47,7 +47,7 @@ def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
     >>> import vibroimpact as vi
     >>> from vibroimpact.explorer.zones import families
     >>> patterns = [vi.Pattern("RL"), vi.Pattern("RRL"), vi.Pattern("RLL")]
-    >>> [family.name for family in families(vi.Oscillator(0.01, 0.03, 0.75), patterns)]
+    >>> [family.name for family in families(vi.Oscillator(xi=0.01, mu=0.03, restitution=0.75), patterns)]
     ['RL symmetric', 'RL unsymmetric', 'RRL']
     """
     alike = osc.restitution[0] == osc.restitution[1]

@@ -1,0 +1,86 @@
+"""Limits of what a page may ask for: computations in threads that are given up after some seconds."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeVar
+
+from ..errors import VibroimpactError
+from ..interrupt import interruptible
+from .latest import Stale, ending
+
+__all__ = ["Limit", "Progress", "TooLong", "shown", "watched"]
+
+Found = TypeVar("Found")
+Progress = Callable[..., None]
+
+#: Seconds after which a computation that a page waits for is given up.
+SECONDS = 5.0
+#: Characters of a text in a link that a message repeats.
+MOST_SHOWN = 80
+
+
+class TooLong(VibroimpactError):  # noqa: N818 (a limit, no error)
+    """A computation for a page was given up after some seconds."""
+
+
+class Limit:
+    """Runs the computations that a page waits for; each may take some seconds.
+
+    Examples
+    --------
+    >>> import time
+    >>> from vibroimpact.explorer.limits import Limit
+    >>> limit = Limit(0.2)
+    >>> limit(lambda progress: "done")
+    'done'
+    >>> limit(lambda progress: time.sleep(1))
+    Traceback (most recent call last):
+    vibroimpact.explorer.limits.TooLong: given up after 0.2 s
+    """
+
+    def __init__(self, seconds: float | None = None) -> None:
+        self.seconds = SECONDS if seconds is None else seconds
+        self.closed = threading.Event()
+
+    def close(self) -> None:
+        """The page has been closed: what is being computed for it ends."""
+        self.closed.set()
+
+    def __call__(self, function: Callable[..., Found], *arguments: Any) -> Found:
+        """The result of a function; it also gets the keyword `progress`, a callback whose exception ends it.
+
+        The caller does not wait for it after the limit, even if the function does not call back.
+        """
+        deadline = time.monotonic() + self.seconds
+
+        def progress(*_: object) -> None:
+            if self.closed.is_set() or ending():
+                raise Stale
+            if time.monotonic() > deadline:
+                raise TooLong(f"given up after {self.seconds:g} s")
+
+        return watched(progress, function, *arguments)
+
+
+def watched(progress: Progress, function: Callable[..., Found], *arguments: Any) -> Found:
+    """The result of a function that takes `progress`; an exception of `progress` ends the wait for it at once."""
+    found: Found = interruptible(partial(function, *arguments, progress=progress), watch=progress)
+    return found
+
+
+def shown(text: str) -> str:
+    """A text of a link as a message repeats it: the beginning of a long one.
+
+    Examples
+    --------
+    >>> from vibroimpact.explorer.limits import shown
+    >>> shown("RL/2"), shown("1" * 5000)[-30:]
+    ("'RL/2'", "1…' (5000 characters)")
+    """
+    if len(text) <= MOST_SHOWN:
+        return repr(text)
+    return f"{text[:MOST_SHOWN] + '…'!r} ({len(text)} characters)"

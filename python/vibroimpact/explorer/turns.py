@@ -1,0 +1,67 @@
+"""The thread of a page: everything that changes its state runs there, one after the other."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable
+
+from .latest import Stale, ending
+
+__all__ = ["Turns"]
+
+
+class Turns:
+    """Runs functions one after the other in a thread that lives as long as any of them waits.
+
+    The event loop, which serves all pages, never waits for it.
+
+    Examples
+    --------
+    >>> import threading
+    >>> from vibroimpact.explorer.turns import Turns
+    >>> turns, done, ran = Turns(), threading.Event(), []
+    >>> for i in range(3):
+    ...     turns.submit(lambda i=i: ran.append(i))
+    >>> turns.submit(done.set)
+    >>> done.wait(10), ran
+    (True, [0, 1, 2])
+    """
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.waiting: deque[Callable[[], object]] = deque()
+        self.running = self.closed = False
+
+    def submit(self, work: Callable[[], object]) -> None:
+        """Run a function after those that wait; a page that has been closed runs none."""
+        with self.lock:
+            if self.closed:
+                return
+            self.waiting.append(work)
+            if self.running:
+                return
+            self.running = True
+        # no daemon, as in `Latest`
+        threading.Thread(target=self._run).start()
+
+    def close(self) -> None:
+        """Discard what waits."""
+        with self.lock:
+            self.closed = True
+            self.waiting.clear()
+
+    def _run(self) -> None:
+        while True:
+            with self.lock:
+                if not self.waiting or ending():
+                    self.running = False
+                    return
+                work = self.waiting.popleft()
+            try:
+                work()
+            except Stale:
+                pass  # the page has been closed meanwhile
+            except Exception as error:
+                logging.getLogger(__name__).error("a fault of the explorer's own", exc_info=error)
