@@ -26,7 +26,7 @@ from sksundae.cvode import CVODE
 from table import row, show
 
 XI, MU, RESTITUTION = 0.0114, 0.028, 0.75
-OSC = vi.Oscillator(XI, MU, RESTITUTION)
+OSC = vi.Oscillator(xi=XI, mu=MU, restitution=RESTITUTION)
 POINTS = {"stable": (1.04, 25.0), "chaotic": (1.02, 11.25)}
 MOST = 10**6
 TARGETS = {"stable": 7.0, "chaotic": 5.0}

@@ -5,6 +5,15 @@ from importlib.metadata import version as _version
 from . import errors
 from .bundle import Bundle, simulate_bundle
 from .case import Case, read_namelist
+from .errors import (
+    MissingExtraError,
+    OpenBoundaryWarning,
+    ParameterError,
+    ParameterTypeError,
+    SingularError,
+    StudyInterrupted,
+    VibroimpactError,
+)
 from .events import Sample
 from .flags import StabilityFlags, stability_flags
 from .formats.load import load
@@ -46,9 +55,13 @@ __all__ = [
     "Findings",
     "FoundMotions",
     "Lyapunov",
+    "MissingExtraError",
     "Motion",
     "Motions",
+    "OpenBoundaryWarning",
     "Oscillator",
+    "ParameterError",
+    "ParameterTypeError",
     "Pattern",
     "Period",
     "PeriodicWindow",
@@ -57,10 +70,13 @@ __all__ = [
     "RunLog",
     "Sample",
     "Search",
+    "SingularError",
     "SpecialPoint",
     "StabilityFlags",
+    "StudyInterrupted",
     "Trajectory",
     "Units",
+    "VibroimpactError",
     "Zone",
     "ZoneSearch",
     "atlas",
@@ -93,3 +109,8 @@ __all__ = [
     "status_text",
     "zone",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names, without the modules that hold them."""
+    return sorted([*__all__, "__version__"])

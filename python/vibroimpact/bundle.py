@@ -82,6 +82,11 @@ def simulate_bundle(
     -------
     Bundle
 
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+
     Examples
     --------
     >>> import numpy as np, vibroimpact as vi

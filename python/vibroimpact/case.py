@@ -155,7 +155,14 @@ def _case(keys: dict[str, Any]) -> Case:
     name, kind, xi, mu, walls, r, text = (
         keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r", "text")
     )
-    return Case(name, kind, Oscillator(xi, mu, tuple(walls)), r, keys, text.strip("\n") + "\n")
+    return Case(
+        name,
+        kind,
+        Oscillator(xi=xi, mu=mu, restitution=tuple(walls)),
+        r,
+        keys,
+        text.strip("\n") + "\n",
+    )
 
 
 def path_bytes(path: str | os.PathLike[str]) -> bytes:

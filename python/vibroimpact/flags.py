@@ -53,7 +53,7 @@ def stability_flags(
     osc: Oscillator,
     r: ArrayLike,
     phases: ArrayLike,
-    pattern: Pattern,
+    pattern: Pattern | str,
     restitution: ArrayLike | None = None,
     acceptance: float = 0.03,
     spectral_radius: bool = False,
@@ -84,6 +84,11 @@ def stability_flags(
     -------
     StabilityFlags
 
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+
     Examples
     --------
     >>> import numpy as np, vibroimpact as vi
@@ -94,7 +99,7 @@ def stability_flags(
     0.441
     """
     checks.instance(osc, "osc", Oscillator)
-    plain_pattern(pattern)
+    pattern = plain_pattern(pattern)
     n = len(pattern)
     wanted = f"an array (N = {n}, M), each column increasing from 0 to below 2 pi k"
     table = checks.real_array(phases, "phases", wanted)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
+from . import _core, checks
 from .errors import SingularError
 from .motion import Motion
 from .newton import described_motion, found_motion, of_releases
@@ -41,6 +41,11 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
 
     The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if the walls are alike.
 
+    Raises
+    ------
+    ParameterTypeError
+        If it is no Motion.
+
     Examples
     --------
     >>> import vibroimpact as vi
@@ -49,6 +54,7 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
     >>> vi.standard_motion(motion).pattern.sides
     'RL'
     """
+    checks.instance(motion, "motion", Motion)
     system = (motion.osc, motion.r, motion.clearance, motion.load)
     changed, *answer = found_motion(
         *system, motion.pattern.cycles, *_parts(motion), 2 if mirrored else 1
@@ -59,6 +65,11 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
 def motion_images(motion: Motion) -> Iterator[Motion]:
     """A motion in standard form, and its mirror image where the walls are alike.
 
+    Raises
+    ------
+    ParameterTypeError
+        If it is no Motion.
+
     Examples
     --------
     >>> import vibroimpact as vi
@@ -67,6 +78,10 @@ def motion_images(motion: Motion) -> Iterator[Motion]:
     >>> [round(float(image.phases[1]), 3) for image in vi.motion_images(motion)]
     [4.342, 1.941]
     """
+    return _images(checks.instance(motion, "motion", Motion))
+
+
+def _images(motion: Motion) -> Iterator[Motion]:
     yield standard_motion(motion)
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
         try:
@@ -81,6 +96,11 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
 
     The impact with which each begins does not matter.
 
+    Raises
+    ------
+    ParameterTypeError
+        If one is no Motion.
+
     Examples
     --------
     >>> import vibroimpact as vi
@@ -89,6 +109,8 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     >>> vi.same_motion(one, other), vi.same_motion(one, one, mirrored=True)
     (False, True)
     """
+    checks.instance(one, "one", Motion)
+    checks.instance(other, "other", Motion)
     first, second = _parts(one), _parts(other)
     if (
         (one.rest_events is None) != (other.rest_events is None)
@@ -104,6 +126,11 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
 def is_symmetric(motion: Motion) -> bool:
     """Whether a motion without rest is its own mirror image half a period later.
 
+    Raises
+    ------
+    ParameterTypeError
+        If it is no Motion.
+
     Examples
     --------
     >>> import vibroimpact as vi
@@ -111,6 +138,7 @@ def is_symmetric(motion: Motion) -> bool:
     >>> vi.is_symmetric(vi.equispaced(osc, 0.94, 37.0)[0])
     True
     """
+    checks.instance(motion, "motion", Motion)
     right, left = motion.osc.restitution
     return (
         right == left and not motion.pattern.has_rest and same_motion(motion, motion, mirrored=True)

@@ -4,20 +4,46 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
-from typing import TYPE_CHECKING, Any
+from functools import wraps
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import checks
 from .errors import ParameterError, ParameterTypeError
+from .jupyter import facts_html
 
 if TYPE_CHECKING:
     from .motion import Motion
 
 __all__ = ["Oscillator", "Pattern", "Units"]
+
+#: Characters of a text that a message repeats.
+MOST_SHOWN = 80
+Names = ParamSpec("Names")
+Found = TypeVar("Found")
+
+
+def by_name(example: str) -> Callable[[Callable[Names, Found]], Callable[Names, Found]]:
+    """Makes a method refuse arguments without names by an error that shows the call with names."""
+
+    def decorate(method: Callable[Names, Found]) -> Callable[Names, Found]:
+        @wraps(method)
+        def checked(*positional: Any, **named: Any) -> Found:
+            if len(positional) > 1:  # the first is the object or the class
+                given = ", ".join(map(repr, positional[1:]))
+                raise ParameterTypeError(
+                    f"{example.partition('(')[0]}({given}): must have the names of its parameters, as {example}"
+                )
+            return method(*positional, **named)
+
+        return checked
+
+    return decorate
 
 
 @dataclass(frozen=True)
@@ -41,10 +67,12 @@ class Oscillator:
         Primary mass and stiffness in physical units, for `units`; `from_dimensional` sets them. They are
         not part of the dimensionless system: neither compared nor shown.
 
+    All are given by name: three numbers between 0 and 1 are easily put in a wrong order.
+
     Raises
     ------
     ParameterError, ParameterTypeError
-        If a value is outside its range, or is not a real number.
+        If a value is outside its range, is not a real number, or is given without its name.
 
     Examples
     --------
@@ -61,12 +89,13 @@ class Oscillator:
     #: Stiffness in physical units, if set by `from_dimensional`.
     K: float | None = field(default=None, repr=False, compare=False, kw_only=True)
 
+    @by_name("Oscillator(xi=0.0114, mu=0.028, restitution=0.75)")
     def __init__(
         self,
+        *,
         xi: float,
         mu: float,
         restitution: float | tuple[float, float],
-        *,
         M: float | None = None,
         K: float | None = None,
     ) -> None:
@@ -82,11 +111,27 @@ class Oscillator:
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter."""
+        right, left = self.restitution
+        facts = {"xi": self.xi, "mu": self.mu, "R1 (right wall)": right, "R2 (left wall)": left}
+        units = {} if self.M is None else {"M": self.M, "K": self.K}
+        return facts_html(repr(self), {name: str(value) for name, value in (facts | units).items()})
+
     @classmethod
+    @by_name("Oscillator.from_dimensional(M=0.73, K=11385.0, C=2.08, m=0.02, restitution=0.75)")
     def from_dimensional(
-        cls, M: float, K: float, C: float, m: float, restitution: float | tuple[float, float]
+        cls,
+        *,
+        M: float,
+        K: float,
+        C: float,
+        m: float,
+        restitution: float | tuple[float, float],
     ) -> Oscillator:
         """The dimensionless system of a rig in any consistent set of units.
+
+        All are given by name.
 
         Parameters
         ----------
@@ -97,6 +142,11 @@ class Oscillator:
         restitution : float or (float, float)
             As for the class.
 
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            As for the class.
+
         Examples
         --------
         The rig of 1983: 1.61 lbf and 0.044 lbf of weight, 65.01 lbf/in.
@@ -105,7 +155,7 @@ class Oscillator:
         >>> g = 386.09                                   # in/s^2
         >>> M, K = 1.61 / g, 65.01
         >>> C = 2 * 0.0114 * math.sqrt(K * M)
-        >>> rig = vi.Oscillator.from_dimensional(M, K, C, 0.044 / g, restitution=0.75)
+        >>> rig = vi.Oscillator.from_dimensional(M=M, K=K, C=C, m=0.044 / g, restitution=0.75)
         >>> round(rig.xi, 4), round(rig.mu, 4)
         (0.0114, 0.0273)
         >>> units = rig.units(F0=0.5)
@@ -125,17 +175,22 @@ class Oscillator:
             raise ParameterError(
                 f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}"
             )
-        return cls(xi, m / M, restitution, M=M, K=K)
+        return cls(xi=xi, mu=m / M, restitution=restitution, M=M, K=K)
 
     def units(self, F0: float) -> Units:
         """Physical units of length, time, velocity, … for a load amplitude F0.
 
         The oscillator has to know M and K (see `from_dimensional`).
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If it does not know them, or F0 is no positive number.
         """
         if self.M is None or self.K is None:
             raise ParameterError(
                 "M = None: must be the primary mass for units; make the oscillator with "
-                "Oscillator.from_dimensional(M, K, C, m, restitution)"
+                "Oscillator.from_dimensional(M=..., K=..., C=..., m=..., restitution=...)"
             )
         return Units(self.M, self.K, _positive(F0, "F0"))
 
@@ -150,11 +205,24 @@ class Units:
     ----------
     M, K, F0 : float
         Primary mass, stiffness, load amplitude.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> rig = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75)
+    >>> units = rig.units(F0=4.0)
+    >>> units.omega, units.length, units.clearance(d=[0.1, 0.2]).tolist()
+    (20.0, 0.005, [20.0, 40.0])
     """
 
     M: float
     K: float
     F0: float
+
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter."""
+        names = ("omega", "length", "time", "velocity", "acceleration", "force")
+        return facts_html(repr(self), {name: f"{getattr(self, name):.6g}" for name in names})
 
     @property
     def omega(self) -> float:
@@ -186,13 +254,53 @@ class Units:
         """F0."""
         return self.F0
 
-    def clearance(self, d: float) -> float:
-        """The dimensionless clearance d K/F0 of a clearance d."""
-        return _positive(d, "d") / self.length
+    @overload
+    def clearance(self, d: float) -> float: ...
+    @overload
+    def clearance(self, d: ArrayLike) -> Any: ...
+    def clearance(self, d: Any) -> Any:
+        """The dimensionless clearance D = d K/F0 of a clearance d.
 
-    def frequency_ratio(self, Omega: float) -> float:
-        """r = Omega/omega of a load frequency in radians per unit of time."""
-        return _positive(Omega, "Omega") / self.omega
+        d is the whole travel of the free mass from wall to wall: in the middle it has d/2 to either side, and its
+        position relative to the primary mass stays within |Z - X| <= D/2. Where "4 mm of play" means 4 mm to each
+        side, d is 8 mm.
+
+        Parameters
+        ----------
+        d : float or array_like
+
+        Returns
+        -------
+        float, or ndarray for an array
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If a value is no positive number.
+        """
+        return _positive_each(d, "d") / self.length
+
+    @overload
+    def frequency_ratio(self, Omega: float) -> float: ...
+    @overload
+    def frequency_ratio(self, Omega: ArrayLike) -> Any: ...
+    def frequency_ratio(self, Omega: Any) -> Any:
+        """r = Omega/omega of a load frequency in radians per unit of time.
+
+        Parameters
+        ----------
+        Omega : float or array_like
+
+        Returns
+        -------
+        float, or ndarray for an array
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If a value is no positive number.
+        """
+        return _positive_each(Omega, "Omega") / self.omega
 
     def motion(self, motion: Motion) -> dict[str, Any]:
         """The numbers of a motion in physical units.
@@ -202,6 +310,11 @@ class Units:
         dict
             ``d``, ``Omega``, ``period``, ``t`` (times of the impacts), ``X``, ``Z``, the four
             velocities, ``A``, ``x_min``, ``x_max``; names as in `Motion`.
+
+        Raises
+        ------
+        ParameterTypeError
+            If it is no Motion.
 
         Examples
         --------
@@ -241,6 +354,13 @@ class Pattern:
         symbol stands for impacts that accumulate on that wall and end in rest there.
     cycles : int, optional
         Load cycles k in one period of the motion, 1 to 10000.
+
+    Wherever a pattern is taken, a text such as "RRL" or "RL/2" (sides/cycles) stands for it, too.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If there is no such pattern.
 
     Examples
     --------
@@ -321,13 +441,41 @@ class Pattern:
         return Pattern(max(turned), self.cycles)
 
 
-def plain_pattern(pattern: Any) -> None:
-    """Checks that it is a pattern without rest, as the linear equations need it."""
-    checks.instance(pattern, "pattern", Pattern)
+def pattern_of(value: Any, name: str = "pattern") -> Pattern:
+    """A pattern, also from its text: SIDES, or SIDES/CYCLES.
+
+    Examples
+    --------
+    >>> from vibroimpact.model import pattern_of
+    >>> pattern_of("RL/2")
+    Pattern(sides='RL', cycles=2)
+    """
+    if isinstance(value, Pattern):
+        return value
+    wanted = "a vibroimpact.Pattern or a text SIDES/CYCLES, as 'RL' or 'RRL/2'"
+    if not isinstance(value, str):
+        raise ParameterTypeError(
+            f"{name} = {value!r}: must be {wanted}, not {type(value).__name__}"
+        )
+    sides, slash, cycles = value.strip().partition("/")
+    whole = cycles.isascii() and cycles.isdigit() and len(cycles) < 10
+    shown = repr(value if len(value) <= MOST_SHOWN else value[:MOST_SHOWN] + "…")
+    if slash and not whole:
+        raise ParameterError(f"{name} = {shown}: must be {wanted}")
+    try:
+        return Pattern(sides, int(cycles) if slash else 1)
+    except ParameterError as error:
+        raise ParameterError(f"{name} = {shown}: must be {wanted}; {error}") from None
+
+
+def plain_pattern(value: Any) -> Pattern:
+    """A pattern without rest, as the linear equations need it, also from its text."""
+    pattern = pattern_of(value)
     if pattern.has_rest:
         raise ParameterError(
             f"pattern = {pattern.sides!r}: must have no star here; motions with rest come from exact and find"
         )
+    return pattern
 
 
 def _walls(restitution: Any) -> tuple[float, float]:
@@ -343,6 +491,19 @@ def _walls(restitution: Any) -> tuple[float, float]:
         )
     value = checks.number(restitution, "restitution")
     return value, value
+
+
+def _positive_each(value: Any, name: str) -> Any:
+    """One positive number, or an array of them."""
+    if np.ndim(value) == 0 or isinstance(value, str):
+        return _positive(value, name)
+    wanted = f"finite numbers with {name} > 0"
+    array = checks.real_array(value, name, wanted)
+    good = (array > 0) & np.isfinite(array)
+    if not good.all():
+        bad = array[~good].ravel()[0].item()
+        raise ParameterError(f"{name} with {bad!r}: must be {wanted}")
+    return array
 
 
 def _positive(value: Any, name: str, *, zero: bool = False) -> float:

@@ -470,7 +470,7 @@ def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
     units = {
         name: float(columns[name].values.ravel()[row]) for name in ("M", "K") if name in columns
     }
-    return Oscillator(xi, mu, (walls[0], walls[1]), **units)
+    return Oscillator(xi=xi, mu=mu, restitution=(walls[0], walls[1]), **units)
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)

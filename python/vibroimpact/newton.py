@@ -28,7 +28,7 @@ def exact(
     osc: Oscillator,
     r: float,
     clearance: float,
-    guess: Motion | Trajectory | tuple[Any, Pattern],
+    guess: Motion | Trajectory | tuple[Any, Pattern | str],
     load: float = 1.0,
 ) -> Motion:
     """The exact periodic motion near a guess, by Newton's method with the analytic derivative.
@@ -40,7 +40,7 @@ def exact(
     ----------
     osc, r, clearance, load
         As in `simulate`.
-    guess : Motion, Trajectory or (phases, Pattern)
+    guess : Motion, Trajectory or (phases, pattern)
         A motion at other parameters; a trajectory whose last cycles are about periodic; or impact phases, for
         which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load cycles with
         which a trajectory ends (see `Trajectory.period`) the one is taken that repeats best: after a period
@@ -54,7 +54,7 @@ def exact(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed, or the trajectory is not about periodic.
+        If an argument is not allowed, or the trajectory has no impacts at its end or is not about periodic.
     SingularError
         If the iteration does not converge.
 
@@ -95,14 +95,14 @@ def exact(
         x, theta = guess.X * (clearance / guess.clearance), guess.phases + guess.tau
     elif isinstance(guess, Trajectory):
         return motion_at_end(osc, r, clearance, load, guess)
-    elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], Pattern):
+    elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], (Pattern, str)):
         linear = periodic(osc, r, guess[0], guess[1])
         pattern = linear.pattern
         given = linear.phases
         x, theta = linear.X * (clearance / linear.clearance), linear.phases + linear.tau
     else:
         raise ParameterTypeError(
-            f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, Pattern)"
+            f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, pattern)"
         )
     return newton(osc, r, clearance, load, pattern, x, theta, each, given)
 

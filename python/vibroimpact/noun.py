@@ -241,7 +241,8 @@ class Noun(Savable):
     def osc(self) -> Oscillator:
         """The system."""
         keys = self.keys
-        return Oscillator(keys["xi"], keys["mu"], tuple(np.atleast_1d(keys["restitution"])))
+        walls = tuple(np.atleast_1d(keys["restitution"]))
+        return Oscillator(xi=keys["xi"], mu=keys["mu"], restitution=walls)
 
     def to_namelist(self) -> str:
         """The case as a namelist; the program, the command and Python compute the same digits from it."""

@@ -68,7 +68,7 @@ def end_of(
     begin = max(begin, trajectory.initial_state["t"])
     values, labels = event_arrays(events[np.searchsorted(events["time"], begin) :])
     if not labels.size:
-        raise not_periodic(trajectory, most_cycles)
+        raise without_impacts(trajectory, begin)
     of_simulation = np.array([r, trajectory.load, trajectory.clearance, begin])
     return of_simulation, values, labels, most_cycles, tolerance
 
@@ -76,6 +76,29 @@ def end_of(
 def letters_of(symbols: NDArray[np.int32]) -> str:
     """The letters of the core's symbols: 1 and -1 for an impact, 2 and -2 for accumulation and rest."""
     return "".join(f"{'RL'[one < 0]}{'*' * (abs(one) - 1)}" for one in symbols.tolist())
+
+
+def without_impacts(trajectory: Trajectory, begin: float) -> ParameterError:
+    """The error for a trajectory that has no impacts from some time on."""
+    osc, r, half = trajectory.osc, trajectory.r, 0.5 * trajectory.clearance
+    when = f"since t = {begin:.6g}" if len(trajectory.events) else "in it"
+    # the steady amplitude of the primary mass alone; at resonance without damping it grows without bound
+    squared = (1 - r * r) ** 2 + (2 * osc.xi * r) ** 2
+    amplitude = trajectory.load / math.sqrt(squared) if squared > 0 else math.inf
+    if amplitude < half:
+        reason = (
+            f"Without impacts |X| settles to A = {amplitude:.6g}, below D/2 = {half:.6g}, and a free mass at rest "
+            "in the middle is never reached. Start from another state, as state=dict(t=0, x=0, x_dot=0, z=0, "
+            "z_dot=v) with a velocity v"
+        )
+    else:
+        reason = (
+            f"|X| grows to A = {amplitude:.6g}, above D/2 = {half:.6g}: simulate longer (discard more), or start "
+            "from another state"
+        )
+    return ParameterError(
+        f"{trajectory!r}: must have impacts at its end; no impact happened {when}. {reason}"
+    )
 
 
 def not_periodic(trajectory: Trajectory, most_cycles: int = MOST_CYCLES) -> ParameterError:

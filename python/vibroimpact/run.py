@@ -56,6 +56,11 @@ def run_namelists(
     -------
     RunLog
 
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed.
+
     Examples
     --------
     >>> import pathlib, tempfile, vibroimpact as vi
@@ -71,7 +76,7 @@ def run_namelists(
     >>> (folder / "pair.csv").exists()
     True
     """
-    if isinstance(paths, (str, bytes, os.PathLike)):
+    if isinstance(paths, (str, bytes, os.PathLike)) or not isinstance(paths, Iterable):
         raise ParameterTypeError(f"paths = {paths!r}: must be a list of files")
     files = [path_bytes(path) for path in paths]
     target = path_bytes(folder)

@@ -22,7 +22,7 @@ def periodic(
     osc: Oscillator,
     r: float,
     phases: ArrayLike,
-    pattern: Pattern,
+    pattern: Pattern | str,
     restitution: ArrayLike | None = None,
     precision: str = "double",
     acceptance: float = 0.03,
@@ -39,7 +39,7 @@ def periodic(
         Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
     phases : array_like (N,)
         Phase of each impact, counted from the first: increasing from 0, below 2 pi k (radians).
-    pattern : Pattern
+    pattern : Pattern or str
         Sides of the N impacts and the number k of load cycles.
     restitution : array_like (N,), optional
         Coefficient of restitution of each impact; by default the wall decides.
@@ -71,7 +71,7 @@ def periodic(
     <Motion RL/1 at r = 0.94, d K/F0 = 38.221: consistent, admissible, stable (max|lambda| = 0.9347, complex)>
     """
     checks.instance(osc, "osc", Oscillator)
-    plain_pattern(pattern)
+    pattern = plain_pattern(pattern)
     r = checks.frequency_ratio(r, osc.xi)
     table = checks.phases(phases, len(pattern), pattern.cycles)
     each = impact_restitution(osc, pattern, restitution)
@@ -89,7 +89,7 @@ def periodic_batch(
     osc: Oscillator,
     r: ArrayLike,
     phases: ArrayLike,
-    pattern: Pattern,
+    pattern: Pattern | str,
     restitution: ArrayLike | None = None,
     precision: str = "double",
     acceptance: float = 0.03,
@@ -113,6 +113,11 @@ def periodic_batch(
     Motions
         A point that fails has its status code and NaN; the others go on.
 
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+
     Examples
     --------
     >>> import numpy as np, vibroimpact as vi
@@ -122,7 +127,7 @@ def periodic_batch(
     <Motions RL/1: 7 points, 7 computed, 5 consistent, admissible and stable>
     """
     checks.instance(osc, "osc", Oscillator)
-    plain_pattern(pattern)
+    pattern = plain_pattern(pattern)
     table = checks.phase_table(phases, len(pattern), pattern.cycles)
     m = table.shape[1]
     ratios = frequency_ratios(r, m, osc.xi)
@@ -165,6 +170,11 @@ def equispaced(
     -------
     list of Motion
         0, 1 or 2 motions, stable or not.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the walls are not alike; nothing was computed.
 
     Examples
     --------
@@ -214,6 +224,11 @@ def equispaced_batch(
     -------
     tuple of two Motions
         The two solutions at each point; `status` says where they do not exist.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the walls are not alike; nothing was computed.
 
     Examples
     --------
@@ -270,7 +285,7 @@ def linear_system(
     osc: Oscillator,
     r: float,
     phases: ArrayLike,
-    pattern: Pattern,
+    pattern: Pattern | str,
     restitution: ArrayLike | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The linear equations of the 1983 paper, for inspection: (26), i = 1..N, then (30), i = 1..N.
@@ -282,6 +297,11 @@ def linear_system(
     rhs : ndarray (2N,)
         Right sides for clearance 1.
 
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+
     Examples
     --------
     >>> import vibroimpact as vi
@@ -291,7 +311,7 @@ def linear_system(
     ((6, 5), (6,))
     """
     checks.instance(osc, "osc", Oscillator)
-    plain_pattern(pattern)
+    pattern = plain_pattern(pattern)
     r = checks.frequency_ratio(r, osc.xi)
     table = checks.phases(phases, len(pattern), pattern.cycles)
     each = impact_restitution(osc, pattern, restitution)

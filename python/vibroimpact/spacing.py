@@ -31,6 +31,11 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
     -------
     ndarray (n,)
 
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+
     Examples
     --------
     A line along the clearance with equal ratios, and its case as a namelist:

@@ -25,6 +25,15 @@ Moment = tuple[NDArray[np.float64], NDArray[np.int32]]
 System = tuple[float, float, tuple[float, float], float, float, float]
 
 
+class Since(tuple[float, ...]):
+    """The numbers of `since` in a final state, with a short representation."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} numbers: where the flight or rest began>"
+
+
 def later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
     """Cycle and phase a number of load cycles after a moment."""
     whole = math.floor(cycles)
@@ -43,8 +52,10 @@ def state_of(system: System, now: Moment, begun: Moment) -> State:
     side, resting, released = now[1].tolist()
     t = (TWO_PI * cycle + phase) / system[3]
     xi, mu, walls, *rest = system
-    since = (xi, mu, *walls, *rest, t, x, x_dot, z, z_dot, cycle, phase, side, speed, resting, released,
-             *begun[0].tolist(), *begun[1].tolist())  # fmt: skip
+    since = Since((
+        xi, mu, *walls, *rest, t, x, x_dot, z, z_dot, cycle, phase, side, speed, resting, released,
+        *begun[0].tolist(), *begun[1].tolist(),
+    ))  # fmt: skip
     return {
         "t": t, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot, "cycle": cycle, "phase": phase,
         "side": side, "speed": speed, "resting": resting, "released": released, "since": since,

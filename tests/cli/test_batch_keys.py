@@ -246,7 +246,7 @@ def test_calls_on_arrays_have_the_same_ranges():
 @pytest.mark.parametrize("group", CALLS)
 def test_python_refuses_the_same(group):
     """A number beyond an end of its range is refused by the call too, before anything is computed."""
-    osc = vi.Oscillator(0.005, 0.042, 0.75)
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     names = inspect.signature(getattr(vi, group)).parameters
     compared = 0
     for key in TABLES[group]:

@@ -215,7 +215,10 @@ def test_attractors_in_other_forms(tool):
     done = tool("response", *SYSTEM, *line)
     assert (done.status, done.err) == (0, b"")
     wanted = vi.response(
-        vi.Oscillator(0.0114, 0.028, 0.75), [1, 1.02, 1.04], clearance=25.0, states=3
+        vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75),
+        [1, 1.02, 1.04],
+        clearance=25.0,
+        states=3,
     )
     assert vi.load(tool.cwd / "results/response.json").to_json() == wanted.to_json()
 

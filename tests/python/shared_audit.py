@@ -56,7 +56,7 @@ class Finding:
     def __str__(self):
         o = self.osc
         return (
-            f"{self.check}: Oscillator({o.xi!r}, {o.mu!r}, {o.restitution!r}), r = {self.r!r}, "
+            f"{self.check}: Oscillator(xi={o.xi!r}, mu={o.mu!r}, restitution={o.restitution!r}), r = {self.r!r}, "
             f"D = {self.clearance!r}: {self.text}"
         )
 
@@ -69,7 +69,7 @@ def random_oscillators(count, seed):
         walls = draw.uniform(0.3, 0.95, 2)
         if draw.random() < 0.5:
             walls[1] = walls[0]
-        systems.append(vi.Oscillator(float(xi), float(mu), tuple(walls.tolist())))
+        systems.append(vi.Oscillator(xi=float(xi), mu=float(mu), restitution=tuple(walls.tolist())))
     return systems
 
 

@@ -28,7 +28,7 @@ class Case:
     def arguments(self):
         """Return what the package's functions take: oscillator, r, phases, pattern, restitution."""
         s = self.system
-        osc = vi.Oscillator(s.xi, s.mu, self.walls or (0.5, 0.5))
+        osc = vi.Oscillator(xi=s.xi, mu=s.mu, restitution=self.walls or (0.5, 0.5))
         return (
             osc,
             s.r,

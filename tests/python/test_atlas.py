@@ -50,7 +50,9 @@ def test_patterns_with_rest_do_not_depend_on_the_survey():
     zone is 0.016 wide in r there, and a survey of 400 points over r .6 to 1.4, D .5 to 150 misses it.
     """
     osc = vi.Oscillator(
-        0.010326622929671273, 0.05175260355209453, (0.8960383163200756, 0.5438430355223167)
+        xi=0.010326622929671273,
+        mu=0.05175260355209453,
+        restitution=(0.8960383163200756, 0.5438430355223167),
     )
     window = (0.9, 1.1), (0.5, 6.0)
     atlas = vi.atlas(osc, *window, max_impacts=3, survey=0, guesses=1)

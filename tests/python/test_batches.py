@@ -25,7 +25,7 @@ def test_single_precision_is_as_good_as_it_can_be(case):
 
 def test_single_precision_is_single():
     """The digits beyond the seventh are not there."""
-    osc, pattern = vi.Oscillator(0.005, 0.042, 0.75), vi.Pattern("RL")
+    osc, pattern = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), vi.Pattern("RL")
     arguments = osc, 0.94, [0.0, 1.37 * np.pi], pattern
     double, single = vi.periodic(*arguments), vi.periodic(*arguments, precision="single")
     relative = np.abs(single.X / double.X - 1.0)
@@ -71,7 +71,7 @@ def test_batch_is_the_single_calls(case, factors):
 
 def test_a_failed_point_does_not_end_the_batch():
     """Equal halves and equal restitution leave a free amplitude: a code and NaN at that point."""
-    osc, pattern = vi.Oscillator(0.01, 0.05, 0.75), vi.Pattern("RL")
+    osc, pattern = vi.Oscillator(xi=0.01, mu=0.05, restitution=0.75), vi.Pattern("RL")
     phases = np.array([[0.0, 0.0, 0.0], [3.0, np.pi, 3.3]])
     motions = vi.periodic_batch(osc, 0.9, phases, pattern)
     assert list(motions.status == 0) == [True, False, True]

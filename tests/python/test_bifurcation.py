@@ -85,7 +85,7 @@ def test_every_parameter_is_swept(parameter):
         here = system | (
             {"R1": value, "R2": value} if parameter == "restitution" else {parameter: value}
         )
-        osc = vi.Oscillator(here["xi"], here["mu"], (here["R1"], here["R2"]))
+        osc = vi.Oscillator(xi=here["xi"], mu=here["mu"], restitution=(here["R1"], here["R2"]))
         run = vi.simulate(osc, here["r"], 40.0, 8, state=MOVING, discard=900)
         motion = vi.exact(osc, here["r"], 40.0, run)
         reach = max(-motion.x_min, motion.x_max)

@@ -68,8 +68,8 @@ def random_branch(seed):
     while motion is None:
         walls = rng.uniform(0, 0.95, 2)
         osc = vi.Oscillator(
-            10 ** rng.uniform(-4, -1), 10 ** rng.uniform(-2.5, 0.08),
-            float(walls[0]) if rng.random() < 0.5 else tuple(walls.tolist()),
+            xi=10 ** rng.uniform(-4, -1), mu=10 ** rng.uniform(-2.5, 0.08),
+            restitution=float(walls[0]) if rng.random() < 0.5 else tuple(walls.tolist()),
         )  # fmt: skip
         pattern = vi.Pattern(*PATTERNS[rng.integers(len(PATTERNS))])
         r, clearance = rng.uniform(0.2, 2), 10 ** rng.uniform(-0.3, 2.2)
@@ -93,7 +93,9 @@ def superharmonic_branch(seed):
     while motion is None:
         centre = (1 / 3, 1 / 2, 1 / 5)[rng.integers(3)]
         walls = tuple(rng.uniform(0, 0.95, 2).tolist())
-        osc = vi.Oscillator(10 ** rng.uniform(-4, -2), 10 ** rng.uniform(-2.5, 0.08), walls)
+        osc = vi.Oscillator(
+            xi=10 ** rng.uniform(-4, -2), mu=10 ** rng.uniform(-2.5, 0.08), restitution=walls
+        )
         pattern = vi.Pattern(*PATTERNS[rng.integers(5)])
         r, clearance = centre * rng.uniform(0.97, 1.4), 10 ** rng.uniform(-0.3, 1.3)
         motion = start(rng, osc, float(r), float(clearance), pattern, 6)
@@ -211,13 +213,13 @@ def test_branch_through_a_superharmonic_resonance(seed):
 NARROW = [
     (
         vi.Oscillator(
-            0.00033369507132054735, 0.7197614491814485, (0.611211176200436, 0.8145345920170147)
+            xi=0.00033369507132054735, mu=0.7197614491814485, restitution=(0.611211176200436, 0.8145345920170147)
         ),
         2.0391838473236046, ("RL", 1), (0.3297109302, 0.5151733284),
         [(0.47900870299582987, [0, 3.1637]), (0.3299334263950944, [0, 3.1117]), (0.3573519833264643, [0, 4.2235])],
     ),
     (
-        vi.Oscillator(0.00023337605601973872, 0.003526323439511666, (0.11868577723638818, 0.0)),
+        vi.Oscillator(xi=0.00023337605601973872, mu=0.003526323439511666, restitution=(0.11868577723638818, 0.0)),
         3.0550753098689953, ("RRL", 2), (0.35, 0.6), [(0.46500599720640556, [0, 6.152, 9.2875])],
     ),
 ]  # fmt: skip
@@ -236,7 +238,9 @@ def test_branch_beside_another_sheet(system):
 
 def test_neimark_sacker_with_another_multiplier_outside():
     """A pair leaves the circle while a multiplier of 1e4 is outside already."""
-    osc = vi.Oscillator(0.0003232406496780347, 0.04836445901228357, 0.27631301409515274)
+    osc = vi.Oscillator(
+        xi=0.0003232406496780347, mu=0.04836445901228357, restitution=0.27631301409515274
+    )
     motion = vi.exact(
         osc, 0.9804155544685564, 54.78666102683142, ([0, 3.1793], vi.Pattern("RL", 2))
     )
@@ -251,7 +255,9 @@ def test_neimark_sacker_with_another_multiplier_outside():
 def test_neimark_sacker_and_flip_in_one_step():
     """Between them lies a short stretch of stable motions."""
     osc = vi.Oscillator(
-        0.0008446336304214421, 0.02449241486588316, (0.5734472061777176, 0.5969854144693492)
+        xi=0.0008446336304214421,
+        mu=0.02449241486588316,
+        restitution=(0.5734472061777176, 0.5969854144693492),
     )
     motion = vi.exact(osc, 0.46481946637593596, 1.955, ([0, 2.5192], vi.Pattern("RL")))
     for step in (0.05, 0.01):
@@ -269,7 +275,9 @@ def test_neimark_sacker_and_flip_in_one_step():
 def test_no_fold_where_approach_speeds_vanish_together():
     """Two impacts merge: multipliers of 1e10 and more, but none near 1."""
     osc = vi.Oscillator(
-        0.019277312704164336, 0.12515000903233775, (0.19402547600704456, 0.3904589137977216)
+        xi=0.019277312704164336,
+        mu=0.12515000903233775,
+        restitution=(0.19402547600704456, 0.3904589137977216),
     )
     motion = vi.exact(
         osc, 1.1889172818445064, 6.28930058156793, ([0, 6.1416, 9.3376], vi.Pattern("RRL", 2))

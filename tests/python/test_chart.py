@@ -14,7 +14,7 @@ xarray = pytest.importorskip("xarray")
 standard_motion = vi.standard_motion
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-UNEQUAL = vi.Oscillator(0.01, 0.02, (0.7, 0.6))
+UNEQUAL = vi.Oscillator(xi=0.01, mu=0.02, restitution=(0.7, 0.6))
 RL = vi.Pattern("RL")
 R = np.linspace(0.8, 1.2, 33)
 D = np.geomspace(2, 200, 31)
@@ -46,7 +46,9 @@ def test_equispaced_points(seed):
     """Every point of the closed form is that of `equispaced`: general procedures, full period."""
     rng = np.random.default_rng(seed)
     osc = vi.Oscillator(
-        rng.choice([0.0, 0.001, 0.02, 0.3]), rng.choice([0.0, 0.05, 1.0]), rng.uniform(0.3, 1)
+        xi=rng.choice([0.0, 0.001, 0.02, 0.3]),
+        mu=rng.choice([0.0, 0.05, 1.0]),
+        restitution=rng.uniform(0.3, 1),
     )
     cycles = int(rng.choice([1, 3]))
     r = np.sort(rng.uniform(0.3, 2.5, 9))
@@ -149,8 +151,8 @@ def test_pairs_and_others(pair, others):
 
 def test_mirrored_system():
     """Walls exchanged and letters exchanged: the mirrored motions, in slots of their own."""
-    osc = vi.Oscillator(0.0114, 0.028, (0.75, 0.61))
-    turned = vi.Oscillator(0.0114, 0.028, (0.61, 0.75))
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    turned = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.61, 0.75))
     r, d = np.linspace(0.85, 1.1, 14), np.geomspace(2, 40, 13)
     for sides, image in (("RL", "LR"), ("RRL", "LLR")):
         one = vi.chart(osc, vi.Pattern(sides), r, d)
@@ -235,7 +237,7 @@ def test_netcdf(tmp_path, three, engine):
 
 def test_resonance_without_damping():
     """One singular column of a chart is a status, not the end."""
-    osc = vi.Oscillator(0.0, 0.05, 0.8)
+    osc = vi.Oscillator(xi=0.0, mu=0.05, restitution=0.8)
     data = vi.chart(osc, RL, [0.9, 1.0, 1.1], [1.0, 5.0], symmetric=True)
     assert (data.status.sel(r=1.0) == 1).all()
     assert (data.status.sel(r=0.9) == 0).any()
@@ -318,7 +320,7 @@ def test_missing_xarray(monkeypatch):
             "symmetric = True: .*half mirrors the first",
         ),
         (
-            {"osc": vi.Oscillator(0.01, 0.02, (0.7, 0.6)), "symmetric": True},
+            {"osc": vi.Oscillator(xi=0.01, mu=0.02, restitution=(0.7, 0.6)), "symmetric": True},
             "symmetric = True: .*half mirrors the first",
         ),
         ({"pattern": vi.Pattern("RL*")}, "exact and find"),

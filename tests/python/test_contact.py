@@ -24,9 +24,9 @@ def test_random_systems_obey_the_laws(seed, load):
     wall = draw.choice([0.0, 1.0, -1.0], 2)
     restitution = np.where(wall < 0, draw.uniform(0, 1, 2), wall)
     osc = vi.Oscillator(
-        draw.choice([0, 0.005, draw.uniform(0, 0.9)]),
-        draw.uniform(0, 2),
-        tuple(map(float, restitution)),
+        xi=draw.choice([0, 0.005, draw.uniform(0, 0.9)]),
+        mu=draw.uniform(0, 2),
+        restitution=tuple(map(float, restitution)),
     )
     clearance = float(10 ** draw.uniform(-3, 3))
     x, x_dot, z_dot = 10 ** draw.uniform(-2, 2) * draw.normal(size=3)
@@ -45,7 +45,7 @@ def flight_peak(seed):
         Oscillator, r, first state, time of the peak, its height, and |y''| there.
     """
     draw = np.random.default_rng(seed)
-    osc = vi.Oscillator([0.0, 0.01, 0.3][seed % 3], 0.1, 0.5)
+    osc = vi.Oscillator(xi=[0.0, 0.01, 0.3][seed % 3], mu=0.1, restitution=0.5)
     r = float(draw.uniform(0.4, 2.5))
     first = state(*np.round(draw.uniform(-1, 1, 3), 6), z_dot=float(draw.uniform(-0.02, 0.02)))
     free, begin = system(osc, r, 1e3), rs.start(**first)
@@ -101,7 +101,7 @@ def test_overshoots_of_any_size_are_found(over):
 @pytest.mark.parametrize("speed", [1e-9, 1e-3, 1.0])
 def test_contact_at_the_start(side, speed):
     """On the wall and approaching: an impact at once. Departing: none at once."""
-    osc = vi.Oscillator(0.01, 0.1, 0.5)
+    osc = vi.Oscillator(xi=0.01, mu=0.1, restitution=0.5)
     first = state(t=0.3, x=0.25, z=0.25 + side, z_dot=side * speed)
     hit = vi.simulate(osc, 0.9, 2.0, 0.01, first).events[0]
     assert hit["kind"] == "impact"
@@ -117,7 +117,7 @@ def test_contact_at_the_start(side, speed):
 @pytest.mark.parametrize("speed", [1e-9, 1e-12, 1e-15])
 def test_slow_approach_on_a_wall_that_recedes(side, speed):
     """On the wall it is an impact at once, however slow, though the gap opens in the next moment."""
-    osc = vi.Oscillator(0.05, 0.1, 0.7)
+    osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.7)
     first = state(x=side * -0.5, z=side * 2.5, z_dot=side * speed)
     hit = vi.simulate(osc, 0.9, 6.0, 0.01, first, load=3.0).events[0]
     assert (hit["kind"], hit["time"]) == ("impact", 0.0)
@@ -128,7 +128,7 @@ def test_slow_approach_on_a_wall_that_recedes(side, speed):
 
 def test_idle_flight_ends_where_it_must():
     """Millions of time units after all oscillation has died away the mass arrives."""
-    osc = vi.Oscillator(0.05, 0.1, 0.7)
+    osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.7)
     for z_dot in (1e-6, -1e-6):
         run = vi.simulate(osc, 0.9, 6.0, 8e5, state(x=0.5, z_dot=z_dot), load=0.0, max_events=1)
         assert run.events["side"].tolist() == ["R" if z_dot > 0 else "L"]
@@ -138,7 +138,7 @@ def test_idle_flight_ends_where_it_must():
 @pytest.mark.parametrize(("clearance", "speed"), [(1e-9, 1.0), (1.0, 1e9)])
 def test_both_walls_within_1e_9(clearance, speed):
     """Impacts on both walls a billionth of a time unit apart are found one by one."""
-    osc = vi.Oscillator(0.01, 0.2, (0.9, 0.8))
+    osc = vi.Oscillator(xi=0.01, mu=0.2, restitution=(0.9, 0.8))
     first = state(x=0.3, x_dot=0.1, z=0.3, z_dot=speed)
     run = vi.simulate(osc, 0.9, clearance, 1.0, first, max_events=20)
     expected = rs.simulate(system(osc, 0.9, clearance), rs.start(**first), 20)
@@ -150,7 +150,7 @@ def test_both_walls_within_1e_9(clearance, speed):
 
 def test_very_long_flight_ends_at_the_first_crest_that_reaches():
     """A drift of 1e-6 under an oscillation: after 700,000 cycles one crest is high enough."""
-    osc, r, clearance, drift = vi.Oscillator(0.1, 0.2, 0.7), 1.3, 10.0, 1e-6
+    osc, r, clearance, drift = vi.Oscillator(xi=0.1, mu=0.2, restitution=0.7), 1.3, 10.0, 1e-6
     amplitude = abs(1 / mp.mpc(1 - mpf(r) ** 2, 2 * mpf(0.1) * r))
     first = state(z_dot=drift)
     run = vi.simulate(osc, r, clearance, 10**6, first, max_events=1)
@@ -172,7 +172,7 @@ def test_very_long_flight_ends_at_the_first_crest_that_reaches():
 def test_clearances_of_all_sizes(clearance, load):
     """From a millionth to a million the laws hold, free and forced, with and without damping."""
     for xi in (0.0, 0.05):
-        osc = vi.Oscillator(xi, 0.1, (0.8, 0.6))
+        osc = vi.Oscillator(xi=xi, mu=0.1, restitution=(0.8, 0.6))
         first = state(x_dot=1.0, z_dot=clearance if clearance > 1 else 0.5)
         run = vi.simulate(osc, 0.9, clearance, 5, first, load=load, max_events=100_000)
         assert run.events.size > 0
@@ -180,10 +180,10 @@ def test_clearances_of_all_sizes(clearance, load):
 
 
 @pytest.mark.parametrize(("osc", "r", "clearance"), [
-    (vi.Oscillator(0.1, 0.2, (0.8, 0.7)), 0.94, 2.0),
-    (vi.Oscillator(0.005, 0.042, 0.75), 0.94, 2.0),
-    (vi.Oscillator(0.0, 0.5, (1.0, 0.4)), 1.7, 0.5),
-    (vi.Oscillator(0.3, 1.5, (0.8, 0.9)), 2.1, 0.1),
+    (vi.Oscillator(xi=0.1, mu=0.2, restitution=(0.8, 0.7)), 0.94, 2.0),
+    (vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), 0.94, 2.0),
+    (vi.Oscillator(xi=0.0, mu=0.5, restitution=(1.0, 0.4)), 1.7, 0.5),
+    (vi.Oscillator(xi=0.3, mu=1.5, restitution=(0.8, 0.9)), 2.1, 0.1),
 ])  # fmt: skip
 def test_first_twenty_impacts_against_many_digits(osc, r, clearance):
     """Times, positions and velocities of the first 20 impacts, to rounding times its growth.

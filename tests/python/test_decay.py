@@ -44,7 +44,8 @@ def kinetic(osc, events, when):
 
 @pytest.mark.parametrize(("osc", "clearance", "start"), [
     (DAMPER, 0.7, {}), (DAMPER, 0.05, {}), (UNEVEN, 0.9, START), (STICKY, 0.5, {}),
-    (vi.Oscillator(0.3, 2.0, 0.6), 0.4, START), (vi.Oscillator(0.01, 0.0, 0.8), 0.6, {}),
+    (vi.Oscillator(xi=0.3, mu=2.0, restitution=0.6), 0.4, START),
+    (vi.Oscillator(xi=0.01, mu=0.0, restitution=0.8), 0.6, {}),
 ])  # fmt: skip
 def test_energy_balance(osc, clearance, start):
     """From peak to peak the energy falls by what the dashpot and the impacts take, as `simulate` has them."""
@@ -92,7 +93,7 @@ def test_peaks_are_the_greatest_displacements(osc, clearance, start):
 @pytest.mark.parametrize("xi", [0.0, 1e-9, 1e-4, 0.005, 0.3, 0.9])
 def test_without_impacts(xi):
     """Peaks half an oscillation apart, and everywhere the dashpot's decrement."""
-    found = vi.decay(vi.Oscillator(xi, 0.1, 0.75), 6.0, cycles=10)
+    found = vi.decay(vi.Oscillator(xi=xi, mu=0.1, restitution=0.75), 6.0, cycles=10)
     eta = math.sqrt(1 - xi**2)
     np.testing.assert_allclose(found.time, np.arange(21) * math.pi / eta, rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(
@@ -106,7 +107,7 @@ def test_without_impacts(xi):
 
 def test_without_loss():
     """Without dashpot and with R = 1 the energy stays, whatever the impacts do."""
-    found = vi.decay(vi.Oscillator(0.0, 0.1, 1.0), [0.3, 1.0, 2.5], cycles=50)
+    found = vi.decay(vi.Oscillator(xi=0.0, mu=0.1, restitution=1.0), [0.3, 1.0, 2.5], cycles=50)
     assert found.impacts.sum() > 300
     assert np.ptp(np.abs(found.x)) > 0.2
     np.testing.assert_allclose(found.energy, 0.5, rtol=1e-11)
@@ -114,7 +115,9 @@ def test_without_loss():
 
 def test_an_impulse():
     """From x = 0 with a velocity: the first peak is a quarter of an oscillation later."""
-    found = vi.decay(vi.Oscillator(0.0, 0.1, 0.75), 9.0, amplitude=0.0, x_dot=2.0, cycles=3)
+    found = vi.decay(
+        vi.Oscillator(xi=0.0, mu=0.1, restitution=0.75), 9.0, amplitude=0.0, x_dot=2.0, cycles=3
+    )
     # the free mass is at rest at z = 0 and |x| <= 2 < 4.5
     np.testing.assert_allclose(found.time, (np.arange(7) + 0.5) * math.pi, rtol=1e-14)
     np.testing.assert_allclose(found.x, 2 * (-1.0) ** np.arange(7), rtol=1e-14)
@@ -123,7 +126,7 @@ def test_an_impulse():
 def test_mirror_image():
     """x -> -x with the walls exchanged."""
     one = vi.decay(UNEVEN, [0.4, 0.9], **START)
-    mirrored = vi.Oscillator(UNEVEN.xi, UNEVEN.mu, UNEVEN.restitution[::-1])
+    mirrored = vi.Oscillator(xi=UNEVEN.xi, mu=UNEVEN.mu, restitution=UNEVEN.restitution[::-1])
     other = vi.decay(mirrored, [0.4, 0.9], **{name: -value for name, value in START.items()})
     np.testing.assert_array_equal(other.x, -one.x)
     for name in set(COLUMNS) - {"x"}:
@@ -166,7 +169,7 @@ def test_the_damping_is_that_of_the_decrement():
 
 def test_an_oscillation_that_ends():
     """A strongly damped one falls below the smallest numbers; the peaks until then are kept."""
-    found = vi.decay(vi.Oscillator(0.99, 0.1, 0.75), 6.0, cycles=40)
+    found = vi.decay(vi.Oscillator(xi=0.99, mu=0.1, restitution=0.75), 6.0, cycles=40)
     assert 10 < found.x.size < 81
     assert found.status[0] == 0
     np.testing.assert_allclose(found.damping[:-2], 0.99, rtol=1e-9)

@@ -31,7 +31,7 @@ def test_equispaced_at_an_undamped_resonance(cycles, odd, mu):
             wave = system.amplitude / 30.0 * np.array([np.cos(tau), np.sin(tau)])
             value = fp.mismatch(system, phases, np.array([x, -x]), *wave)
             assert np.abs(value).max() <= 1e-13 * (1 + abs(x) + np.abs(wave).max()) * (1 + r) * odd
-    osc = vi.Oscillator(0.0, mu, restitution)
+    osc = vi.Oscillator(xi=0.0, mu=mu, restitution=restitution)
     with pytest.raises(vi.errors.SingularError, match="no unique solution"):
         vi.equispaced(osc, r, 30.0, cycles=cycles)
     # a little damping, or a little beside it, and the motions are separate again
@@ -48,7 +48,7 @@ def test_few_digits_near_resonance_are_reported(sides, phases, precision):
     x/d changes by less than 10 |r - 1| here, so that the motion a little farther off is the true one. The
     condition of the equations, each unknown in its own unit, multiplies the rounding.
     """
-    osc = vi.Oscillator(0.0, 0.3, 0.6 if phases is None else (0.6, 0.5))
+    osc = vi.Oscillator(xi=0.0, mu=0.3, restitution=0.6 if phases is None else (0.6, 0.5))
 
     def positions(r):
         if phases is None:
@@ -111,7 +111,9 @@ def assert_equispaced(xi, mu, restitution, r, cycles, ratio):
     expected = fp.equispaced(system, clearance)
     defect = free_map_defect(xi, r, cycles)
     try:
-        found = vi.equispaced(vi.Oscillator(xi, mu, restitution), r, clearance, cycles=cycles)
+        found = vi.equispaced(
+            vi.Oscillator(xi=xi, mu=mu, restitution=restitution), r, clearance, cycles=cycles
+        )
     except vi.errors.SingularError:
         # at an undamped resonance of the half period the line loses its direction (a test of its own)
         assert defect < 50 * EPS / 1e-6 * (1 + r)
@@ -154,7 +156,7 @@ def test_equispaced_impact_pair_ends_where_it_should(restitution, r, cycles, par
     """With mu = 0 there are two motions up to a clearance known in closed form, none beyond."""
     assume(abs(r - 1.0) > 1e-2)
     xi = 0.01
-    osc = vi.Oscillator(xi, 0.0, restitution)
+    osc = vi.Oscillator(xi=xi, mu=0.0, restitution=restitution)
     A = abs(1.0 / (1.0 - r * r + 2j * xi * r))
     limit = A * fp.impact_pair_limit(restitution, cycles)
     assert len(vi.equispaced(osc, r, part * limit, cycles=cycles)) == 2
@@ -169,7 +171,7 @@ def test_equispaced_impact_pair_ends_where_it_should(restitution, r, cycles, par
 
 def test_many_points_in_one_call_have_the_bits_of_each():
     """Both solutions, and a status where they do not exist."""
-    osc = vi.Oscillator(0.005, 0.042, 0.75)
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     r, clearance = np.array([0.94, 0.9, 1.1, 0.94]), np.array([37.0, 12.0, 40.0, 200.0])
     pairs = vi.equispaced_batch(osc, r, clearance)
     for j in range(r.size):

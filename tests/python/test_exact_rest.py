@@ -132,7 +132,7 @@ def test_guesses_with_rest_scale_with_the_load(factor):
 
 def test_a_guess_with_rest_serves_at_other_clearances():
     """The velocity at a release follows the load: a motion is a guess over its zone, which ends at D = 1.345."""
-    osc = vi.Oscillator(0.0114, 0.028, (0.75, 0.61))
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     (guess,) = [m for m in vi.find(osc, 0.55, 1.45, 3, 1) if m.pattern.sides == "RL*"]
     for clearance in (1.42, 1.4, 1.37, 1.35, 1.347):
         motion = vi.exact(osc, 0.55, clearance, guess)
@@ -166,7 +166,7 @@ def starts_near(zone, kind, offset):
 @pytest.fixture(scope="module")
 def zone_with_folds():
     """Motions RRRL*, with a fold and a Neimark-Sacker bifurcation."""
-    osc = vi.Oscillator(0.00359, 0.05224, (0.6257, 0.371))
+    osc = vi.Oscillator(xi=0.00359, mu=0.05224, restitution=(0.6257, 0.371))
     return vi.zone(osc, vi.Pattern("RRRL*"), (0.9, 1.1), (2, 20))
 
 

@@ -101,7 +101,7 @@ def test_period_that_has_just_doubled():
     The system was drawn at random by an audit; past the flip of RRRLLLL/1 the two halves of the period differ by
     less than 0.05 in phase.
     """
-    osc, r, clearance = vi.Oscillator(0.05365, 0.25679, 0.82717), 0.9134, 2.1487
+    osc, r, clearance = vi.Oscillator(xi=0.05365, mu=0.25679, restitution=0.82717), 0.9134, 2.1487
     run = vi.simulate(osc, r, clearance, 24, discard=2000)
     motion = vi.exact(osc, r, clearance, run)
     assert (motion.pattern.cycles, motion.stable) == (2, True)

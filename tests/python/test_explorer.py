@@ -89,7 +89,7 @@ def test_a_change_that_is_refused_changes_nothing():
     (1.1, 9.0, (0.6, 0.6))])  # fmt: skip
 def test_definitions_give_the_same_bits(r, clearance, walls):
     """Every motion that is shown is what its definition makes, and all that `find` finds are shown."""
-    osc = vi.Oscillator(0.0114, 0.028, walls)
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=walls)
     found = vi.find(osc, r, clearance)
     shown = fuller(osc, r, clearance, quick(osc, r, clearance))
     assert all(any(same_motion(motion, item.motion) for item in shown) for motion in found)
@@ -105,7 +105,7 @@ def test_definitions_give_the_same_bits(r, clearance, walls):
 @pytest.mark.slow
 def test_zones_tell_of_their_motions():
     """Wherever a zone contains a point, its stable motion is among the quick ones."""
-    osc, window = vi.Oscillator(0.0114, 0.028, 0.75), ((0.8, 1.2), (2.0, 200.0))
+    osc, window = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75), ((0.8, 1.2), (2.0, 200.0))
     named = list(families(osc, State().patterns))
     zones = [compute(osc, family, window, FINE) for family in named]
     checked = set()
@@ -224,7 +224,7 @@ def test_lines_snap_and_are_clipped():
 
 def test_a_line_across_the_plane_is_the_same_both_ways():
     """A sweep of r with the clearance beside it is the sweep of the clearance with r beside it."""
-    osc = vi.Oscillator(0.0114, 0.028, 0.75)
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     r, clearance = np.linspace(1.0, 1.1, 21), np.geomspace(20, 60, 21)
     one = vi.bifurcation_diagram(osc, "r", r, clearance=clearance)
     other = vi.bifurcation_diagram(osc, "clearance", clearance, r=r)

@@ -102,7 +102,7 @@ def test_an_oblique_line_is_left_to_python():
 
 def test_motions_without_phases_have_a_definition():
     """A motion with rest is computed from a state on it."""
-    osc = vi.Oscillator(0.0114, 0.028, (0.75, 0.61))
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     motion = vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
     definition, made = definition_of(motion)
     assert definition.kind == "state"

@@ -107,7 +107,8 @@ def test_symmetric_walls_give_mirror_images():
 
 
 @pytest.mark.parametrize(("osc", "r", "clearance"), [
-    (RIG, 0.9, 6.0), (UNEVEN, 1.1, 2.0), (TABLE, 0.97, 30.0), (vi.Oscillator(0.0, 0.1, 0.6), 0.8, 3.0),
+    (RIG, 0.9, 6.0), (UNEVEN, 1.1, 2.0), (TABLE, 0.97, 30.0),
+    (vi.Oscillator(xi=0.0, mu=0.1, restitution=0.6), 0.8, 3.0),
 ])  # fmt: skip
 def test_none_is_found_twice(osc, r, clearance):
     """Every motion once, each a solution that stays between the walls."""
@@ -276,7 +277,9 @@ def test_what_settles_where_the_masses_resonate_together_is_listed(r, clearance)
     A fifth of the states that begin with such velocities settle on it.
     """
     osc = vi.Oscillator(
-        0.008523192404041762, 0.401053499446079, (0.8517960973509633, 0.9457629788111999)
+        xi=0.008523192404041762,
+        mu=0.401053499446079,
+        restitution=(0.8517960973509633, 0.9457629788111999),
     )
     together = 1 / abs(1 - (1 + osc.mu) * r**2 + 2j * osc.xi * r)
     found = vi.find(osc, r, clearance, max_impacts=3, max_cycles=1, guesses=4)
@@ -349,7 +352,9 @@ def check_account(found):
 
 def test_attractor_of_many_letters_is_listed():
     """All states end on one impact train with rest that is longer than the limits: it is listed."""
-    osc = vi.Oscillator(0.005237033396, 0.267405956, (0.6664908148, 0.789348612516))
+    osc = vi.Oscillator(
+        xi=0.005237033396, mu=0.267405956, restitution=(0.6664908148, 0.789348612516)
+    )
     r, clearance = 0.926034818765, 0.700744637918
     found = vi.find(osc, r, clearance, max_impacts=4, max_cycles=1, guesses=8, settling=300)
     check_found(found, osc, r, clearance)
@@ -373,7 +378,7 @@ def test_attractor_of_many_cycles_is_listed():
 
 def test_states_in_intermittent_chaos_have_not_settled():
     """States that repeat themselves for a while, on a point with nothing stable, are not settled."""
-    osc = vi.Oscillator(0.005642181773706736, 0.04074074074074074, 0.72)
+    osc = vi.Oscillator(xi=0.005642181773706736, mu=0.04074074074074074, restitution=0.72)
     found = vi.find(osc, 0.9823623663921875, 28.0, max_impacts=4, max_cycles=1, guesses=24)
     check_account(found)
     assert not any(motion.stable for motion in found)
@@ -455,22 +460,27 @@ def test_a_search_stopped_among_its_releases_is_not_complete():
 # The first was found by an independent program, the others by `atlas`: each lies in a zone of its pattern. From
 # guesses at the point alone none of them was found.
 @pytest.mark.parametrize(("osc", "r", "clearance", "sides"), [
-    (vi.Oscillator(0.01217, 0.00669, 0.6442),
+    (vi.Oscillator(xi=0.01217, mu=0.00669, restitution=0.6442),
      1.2155878899, 2.4896275074, "RRRL"),
-    (vi.Oscillator(0.011034978108937223, 0.0806591606462771, 0.606112168259465),
+    (vi.Oscillator(xi=0.011034978108937223, mu=0.0806591606462771, restitution=0.606112168259465),
      0.6747261334109927, 2.932875778974124, "RRRL"),
-    (vi.Oscillator(0.001548761577619145, 0.058963257248291344, (0.8964898765237495, 0.8517327004447015)),
+    (vi.Oscillator(xi=0.001548761577619145, mu=0.058963257248291344,
+                   restitution=(0.8964898765237495, 0.8517327004447015)),
      0.9569945985239037, 123.82368984446552, "RLL"),
-    (vi.Oscillator(0.015415261571253993, 0.0406338670902431, (0.8664840270394671, 0.6433572026290861)),
+    (vi.Oscillator(xi=0.015415261571253993, mu=0.0406338670902431,
+                   restitution=(0.8664840270394671, 0.6433572026290861)),
      0.7081459093011717, 2.5742700956974205, "RLLLL"),
-    (vi.Oscillator(0.005607590419145073, 0.0072555916074259885, 0.9444511941671303),
+    (vi.Oscillator(xi=0.005607590419145073, mu=0.0072555916074259885, restitution=0.9444511941671303),
      0.9964485734684072, 39.886233514984326, "RRRLL"),
-    (vi.Oscillator(0.001002428235205874, 0.34340255053497015, (0.6833793858566803, 0.6341701950083543)),
+    (vi.Oscillator(xi=0.001002428235205874, mu=0.34340255053497015,
+                   restitution=(0.6833793858566803, 0.6341701950083543)),
      0.6, 4.750097926738158, "RLLLL"),
-    (vi.Oscillator(0.04574888526484828, 0.18302956470693785, (0.7625810501229096, 0.43476189622849204)),
+    (vi.Oscillator(xi=0.04574888526484828, mu=0.18302956470693785,
+                   restitution=(0.7625810501229096, 0.43476189622849204)),
      0.6140786992542269, 4.926482430237885, "RLLLL"),
     # only by a line that begins where RRLL grazes while it is 0.38 D beyond a wall elsewhere
-    (vi.Oscillator(0.002374185982558025, 0.01630728362595265, (0.6215415626727533, 0.7888733600894499)),
+    (vi.Oscillator(xi=0.002374185982558025, mu=0.01630728362595265,
+                   restitution=(0.6215415626727533, 0.7888733600894499)),
      0.9899980522469702, 47.01496391078142, "RRRLL"),
 ])  # fmt: skip
 def test_stable_motions_of_zones_are_found(osc, r, clearance, sides):

@@ -23,7 +23,7 @@ def systems(seed, count, most):
         mu = rng.choice([0.0, 10 ** rng.uniform(-3, 0.5)], p=[0.1, 0.9])
         walls = rng.choice([0.0, 1.0, rng.uniform(0.1, 1.0)], 2, p=[0.1, 0.1, 0.8])
         sides = "".join(rng.permutation(["R", "L", *rng.choice(["R", "L"], n - 2)]))
-        osc = vi.Oscillator(float(xi), float(mu), tuple(map(float, walls)))
+        osc = vi.Oscillator(xi=float(xi), mu=float(mu), restitution=tuple(map(float, walls)))
         yield rng, osc, vi.Pattern(sides, int(rng.integers(1, 4)))
 
 
@@ -98,7 +98,7 @@ def test_same_bits_on_any_number_of_threads_and_in_any_company():
 
 def test_chunks_do_not_show(monkeypatch):
     rng = np.random.default_rng(3)
-    osc, pattern = vi.Oscillator(0.01, 0.05, (0.7, 0.6)), vi.Pattern("RRL")
+    osc, pattern = vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.7, 0.6)), vi.Pattern("RRL")
     phases, r = columns(rng, 3, 1000, 1), rng.uniform(0.8, 0.95, 1000)
     whole = vi.stability_flags(osc, r, phases, pattern, spectral_radius=True)
     monkeypatch.setattr(flags, "CHUNK", 37)
@@ -114,11 +114,23 @@ def test_chunks_do_not_show(monkeypatch):
 @pytest.mark.parametrize(
     ("osc", "r", "pattern", "phases", "status"),
     [
-        (vi.Oscillator(0.01, 0.05, 0.7), 0.9, "RL", [0.0, np.pi], 2),
-        (vi.Oscillator(0.01, 0.05, (0.7, 0.6)), 1e-6, "RL", [0.0, 3.0], 0),
-        (vi.Oscillator(0.01, 0.05, (0.7, 0.6)), 1e6, "RL", [0.0, 3.0], None),
-        (vi.Oscillator(0.9, 0.05, (0.7, 0.6)), 1e-3, "RRL", [0.0, 3.0, 5.0], None),
-        (vi.Oscillator(0.01, 0.05, (0.7, 0.6)), 0.9, "RL" * 9, np.arange(18.0) / 3, 0),
+        (vi.Oscillator(xi=0.01, mu=0.05, restitution=0.7), 0.9, "RL", [0.0, np.pi], 2),
+        (vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.7, 0.6)), 1e-6, "RL", [0.0, 3.0], 0),
+        (vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.7, 0.6)), 1e6, "RL", [0.0, 3.0], None),
+        (
+            vi.Oscillator(xi=0.9, mu=0.05, restitution=(0.7, 0.6)),
+            1e-3,
+            "RRL",
+            [0.0, 3.0, 5.0],
+            None,
+        ),
+        (
+            vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.7, 0.6)),
+            0.9,
+            "RL" * 9,
+            np.arange(18.0) / 3,
+            0,
+        ),
     ],
 )
 def test_extremes_are_lapacks(osc, r, pattern, phases, status):
@@ -137,7 +149,7 @@ def test_extremes_are_lapacks(osc, r, pattern, phases, status):
 
 def test_bad_input():
     good = {
-        "osc": vi.Oscillator(0.01, 0.05, (0.7, 0.6)),
+        "osc": vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.7, 0.6)),
         "r": 0.9,
         "phases": [[0.0, 0.0], [3.0, 3.1]],
         "pattern": vi.Pattern("RL"),

@@ -243,9 +243,9 @@ def test_osc(call, value):
 
 
 @pytest.mark.parametrize("call", [periodic, linear_system, batch])
-@pytest.mark.parametrize("value", [None, "RL", ("RL", 1), vi.Pattern])
+@pytest.mark.parametrize("value", [None, 7, ("RL", 1), vi.Pattern])
 def test_pattern(call, value):
-    """A Pattern, not its sides."""
+    """A Pattern or its text, nothing else."""
     assert_refused(call, "pattern", value, ("Pattern",), TypeError)
 
 

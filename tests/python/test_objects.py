@@ -57,9 +57,9 @@ def test_phases_that_need_no_load():
 
 def test_unusual_but_right():
     """Integers, tuples, float32, arrays of one number's kind, N = 8, R = 0 and 1, mu = 0."""
-    one = vi.Oscillator(0, 0, 1)
+    one = vi.Oscillator(xi=0, mu=0, restitution=1)
     assert one.restitution == (1.0, 1.0)
-    assert vi.Oscillator(0.1, 1, (0, 1)).restitution == (0.0, 1.0)
+    assert vi.Oscillator(xi=0.1, mu=1, restitution=(0, 1)).restitution == (0.0, 1.0)
     expected = vi.periodic(OSC, 2.0, [0.0, 3.0], PAIR).X
     for phases in ((0, 3), np.array([0, 3]), np.array([0, 3], np.float32), range(0, 6, 3)):
         assert np.array_equal(vi.periodic(OSC, 2, phases, PAIR).X, expected)
@@ -111,10 +111,10 @@ def test_arrays_are_read_only_and_ours():
 
 def test_equal_oscillators_and_patterns():
     """Values compare by value and can be keys."""
-    assert vi.Oscillator(0.01, 0.05, (0.75, 0.61)) == OSC
+    assert vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.75, 0.61)) == OSC
     assert vi.Pattern("RL", 1) == PAIR
     assert vi.Pattern("RL", 2) != PAIR
-    assert len({OSC, vi.Oscillator(0.01, 0.05, (0.75, 0.61))}) == 1
+    assert len({OSC, vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.75, 0.61))}) == 1
     assert len({PAIR, vi.Pattern("RL")}) == 1
     assert eval(repr(OSC), {"Oscillator": vi.Oscillator}) == OSC
     assert eval(repr(PAIR), {"Pattern": vi.Pattern}) == PAIR
@@ -168,7 +168,7 @@ def test_damping_ratio_is_the_nearest_number(xi, log_M, log_K):
     """C/(2 sqrt(K M)) to the last bit, in exact arithmetic, however large or small M and K are."""
     M, K = 10.0**log_M, 10.0**log_K
     C = xi * 2 * math.sqrt(M) * math.sqrt(K)
-    osc = vi.Oscillator.from_dimensional(M, K, C, 0.1 * M, 0.5)
+    osc = vi.Oscillator.from_dimensional(M=M, K=K, C=C, m=0.1 * M, restitution=0.5)
     below, above = (
         (Fraction(osc.xi) + Fraction(math.nextafter(osc.xi, end))) / 2 for end in (0, 1)
     )
@@ -178,7 +178,7 @@ def test_damping_ratio_is_the_nearest_number(xi, log_M, log_K):
 
 def test_round_damping_ratios_come_out_round():
     """M = 4, K = 25 and C = 1 are 5 % of critical damping."""
-    assert vi.Oscillator.from_dimensional(4.0, 25.0, 1.0, 0.1, 0.5).xi == 0.05
-    assert vi.Oscillator.from_dimensional(2.0, 800.0, 4.0, 0.1, 0.5).xi == 0.05
+    assert vi.Oscillator.from_dimensional(M=4.0, K=25.0, C=1.0, m=0.1, restitution=0.5).xi == 0.05
+    assert vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=4.0, m=0.1, restitution=0.5).xi == 0.05
     with pytest.raises(vi.errors.ParameterError, match="critical damping 2 sqrt"):
-        vi.Oscillator.from_dimensional(4.0, 25.0, 20.0, 0.1, 0.5)
+        vi.Oscillator.from_dimensional(M=4.0, K=25.0, C=20.0, m=0.1, restitution=0.5)

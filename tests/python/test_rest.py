@@ -56,7 +56,7 @@ def test_limit_of_an_accumulation_against_140_impacts():
 @pytest.mark.parametrize("mu", [0.0, 2.0])
 def test_accumulation_is_summed_not_cut_off(restitution, mu):
     """From one small hop: the limit is right to 1e-15, whatever R and mass ratio."""
-    osc = vi.Oscillator(0.2, mu, restitution)
+    osc = vi.Oscillator(xi=0.2, mu=mu, restitution=restitution)
     first = state(x=1.0, z=2.0, z_dot=-0.02)
     run = vi.simulate(osc, 0.9, 2.0, 0.1, first)
     flat = system(osc, 0.9, 2.0)
@@ -119,7 +119,7 @@ def test_the_example_repeats_every_cycle():
 
 def test_rest_that_never_ends():
     """Pressed on by the spring for the whole run, or lying still for good: no release."""
-    osc = vi.Oscillator(0.05, 0.1, 0.2)
+    osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.2)
     run = vi.simulate(osc, 1e-3, 1.0, 1e-4, state(x=2.0, z=2.45), load=2.0)
     assert run.events["kind"].tolist()[-1] == "stick"
     assert run.final_state["t"] > run.events["time"][-1] + 0.1
@@ -128,7 +128,7 @@ def test_rest_that_never_ends():
     still = vi.simulate(osc, 1.1, 1.0, 10**6, state(z=0.5), load=0.0)
     assert still.events.size == 0
     assert plain(still.final_state) | {"t": 0} == state(z=0.5)
-    light = vi.Oscillator(0.1, 0.0, 0.0)
+    light = vi.Oscillator(xi=0.1, mu=0.0, restitution=0.0)
     soft = vi.simulate(light, 0.9, 2.0, 1000, state(z_dot=0.3), load=0.0)
     assert soft.events["kind"].tolist()[0] == "impact"
     assert soft.final_state["z"] == 1.0
@@ -136,7 +136,7 @@ def test_rest_that_never_ends():
 
 def test_release_that_turns_into_chatter_again():
     """A release is followed by another accumulation and rest on the same wall."""
-    osc, found = vi.Oscillator(0.1, 0.5, (0.3, 0.5)), 0
+    osc, found = vi.Oscillator(xi=0.1, mu=0.5, restitution=(0.3, 0.5)), 0
     for r in (0.1, 0.15, 0.2):
         run = vi.simulate(osc, r, 0.5, 40, state(x_dot=0.3))
         assert_laws(run)
@@ -153,7 +153,7 @@ def test_release_that_turns_into_chatter_again():
 
 def test_plastic_walls_rest_after_one_impact():
     """R = 0: where M is pressed against the mass the first impact is the rest; else they part."""
-    osc = vi.Oscillator(0.05, 0.3, 0.0)
+    osc = vi.Oscillator(xi=0.05, mu=0.3, restitution=0.0)
     run = vi.simulate(osc, 0.8, 0.7, 40)
     assert_laws(run)
     assert_energy_is_accounted_for(run)
@@ -167,7 +167,7 @@ def test_plastic_walls_rest_after_one_impact():
 
 def test_elastic_walls_never_rest():
     """R = 1 has no accumulation, and without damping and load no energy is lost."""
-    osc = vi.Oscillator(0.0, 0.4, 1.0)
+    osc = vi.Oscillator(xi=0.0, mu=0.4, restitution=1.0)
     first = state(x=1.0, z=0.9, z_dot=0.3)
     run = vi.simulate(osc, 0.8, 0.5, 100, first, load=0.0)
     assert set(run.events["kind"]) == {"impact"}

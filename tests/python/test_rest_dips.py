@@ -24,7 +24,7 @@ def motions():
     """What each system settles on, from the primary mass at its middle, moving."""
     found = {}
     for sides, (xi, mu, walls, r, clearance) in CASES.items():
-        osc = vi.Oscillator(xi, mu, walls)
+        osc = vi.Oscillator(xi=xi, mu=mu, restitution=walls)
         speed = 0.5 / np.hypot(1 - r**2, 2 * xi * r)
         state = {"t": 0, "x": 0, "x_dot": speed, "z": 0, "z_dot": 0}
         found[sides] = vi.exact(

@@ -11,10 +11,10 @@ from shared_systems import EPS, RIG, TURN, law
 
 @pytest.mark.parametrize(("osc", "r", "clearance", "load"), [
     (RIG, 0.9, 6.0, 1.0),
-    (vi.Oscillator(0.005, 0.042, 0.75), 0.94, 20.0, 1.0),
-    (vi.Oscillator(0.1, 1.0, (0.0, 1.0)), 2.2, 0.3, 2.5),
-    (vi.Oscillator(0.0, 0.3, (0.3, 0.6)), 0.4, 1.0, 0.7),
-    (vi.Oscillator(0.02, 0.5, (0.9, 0.5)), 0.7, 0.5, 0.0),
+    (vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), 0.94, 20.0, 1.0),
+    (vi.Oscillator(xi=0.1, mu=1.0, restitution=(0.0, 1.0)), 2.2, 0.3, 2.5),
+    (vi.Oscillator(xi=0.0, mu=0.3, restitution=(0.3, 0.6)), 0.4, 1.0, 0.7),
+    (vi.Oscillator(xi=0.02, mu=0.5, restitution=(0.9, 0.5)), 0.7, 0.5, 0.0),
 ])  # fmt: skip
 def test_energy_is_accounted_for_at_every_event(osc, r, clearance, load):
     """Change of energy = work of the load - damper - impacts, event by event."""
@@ -30,7 +30,9 @@ def test_free_decay_only_loses_energy(seed):
     """Without load the energy never grows, and all of it is lost to damper and impacts."""
     draw = np.random.default_rng(seed)
     osc = vi.Oscillator(
-        draw.uniform(0.01, 0.3), draw.uniform(0.05, 2), tuple(draw.uniform(0, 1, 2))
+        xi=draw.uniform(0.01, 0.3),
+        mu=draw.uniform(0.05, 2),
+        restitution=tuple(draw.uniform(0, 1, 2)),
     )
     first = state(0.0, *draw.normal(size=2), z_dot=draw.normal())
     first["z"] = first["x"] + draw.uniform(-0.5, 0.5)
@@ -53,8 +55,8 @@ def mirrored(events, back=0):
 
 def test_mirror_image_without_load_is_exact():
     """x -> -x, R <-> L: every bit of a free vibration."""
-    osc = vi.Oscillator(0.02, 0.3, (0.8, 0.5))
-    turned = vi.Oscillator(0.02, 0.3, (0.5, 0.8))
+    osc = vi.Oscillator(xi=0.02, mu=0.3, restitution=(0.8, 0.5))
+    turned = vi.Oscillator(xi=0.02, mu=0.3, restitution=(0.5, 0.8))
     first = state(0.0, 0.4, 1.1, 0.3, -0.7)
     run = vi.simulate(osc, 0.9, 0.8, 20, first, load=0.0)
     image = vi.simulate(turned, 0.9, 0.8, 20, {k: -v for k, v in first.items()}, load=0.0)
@@ -68,7 +70,7 @@ def test_mirror_image_without_load_is_exact():
 
 def test_mirror_image_under_load():
     """With load the mirror image comes half a load period later."""
-    turned = vi.Oscillator(RIG.xi, RIG.mu, RIG.restitution[::-1])
+    turned = vi.Oscillator(xi=RIG.xi, mu=RIG.mu, restitution=RIG.restitution[::-1])
     run = vi.simulate(RIG, 0.9, 6.0, 6)
     image = vi.simulate(turned, 0.9, 6.0, 6, state(t=np.pi / 0.9))
     numbers, sides, kinds = mirrored(image.events, np.pi / 0.9)

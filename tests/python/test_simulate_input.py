@@ -49,7 +49,11 @@ def test_max_events_values(value):
 def test_zero_clearance_and_undamped_resonance():
     """No clearance is no motion of the free mass; r = 1 without damping has no amplitude."""
     assert_refused({"clearance": 0.0}, "clearance", "0.0", kind=ValueError)
-    assert_refused({"osc": vi.Oscillator(0.0, 0.1, 0.5), "r": 1.0}, "r = 1.0", kind=ValueError)
+    assert_refused(
+        {"osc": vi.Oscillator(xi=0.0, mu=0.1, restitution=0.5), "r": 1.0},
+        "r = 1.0",
+        kind=ValueError,
+    )
 
 
 @pytest.mark.parametrize("name", STATE)

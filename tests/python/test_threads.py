@@ -106,7 +106,9 @@ def test_running_into_one_folder(tmp_path):
 def test_saving_one_file(suffix, tmp_path):
     """Threads that save a motion under one name replace it whole."""
     path = tmp_path / f"motion.{suffix}"
-    motion = vi.equispaced(vi.Oscillator(0.005, 0.042, 0.75), r=0.94, clearance=37.0)[0]
+    motion = vi.equispaced(
+        vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), r=0.94, clearance=37.0
+    )[0]
     motion.save(path)
     alone = path.read_bytes()
     together(lambda _: [motion.save(path) for _ in range(ROUNDS)])
@@ -118,7 +120,7 @@ def test_saving_one_file(suffix, tmp_path):
 COUNT = """
 import os, sys
 import vibroimpact as vi
-osc = vi.Oscillator(0.0114, 0.028, 0.75)
+osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 calls = {
     "chart": lambda n: vi.chart(osc, vi.Pattern("RL"), [1.0, 1.1], [20.0, 30.0], threads=n),
     "response": lambda n: vi.response(osc, [1.0, 1.1], clearance=25.0, states=4, settling=10, threads=n),

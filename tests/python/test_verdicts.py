@@ -8,9 +8,9 @@ from shared_motions import after_impact, searched
 
 #: Oscillator, r and clearance beside which folds, pitchforks, flips and Neimark-Sacker points lie.
 PLACES = [
-    (vi.Oscillator(0.0114, 0.028, 0.75), 0.95, 30.0),
-    (vi.Oscillator(0.0025, 0.0405, (0.387, 0.562)), 0.7628, 4.0),
-    (vi.Oscillator(0.02, 0.1, (0.8, 0.5)), 1.1, 2.0),
+    (vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75), 0.95, 30.0),
+    (vi.Oscillator(xi=0.0025, mu=0.0405, restitution=(0.387, 0.562)), 0.7628, 4.0),
+    (vi.Oscillator(xi=0.02, mu=0.1, restitution=(0.8, 0.5)), 1.1, 2.0),
 ]
 TYPES = ("fold", "pitchfork", "flip", "neimark_sacker")
 #: Relative distance from a bifurcation beyond which there is always a verdict.
@@ -57,7 +57,9 @@ def test_stable_beside_a_pitchfork_of_equispaced_impacts():
 
     Found by an independent program; at 1.857e-11 below it the multiplier is 1 + 3.57e-10.
     """
-    osc = vi.Oscillator(0.0005606787567717536, 0.014046975668913076, 0.8307133294500499)
+    osc = vi.Oscillator(
+        xi=0.0005606787567717536, mu=0.014046975668913076, restitution=0.8307133294500499
+    )
     r, place = 1.0112241944274716, 58.584229646340845
     for distance in [1.857e-11, *10.0 ** np.arange(-6, -15, -0.5)]:
         for side in (1, -1):
@@ -76,7 +78,9 @@ def test_masses_that_leave_an_impact_together_must_part():
 
     Found by an independent program: the acceleration passes through zero at this clearance.
     """
-    osc = vi.Oscillator(0.012990423377549564, 1.1610183760956951, (0.0, 0.3767430040877141))
+    osc = vi.Oscillator(
+        xi=0.012990423377549564, mu=1.1610183760956951, restitution=(0.0, 0.3767430040877141)
+    )
     r, place, pattern = 0.9414722592567588, 6.916237727485273, vi.Pattern("RRL", 2)
     known = searched(osc, r, 1.0001 * place, pattern, 2000)
     motion = next(motion for motion in known if motion.admissible and motion.stable)

@@ -178,7 +178,7 @@ def test_a_fold_that_leaves_a_pitchfork(lines):
 )
 def test_all_loops_close(xi, mu, restitution, sides):
     """Five of 318 random zones: folds of motions that were unstable before were taken for borders."""
-    zone = vi.zone(vi.Oscillator(xi, mu, restitution), vi.Pattern(sides), *WINDOW)
+    zone = vi.zone(vi.Oscillator(xi=xi, mu=mu, restitution=restitution), vi.Pattern(sides), *WINDOW)
     assert zone.closed
     assert len(zone.boundary) > 3
 

@@ -138,7 +138,7 @@ def test_a_narrow_zone_closes_where_a_fold_meets_the_end_of_rest():
 )  # fmt: skip
 def test_zones_hold_the_attractors_with_rest(parameters, sides, r, clearance):
     """A point at which simulations settle on a motion lies in the zone of its pattern."""
-    osc = vi.Oscillator(*parameters)
+    osc = vi.Oscillator(**dict(zip(("xi", "mu", "restitution"), parameters, strict=True)))
     names = {sides[j:] + sides[:j] for j in range(len(sides))}
     assert names & {motion.pattern.sides for motion in attractors(osc, r, clearance, 6)}
     zone = vi.zone(osc, vi.Pattern(sides), (r - 0.05, r + 0.05), (0.7 * clearance, 1.4 * clearance))
@@ -149,7 +149,9 @@ def test_zones_hold_the_attractors_with_rest(parameters, sides, r, clearance):
 @pytest.mark.parametrize("share", [1.02, 1.0, 0.995, 0.99, 0.988])
 def test_a_motion_with_rest_may_have_any_number_of_impacts(share):
     """Beyond the 24 symbols of a zone too: the multipliers are those of small disturbances in a simulation."""
-    osc = vi.Oscillator(0.005237033396, 0.267405956, (0.6664908148, 0.789348612516))
+    osc = vi.Oscillator(
+        xi=0.005237033396, mu=0.267405956, restitution=(0.6664908148, 0.789348612516)
+    )
     r, clearance = 0.926034818765, 0.700744637918 * share
     motions = attractors(osc, r, clearance, 3)
     assert len(motions) == 1  # each once
@@ -165,7 +167,7 @@ def test_a_motion_with_rest_may_have_any_number_of_impacts(share):
 
 def test_vertices_bound_the_stable_motions():
     """Just inside each piece of a boundary there is a stable motion, just outside there is none."""
-    osc = vi.Oscillator(0.00359, 0.05224, (0.6257, 0.371))
+    osc = vi.Oscillator(xi=0.00359, mu=0.05224, restitution=(0.6257, 0.371))
     zone = vi.zone(osc, vi.Pattern("RRRL*"), (0.9, 1.1), (2, 20))
     assert zone.closed
     assert len({p.type for p in zone.boundary}) > 2

@@ -63,7 +63,7 @@ def test_a_narrow_zone_contains_its_seed(narrow_seed, lines):
 )  # fmt: skip
 def test_zones_of_a_seed_alone_contain_it(xi, mu, restitution, r, clearance, sides):
     """Five lines each way and no guesses: only the lines through the seed can lead to its zone."""
-    osc = vi.Oscillator(xi, mu, restitution)
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
     motions = stable_motions(osc, r, clearance, max_impacts=4, max_cycles=1)
     motions = [m for m in motions if m.pattern.sides == sides]
     assert motions
@@ -75,7 +75,9 @@ def test_zones_of_a_seed_alone_contain_it(xi, mu, restitution, r, clearance, sid
 
 def test_a_zone_at_resonance_closes_where_a_fold_leaves_a_pitchfork():
     """Where rounding leaves too little of the equations near the pitchfork; one area by any lattice."""
-    osc = vi.Oscillator(0.0005417004965190911, 0.22158630702037513, 0.6657527384929456)
+    osc = vi.Oscillator(
+        xi=0.0005417004965190911, mu=0.22158630702037513, restitution=0.6657527384929456
+    )
     places = np.array(
         [[1.0016207074667514, 8.529850983113421], [1.039258603888283, 6.767918330155784]]
     )
@@ -156,7 +158,9 @@ def test_a_boundary_is_followed_round_a_narrow_tongue():
     taken for closed. The flips are those of the branch along r at d K/F0 = 33.
     """
     osc = vi.Oscillator(
-        0.0012213737261727341, 0.008322584487239597, (0.6742052403036547, 0.9050322935952178)
+        xi=0.0012213737261727341,
+        mu=0.008322584487239597,
+        restitution=(0.6742052403036547, 0.9050322935952178),
     )
     zones = [
         vi.zone(osc, vi.Pattern("LR"), (0.6, 1.4), (0.5, 150), lines=lines)

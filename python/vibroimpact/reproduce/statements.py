@@ -198,7 +198,9 @@ def figures_6_to_8(folder: Path) -> list[Row]:
             rows.append(Row(figure, claim, found, verdict))
     wall = upper(np.array([0.99, 1.01]), "double")
     soft, hard = (
-        equispaced_zone(Oscillator(EQUAL.xi, EQUAL.mu, 0.75 * f), np.array([0.8, 1.2]), 160)
+        equispaced_zone(
+            Oscillator(xi=EQUAL.xi, mu=EQUAL.mu, restitution=0.75 * f), np.array([0.8, 1.2]), 160
+        )
         for f in (0.955, 1.045)
     )
     change = [abs(a.low[0] / b.low[0] - 1) for a, b in zip(soft, hard, strict=True)]

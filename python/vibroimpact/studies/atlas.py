@@ -341,6 +341,11 @@ def atlas(
     -------
     Atlas
 
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+
     Examples
     --------
     >>> import vibroimpact as vi

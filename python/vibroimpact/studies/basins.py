@@ -241,6 +241,8 @@ def basins(
 
     Raises
     ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
     StudyInterrupted
         After Ctrl-C, with what was finished as its attribute `result`:
         states that were not reached have the label -2, and the shares are those of the others.

@@ -254,6 +254,8 @@ def bifurcation_diagram(
 
     Raises
     ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
     StudyInterrupted
         After Ctrl-C, with what was finished as its attribute `result`:
         values that a run did not reach have no impacts.

@@ -160,7 +160,7 @@ class Chart(Noun, study="chart"):
 
 def chart(
     osc: Oscillator,
-    pattern: Pattern,
+    pattern: Pattern | str,
     r: ArrayLike,
     clearance: ArrayLike,
     symmetric: bool | None = None,
@@ -181,7 +181,7 @@ def chart(
     Parameters
     ----------
     osc : Oscillator
-    pattern : Pattern
+    pattern : Pattern or str
         Without rest.
     r, clearance : array_like
         Increasing frequency ratios and clearances d K/F0, at most 1000000 points altogether.
@@ -245,7 +245,7 @@ def chart(
     """
     xarray("charts")
     checks.instance(osc, "osc", Oscillator)
-    plain_pattern(pattern)
+    pattern = plain_pattern(pattern)
     if symmetric not in (None, True, False):
         raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
     if not isinstance(multipliers, (bool, np.bool_)):

@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _core, checks, door
 from ..errors import ParameterError, ParameterTypeError
+from ..jupyter import rows_html
 from ..model import Oscillator
 from ..motion import Motion, motions_of
 from ..noun import Noun
@@ -193,6 +194,28 @@ class FoundMotions(list[Motion]):
         self.search = search
         self.findings = findings
 
+    def __repr__(self) -> str:
+        stable = sum(motion.stable is True for motion in self)
+        there = f"{len(self)} motion{'' if len(self) == 1 else 's'}, {stable} of them stable"
+        if not self or self.findings is None:
+            return f"<FoundMotions: {there}>"
+        return f"<FoundMotions at r = {self[0].r:.6g}, d K/F0 = {self[0].clearance:.6g}: {there}>"
+
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter: a row for each motion."""
+        words = {True: "yes", False: "no", None: "not known"}
+        rows = (
+            (
+                str(i), f"{motion.pattern.sides}/{motion.pattern.cycles}", words[motion.stable],
+                f"{abs(complex(motion.multipliers[0])):.4g}",
+                f"{motion.attenuation:.6g}" if motion.A > 0 else "",
+            )
+            for i, motion in enumerate(self)
+        )  # fmt: skip
+        return rows_html(
+            repr(self), ("", "pattern", "stable", "max|lambda|", "max|X|/A"), rows, str(self.search)
+        )
+
 
 def find(
     osc: Oscillator,
@@ -246,6 +269,8 @@ def find(
 
     Raises
     ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
     StudyInterrupted
         After Ctrl-C, if motions were found: its attribute `result` is the `Findings` so far.
 

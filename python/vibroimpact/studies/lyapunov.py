@@ -156,6 +156,8 @@ def lyapunov(
 
     Raises
     ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
     SingularError
         If a single point has no impacts.
     StudyInterrupted

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
 from ..errors import OpenBoundaryWarning, ParameterError, SingularError
-from ..model import Oscillator, Pattern
+from ..model import Oscillator, Pattern, pattern_of
 from ..motion import Motion
 from ..namelist import SYMMETRIC
 from ..newton import newton
@@ -386,7 +386,7 @@ WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 def zone(
     osc: Oscillator,
-    pattern: Pattern,
+    pattern: Pattern | str,
     r: tuple[float, float],
     clearance: tuple[float, float],
     symmetric: bool | None = None,
@@ -411,7 +411,7 @@ def zone(
     Parameters
     ----------
     osc : Oscillator
-    pattern : Pattern
+    pattern : Pattern or str
         At most 24 impacts.
     r, clearance : (float, float)
         The window: lowest and highest frequency ratio and d K/F0.
@@ -457,7 +457,7 @@ def zone(
     >>> equispaced.contains(1.04, [25.0, 3.0]).tolist()
     [True, False]
     """
-    checks.instance(pattern, "pattern", Pattern)
+    pattern = pattern_of(pattern)
     if symmetric not in (None, True, False):
         raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
     keys = {

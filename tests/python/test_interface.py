@@ -1,0 +1,238 @@
+"""What people type and read: names that Tab shows, patterns as text, arguments by name, short representations."""
+
+import copy
+import inspect
+import math
+import pickle
+import re
+from types import ModuleType
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_systems import FIGURE6
+
+TABLE = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+FUNCTIONS = [
+    value for name in vi.__all__ if inspect.isfunction(value := getattr(vi, name))
+    and inspect.signature(value).parameters
+]  # fmt: skip
+
+
+def test_dir_shows_the_public_names_alone():
+    """No module but `errors`; every error is there, and is what `errors` has."""
+    assert set(dir(vi)) == {*vi.__all__, "__version__"}
+    modules = {name for name in dir(vi) if isinstance(getattr(vi, name), ModuleType)}
+    assert modules == {"errors"}
+    for name in vi.errors.__all__:
+        assert getattr(vi, name) is getattr(vi.errors, name)
+    assert len(vi.__all__) == len(set(vi.__all__))
+
+
+@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda function: function.__name__)
+def test_docstrings_say_what_is_raised(function):
+    """Every public function that takes something refuses something, by an error of the package."""
+    text = inspect.getdoc(function)
+    raised = re.search(r"^Raises\n-+\n((?:.+\n|\n(?=    ))+)", text, re.MULTILINE)
+    assert raised, text
+    assert re.search(r"Parameter(Type)?Error", raised[1])
+
+
+# -- the oscillator
+
+
+def test_an_oscillator_needs_names():
+    """Restitution, damping and mass ratio in a wrong order would be a valid, other oscillator."""
+    with pytest.raises(vi.ParameterTypeError, match="names") as caught:
+        vi.Oscillator(0.75, 0.0114, 0.028)
+    assert str(caught.value).startswith("Oscillator(0.75, 0.0114, 0.028): must have the names")
+    assert "Oscillator(xi=0.0114, mu=0.028, restitution=0.75)" in str(caught.value)
+    with pytest.raises(vi.ParameterTypeError, match="names"):
+        vi.Oscillator(0.01, mu=0.028, restitution=0.75)
+    with pytest.raises(vi.ParameterTypeError, match=r"from_dimensional\(M="):
+        vi.Oscillator.from_dimensional(2.0, 800.0, 0.4, 0.08, 0.75)
+    assert list(inspect.signature(vi.Oscillator).parameters) == [
+        "xi", "mu", "restitution", "M", "K",
+    ]  # fmt: skip
+    rig = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75)
+    for again in (pickle.loads(pickle.dumps(rig)), copy.deepcopy(rig), copy.copy(rig)):
+        assert (again, again.M, again.K) == (rig, 2.0, 800.0)
+
+
+# -- patterns
+
+
+def test_a_pattern_is_also_a_text():
+    """Wherever a pattern is taken, "RL/2" gives the same as Pattern("RL", 2)."""
+    second = np.linspace(1.2, 1.5, 5) * math.pi
+    phases = [np.zeros(5), second]
+    r, clearance = np.array([0.9, 0.95]), np.array([20.0, 40.0])
+    window = {"r": (0.93, 0.95), "clearance": (36.0, 38.0), "lines": 5, "guesses": 1}
+    calls = {
+        "periodic": lambda p: vi.periodic(TABLE, 0.94, [0, 4.0], p).X.tolist(),
+        "periodic_batch": lambda p: vi.periodic_batch(TABLE, 0.94, phases, p).X.tolist(),
+        "linear_system": lambda p: vi.linear_system(TABLE, 0.94, [0, 4.0], p)[0].tolist(),
+        "stability_flags": lambda p: vi.stability_flags(TABLE, 0.94, phases, p).stable.tolist(),
+        "exact": lambda p: vi.exact(TABLE, 0.94, 37.0, ([0, 4.3], p)).X.tolist(),
+        "chart": lambda p: repr(vi.chart(TABLE, p, r, clearance)),
+        "zone": lambda p: repr(vi.zone(TABLE, p, **window)),
+    }
+    takes = {
+        name for name in vi.__all__ if inspect.isfunction(function := getattr(vi, name))
+        and {"pattern", "guess"} & set(inspect.signature(function).parameters)
+    }  # fmt: skip
+    assert takes == set(calls)
+    for name, call in calls.items():
+        assert call("RL") == call(vi.Pattern("RL")) == call("RL/1"), name
+    two = vi.periodic(TABLE, 0.94, [0, 7.0], "rl/2")
+    assert two.pattern == vi.Pattern("RL", 2)
+    for name, call in calls.items():
+        if name == "exact":
+            continue
+        for wrong in (
+            "RL/x",
+            "RL/0",
+            "RL/",
+            "",
+            "RX",
+            "RL/" + "1" * 5000,
+            "RL/²",
+            7,
+            None,
+            ("RL", 1),
+        ):
+            with pytest.raises(
+                (vi.ParameterError, vi.ParameterTypeError), match=r"^pattern"
+            ) as caught:
+                call(wrong)
+            assert len(str(caught.value)) < 400, name
+
+
+# -- what is shown
+
+
+def cells(thing):
+    """The rows of a table as Jupyter shows it."""
+    return [
+        [cell.text for cell in row]
+        for row in ElementTree.fromstring(thing._repr_html_()).iter("tr")
+    ]
+
+
+def test_jupyter_shows_oscillator_units_and_what_find_gives():
+    """As tables whose numbers are theirs."""
+    rig = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=(0.75, 0.61))
+    shown = dict(cells(rig))
+    assert [float(shown[name]) for name in ("xi", "mu", "M", "K")] == [rig.xi, rig.mu, 2.0, 800.0]
+    assert (shown["R1 (right wall)"], shown["R2 (left wall)"]) == ("0.75", "0.61")
+    units = rig.units(F0=4.0)
+    assert {name: float(value) for name, value in cells(units)} == {
+        "omega": 20.0, "length": 0.005, "time": 0.05, "velocity": 0.1, "acceleration": 2.0, "force": 4.0,
+    }  # fmt: skip
+    found = vi.find(TABLE, 0.94, 37.0, 2, 1)
+    head, *rows = cells(found)
+    assert head[1:3] == ["pattern", "stable"]
+    assert [row[1] for row in rows] == [f"{m.pattern.sides}/{m.pattern.cycles}" for m in found]
+    assert [row[2] == "yes" for row in rows] == [m.stable for m in found]
+    assert [float(row[3]) for row in rows] == [
+        pytest.approx(max(abs(m.multipliers)), rel=1e-3) for m in found
+    ]
+    assert str(found.search) in found._repr_html_()
+
+
+def test_what_find_gives_is_a_line():
+    """It says how many there are; the motions are its items."""
+    found = vi.find(TABLE, 0.94, 37.0, 2, 1)
+    assert repr(found) == "<FoundMotions at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable>"
+    assert repr(vi.find(TABLE, 0.94, 1e6, 2, 1)) == "<FoundMotions: 0 motions, 0 of them stable>"
+
+
+def test_a_final_state_is_short():
+    """The 28 numbers of `since` are not printed; they are still there, and continue with the same bits."""
+    run = vi.simulate(FIGURE6, 1.04, 25.0, 3.5, {"t": 0, "x": 0, "x_dot": 0, "z": 0, "z_dot": 5.0})
+    state = run.final_state
+    assert (
+        repr(state["since"]) == f"<{len(state['since'])} numbers: where the flight or rest began>"
+    )
+    assert len(repr(state)) < 400
+    again = pickle.loads(pickle.dumps(state))
+    assert again == state
+    whole = vi.simulate(FIGURE6, 1.04, 25.0, 2, state).events.tolist()
+    assert vi.simulate(FIGURE6, 1.04, 25.0, 2, again).events.tolist() == whole
+    assert vi.Trajectory.from_json(run.to_json()).final_state == state
+
+
+# -- units
+
+
+def test_units_take_arrays():
+    """Each number as by itself; what is not positive is named."""
+    units = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75).units(
+        4.0
+    )
+    for method, unit in ((units.clearance, units.length), (units.frequency_ratio, units.omega)):
+        name = next(iter(inspect.signature(method).parameters))
+        values = np.array([[1.0, 2.0], [3.0, 0.5]])
+        found = method(values)
+        assert found.tolist() == [[method(v) for v in row] for row in values.tolist()]
+        assert found.tolist() == (values / unit).tolist()
+        assert method([1, 2]).tolist() == [method(1.0), method(2.0)]
+        assert isinstance(method(3), float)
+        for wrong in ([1.0, 0.0], [1.0, math.nan], [1.0, -2.0], [math.inf]):
+            with pytest.raises(vi.ParameterError, match=rf"^{name} with .* must be finite numbers"):
+                method(wrong)
+        for wrong in (["a"], "a", [True], [1j], None):
+            with pytest.raises(vi.ParameterTypeError, match=rf"^{name}"):
+                method(wrong)
+
+
+# -- a run without impacts
+
+
+def test_exact_says_that_there_were_no_impacts():
+    """From all zero with D > 2 A: the amplitude, half the clearance, and what to do; another state has impacts."""
+    r, clearance = 1.3, 25.0
+    A = 1 / math.hypot(1 - r * r, 2 * FIGURE6.xi * r)
+    assert clearance > 2 * A
+    run = vi.simulate(FIGURE6, r, clearance, 40, discard=300)
+    for call in (lambda: vi.exact(FIGURE6, r, clearance, run), run.period):
+        with pytest.raises(vi.ParameterError, match="no impact happened in it") as caught:
+            call()
+        assert f"A = {A:.6g}, below D/2 = 12.5" in str(caught.value)
+        assert "another state" in str(caught.value)
+        assert "do not repeat" not in str(caught.value)
+    # the same oscillator nearer to its resonance: the walls are reached after a while
+    early = vi.simulate(FIGURE6, 1.02, clearance, 0.1)
+    with pytest.raises(vi.ParameterError, match=r"above D/2 = 12\.5: simulate longer"):
+        vi.exact(FIGURE6, 1.02, clearance, early)
+    # impacts that end: said since when
+    slow = vi.simulate(
+        FIGURE6, r, clearance, 2000, {"t": 0, "x": 0, "x_dot": 0, "z": 0, "z_dot": 9.0}
+    )
+    assert len(slow.events)
+    if slow.events["time"][-1] < slow.final_state["t"] - 49 * 2 * math.pi / r:
+        with pytest.raises(vi.ParameterError, match="no impact happened since t ="):
+            slow.period()
+
+
+@pytest.mark.parametrize("r", [0.3, 0.9, 0.99, 1.0, 1.01, 1.4, 3.0])
+def test_from_all_zero_a_wall_is_reached_where_the_amplitude_says_so(r):
+    """Beyond D/2 = A, the amplitude without impacts, it is reached; after the transient, never below it."""
+    osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.5)
+    A = 1 / math.hypot(1 - r * r, 2 * osc.xi * r)
+    assert len(vi.simulate(osc, r, 2 * A * 0.999, 400).events)
+    # the transient, which cancels A sin(r t - phi) and its velocity at t = 0, adds at most this
+    most = A * (1 + math.sqrt((max(1, r * r) + osc.xi * r) / (1 - osc.xi**2)))
+    assert not len(vi.simulate(osc, r, 2 * most * 1.001, 400).events)
+
+
+@pytest.mark.parametrize("call", [
+    lambda thing: vi.is_symmetric(thing), lambda thing: vi.motion_images(thing),
+    lambda thing: vi.standard_motion(thing), lambda thing: vi.same_motion(thing, thing),
+    lambda thing: vi.run_namelists(thing)])  # fmt: skip
+@pytest.mark.parametrize("thing", [None, 7, "RL", TABLE])
+def test_what_is_no_motion_and_no_list_is_named(call, thing):
+    """An error of the package, not one from inside."""
+    with pytest.raises(vi.ParameterTypeError, match=r"^(motion|one|paths) = "):
+        call(thing)
