@@ -6,7 +6,7 @@ import os
 import threading
 from collections.abc import Callable
 from queue import SimpleQueue
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,17 @@ from numpy.typing import NDArray
 INTERVAL = 0.05
 #: In a thread that runs a call: whether its caller no longer waits for it (`event`).
 _HERE = threading.local()
+
+
+class _Call(NamedTuple):
+    """A call in a thread of its own."""
+
+    #: Set when it has ended, with a result or an exception in these lists.
+    done: threading.Event
+    answer: list[Any]
+    fault: list[BaseException]
+    #: Set when nobody waits for it any more.
+    abandoned: threading.Event
 
 
 class AbandonedError(BaseException):
@@ -33,11 +44,11 @@ def interruptible(
     """
     if watch is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments)
-    abandoned, *call = _started(function, *arguments)
+    call = _started(function, *arguments)
     try:
-        return _finished(*call, watch)
+        return _finished(call, watch)
     except BaseException:
-        abandoned.set()
+        call.abandoned.set()
         if counters is not None:
             counters[2] = 1
         raise
@@ -69,12 +80,12 @@ def stoppable(
         if progress is not None:
             progress(share, note)
 
-    _, *call = _started(function, *arguments, counters)
+    call = _started(function, *arguments, counters)
     try:
-        return _finished(*call, watch), True
+        return _finished(call, watch), True
     except KeyboardInterrupt:
         counters[2] = 1
-        return _finished(*call, None), False
+        return _finished(call, None), False
     except BaseException:
         counters[2] = 1
         raise
@@ -103,10 +114,8 @@ if hasattr(os, "register_at_fork"):  # a child has none of these threads
     os.register_at_fork(after_in_child=_Worker.idle.clear)
 
 
-def _started(
-    function: Callable[..., Any], *arguments: Any
-) -> tuple[threading.Event, threading.Event, list[Any], list[BaseException]]:
-    """A call in a thread of its own: events for "abandoned" and "done", lists for its result and its exception."""
+def _started(function: Callable[..., Any], *arguments: Any) -> _Call:
+    """Starts a call in a thread of its own."""
     answer: list[Any] = []
     fault: list[BaseException] = []
     try:
@@ -127,19 +136,16 @@ def _started(
     # an event, since a thread whose `join` was interrupted counts as ended (Python before 3.13)
     done, abandoned = threading.Event(), threading.Event()
     worker.calls.put(run)
-    return abandoned, done, answer, fault
+    return _Call(done, answer, fault, abandoned)
 
 
-def _finished(
-    done: threading.Event, answer: list[Any], fault: list[BaseException],
-    watch: Callable[[], None] | None,
-) -> Any:  # fmt: skip
+def _finished(call: _Call, watch: Callable[[], None] | None) -> Any:
     """Waits for the result of such a call; meanwhile `watch` is called a few times a second."""
-    while not done.wait(INTERVAL):
+    while not call.done.wait(INTERVAL):
         if watch is not None:
             watch()
     if watch is not None:
         watch()  # the last state of the counters, which was reached between two checks
-    if fault:
-        raise fault[0]
-    return answer[0]
+    if call.fault:
+        raise call.fault[0]
+    return call.answer[0]

@@ -78,8 +78,8 @@ def shown(text: str) -> str:
     Examples
     --------
     >>> from vibroimpact.explorer.limits import shown
-    >>> shown("RL/2"), shown("1" * 5000)[-30:]
-    ("'RL/2'", "1…' (5000 characters)")
+    >>> shown("RL/2"), shown("1" * 5000)[-22:]
+    ("'RL/2'", "11…' (5000 characters)")
     """
     if len(text) <= MOST_SHOWN:
         return repr(text)
