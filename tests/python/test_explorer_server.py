@@ -114,7 +114,7 @@ def test_no_page_may_frame_it(address):
     for path, host in (
         ("/", None),
         ("/static/js/bokeh.min.js", None),
-        ("/favicon.ico", None),
+        ("/metadata", None),
         ("/", "evil"),
     ):
         headers = answer(address, path, host)[1]
