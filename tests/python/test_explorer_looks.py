@@ -199,3 +199,55 @@ def test_it_fits(page, width, tmp_path):
         inside = picture[10:-60, 80:-20]  # without the axes
         assert (inside.min(axis=-1) < 0.9).mean() > 0.002, name
         assert len(np.unique(inside.reshape(-1, 3).round(2), axis=0)) > 20, name
+
+
+def test_a_long_table_shows_that_it_scrolls(page):
+    """Where it does not fit there is a scroll bar that can be seen and dragged, on a phone too."""
+    for width in (1280, 390):
+        page.page.set_viewport_size({"width": width, "height": 900})
+        page.open("r=0.96&clearance=20&patterns=RL")
+        rows, high, whole, bar, style = page.page.evaluate(
+            """() => {
+              const box = document.querySelector(".scroll"), bar = getComputedStyle(box, "::-webkit-scrollbar")
+              return [document.querySelectorAll("#table tr").length, box.clientHeight, box.scrollHeight,
+                      parseFloat(bar.width), getComputedStyle(box, "::-webkit-scrollbar-thumb").backgroundColor]
+            }"""
+        )
+        assert rows > 9
+        assert high < whole
+        assert high > 270
+        assert bar >= 10
+        assert style == "rgb(140, 140, 140)"
+
+
+def test_a_swipe_over_the_chart_scrolls(browser, page):
+    """A finger scrolls the page and draws nothing; after the button it draws a line and scrolls nothing."""
+    page.page.set_viewport_size({"width": 390, "height": 844})
+    page.open("patterns=RL")
+    touch = browser.new_cdp_session(page.page)
+
+    def swipe(right, down):
+        """From the middle of the chart."""
+        x, y = page.place(0.5, 0.5)
+        for part in range(11):
+            kind = "touchMove" if part else "touchStart"
+            place = {"x": x + 0.1 * part * right, "y": y + 0.1 * part * down}
+            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [place]})
+            page.page.wait_for_timeout(20)
+        touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        page.page.wait_for_timeout(500)
+
+    for right, down in ((0, -200), (60, -200), (100, 5)):
+        page.page.evaluate("scrollTo(0, 0)")
+        swipe(right, down)
+        assert (page.page.evaluate("scrollY") > 50) == (down == -200)
+        assert "line=" not in page.page.url
+    page.page.evaluate("scrollTo(0, 0)")
+    page.page.locator("#draw").tap()
+    assert page.page.locator("#draw").get_attribute("aria-pressed") == "true"
+    page.page.evaluate("scrollTo(0, 0)")
+    swipe(90, -80)
+    page.page.wait_for_function("location.search.includes('line=')")
+    assert page.page.evaluate("scrollY") == 0
+    assert page.page.locator("#draw").get_attribute("aria-pressed") == "false"
+    page.settle()
