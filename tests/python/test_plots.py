@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_motions import COLUMN, rest_motion
+from shared_results import NAMES, STUDIES_NAMED
 from shared_simulations import settled
 from shared_systems import RIG, TABLE, TURN
 
@@ -267,3 +268,24 @@ def test_without_matplotlib(monkeypatch):
     assert isinstance(caught.value, vi.errors.VibroimpactError)
     assert type(caught.value).__name__ == "MissingExtraError"
     assert vi.simulate(RIG, 0.9, 6.0, 1).events.size > 0
+
+
+@pytest.mark.parametrize("engine", [None, "constrained"])
+@pytest.mark.parametrize("name", [*NAMES, *STUDIES_NAMED])
+def test_legends_are_not_cut_off(name, engine, results, attractors):
+    """In small axes of one's own, saved as they are: every legend is within the figure."""
+    noun = results[name] if name in NAMES else attractors[name]
+    if not noun.drawable:
+        pytest.skip("there is nothing to draw")
+    figure, ax = plt.subplots(figsize=(2.4, 2.0), layout=engine)
+    try:
+        noun.plot(ax=ax)
+        figure.canvas.draw()
+        for legend in (one for one in (axes.get_legend() for axes in figure.axes) if one):
+            box = legend.get_window_extent()
+            assert box.x0 > -1
+            assert box.x1 < figure.bbox.x1 + 1
+            if engine is None:
+                assert box.y1 < figure.bbox.y1 + 1
+    finally:
+        plt.close(figure)

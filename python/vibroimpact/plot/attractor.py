@@ -90,7 +90,7 @@ def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
         style.log_scale(ax, "x")
     ax.set_xlabel(SYMBOLS[name])
     ax.set_ylabel("exponent per load cycle")
-    ax.legend(**style.ABOVE | {"ncols": 4})
+    style.add_legend(ax, **style.ABOVE | {"ncols": 4})
     return ax
 
 
@@ -132,7 +132,8 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
     ax.set_xlabel(SYMBOLS[diagram.parameter])
     ax.set_ylabel(QUANTITIES[quantity])
     # impacts outside the windows, which are labelled above
-    ax.legend(
+    style.add_legend(
+        ax,
         markerscale=2,
         **style.ABOVE | {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "ncols": 1},
     )
@@ -160,8 +161,8 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
     ax.set_ylabel(COORDINATES[second.name])
     names = zip(basins.attractors, basins.fractions, colors[1:], strict=True)
     patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in names]
-    ax.legend(
-        handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False
+    style.add_legend(
+        ax, handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False
     )
     return ax
 
@@ -180,5 +181,5 @@ def draw_response(response: Response, ax: Any = None) -> Any:
     ax.plot(response.r, response.lowest, "--", color="k", lw=0.8, label="least")
     ax.set_xlabel(SYMBOLS["r"])
     ax.set_ylabel(SYMBOLS["attenuation"])
-    ax.legend(**style.ABOVE)
+    style.add_legend(ax, **style.ABOVE)
     return ax

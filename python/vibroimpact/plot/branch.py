@@ -69,5 +69,5 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
     ax.set_ylabel(SYMBOLS[y])
     # each kind once, also of several branches in the same axes
     once = dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
-    ax.legend(once.values(), once.keys(), **style.ABOVE)
+    style.add_legend(ax, once.values(), once.keys(), **style.ABOVE)
     return ax

@@ -16,6 +16,7 @@ from .style import (
     PRIMARY,
     R_LABEL,
     SETTINGS,
+    add_legend,
     identify,
     is_geometric,
     log_scale,
@@ -119,7 +120,8 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
             for number, shade, hatch, name in CLASSES
             if (kind == number).any() and not (color and number == 3)
         ]
-        ax.legend(
+        add_legend(
+            ax,
             handles=patches,
             loc="lower center",
             bbox_to_anchor=(0.5, 1.0),

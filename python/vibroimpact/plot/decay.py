@@ -62,7 +62,7 @@ def _name_runs(ax: Any, decay: Decay) -> None:
         ax.figure.colorbar(colors_of(decay.clearance), ax=ax, label="$dK/F_0$")
     elif decay.clearance.size > 1:
         legend = {"title": "$dK/F_0$", "ncols": 6, "title_fontsize": 7, "alignment": "left"}
-        ax.legend(**style.ABOVE | legend | {"handlelength": 1.6})
+        style.add_legend(ax, **style.ABOVE | legend | {"handlelength": 1.6})
 
 
 def _draw_peaks(ax: Any, decay: Decay) -> None:

@@ -21,6 +21,7 @@ from .style import (
     REST,
     SETTINGS,
     TWO_COLUMNS,
+    add_legend,
     pyplot,
 )
 
@@ -166,8 +167,13 @@ def _draw_history(ax: Any, h: History) -> None:
     ax.set_ylabel(r"$X$, $Z$ ($F_0/K$)")
     ax.set_xlabel("time (load cycles)")
     ax.margins(x=0)
-    ax.legend(
-        loc="upper right", ncols=5, bbox_to_anchor=(1.0, 1.16), handlelength=1.4, columnspacing=1.0
+    add_legend(
+        ax,
+        loc="upper right",
+        ncols=5,
+        bbox_to_anchor=(1.0, 1.16),
+        handlelength=1.4,
+        columnspacing=1.0,
     )
 
 
@@ -198,8 +204,8 @@ def _draw_acceleration(ax: Any, h: History) -> None:
             label=rf"impact: $\Delta\dot X$ (longest: {largest:.3g} $\omega F_0/K$)",
         )
         # above the axes, where it covers no curve
-        ax.legend(
-            **ABOVE | {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1.4}
+        add_legend(
+            ax, **ABOVE | {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1.4}
         )
     ax.set_ylabel(r"$\ddot X$ ($\omega^2 F_0/K$)")
     ax.set_xlabel("time (load cycles)")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import io
 import math
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -46,6 +47,35 @@ ABOVE = {
     "loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3, "fontsize": 7, "frameon": False,
     "borderaxespad": 0.2, "columnspacing": 1.2, "handlelength": 2.6,
 }  # fmt: skip
+
+
+def add_legend(ax: Any, *entries: Any, **options: Any) -> Any:
+    """Adds a legend that is not cut off where the figure is saved as it is.
+
+    Where it does not fit in the figure it gets fewer columns; where that does not help it stands within the axes.
+    A layout engine makes room above the axes and beside them, but none for a legend wider than the figure.
+    """
+    figure = ax.get_figure()
+    laid_out = getattr(figure, "get_layout_engine", lambda: None)() is not None
+    beside = options.get("bbox_to_anchor", (0, 0))[0] >= 1 and "left" in options.get("loc", "")
+    options.setdefault("ncols", 1)
+    for columns in range(options["ncols"], 0, -1):
+        legend = ax.legend(*entries, **options | {"ncols": columns})
+        box, room = legend.get_window_extent(), figure.bbox
+        if laid_out and not beside and box.width > 0.6 * room.width:
+            with (
+                warnings.catch_warnings()
+            ):  # of a layout engine that has no room for so many columns
+                warnings.simplefilter("ignore", UserWarning)
+                figure.draw_without_rendering()  # which moves the axes
+            box = legend.get_window_extent()
+        wide = box.x0 < room.x0 or box.x1 > room.x1
+        if laid_out and beside:
+            wide = box.width > room.width
+        if not wide and (laid_out or box.y1 <= room.y1):
+            return legend
+    inside = {"loc": "best", "ncols": 1, "bbox_to_anchor": None, "frameon": True, "framealpha": 0.8}
+    return ax.legend(*entries, **options | inside | {"borderaxespad": 0.4, "fontsize": 6})
 
 
 def system(osc: Oscillator) -> dict[str, float]:

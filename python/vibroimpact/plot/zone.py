@@ -80,7 +80,7 @@ def draw_zone(
     ax.set_xlabel(style.R_LABEL)
     ax.set_ylabel(style.LOAD_LABEL if inverse else style.CLEARANCE_LABEL)
     if legend and shown:
-        ax.legend(**style.ABOVE)
+        style.add_legend(ax, **style.ABOVE)
     return ax
 
 
@@ -104,7 +104,7 @@ def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
     ax.set_xlim(*atlas.r)
     low, high = atlas.clearance
     ax.set_ylim(*((1 / high, 1 / low) if inverse else (low, high)))
-    ax.legend(**style.ABOVE | {"ncols": 4})
+    style.add_legend(ax, **style.ABOVE | {"ncols": 4})
     return ax
 
 
