@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -525,8 +525,16 @@ class Motions:
     def __len__(self) -> int:
         return len(self.status)
 
-    def __getitem__(self, index: int) -> Motion:
-        """One motion; SingularError where that point failed."""
+    @overload
+    def __getitem__(self, index: int) -> Motion: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Motion]: ...
+    def __getitem__(self, index: Any) -> Any:
+        """One motion, SingularError where that point failed; a list of them for a slice."""
+        places = checks.place(index, len(self), "motion")
+        if isinstance(places, range):
+            return [self[j] for j in places]
+        index = places
         raise_status(int(self.status[index]))
         values: dict[str, Any] = {}
         for item in fields(self):

@@ -236,3 +236,40 @@ def test_what_is_no_motion_and_no_list_is_named(call, thing):
     """An error of the package, not one from inside."""
     with pytest.raises(vi.ParameterTypeError, match=r"^(motion|one|paths) = "):
         call(thing)
+
+
+def test_results_that_are_sequences_take_slices():
+    """As lists do: items from both ends, lists for slices; anything else is refused by an error of the package."""
+    motion = vi.equispaced(TABLE, 0.94, 37.0)[0]
+    line = vi.branch(motion, "clearance", bounds=(36.0, 37.0))
+    batch = vi.periodic_batch(TABLE, 0.94, [np.zeros(5), np.linspace(4.1, 4.5, 5)], "RL")
+    for items in (line, batch):
+        every = [items[i] for i in range(len(items))]
+        shown = list(map(repr, every))
+        assert list(map(repr, items)) == shown
+        for part in (
+            slice(0, 3),
+            slice(None),
+            slice(None, None, -2),
+            slice(-2, None),
+            slice(3, 3),
+            slice(2, 10**9),
+        ):
+            assert list(map(repr, items[part])) == shown[part]
+        assert repr(items[np.int64(-1)]) == shown[-1]
+        for beyond in (len(items), -len(items) - 1, 10**30):
+            with pytest.raises(IndexError, match=rf"{beyond} of {len(items)}$"):
+                items[beyond]
+        for wrong in (
+            "a",
+            None,
+            1.5,
+            (0, 1),
+            [0, 1],
+            np.array([True]),
+            True,
+            slice("a"),
+            slice(None, None, 0),
+        ):
+            with pytest.raises(vi.ParameterTypeError, match=r"^index = "):
+                items[wrong]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,9 +182,15 @@ class Branch(Noun, study="branch", part=True):
     def __len__(self) -> int:
         return int(self.r.size)
 
-    def __getitem__(self, i: int) -> Motion:
-        if not -len(self) <= i < len(self):
-            raise IndexError(f"point {i} of a branch of {len(self)} points")
+    @overload
+    def __getitem__(self, index: int) -> Motion: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Motion]: ...
+    def __getitem__(self, index: Any) -> Any:
+        """The motion at a point; a list of them for a slice."""
+        i = checks.place(index, len(self), "point")
+        if isinstance(i, range):
+            return [self[j] for j in i]
         right, left = float(self.R1[i]), float(self.R2[i])
         pattern = self.pattern
 
@@ -243,9 +249,15 @@ class Branches(Noun, study="branch"):
         table = self._result.tables.get("branches")
         return 0 if table is None else table.dims["branch"]
 
-    def __getitem__(self, i: int) -> Branch:
-        if not 0 <= i < len(self):
-            raise IndexError(f"branch {i} of {len(self)}")
+    @overload
+    def __getitem__(self, index: int) -> Branch: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Branch]: ...
+    def __getitem__(self, index: Any) -> Any:
+        """A branch; a list of them for a slice."""
+        i = checks.place(index, len(self), "branch")
+        if isinstance(i, range):
+            return [self[j] for j in i]
         if len(self) == 1:
             return Branch(self._result)
         return Branch(self._result.part("branches", i, "branch", self._case_of(i), ""))
