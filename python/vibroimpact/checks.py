@@ -66,6 +66,29 @@ def to_float(value: Any, label: str, wanted: str) -> float:
         raise kind(f"{label} = {value!r}: must be {wanted}") from None
 
 
+def read_number(text: str) -> float:
+    """The number that a text is; ValueError also for one that no float holds, as 1e400 or 1e-400.
+
+    Examples
+    --------
+    >>> from vibroimpact.checks import read_number
+    >>> read_number("1e-3"), read_number("-inf")
+    (0.001, -inf)
+    >>> read_number("1e400")
+    Traceback (most recent call last):
+    ValueError: 1e400: must be a number that double precision holds
+    """
+    value = float(text)
+    digits = text.strip().lower().lstrip("+-")
+    too_large = math.isinf(value) and not digits.startswith("inf")
+    too_small = value == 0 and any(digit in "123456789" for digit in digits.partition("e")[0])
+    if too_large or too_small:
+        raise ValueError(f"{text.strip()}: must be a number that double precision holds")
+    if "_" in text:
+        raise ValueError(f"{text.strip()}: must be a number")
+    return value
+
+
 def integer(value: Any, name: str, low: int, high: int) -> int:
     """An int with low <= value <= high."""
     if type(value) is int and low <= value <= high:
@@ -81,6 +104,22 @@ def integer(value: Any, name: str, low: int, high: int) -> int:
     if not low <= item <= high:
         raise ParameterError(f"{name} = {value!r}: must be {wanted}")
     return item
+
+
+def place(index: Any, n: int, what: str) -> int | range:
+    """The place of an item among n ones, or the places of a slice; IndexError beyond them, as of a list."""
+    wanted = "a whole number or a slice of whole numbers"
+    try:
+        if isinstance(index, slice):
+            return range(n)[index]
+        if isinstance(index, (bool, np.bool_)):
+            raise TypeError
+        i = operator.index(index)
+    except (TypeError, ValueError):
+        raise ParameterTypeError(f"index = {index!r}: must be {wanted}") from None
+    if not -n <= i < n:
+        raise IndexError(f"{what} {i} of {n}")
+    return i % n
 
 
 def choice(value: Any, name: str, choices: Sequence[str]) -> str:

@@ -14,6 +14,7 @@ from importlib.util import find_spec
 from io import StringIO
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from . import checks
 from .commands import NAMES, PICTURES, STUDIES, Record, add_common, name_file, need_extras
 from .errors import VibroimpactError
 
@@ -81,6 +82,8 @@ class Parser(argparse.ArgumentParser):
 def whole(text: str) -> int:
     """The value of an option that is a whole number."""
     try:
+        if "_" in text:
+            raise ValueError
         return int(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text.strip()}: must be a whole number") from None
@@ -89,9 +92,10 @@ def whole(text: str) -> int:
 def number(text: str) -> float:
     """The value of an option that is a number."""
     try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text.strip()}: must be a number") from None
+        return checks.read_number(text)
+    except ValueError as error:
+        message = str(error) if "must be" in str(error) else f"{text.strip()}: must be a number"
+        raise argparse.ArgumentTypeError(message) from None
 
 
 def parsers() -> tuple[Parser, dict[str, Parser]]:

@@ -236,3 +236,17 @@ def test_names_of_several_points(tool):
     assert done.faults[0].startswith(
         "vibroimpact find: --xi 5.0: must be a number with 0 <= xi < 1"
     )
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["--r", "1e400"], "--r 1e400: must be a number that double precision holds"),
+    (["--r", "-1e999"], "--r -1e999: must be a number that double precision holds"),
+    (["--r", "0.9", "--clearance", "1e-400"], "--clearance 1e-400: must be a number that double precision holds"),
+    (["--r", "1_0"], "--r 1_0: must be a number"),
+    (["--r", "0.9", "--guesses", "1_0"], "--guesses 1_0: must be a whole number")])  # fmt: skip
+def test_numbers_are_repeated_as_typed(words, said, tool):
+    """Not as the infinity or zero that they would be read as; grouped digits are no number, as in namelists."""
+    system = ["--xi", "0.01", "--mu", "0.05", "--restitution", "0.75", "--clearance", "20"]
+    done = tool("find", *system, *words)
+    assert done.status == 2
+    assert done.faults[-1] == f"vibroimpact find: {said}"

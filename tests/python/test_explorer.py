@@ -48,6 +48,10 @@ def test_a_link_holds_the_whole_state(state):
 @pytest.mark.parametrize(("query", "word"), [
     ("xi=lots", "xi = 'lots'"), ("mu=-1", "mu = -1.0"), ("R1=1.5", "R1 = 1.5"), ("r=nan", "r = nan"),
     ("clearance=0", "clearance = 0.0"), ("r_min=1.3", "r = (1.3, 1.2)"), ("patterns=RX", "sides = 'RX'"),
+    ("r=1e400", "r = '1e400'"), ("mu=1e-400", "mu = '1e-400'"), ("r=1_0", "r = '1_0'"),
+    ("patterns=RL/" + "1" * 5000, "patterns = 'RL/111"), ("patterns=" + "RL" * 5000, "at most 8 symbols"),
+    ("motion=RL/" + "1" * 5000 + "/phases/0,1", "motion = 'RL/111"), ("motion=RL/17/phases/0,1", "16 load cycles"),
+    ("motion=RL/10000/state/0,0,0,0,0", "16 load cycles"), ("motion=" + "RL" * 13 + "/1/phases/0", "24 symbols"),
     ("patterns=RL/x", "patterns = 'RL/x'"), ("patterns=", "patterns"), ("line=1,2,3", "line = '1,2,3'"),
     ("line=1,2,1,2", "line = (1.0, 2.0, 1.0, 2.0)"), ("run=1,2", "run = '1,2'"), ("show=all", "show = 'all'"),
     ("run=0,0,0,0,inf,1,0", "z_dot = 'inf'"), ("run=0,0,0,0,0,0,0", "cycles = 0.0"),
@@ -60,6 +64,7 @@ def test_a_bad_part_of_a_link_is_named_and_the_rest_kept(query, word):
     )
     assert len(faults) == 1
     assert word in faults[0]
+    assert len(faults[0]) < 300
     assert state.R2 == 0.5
     assert replace(state, R2=0.75, mu=0.028) == State()
 

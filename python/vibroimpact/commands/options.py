@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from .. import checks
 from ..errors import ParameterError
 from ..tables import language
 
@@ -49,8 +50,10 @@ class Option(NamedTuple):
         if key["kind"] == "word":
             return word
         try:
-            value = float(word)
-        except ValueError:
+            value = checks.read_number(word) if isinstance(word, str) else float(word)
+        except ValueError as error:
+            if "precision" in str(error):
+                raise ParameterError(f"--{self.name} {shown(words)}: {error}") from None
             wanted = " ".join(self.metavars * key["most"])
             raise ParameterError(
                 f"--{self.name} {shown(words)}: must be {wanted}; {word} is not a number"

@@ -90,7 +90,7 @@ class Definition:
         try:
             sides, cycles, kind, words = text.split("/")
             pattern = Pattern(sides, int(cycles))
-            numbers = tuple(float(word) for word in words.split(","))
+            numbers = tuple(checks.read_number(word) for word in words.split(","))
         except ValueError:
             raise ParameterError(f"motion = {shown(text)}: must be {wanted}") from None
         if len(pattern) > MOST_SYMBOLS or pattern.cycles > MOST_CYCLES:

@@ -262,18 +262,16 @@ def _number(text: str, name: str) -> float:
     kind = {"R1": "restitution", "R2": "restitution"}.get(name, name.removesuffix("_min"))
     kind = kind.removesuffix("_max")
     try:
-        value = float(text)
+        value = checks.read_number(text)
     except ValueError:
         wanted = checks.allowed(kind, name)
         raise ParameterError(f"{name} = {shown(text)}: must be {wanted}") from None
-    if math.isinf(value):  # 1e400 is a number, which no float holds
-        raise ParameterError(f"{name} = {shown(text)}: must be {checks.allowed(kind, name)}")
     return checks.number(value, kind, name)
 
 
 def _finite(text: str, name: str) -> float:
     try:
-        value = float(text)
+        value = checks.read_number(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
