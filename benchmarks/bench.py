@@ -61,8 +61,8 @@ def main():
         page = [
             "# Benchmarks", "",
             "Written by `./run bench`. CPU time on one core unless a line says otherwise, medians of interleaved "
-            "runs; the ratio says how many times better this package is. Compare the columns of one run, not two "
-            "machines: targets stand for a core of 3.4 GHz on which numba makes 1.30 and 1.27 million impacts/s.",
+            "runs; the ratio is the factor by which this package is better. Compare columns of one run, not two "
+            "machines: targets are for a core of 3.4 GHz on which numba makes 1.30 and 1.27 million impacts/s.",
             "",
             *machine(), "", markdown(rows), "",
         ]  # fmt: skip

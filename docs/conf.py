@@ -70,20 +70,28 @@ html_theme_options = {
 
 
 def show_math(translator, node):
-    """Write a formula as a drawing in the page: no script and no font is loaded for it."""
+    """Write a formula as a drawing in the page: no script and no font is loaded for it.
+
+    The parts of a block with \\qquad between them are drawings of their own, which wrap on a narrow screen.
+    """
     block = node.tagname == "math_block"
-    tex = node.astext()
+    parts = node.astext().split(r"\qquad") if block else [node.astext()]
+    drawings = "".join(drawn(part.strip(), block) for part in parts)
+    translator.body.append(f'<div class="math">{drawings}</div>' if block else drawings)
+    raise SkipNode
+
+
+def drawn(tex, block):
+    """The drawing of a formula, as SVG."""
     # without an empty group before it the subscript of a P is drawn into the letter
-    drawn = re.sub(r"P_(?:{([^}]*)}|(\w))", r"P_{{}\1\2}", tex)
-    drawing = ziamath.Latex(drawn, size=16, color="currentColor", inline=not block)
+    plain = re.sub(r"P_(?:{([^}]*)}|(\w))", r"P_{{}\1\2}", tex)
+    drawing = ziamath.Latex(plain, size=16, color="currentColor", inline=not block)
     _, _, width, height = (float(x) for x in drawing.svgxml().attrib["viewBox"].split())
     # in em: a formula grows with the text around it
     style = f"width: {width / 15:.3f}em; height: {height / 15:.3f}em; vertical-align: {depth(drawing):.3f}em"
-    svg = drawing.svg().replace(
+    return drawing.svg().replace(
         "<svg ", f'<svg role="img" aria-label="{escape(tex, quote=True)}" style="{style}" ', 1
     )
-    translator.body.append(f'<div class="math">{svg}</div>' if block else svg)
-    raise SkipNode
 
 
 def depth(drawing):

@@ -25,7 +25,7 @@ class Bundle:
     t, x, x_dot, z, z_dot : ndarray (M,)
         Final states.
     impacts, rests : ndarray (M,) of int
-        Numbers of impacts and of rests on the way.
+        Numbers of impacts and of rests during the simulation.
     status : ndarray (M,) of int
         0 done; other codes are explained by `status_text`.
     """
@@ -74,7 +74,7 @@ def simulate_bundle(
     states : array_like (5,) or (5, M), optional
         t, x, x_dot, z, z_dot at the start; default: all 0.
     max_events : int
-        Events after which a simulation ends early; its `status` then says so.
+        Events after which a simulation ends early, with a `status` other than 0.
     threads : int, optional
         Default: one for each processor.
 

@@ -78,7 +78,7 @@ class Case(NamedTuple):
         return door.run_text(RESULTS[self.study], self.text, progress=progress)
 
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
-        """What the case asks for: its motions, branches, or one trajectory, zone, atlas, chart or other result.
+        """The results of the case: its motions, branches, or one trajectory, zone, atlas, chart or other result.
 
         `progress` is as of `atlas`.
         """
@@ -87,7 +87,7 @@ class Case(NamedTuple):
         return found.parts()
 
     def to_namelist(self) -> str:
-        """The case as a namelist, with what was missing filled in."""
+        """The case as a namelist, with defaults filled in."""
         return self.text
 
     def motions(self) -> list[Motion]:
@@ -105,7 +105,7 @@ def groups_of(text: str) -> list[str]:
 
 
 def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
-    """The cases of a namelist file, read by the compiled reader, which also fills in what is missing.
+    """The cases of a namelist file, read by the compiled reader, which also fills in defaults.
 
     Parameters
     ----------

@@ -165,7 +165,7 @@ def frequency_ratio(value: Any, xi: float) -> float:
 def phases(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
     """Impact phases: n numbers, 0 first, increasing, below 2 pi k."""
     period = 2 * math.pi * cycles
-    wanted = f"{n} increasing numbers from 0 to below 2 pi k = {period:.6g}, one an impact"
+    wanted = f"{n} increasing numbers from 0 to below 2 pi k = {period:.6g}, one for each impact"
     array = real_array(values, "phases", wanted)
     if array.ndim != 1 or array.size != n:
         raise ParameterError(f"phases = {values!r}: must be {wanted}; the shape is {array.shape}")
@@ -201,7 +201,7 @@ def phase_table(values: Any, n: int, cycles: int, first: int = 0) -> NDArray[np.
 
 def restitution_list(values: Any, n: int) -> NDArray[np.float64]:
     """One coefficient of restitution for each of n impacts."""
-    wanted = f"{n} numbers with 0 <= R <= 1, one an impact"
+    wanted = f"{n} numbers with 0 <= R <= 1, one for each impact"
     array = real_array(values, "restitution", wanted)
     if array.ndim != 1 or array.size != n:
         raise ParameterError(

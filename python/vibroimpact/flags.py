@@ -1,4 +1,4 @@
-"""Stability of very many motions with given phases: only the verdicts."""
+"""Verdicts on the stability of many motions with given phases."""
 
 from __future__ import annotations
 
@@ -59,12 +59,12 @@ def stability_flags(
     spectral_radius: bool = False,
     threads: int | None = None,
 ) -> StabilityFlags:
-    """Whether motions with given phases are stable, for very many points.
+    """Whether motions with given phases are stable, for many points.
 
     The verdicts are those of `periodic_batch`, at a fraction of its time: many points are computed
     side by side, and Jury's conditions on the characteristic polynomial of [P] replace its eigenvalues. A point
     is computed with LAPACK, as in `periodic_batch`, where rounding could change a verdict: usually where the
-    spectral radius is within 1e-8 of 1. Beside its arguments and its
+    spectral radius is within 1e-8 of 1. Apart from its arguments and its
     result the call needs little memory. The results have the same bits for any number of threads.
 
     Parameters
@@ -74,7 +74,7 @@ def stability_flags(
         One set of impact phases a column.
     spectral_radius : bool
         Whether to compute the largest modulus of a multiplier too. It agrees with LAPACK's to a
-        relative 1e-11, or within what the last bits of r and the phases do to it.
+        relative 1e-11, or within the effect of the last bits of r and the phases.
     threads : int, optional
         By default as many as there are processors.
     osc, pattern, restitution, acceptance

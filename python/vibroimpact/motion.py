@@ -75,7 +75,7 @@ class Motion(Savable, study="motion"):
         Whether the masses approach at each impact and the free mass stays between the walls.
     stable : bool or None
         Whether all multipliers lie inside the unit circle. None where there are no multipliers, or where
-        the leading one is on the circle as far as rounding can tell (no damping, for example).
+        the leading one is on the circle within rounding (no damping, for example).
     x_min, x_max : float
         Extreme positions of the primary mass over the period.
     precision : str
@@ -83,7 +83,7 @@ class Motion(Savable, study="motion"):
     load : float
         Load amplitude f; 1 unless `exact` was given another one.
     kind : str
-        How it was found: "periodic" or "equispaced" (the linear equations), or "exact".
+        The method: "periodic" or "equispaced" (the linear equations), or "exact".
     guess : ndarray (N,) or None
         Of an exact motion: the phases from which it was found, if it began with the linear equations.
     rest_events : structured ndarray or None
@@ -143,7 +143,7 @@ class Motion(Savable, study="motion"):
 
     @property
     def attenuation(self) -> float:
-        """max|x|/A: below 1 the impacts reduce the motion of the primary mass."""
+        """max|x|/A; if it is below 1 the impacts reduce the motion of the primary mass."""
         return max(-self.x_min, self.x_max) / self.A
 
     @property
@@ -224,9 +224,9 @@ class Motion(Savable, study="motion"):
         path : str or path, optional
             The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg, or the extra `film`).
         cycles : float, optional
-            Load cycles shown from the first impact on; by default one period, so that the film goes round.
+            Load cycles shown from the first impact on; by default one period, so that the animation can loop.
         seconds : float
-            How long a load cycle lasts on the screen.
+            Duration of a load cycle on the screen.
 
         Returns
         -------

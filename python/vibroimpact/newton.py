@@ -41,26 +41,27 @@ def exact(
     osc, r, clearance, load
         As in `simulate`.
     guess : Motion, Trajectory or (phases, pattern)
-        A motion at other parameters; a trajectory whose last cycles are about periodic; or impact phases, for
+        A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact phases, for
         which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load cycles with
-        which a trajectory ends (see `Trajectory.period`) the one is taken that repeats best: after a period
-        doubling the shorter one nearly repeats, too.
+        which a trajectory ends (see `Trajectory.period`) the one that repeats most accurately is used, because
+        just past a period doubling the shorter period repeats approximately, too.
 
     Returns
     -------
     Motion
-        `admissible` is False if the equations are solved by a motion that would pass through a wall.
+        `admissible` is False if the solution of the equations would pass through a wall.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed, or the trajectory has no impacts at its end or is not about periodic.
+        If an argument is not allowed, or the trajectory has no impacts at its end or is not approximately
+        periodic.
     SingularError
         If the iteration does not converge.
 
     Examples
     --------
-    The motion that belongs beside the third column of Table 1, at d K/F0 = 37 exactly:
+    The motion that corresponds to the third column of Table 1, at d K/F0 = 37 exactly:
 
     >>> import math, vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
@@ -162,7 +163,7 @@ def impact_motion(
     scalars: NDArray[np.float64], multipliers: NDArray[np.complex128], verdicts: NDArray[np.int32],
     given: NDArray[np.float64] | None = None, rest_events: NDArray[Any] | None = None,
 ) -> Motion:  # fmt: skip
-    """A motion from what the core tells of it; `given` as in `newton`."""
+    """A motion from the arrays of the core; `given` as in `newton`."""
     impacts.flags.writeable = False
     multipliers.flags.writeable = False
     _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
@@ -198,7 +199,7 @@ def found_motion(
     osc: Oscillator, r: float, clearance: float, load: float, cycles: int, sides: NDArray[np.int32],
     unknowns: NDArray[np.float64], releases: NDArray[np.float64], form: int,
 ) -> Any:  # fmt: skip
-    """What the core says of a motion, given by its impacts or releases, in one of its forms."""
+    """The core's description of a motion, given by its impacts or releases, in one of its forms."""
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
     return roomy(_core.find_motion, *system, cycles, sides, unknowns, releases, form)
 

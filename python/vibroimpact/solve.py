@@ -1,4 +1,4 @@
-"""The solvers of the 1983 theory: impact phases given, and the equispaced pair."""
+"""The solvers of the 1983 theory: given impact phases, and the equispaced pair."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def periodic(
 ) -> Motion:
     """The periodic motion whose impact phases are given (equations (26), (30) of the 1983 paper).
 
-    N = 2 impacts are a square linear system (LAPACK DGESV). N > 2 are overdetermined (DGELS): the motion
-    is consistent only as far as its `residual` is small.
+    For N = 2 impacts the equations are a square linear system (LAPACK DGESV). For N > 2 they are overdetermined
+    (DGELS), and the motion is consistent only if its `residual` is small.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def periodic(
     pattern : Pattern or str
         Sides of the N impacts and the number k of load cycles.
     restitution : array_like (N,), optional
-        Coefficient of restitution of each impact; by default the wall decides.
+        Coefficient of restitution of each impact; by default that of the wall.
     precision : {"double", "single"}
         "single" computes the whole chain in 32-bit arithmetic.
     acceptance : float
@@ -51,14 +51,14 @@ def periodic(
     Returns
     -------
     Motion
-        Its clearance d K/F0 is part of the answer.
+        Its clearance d K/F0 is part of the result.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If these phases have no unique motion, or need no load.
+        If there is no unique motion with these phases, or one without load.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def periodic_batch(
     Returns
     -------
     Motions
-        A point that fails has its status code and NaN; the others go on.
+        A point that fails has a status code and NaN; the other points are computed.
 
     Raises
     ------
@@ -223,7 +223,7 @@ def equispaced_batch(
     Returns
     -------
     tuple of two Motions
-        The two solutions at each point; `status` says where they do not exist.
+        The two solutions at each point; `status` is not 0 where they do not exist.
 
     Raises
     ------

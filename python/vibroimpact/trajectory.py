@@ -290,10 +290,10 @@ def simulate(
 ) -> Trajectory:
     """Simulate from an initial state; no impact is missed, and accumulating impacts are completed.
 
-    Between impacts everything is closed form. The next contact is found by steps that a bound on the
-    derivatives proves free of contact. Impacts that accumulate are summed to their limit (the time of
-    the limit is wrong by 1e-16 at most); the free mass then rests on the wall until the contact force
-    ends.
+    Between impacts the motion has a closed form. The next contact is approached in steps that a bound on the
+    derivatives proves to be free of contact. Accumulating impacts are summed to their limit (the error of
+    the time of the limit is at most 1e-16); the free mass then rests on the wall until the contact force
+    vanishes.
 
     Parameters
     ----------
@@ -306,7 +306,7 @@ def simulate(
         Load cycles to simulate, 0 to 1e9.
     state : mapping, optional
         ``t, x, x_dot, z, z_dot`` with the load phase r t at time t; default: all 0. Or the
-        `final_state` of a trajectory, which goes on bit for bit. From all 0 the free mass stays at rest in the
+        `final_state` of a trajectory, which continues it bit for bit. From all 0 the free mass stays at rest in the
         middle until |X| reaches D/2. |X| settles to the amplitude A without impacts, so that with D > 2 A no
         wall reaches it, unless the transient does: start it with a velocity there.
     load : float

@@ -34,7 +34,7 @@ module vi_case
       takes='one number for both walls or two (right, left), each with 0 <= R <= 1', &
       meaning='coefficient of restitution of both walls, or of the right and the left one'), &
       key_type('r', low=1.0e-6_wp, high=1.0e6_wp, may_miss=.true., &
-      meaning='frequency ratio Omega/omega, unless the study has frequency ratios of its own')]
+      meaning='frequency ratio Omega/omega, unless the study has its own frequency ratios')]
 
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &

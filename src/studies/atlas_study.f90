@@ -21,13 +21,13 @@ module vi_atlas_study
 
    type(key_type), parameter :: atlas_keys(*) = [ &
       key_type('max_impacts', a_whole, default='5', low=2.0_wp, high=8.0_wp, &
-      meaning='most impacts of a pattern; an accumulation counts as one'), &
+      meaning='largest number of impacts; an accumulation counts as one'), &
       key_type('max_cycles', a_whole, default='1', low=1.0_wp, high=4.0_wp, &
-      meaning='most load cycles of a pattern'), &
+      meaning='largest number of load cycles of a pattern'), &
       key_type('survey', a_whole, default='400', low=0.0_wp, high=1.0e6_wp, &
-      meaning='points of the window at which simulations are left to settle'), &
+      meaning='points of the window at which simulations are run until they settle'), &
       key_type('settling', a_whole, default='400', low=1.0_wp, high=1.0e6_wp, &
-      meaning='load cycles simulated at each before its motion is looked at'), &
+      meaning='load cycles simulated at each point before its motion is examined'), &
       window_keys, lines_key, &
       key_type('guesses', a_whole, default='24', low=0.0_wp, high=1.0e5_wp, &
       meaning='guesses for motions at every second node each way, for each pattern'), &

@@ -38,11 +38,13 @@ module vi_basins_study
       why=random, takes='two of ''x'', ''x_dot'', ''y'' (z - x), ''z_dot'' and ''t'', or states = &
       &N instead of a plane', option='plane', meaning='axes of the plane of initial states'), &
       key_type('low', least=2, most=2, never=beside, why=random, &
-      takes='two finite numbers, one an axis', option='plane', meaning='first value on each'), &
+      takes='two finite numbers, one for each axis', option='plane', &
+      meaning='first value on each'), &
       key_type('high', least=2, most=2, over='low', never=beside, why=random, &
-      takes='two finite numbers, one an axis', option='plane', meaning='last value on each'), &
+      takes='two finite numbers, one for each axis', option='plane', &
+      meaning='last value on each'), &
       key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never=beside, &
-      why=random, takes='two whole numbers, one an axis, each with 2 <= values <= 100000', &
+      why=random, takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
       option='plane', meaning='number of values on each'), &
       key_type('t', default='0', never=beside, why=random, unit='1/omega', &
       meaning='time, unless it is an axis'), &
@@ -55,11 +57,11 @@ module vi_basins_study
       key_type('z_dot', default='0', never=beside, why=random, unit='omega F0/K', &
       meaning='velocity of the free mass, unless it is an axis'), &
       key_type('cycles', a_whole, default='1000', low=1.0_wp, high=1.0e7_wp, &
-      meaning='load cycles in which a state should be decided'), &
+      meaning='load cycles after which an undecided state is examined again'), &
       key_type('probes', a_whole, default='200', low=1.0_wp, high=1.0e6_wp, &
-      meaning='states simulated first, to find attractors'), &
+      meaning='states simulated first to find attractors'), &
       key_type('max_cycles', a_whole, default='16', low=1.0_wp, high=100.0_wp, &
-      meaning='longest period that is looked for, in load cycles'), &
+      meaning='longest period considered, in load cycles'), &
       load_key]
 
    type(column_type), parameter :: basins_columns(*) = [ &

@@ -20,7 +20,7 @@ module vi_bifurcation_study
    type(key_type), parameter :: bifurcation_keys(*) = [ &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
-      meaning='clearance d K/F0 (d is the whole travel of m), one or one for each value'), &
+      meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each value'), &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
       may_miss=.true., never='parameter=r', why='=: it is the parameter', option='r-list', &
       meaning='frequency ratio at each value, if it changes with it'), &
@@ -43,9 +43,9 @@ module vi_bifurcation_study
       key_type('states', a_whole, default='12', low=1.0_wp, high=1.0e6_wp, only=states, &
       meaning='initial states at each value, spread evenly'), &
       key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e7_wp, &
-      meaning='load cycles simulated at each value before anything is looked at'), &
+      meaning='load cycles simulated at each value before the motion is examined'), &
       key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
-      meaning='load cycles then looked at: periods of up to half of them are seen'), &
+      meaning='load cycles then examined; periods of up to half of them are detected'), &
       key_type('points', a_whole, default='100', low=1.0_wp, high=4096.0_wp, &
       meaning='impacts kept of each run and value'), &
       key_type('t', may_miss=.true., never=states, why=own, unit='1/omega', &

@@ -33,7 +33,7 @@ module vi_branch_study
       key_type('longest_step', default='0.05', low=1.0e-6_wp, high=1.0_wp, &
       meaning='longest step along the branch, the bounds being 0 and 1'), &
       key_type('max_points', a_whole, default='4000', low=10.0_wp, high=1.0e5_wp, &
-      meaning='points each way after which the branch is cut short')]
+      meaning='points in each direction after which the branch is cut short')]
 
    type(column_type), parameter :: branch_columns(*) = [ &
       column_type('branches', 'branch', wholes, meaning='number of the branch'), &

@@ -22,8 +22,8 @@ module vi_chart_study
 
    type(key_type), parameter :: chart_keys(*) = [ &
       key_type('sides', a_word, &
-      takes='letters R and L, one an impact, 2 to 12 of them, each wall at least once', &
-      meaning='walls of the impacts in order, as RRL'), &
+      takes='letters R and L, one for each impact, 2 to 12 of them, each wall at least once', &
+      meaning='walls of the impacts in order, for example RRL'), &
       cycles_key, &
       key_type('r', most=most_points, low=window_keys(1)%low, high=window_keys(1)%high, &
       may_miss=.true., option='r-list', takes='increasing numbers with 1e-6 <= r <= 1e6', &

@@ -20,16 +20,16 @@ module vi_find_study
 
    type(key_type), parameter :: find_keys(*) = [clearance_key, &
       key_type('max_impacts', a_whole, default='6', low=2.0_wp, high=12.0_wp, &
-      meaning='most impacts of a pattern that is searched'), &
+      meaning='largest number of impacts of a pattern that is searched'), &
       key_type('max_cycles', a_whole, default='2', low=1.0_wp, high=8.0_wp, &
-      meaning='most load cycles of a pattern that is searched'), &
+      meaning='largest number of load cycles of a pattern that is searched'), &
       load_key, &
       key_type('guesses', a_whole, default='96', low=0.0_wp, high=1.0e6_wp, &
       meaning='guesses for each pattern'), &
       key_type('states', a_whole, default='24', low=0.0_wp, high=1.0e6_wp, &
       meaning='initial states that are simulated'), &
       key_type('settling', a_whole, default='600', low=0.0_wp, high=1.0e7_wp, &
-      meaning='load cycles simulated before an attractor is looked for'), &
+      meaning='load cycles simulated before the attractor is examined'), &
       key_type('releases', a_whole, default='32', low=0.0_wp, high=1.0e6_wp, &
       meaning='releases from rest, for each wall and number of load cycles, from which &
       &Newton''s method starts')]

@@ -20,11 +20,11 @@ module vi_lyapunov_study
    type(key_type), parameter :: lyapunov_keys(*) = [ &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
-      meaning='clearance d K/F0 (d is the whole travel of m), one or one for each point'), &
+      meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each point'), &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
       may_miss=.true., never=with, option='r-list', &
-      meaning='frequency ratios of points that are no line with &
-      &equal spaces, one or one for each point'), &
+      meaning='frequency ratios of points that are not evenly &
+      &spaced on a line, one number or one for each point'), &
       key_type('shape', a_whole, most=3, low=1.0_wp, high=1.0e6_wp, may_miss=.true., only='r', &
       meaning='the points as an array of two or three dimensions, of which the last varies &
       &first'), &
@@ -44,7 +44,7 @@ module vi_lyapunov_study
       takes='a whole number, 2 batches <= cycles <= 1e9', &
       meaning='load cycles averaged over'), &
       key_type('discard', a_whole, default='1000', low=0.0_wp, high=1.0e9_wp, &
-      meaning='load cycles simulated before'), &
+      meaning='load cycles simulated before the average begins'), &
       key_type('batches', a_whole, default='20', low=2.0_wp, high=1000.0_wp, &
       meaning='parts of the cycles whose scatter gives the standard errors'), &
       state_keys, load_key]

@@ -28,31 +28,31 @@ module vi_motion_study
    type(key_type), parameter :: motion_keys(*) = [ &
       key_type('kind', a_word, default='''periodic''', words='periodic equispaced exact', &
       takes='''periodic'' (phases given), ''equispaced'' (clearance given) or ''exact'' &
-      &(clearance given, phases guessed)', meaning='what is known of the motion'), &
+      &(clearance given, phases guessed)', meaning='how the motion is given'), &
       cycles_key, &
       key_type('clearance', low=1.0e-12_wp, high=1.0e12_wp, never='kind=periodic', &
       why=', which finds the clearance', unit='F0/K', &
       meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       key_type('sides', a_word, never=equispaced, why=known, &
-      takes='letters R and L, one an impact, 2 to 1000 of them, each wall at least once', &
-      meaning='walls of the impacts in order, as RRL'), &
+      takes='letters R and L, one for each impact, 2 to 1000 of them, each wall at least once', &
+      meaning='walls of the impacts in order, for example RRL'), &
       key_type('phases', most=most_impacts, or='phases_over_pi', never=equispaced, why=known, &
-      takes='one number an impact, increasing from 0 to below 2 pi cycles', unit='rad', &
+      takes='one number for each impact, increasing from 0 to below 2 pi cycles', unit='rad', &
       meaning='load phases of the impacts, from the first one'), &
       key_type('phases_over_pi', most=most_impacts, or='phases', never=equispaced, why=known, &
-      takes='one number an impact, increasing from 0 to below 2 cycles', is='phases', &
+      takes='one number for each impact, increasing from 0 to below 2 cycles', is='phases', &
       factor=pi, unit='pi rad', &
       meaning='load phases of the impacts in units of pi, from the first one'), &
       key_type('positions', most=most_impacts, only='kind=exact', may_miss=.true., &
-      unit='F0/K', takes='one number an impact, each with |x| <= 1e12', &
+      unit='F0/K', takes='one number for each impact, each with |x| <= 1e12', &
       meaning='guessed displacements of the primary mass at the impacts; else equations (26), &
       &(30) give them'), &
       key_type('tau', low=-1.0e6_wp, high=1.0e6_wp, only='positions', may_miss=.true., &
       unit='rad', meaning='guessed phase of equation (4)'), &
       key_type('impact_restitution', most=most_impacts, low=0.0_wp, high=1.0_wp, &
       never=equispaced, why=known, may_miss=.true., &
-      takes='one number an impact, each with 0 <= R <= 1', &
-      meaning='a coefficient of restitution for each impact; else the wall decides'), &
+      takes='one number for each impact, each with 0 <= R <= 1', &
+      meaning='a coefficient of restitution for each impact; by default that of the wall'), &
       key_type('precision', a_word, default='''double''', words='double single', &
       meaning='arithmetic; single only with given phases or equispaced'), &
       key_type('acceptance', default='0.03', low=0.0_wp, high=1.0_wp, never='kind=exact', &

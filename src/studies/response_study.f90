@@ -25,15 +25,15 @@ module vi_response_study
       meaning='number of frequency ratios'), &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       or='inverse_clearance', unit='F0/K', &
-      meaning='clearance d K/F0 (d is the whole travel of m), one or one for each r'), &
+      meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each r'), &
       key_type('inverse_clearance', most=1000000, low=1.0e-12_wp, high=1.0e12_wp, &
-      or='clearance', unit='K/F0', meaning='F0/(d K), one or one for each r'), &
+      or='clearance', unit='K/F0', meaning='F0/(d K), one number or one for each r'), &
       key_type('states', a_whole, default='24', low=1.0_wp, high=1.0e6_wp, &
       meaning='initial states at each frequency ratio, spread evenly'), &
       key_type('settling', a_whole, default='600', low=0.0_wp, high=1.0e7_wp, &
-      meaning='load cycles simulated before anything is looked at'), &
+      meaning='load cycles simulated before the motion is examined'), &
       key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
-      meaning='load cycles then looked at'), &
+      meaning='load cycles then examined'), &
       key_type('load', default='1', low=0.0_wp, above=.true., high=1.0e12_wp, &
       meaning='load amplitude')]
 

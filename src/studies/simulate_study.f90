@@ -20,7 +20,7 @@ module vi_simulate_study
       meaning='load cycles to simulate; fractions are allowed'), &
       key_type('discard', default='0', low=0.0_wp, high=1.0e9_wp, &
       takes='a number of load cycles with 0 <= discard <= 1e9', &
-      meaning='load cycles simulated before those'), &
+      meaning='load cycles simulated before the ones that are kept'), &
       load_key, state_keys, &
       key_type('max_events', a_whole, default='10000000', low=1.0_wp, high=1.0e9_wp, &
       meaning='events after which the simulation is cut short')]

@@ -18,15 +18,17 @@ module vi_zone_study
    public :: declare_zone
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
-      low=5.0_wp, high=129.0_wp, meaning='lattice lines each way; what touches none can be missed')
+      low=5.0_wp, high=129.0_wp, &
+      meaning='lattice lines each way; a zone that touches none can be missed')
    type(key_type), parameter, public :: vertices_key = key_type('max_points', a_whole, &
       default='20000', low=100.0_wp, high=200000.0_wp, &
       meaning='vertices of a loop after which it is left open')
 
    type(key_type), parameter :: zone_keys(*) = [ &
-      key_type('sides', a_word, takes='letters R and L, one an impact, 2 to 24 of them, each wall &
+      key_type('sides', a_word, &
+      takes='letters R and L, one for each impact, 2 to 24 of them, each wall &
       &at least once; a star after a symbol for impacts that accumulate and end in rest', &
-      meaning='walls of the impacts in order, as RRL, or RL* with rest on L'), &
+      meaning='walls of the impacts in order, for example RRL, or RL* with rest on L'), &
       cycles_key, symmetric_key, window_keys, lines_key, &
       key_type('guesses', a_whole, default='12', low=0.0_wp, high=1.0e5_wp, &
       meaning='guesses for motions at every second node each way, a quarter of them at others'), &

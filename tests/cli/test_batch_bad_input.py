@@ -17,7 +17,7 @@ from programs import (
 
 LONG = "RL" * 501
 WALLS = "one number for both walls or two"
-IMPACTS = "letters R and L, one an impact, 2 to 1000"
+IMPACTS = "letters R and L, one for each impact, 2 to 1000"
 PHASES = "increasing from 0 to below 2 pi cycles"
 OVER_PI = "increasing from 0 to below 2 cycles"
 NAME = "at most 100 letters, digits"
@@ -65,7 +65,7 @@ KEYS = [
     ("acceptance = -0.1", "0 <= acceptance <= 1"),
     ("acceptance = 1.1", "0 <= acceptance <= 1"),
     ("acceptance = nan", "0 <= acceptance <= 1"),
-    ("impact_restitution = 0.7", "one number an impact, each with 0 <= R <= 1"),
+    ("impact_restitution = 0.7", "one number for each impact, each with 0 <= R <= 1"),
     ("impact_restitution = 0.7, 0.6, 0.5", "2 impacts"),
     ("impact_restitution = 0.7, 1.1", "0 <= R <= 1"),
     ("impact_restitution = 0.7, nan", "0 <= R <= 1"),

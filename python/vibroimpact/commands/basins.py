@@ -1,4 +1,4 @@
-"""`vibroimpact basins`: to which attractor initial states go."""
+"""`vibroimpact basins`: the attractors that initial states reach."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 from ..errors import ParameterError
 from .study import command
 
-DESCRIPTION = """Find to which attractor each initial state of a plane, or each of many random ones, goes,
-for the &basins cases of namelist files or for the one that the options name. The states
-with their attractors are written to DIR/NAME.csv, one a row, or in another form, and the
-shares of the attractors are printed; with --plot a picture of the plane stands beside them.
+DESCRIPTION = """Find the attractor that each initial state of a plane, or each of many random states, reaches,
+for the &basins cases of namelist files or for the case given by the options. The states and
+their attractors are written to DIR/NAME.csv, one row for each state, or in another format,
+and the shares of the attractors are printed; --plot also writes a picture of the plane.
 NAME is "basins" for the case of the options."""
 EXAMPLE = (
     "vibroimpact basins --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 "

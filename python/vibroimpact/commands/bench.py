@@ -1,4 +1,4 @@
-"""`vibroimpact bench`: how fast the installed package is on this machine, in a few seconds."""
+"""`vibroimpact bench`: the speed of the installed package on this machine, in a few seconds."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from ..studies.zone import zone
 from ..trajectory import simulate
 from .doctor import built, threads
 
-HELP = "measure how fast the installed package is on this machine"
-DESCRIPTION = """Measure, within about five seconds, how fast the installed package is: simulated impacts,
+HELP = "measure the speed of the installed package on this machine"
+DESCRIPTION = """Measure the speed of the installed package, within about five seconds: simulated impacts,
 verdicts on motions with given phases, a chart and the boundary of a zone. Each number is
-time of the processor on one thread, the best of repeated runs; charts and verdicts divide
-their work among all threads. Other programs are not measured beside it: the project's
-benchmarks are for that."""
+processor time on one thread, the best of repeated runs; charts and verdicts divide their
+work among all threads. For comparisons with other programs see the benchmarks of the
+project."""
 EXAMPLE = "vibroimpact bench"
 
 #: Seconds of the processor spent on each line.

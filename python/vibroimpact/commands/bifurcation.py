@@ -1,4 +1,4 @@
-"""`vibroimpact bifurcation`: what simulations settle on along a parameter."""
+"""`vibroimpact bifurcation`: the motions on which simulations settle along a parameter."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 from ..studies.bifurcation import COLUMNS
 from .study import command
 
-DESCRIPTION = """Simulate along a parameter, with the state carried on up and down or from many initial
-states, for the &bifurcation cases of namelist files or for the one that the options name.
-The impacts that are left are written to DIR/NAME.csv, one a row, or in another form, and
-the stretches of periodic motion N/k (N impacts in k load cycles) are printed; with --plot a
-picture stands beside them. NAME is "bifurcation" for the case of the options."""
+DESCRIPTION = """Simulate along a parameter, in sweeps up and down that continue from value to value or from
+many initial states, for the &bifurcation cases of namelist files or for the case given by
+the options. The impacts after the transient are written to DIR/NAME.csv, one row for each,
+or in another format, and the intervals of periodic motion N/k (N impacts in k load cycles)
+are printed; --plot also writes a picture. NAME is "bifurcation" for the case of the options."""
 EXAMPLE = (
     "vibroimpact bifurcation --xi .0114 --mu .028 --restitution .75 --r 1.04 --parameter clearance "
     "--values 50 75 26 -o results"

@@ -11,10 +11,10 @@ from .request import Request, request_of
 from .study import add_study
 
 DESCRIPTION = """Follow exact motions along a parameter, through folds, for the &branch cases of namelist
-files or for the one that the options name: its motion has the sides and, about, the phases
-that are given; without them the equispaced motions are followed. The points are written to
-DIR/NAME.csv, bifurcations among them; with --plot a picture stands beside them. NAME is
-"branch" for the case of the options."""
+files or for the case given by the options. The motion has the given sides and approximately
+the given phases; without them the equispaced motions are followed. The points, including
+bifurcations, are written to DIR/NAME.csv; --plot also writes a picture. NAME is "branch" for
+the case of the options."""
 EXAMPLE = (
     "vibroimpact branch --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --sides RL "
     "--phases-over-pi 0 1.37 --parameter clearance --bounds 10 60 -o results"

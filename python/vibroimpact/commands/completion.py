@@ -6,9 +6,9 @@ import argparse
 
 from ..errors import MissingExtraError
 
-HELP = "print a script for the shell, which then completes what is typed"
-DESCRIPTION = """Print a script by which a shell completes commands, options, their values and files. Needs the
-extra `completion`: pip install 'vibroimpact[completion]'.
+HELP = "print a script that enables completion in the shell"
+DESCRIPTION = """Print a script that lets a shell complete commands, options, their values and files. It needs
+the extra `completion`: pip install 'vibroimpact[completion]'.
 
   bash   mkdir -p ~/.local/share/bash-completion/completions
          vibroimpact completion bash > ~/.local/share/bash-completion/completions/vibroimpact

@@ -1,4 +1,4 @@
-"""`vibroimpact doctor`: what the installed package is made of, whether it computes, and what is missing."""
+"""`vibroimpact doctor`: what is installed, whether it computes correctly, and what is missing."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from ..errors import VibroimpactError
 from ..model import Oscillator, Pattern
 from ..newton import exact
 
-HELP = "tell what is installed, whether it computes, and what is missing"
-DESCRIPTION = """Tell which compiler, LAPACK and OpenMP threads are in use, whether a motion of the 1983
-paper comes out right, and which optional libraries are there; of each that is missing, what
-it is for and how to get it. What is optional and missing is no fault: the exit status is 0
-if the package computes."""
+HELP = "report what is installed, whether it computes correctly, and what is missing"
+DESCRIPTION = """Report the compiler, the LAPACK library and the number of OpenMP threads in use, whether a
+motion of the 1983 paper is computed correctly, and which optional libraries are installed;
+for each missing one, its purpose and how to install it. Missing optional libraries are not
+an error: the exit status is 0 if the package computes correctly."""
 EXAMPLE = "vibroimpact doctor"
 
 #: What each extra is for; those for developers are not looked at.

@@ -1,4 +1,4 @@
-"""`vibroimpact explore`: the live explorer in a browser on this machine."""
+"""`vibroimpact explore`: the interactive explorer in a browser on this machine."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import argparse
 
 from ..errors import ParameterError
 
-HELP = "explore zones and motions live, in a browser"
-DESCRIPTION = """Serve a page on this machine, and open it: the zones of stable motions over frequency ratio
-and clearance follow the sliders, the motions follow the pointer; simulations, bifurcation
-diagrams, links, namelists. It ends with Ctrl-C. Needs the extra `explorer`: pip install
-'vibroimpact[explorer]'."""
+HELP = "explore zones and motions interactively in a browser"
+DESCRIPTION = """Serve a page on this machine and open it. The page shows the zones of stable motions over
+frequency ratio and clearance, which follow the sliders, and the motions under the pointer,
+with simulations, bifurcation diagrams, links and namelists. Ctrl-C stops it. It needs the
+extra `explorer`: pip install 'vibroimpact[explorer]'."""
 EXAMPLE = "vibroimpact explore --port 5006 --no-browser"
 
 

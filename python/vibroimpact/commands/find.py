@@ -19,11 +19,11 @@ from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .options import options_of
 from .request import Request, beside_files, read_cases, request_of
 
-DESCRIPTION = """Search for all periodic motions, stable and unstable, as the &find cases of namelist files ask
-for, at the points of their other cases, or at the one that the options name; print them and how
-they were searched for. With -o, --format or --plot they are written to DIR/NAME.csv, one row an
-impact, or in another form, and a picture of their histories and multipliers stands beside them.
-NAME is "find" for the point of the options."""
+DESCRIPTION = """Search for all periodic motions, stable and unstable, for the &find cases of namelist files, at
+the points of their other cases, or at the point given by the options; print the motions and the
+extent of the search. With -o, --format or --plot they are written to DIR/NAME.csv, one row for
+each impact, or in another format; --plot also writes a picture of their histories and
+multipliers. NAME is "find" for the point of the options."""
 EXAMPLE = (
     "vibroimpact find --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --max-impacts 3 "
     "--plot -o results"

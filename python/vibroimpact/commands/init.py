@@ -18,8 +18,8 @@ from . import STUDIES
 from .options import takes
 
 HELP = "write a commented namelist to start from"
-DESCRIPTION = """Write NAME.nml, a namelist of one kind of case with every key explained, which runs as it
-is. A file that is there is kept."""
+DESCRIPTION = """Write NAME.nml, a namelist of one kind of case in which every key is explained and which can
+be run unchanged. An existing file is not overwritten."""
 EXAMPLE = "vibroimpact init zone"
 
 #: Of each &motion, what it is and the keys to start from; of studies the commands have both.

@@ -12,12 +12,12 @@ from .options import Option, options_of, shown
 from .request import Request, request_of
 from .study import add_study
 
-DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of what a simulation settles on, at a
-point or along a line of r or of d K/F0, through impacts, accumulations and rests, for the
-&lyapunov cases of namelist files or for the one that the options name. They are written to
-DIR/NAME.csv, one row a point with their standard errors and the check by volume, or in
-another form; with --plot a picture stands beside them. NAME is "lyapunov" for the case of
-the options."""
+DESCRIPTION = """Compute the four Lyapunov exponents per load cycle of the motion on which a simulation
+settles, at a point or along a line of r or of d K/F0, through impacts, accumulations and
+rests, for the &lyapunov cases of namelist files or for the case given by the options. They
+are written to DIR/NAME.csv, one row for each point with their standard errors and the check
+by volume, or in another format; --plot also writes a picture. NAME is "lyapunov" for the
+case of the options."""
 EXAMPLE = "vibroimpact lyapunov --xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 10 30 5 -o results"
 
 #: The options of which one may be a line of points, and what is said of them.

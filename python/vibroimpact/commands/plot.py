@@ -13,10 +13,10 @@ from ..progress import Progress
 from . import PICTURES, add_files, add_folder, picture_writer, ready
 
 HELP = "draw the cases of namelist files"
-DESCRIPTION = """Draw the cases of namelist files, in DIR/NAME.png or another format (NAME_1, NAME_2 if a
-case has two motions or branches): of each motion and each simulation the time history,
-load, acceleration and phase portrait; each branch along its parameter; each chart, zone and
-atlas in its window; what each study of attractors finds."""
+DESCRIPTION = """Draw the cases of namelist files to DIR/NAME.png or another format (NAME_1, NAME_2 if a case
+has two motions or branches). Motions and simulations are drawn with time history, load,
+acceleration and phase portrait, branches along their parameter, charts, zones and atlases in
+their window; each study of attractors has its own picture."""
 EXAMPLE = "vibroimpact init zone && vibroimpact plot zone.nml -o results"
 
 

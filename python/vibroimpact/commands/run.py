@@ -7,10 +7,10 @@ import argparse
 from . import add_files, add_forms
 
 HELP = "run namelist files"
-DESCRIPTION = """Run the cases of namelist files, of any kind. Each is written to DIR/NAME.csv, with the same
-digits as the stand-alone program vibroimpact-batch gives, or in another form, which holds
-every bit and is read by vibroimpact.load (NAME_1, NAME_2 if a case has several motions or
-branches); with --plot a picture stands beside it."""
+DESCRIPTION = """Run the cases of namelist files, of any kind. Each result is written to DIR/NAME.csv, with
+the same digits as the stand-alone program vibroimpact-batch gives, or in another format,
+which preserves every bit and can be read by vibroimpact.load (NAME_1, NAME_2 if a case has
+several motions or branches); --plot also writes a picture."""
 EXAMPLE = "vibroimpact init exact && vibroimpact run exact.nml -o results"
 
 

@@ -8,9 +8,9 @@ from . import ANIMATIONS
 from .study import command
 
 DESCRIPTION = """Simulate from an initial state, for the &simulate cases of namelist files or for the one
-that the options name. The events are written to DIR/NAME.csv, one a row, or in another
-form; with --plot a picture of the last load cycles stands beside them, with --animate a
-film of the masses. NAME is "simulate" for the case of the options."""
+given by the options. The events are written to DIR/NAME.csv, one row for each, or in another
+format; --plot also writes a picture of the last load cycles, and --animate an animation of
+the masses. NAME is "simulate" for the case of the options."""
 EXAMPLE = (
     "vibroimpact simulate --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --cycles 40 "
     "--state 3.5 0 0 -2 --plot -o results"

@@ -53,9 +53,9 @@ def plain_command(study: str) -> SimpleNamespace:
     does = STUDIES[study]
     return SimpleNamespace(
         DESCRIPTION=textwrap.fill(
-            f"{does[0].upper()}{does[1:]}, for the &{study} cases of namelist files or for the one that the "
-            "options name. The result is written to DIR/NAME.csv, or in another form; with --plot a picture "
-            f'stands beside it. NAME is "{study}" for the case of the options.', 96,
+            f"{does[0].upper()}{does[1:]}, for the &{study} cases of namelist files or for the case given "
+            "by the options. The result is written to DIR/NAME.csv, or in another format; --plot also "
+            f'writes a picture. NAME is "{study}" for the case of the options.', 96,
         ),
         EXAMPLE=f"vibroimpact {study} {RESULTS[study].example} -o results",
         arguments=arguments, request=request, run=run,

@@ -1,4 +1,4 @@
-"""The motions at a point side by side: histories, and the multipliers beside the unit circle."""
+"""The motions at a point side by side: their histories, and their multipliers with the unit circle."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def add_legend(figure: Any, panels: Any) -> None:
 
 
 def draw_multipliers(motions: list[Motion], ax: Any) -> None:
-    """All multipliers beside the unit circle, the leading one of each motion with its number.
+    """All multipliers with the unit circle; the leading one of each motion has the number of the motion.
 
     The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond. The numbers of motions
     whose leading multipliers coincide stand together; of a complex pair the upper one is numbered.

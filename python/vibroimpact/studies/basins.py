@@ -1,4 +1,4 @@
-"""Basins of attraction: the attractors to which initial states go, and the integrity of the basins."""
+"""Basins of attraction: the attractors that initial states reach, and the integrity of the basins."""
 
 from __future__ import annotations
 
@@ -201,10 +201,10 @@ def basins(
 ) -> Basins:
     """To which attractor each of many initial states goes.
 
-    First a few of the states are simulated until they settle, and Newton's method makes the periodic motions
-    exact. Around the events of each motion a ball is determined, in a norm in which the derivative over a
-    period contracts: the largest one that the map itself contracts too, tested on 1024 states spread over it;
-    half its radius is used. A state is decided as soon as its trajectory has an event in such a neighbourhood.
+    First a few of the states are simulated until they settle, and Newton's method computes the exact periodic
+    motions. Around the events of each motion a ball is determined, in a norm in which the derivative over a
+    period is a contraction: the largest ball on which the map is a contraction too, tested with 1024 states
+    spread over it. Half its radius is used. A state is decided as soon as its trajectory has an event in such a neighbourhood.
     A state that is not decided after `cycles` load cycles is examined again: it may be on an unknown periodic
     motion, which is then added, or on an attractor that is not periodic, whose kind follows from its largest
     Lyapunov exponent.
@@ -222,7 +222,7 @@ def basins(
     fixed : mapping, optional
         The coordinates that are not axes of the plane; 0 by default.
     cycles : int
-        Load cycles in which a state should be decided.
+        Load cycles after which a state without a decision is examined again.
     probes : int
         States simulated first.
     max_cycles : int

@@ -61,7 +61,7 @@ class SpecialPoint:
 
         At a pitchfork the unsymmetric pair, at a flip the motion of doubled period, at a grazing the motion
         whose pattern has the extra impact (of a symmetric motion also with that impact and its mirror image);
-        each a little beside the point along the branch's parameter, on the side where it exists.
+        each at a parameter value slightly off the point, on the side where the motion exists.
 
         Returns
         -------
@@ -307,13 +307,13 @@ def branch(
     max_points: int = 4000,
     progress: Callable[[float, str], None] | None = None,
 ) -> Branch:
-    """Follow an exact motion along a parameter, both ways, through folds, to the bounds.
+    """Follow an exact motion along a parameter in both directions, through folds, to the bounds.
 
     Pseudo-arclength continuation with Newton's method and the analytic derivative of the equations. Special
-    points are located by Newton's method on the equations with one more: det(P - I) = 0 at a fold,
+    points are located by Newton's method on the equations with one further condition: det(P - I) = 0 at a fold,
     det(P + I) = 0 at a flip, the product of all 1 - lambda_i lambda_j at a Neimark-Sacker point, a touch of a
     wall, or an approach speed that is zero. A motion that is its own mirror image is followed as such, with
-    the map of half a period, so that the pitchfork is a point on the way and not an end.
+    the map of half a period, so that the branch continues through a pitchfork.
 
     Parameters
     ----------
@@ -344,7 +344,7 @@ def branch(
 
     Examples
     --------
-    The stable unequispaced motion beside the third column of Table 1, along the clearance:
+    The exact motion that corresponds to the third column of Table 1, along the clearance:
 
     >>> import math, vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)

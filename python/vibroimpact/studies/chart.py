@@ -189,13 +189,13 @@ def chart(
         True: only motions that are their own mirror image half a period later (of RL these are the
         equispaced ones); False: only the others; None: both.
     multipliers : bool
-        Whether the multipliers of the equispaced motions are wanted. Without them they are NaN, the
-        verdict `stable` is the same, and the chart takes a fraction of the time.
+        Whether to compute the multipliers of the equispaced motions. If not, they are NaN; the verdict
+        `stable` is the same, and the chart takes a fraction of the time.
     slots : int
         Slots for motions that have no closed form, 1 to 32.
     guesses, seeds : int
-        Guesses of the search at a point, and points along each axis where there is one. A zone
-        that holds none of these points, and is connected to none that does, is missed.
+        Guesses of the search at a point, and number of search points along each axis. A zone that contains
+        none of these points, and is not connected to one that does, is missed.
     threads : int, optional
         Default: one for each processor. The answer is the same to the last bit for any number.
     progress : callable, optional

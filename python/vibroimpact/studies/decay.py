@@ -17,8 +17,8 @@ __all__ = ["Decay", "decay"]
 class Decay(Noun, study="decay"):
     """The peaks of free vibrations, one run for each clearance.
 
-    A peak is the greatest \\|x\\| of the primary mass between two zeros of x. The runs stand one after the other;
-    `run` tells to which a peak belongs.
+    A peak is the greatest \\|x\\| of the primary mass between two zeros of x. The runs follow each other;
+    `run` gives the run of each peak.
 
     Attributes
     ----------
@@ -27,10 +27,10 @@ class Decay(Noun, study="decay"):
     run : ndarray (n,) of int
         Run of each peak, from 0.
     time, x : ndarray (n,)
-        Time in 1/omega, and displacement of the primary mass; its sign tells the side.
+        Time in 1/omega, and displacement of the primary mass; its sign gives the side.
     decrement : ndarray (n,)
         ln(x/x'), where x' is the next peak on the same side, one cycle later; NaN for the last two of a run.
-        It is negative where the free mass gives energy back.
+        It is negative where the free mass returns energy to the primary mass.
     damping : ndarray (n,)
         decrement/sqrt(4 pi^2 + decrement^2): xi of a linear oscillator with this decrement.
     energy : ndarray (n,)
@@ -97,7 +97,7 @@ def decay(
 ) -> Decay:
     """The peaks and the damping of free vibration, for one or several clearances.
 
-    There is no load. F0/K is then any unit of length, the same for all: only the ratio of clearance and amplitude
+    There is no load. F0/K is then an arbitrary unit of length: only the ratio of clearance to amplitude
     matters, and with the default amplitude the clearance is in units of the initial displacement.
 
     Parameters

@@ -28,9 +28,9 @@ PATTERNS = 0.9
 
 @dataclass(frozen=True)
 class Search:
-    """How a search was done: what its answer can be trusted for, and what not.
+    """The extent of a search, from which one can judge how complete its result is.
 
-    Each simulated state is counted once: as settled, or under the reason why it is not.
+    Each simulated state is counted once: as settled, or under the reason why it did not settle.
 
     Attributes
     ----------
@@ -47,21 +47,21 @@ class Search:
     releases : int
         Releases from rest from which Newton's method was started, for motions with rest.
     not_stable : int
-        States that repeat themselves about a motion which Newton's method shows to be unstable or inadmissible,
-        or of which that cannot be decided: they only pass by it (an admissible one is listed).
+        States that repeat near a motion which Newton's method shows to be unstable or inadmissible, or for which
+        this cannot be decided: they only pass near it (the motion is listed if it is admissible).
     unconfirmed : int
-        States that repeat themselves where Newton's method leads to no motion.
+        States that repeat where Newton's method finds no motion.
     wandering : int
-        States that do not repeat themselves within 16 load cycles (or 100 symbols): chaotic, quasi-periodic, of
+        States that do not repeat within 16 load cycles (or 100 symbols): chaotic, quasi-periodic, of
         longer period, or not settled yet.
     without_impacts : int
         States after which no impacts are left.
     unfinished : int
-        States whose simulation could not go on.
+        States whose simulation could not continue.
     lost : int
-        Motions found that Newton's method could not confirm once more as they are listed; they are left out.
+        Motions that were found but that a final run of Newton's method did not confirm; they are left out.
     text : str
-        All this in a sentence, which `str` gives.
+        A sentence with all these numbers, which `str` returns.
     """
 
     patterns: int
@@ -92,9 +92,9 @@ class Findings(Noun, study="find"):
     motions : list of Motion
     search : Search
     case : str
-        What was asked for as a namelist.
+        The case as a namelist.
     complete : bool
-        False if Ctrl-C cut it short; `cut` then tells how far it came.
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
 
     Examples
     --------
@@ -174,14 +174,14 @@ class Findings(Noun, study="find"):
 
 
 class FoundMotions(list[Motion]):
-    """A list of motions that remembers how it was found.
+    """A list of motions with the record of the search that found them.
 
     Attributes
     ----------
     search : Search
-        How the search was done.
+        The extent of the search.
     findings : Findings
-        All that it found, as a result: to be saved, drawn, or turned into tables.
+        The complete result, which can be saved, drawn, or converted to tables.
     """
 
     search: Search
@@ -235,8 +235,8 @@ def find(
     For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's method
     starts from guesses whose phases fill the period evenly and whose positions solve the linear equations of
     1983; motions found repel the later iterations, so none is found twice. Each is followed along the lines of
-    constant r and of constant clearance through the point, round their folds, which come back to the point on
-    other sheets. Newton's method on the return map of releases adds motions with rest, stable or not. Simulations
+    constant r and of constant clearance through the point. Through folds these lines can return to the point on
+    another branch. Newton's method on the return map of releases adds motions with rest, stable or not. Simulations
     from a spread of initial states add the attractors; a state counts as settled only where Newton's method
     confirms a stable motion.
 
@@ -245,27 +245,27 @@ def find(
     osc, r, clearance, load
         As in `simulate`.
     max_impacts, max_cycles : int
-        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. What simulations and releases lead to
-        is listed whatever its number of impacts and cycles.
+        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. Motions found by simulations and
+        releases are listed whatever their number of impacts and cycles.
     guesses : int
-        Guesses for each pattern. Few make a short search: the lines of a pattern get at most as many steps as the
-        square of this number (and 3000).
+        Guesses for each pattern. A smaller number also shortens the search along lines: each pattern gets at most
+        the square of this number of steps (and 3000).
     states : int
-        Initial states simulated, every second one in a box so large as the resonance of both masses together asks
-        for.
+        Initial states simulated, every second one in a box whose size follows from the resonance of both masses
+        moving together.
     settling : int
-        Load cycles simulated before an attractor is looked for.
+        Load cycles simulated before the attractor is examined.
     releases : int
         Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
-        return map: it finds motions with rest that are unstable too.
+        return map; this also finds unstable motions with rest.
     progress : callable, optional
-        Called with the share done and what is being done; what it raises ends the search.
+        Called with the share done and the present task; an exception that it raises ends the search.
 
     Returns
     -------
     FoundMotions
-        A list of admissible motions, stable ones first; its attribute `search` says how it was found, and
-        `findings` is all of it as a result that can be saved.
+        A list of admissible motions, stable ones first; its attribute `search` gives the extent of the search, and
+        `findings` the complete result, which can be saved.
 
     Raises
     ------
@@ -277,7 +277,7 @@ def find(
     Examples
     --------
     Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image; and an
-    attractor of twelve impacts that simulations settle on.
+    attractor of twelve impacts on which simulations settle.
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
@@ -316,7 +316,7 @@ def _is_little(
 
 
 class _PatternProgress:
-    """Tells progress with each pattern once, in order, with the share done."""
+    """Reports each pattern once, in order, with the share of the work done."""
 
     def __init__(
         self, osc: Oscillator, max_impacts: int, max_cycles: int, progress: Callable[[float, str], None]

@@ -24,7 +24,7 @@ class Lyapunov(Noun, study="lyapunov"):
 
     They are those of the map from impact to impact in (x, x', z', alpha), over the time: how fast small
     changes of the state grow along the trajectory, in four independent directions. That section has no
-    direction along the flow, so the exponent 0 that a flow has besides is not among them; they are also
+    direction along the flow, so the additional exponent 0 of a flow is not among them. They are also
     the four exponents of the map over one load cycle. Of a periodic motion they are the logarithms of
     the moduli of its multipliers over the period. Impacts that accumulate and end in rest reduce two directions
     to zero: their exponents are -inf.
@@ -42,7 +42,7 @@ class Lyapunov(Noun, study="lyapunov"):
     per_cycle : ndarray (4, ...)
         The exponents per load cycle: logarithms of the mean factors over a cycle.
     dimension : ndarray (...)
-        Kaplan and Yorke's dimension of the attractor in the section, 0 to 4.
+        Kaplan-Yorke dimension of the attractor in the section, 0 to 4.
     identity_error : ndarray (...)
         Difference of the sum of all logarithms from -2 xi t + 2 sum log R + log(u_first/u_last), per unit
         of time, over all flights from impact to impact: a check of the whole computation. u is the speed
@@ -165,7 +165,7 @@ def lyapunov(
 
     Examples
     --------
-    The stable motion beside the third column of Table 1, which has two pairs of complex multipliers.
+    The stable motion that corresponds to the third column of Table 1, which has two pairs of complex multipliers.
 
     >>> import math, numpy as np, vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)

@@ -14,7 +14,7 @@ PARAMETERS = {"r": 1, "clearance": 2, "xi": 3, "mu": 4, "R1": 5, "R2": 6, "resti
 
 
 def switched(motion: Motion, kind: str, flight: int, side: str, parameter: str) -> list[Motion]:
-    """The motions that begin where a motion has a bifurcation, each a little beside it along a parameter."""
+    """The motions that begin at a bifurcation of a motion, each at a slightly different value of a parameter."""
     n, lengths, cycles, sides, systems, phases, impacts, scalars, multipliers, verdicts = _core.switch_branch(
         *motion._flights(), motion.osc.restitution, motion.clearance, KINDS[kind], flight + 1,
         1 if side == "R" else -1, PARAMETERS[parameter], parameter == "restitution",

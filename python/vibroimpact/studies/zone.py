@@ -423,7 +423,7 @@ def zone(
         100 in
         d K/F0), 5 to 129; a larger window gets more of them, in proportion to the logarithm of d K/F0 and to
         asinh(10 (r - 1)); at least 33 are taken for a pattern with rest. Parts of a zone that touch no line can
-        be missed: more lines see more.
+        be missed: more lines find more.
     guesses : int
         Guesses for motions at every second node in each direction; a quarter of this number at the others.
     seeds : sequence of Motion
@@ -438,7 +438,7 @@ def zone(
     Returns
     -------
     Zone
-        Without loops where no stable, admissible motion was found.
+        Without loops if no stable, admissible motion was found.
 
     Raises
     ------
