@@ -12,7 +12,7 @@ from shared_systems import law
 @given(cases(most=5))
 @law(300)
 def test_single_precision_is_as_good_as_it_can_be(case):
-    """Within rounding of real32 times the condition of the problem from double precision."""
+    """The difference from double precision is at most 32-bit rounding times the condition."""
     bound = error_bound(case, EPS_SINGLE)
     assume(bound < 0.05)
     double = vi.periodic(*case.arguments())
@@ -24,7 +24,7 @@ def test_single_precision_is_as_good_as_it_can_be(case):
 
 
 def test_single_precision_is_single():
-    """The digits beyond the seventh are not there."""
+    """Results have no correct digits beyond the seventh."""
     osc, pattern = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), vi.Pattern("RL")
     arguments = osc, 0.94, [0.0, 1.37 * np.pi], pattern
     double, single = vi.periodic(*arguments), vi.periodic(*arguments, precision="single")

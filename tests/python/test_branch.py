@@ -68,7 +68,7 @@ def test_start_lies_on_the_branch(path):
 
 
 def test_points_are_exact_motions(path):
-    """Newton's method in the other code, from a point of the branch, stays there."""
+    """Newton's method of `exact` does not move a point of the branch."""
     _, branch = path
     marks = [point.index for point in branch.special_points]
     for i in range(2, len(branch), max(1, len(branch) // 7)):
@@ -83,7 +83,7 @@ def test_points_are_exact_motions(path):
 
 
 def test_special_points_are_where_they_should_be(path):
-    """The multiplier or the gap that defines each."""
+    """Each point has the critical multiplier, or the zero gap, that defines its type."""
     _, branch = path
     for point in branch.special_points:
         motion = point.motion
@@ -212,7 +212,7 @@ def test_mirror_image_gives_the_same_branch():
 
 
 def test_zero_approach_is_one_event():
-    """The flights beside that impact touch the wall in the same place: this is not told as well."""
+    """The flights before and after that impact also touch the wall there; this is not reported as a grazing."""
     branch = vi.branch(triple_motion(), "clearance", (1, 60))
     points = [p for p in branch.special_points if p.type in ("grazing", "zero_approach")]
     assert {p.type for p in points} == {"grazing", "zero_approach"}
@@ -390,7 +390,7 @@ def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("limit", [20_000, 200])
 def test_progress_is_told(limit, monkeypatch):
-    """From nothing to all, also where the points run out before the range; it changes nothing."""
+    """It runs from 0 to 1, also if the limit of points is reached first, and does not change the result."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
     shares, given = [], LONG | {"max_points": limit}
     start, bounds = vi.equispaced(FIGURE6, 0.9, 20.0)[0], (5, 200)

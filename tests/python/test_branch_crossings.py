@@ -192,7 +192,7 @@ def test_random_branch(seed):
 
 @pytest.mark.parametrize("seed", range(16))
 def test_branch_through_a_superharmonic_resonance(seed):
-    """No jump to another sheet, and the same special points by steps of a fifth."""
+    """The branch does not jump to another one, and steps five times shorter give the same special points."""
     motion, bounds = superharmonic_branch(seed)
     path = vi.branch(motion, "r", bounds, max_points=1500)
     fine = vi.branch(motion, "r", bounds, longest_step=0.01, max_points=6000)
@@ -227,7 +227,7 @@ NARROW = [
 
 @pytest.mark.parametrize("system", range(len(NARROW)))
 def test_branch_beside_another_sheet(system):
-    """Sheets that lie closer together than a step is long."""
+    """Two branches are closer to each other than the length of a step."""
     osc, clearance, pattern, bounds, starts = NARROW[system]
     for r, phases in starts:
         motion = vi.exact(osc, r, clearance, (phases, vi.Pattern(*pattern)))
@@ -289,7 +289,7 @@ def test_no_fold_where_approach_speeds_vanish_together():
 
 
 def test_neutral_saddle_is_no_special_point():
-    """Two real multipliers with the product 1 meet the same equation as a pair on the circle."""
+    """Two real multipliers with the product 1 satisfy the same equation as a pair on the circle."""
     saddles = 0
     for seed in range(20):
         path = random_branch(seed)

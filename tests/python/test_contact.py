@@ -67,7 +67,7 @@ def flight_peak(seed):
 
 @pytest.mark.parametrize("over", [1e-3, 1e-6, 1e-9, 1e-12, -1e-12])
 def test_overshoots_of_any_size_are_found(over):
-    """51 states whose flight passes the wall by a share of d: all are found; a near miss is none."""
+    """51 states whose flight passes the wall by a share of d: all are found; a near miss is no impact."""
     count = 0
     for seed in range(80):
         flight = flight_peak(seed)
@@ -127,7 +127,7 @@ def test_slow_approach_on_a_wall_that_recedes(side, speed):
 
 
 def test_idle_flight_ends_where_it_must():
-    """Millions of time units after all oscillation has died away the mass arrives."""
+    """The mass reaches the wall millions of time units after all oscillation has decayed."""
     osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.7)
     for z_dot in (1e-6, -1e-6):
         run = vi.simulate(osc, 0.9, 6.0, 8e5, state(x=0.5, z_dot=z_dot), load=0.0, max_events=1)
@@ -149,7 +149,7 @@ def test_both_walls_within_1e_9(clearance, speed):
 
 
 def test_very_long_flight_ends_at_the_first_crest_that_reaches():
-    """A drift of 1e-6 under an oscillation: after 700,000 cycles one crest is high enough."""
+    """A drift of 1e-6 under an oscillation: after 700,000 cycles a crest reaches the wall."""
     osc, r, clearance, drift = vi.Oscillator(xi=0.1, mu=0.2, restitution=0.7), 1.3, 10.0, 1e-6
     amplitude = abs(1 / mp.mpc(1 - mpf(r) ** 2, 2 * mpf(0.1) * r))
     first = state(z_dot=drift)

@@ -18,7 +18,7 @@ def free_map_defect(xi, r, cycles):
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize(("cycles", "odd"), [(1, 3), (3, 5), (3, 7), (5, 3), (7, 1)])
 def test_equispaced_at_an_undamped_resonance(cycles, odd, mu):
-    """Where free vibration turns over in half a period it may be added: a family of motions, told as such.
+    """If free vibration changes sign in half a period it can be added: the family of motions is reported.
 
     The positions of mu > 0 are those at which the free mass stands still in space, so that no impact changes
     the free vibration.
@@ -43,7 +43,7 @@ def test_equispaced_at_an_undamped_resonance(cycles, odd, mu):
 @pytest.mark.parametrize(("sides", "phases"), [
     ("RL", [0, 3.5]), ("RRL", [0, 1.5, 3.9]), ("equispaced", None)])  # fmt: skip
 def test_few_digits_near_resonance_are_reported(sides, phases, precision):
-    """As r -> 1 without damping x/d has a limit, but A has none: digits go, and then the answer does.
+    """As r -> 1 without damping x/d has a limit, but A has none: digits are lost until the result is refused.
 
     x/d changes by less than 10 |r - 1| here, so that the motion a little farther off is the true one. The
     condition of the equations, each unknown in its own unit, multiplies the rounding.
@@ -84,7 +84,7 @@ def test_few_digits_near_resonance_are_reported(sides, phases, precision):
 )
 @law(500)
 def test_equispaced_near_an_undamped_resonance(xi, mu, restitution, ratio_of_r, off, sign, ratio):
-    """The law of the next test where it is hardest to keep."""
+    """The law of the next test near a resonance without damping."""
     cycles, odd = ratio_of_r
     assert_equispaced(xi, mu, restitution, cycles / odd * (1 + sign * off), cycles, ratio)
 

@@ -160,7 +160,7 @@ def test_a_trajectory_may_end_at_an_impact(impact, part):
 
 
 def test_a_rest_at_the_start_of_a_trajectory_is_none_of_its_end():
-    """The free mass starts at rest on a wall, is released, and comes to a motion without rest."""
+    """The free mass starts at rest on a wall, is released, and settles on a motion without rest."""
     start = state(0.0, 11.1, 0.0, 11.1 + 18.5, 0.0)
     run = vi.simulate(TABLE, 0.94, 37.0, 1500, start)
     kinds = run.events["kind"].tolist()
@@ -199,7 +199,7 @@ def test_the_period_of_a_doubled_motion(most):
 
 @pytest.mark.parametrize("factor", [2.0, 10.0, 0.01])
 def test_load_scales_the_motion(factor):
-    """f -> factor f with the clearance alike: phases and multipliers stay, lengths scale."""
+    """f -> factor f with the clearance alike: phases and multipliers do not change, lengths scale."""
     one = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     other = vi.exact(TABLE, 0.94, 37.0 * factor, COLUMN, load=factor)
     assert other.load == factor
@@ -277,7 +277,7 @@ def test_phases_of_a_guess_are_checked():
 
 
 def test_no_exact_motion_without_load():
-    """With f = 0 nothing keeps a motion going; that is an error or a motion at rest, not NaN."""
+    """With f = 0 there is no periodic motion; the result is an error or a motion at rest, not NaN."""
     with pytest.raises(vi.errors.VibroimpactError):
         vi.exact(TABLE, 0.94, 37.0, COLUMN, load=0.0)
 

@@ -154,7 +154,7 @@ def test_budget_is_told():
 
 @pytest.mark.parametrize("lines", range(5, 13))
 def test_a_fold_that_leaves_a_pitchfork(lines):
-    """Where their curves cross hardly a step can be taken: one that leapt over it was tried for ever."""
+    """Where their curves cross only tiny steps succeed: a larger one jumped over the crossing."""
     osc = vi.Oscillator(xi=0.0114, mu=1.0, restitution=0.75)
     zone = vi.zone(osc, vi.Pattern("RL"), *WINDOW, symmetric=False, lines=lines, guesses=4)
     assert zone.closed
@@ -177,7 +177,7 @@ def test_a_fold_that_leaves_a_pitchfork(lines):
     ],
 )
 def test_all_loops_close(xi, mu, restitution, sides):
-    """Five of 318 random zones: folds of motions that were unstable before were taken for borders."""
+    """Five of 318 random zones: folds of motions that are already unstable were taken for boundaries."""
     zone = vi.zone(vi.Oscillator(xi=xi, mu=mu, restitution=restitution), vi.Pattern(sides), *WINDOW)
     assert zone.closed
     assert len(zone.boundary) > 3

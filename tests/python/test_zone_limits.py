@@ -175,7 +175,7 @@ def test_impact_without_restitution_ends_where_rest_begins():
 
 
 def test_a_closed_curve_between_the_lattice_lines_is_gone_round_once():
-    """A search that came to such a curve went round it for ever; more lines find the same zone."""
+    """A search that reached such a curve did not end; more lines find the same zone."""
     osc = vi.Oscillator(xi=0.0202, mu=0.108, restitution=(0.79, 0.81))
     window = (0.4280966277871413, 2.7493171322070333), (2.0, 200.0)
     zones = [vi.zone(osc, vi.Pattern("RL"), *window, lines=n, guesses=4) for n in (5, 17)]
