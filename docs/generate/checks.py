@@ -42,9 +42,7 @@ def python_checks(path):
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
             text = ast.get_docstring(node)
             title = words(node.name)
-            found.append(
-                f"{title[:-1]}: {first_sentence(text).lstrip('. ')}" if text else title
-            )
+            found.append(f"{title[:-1]}: {first_sentence(text).lstrip('. ')}" if text else title)
     return ast.get_docstring(tree) or "", found
 
 

@@ -41,10 +41,10 @@ def exact(
     osc, r, clearance, load
         As in `simulate`.
     guess : Motion, Trajectory or (phases, pattern)
-        A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact phases, for
-        which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load cycles with
-        which a trajectory ends (see `Trajectory.period`) the one that repeats most accurately is used, because
-        just past a period doubling the shorter period repeats approximately, too.
+        A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact
+        phases, for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load
+        cycles with which a trajectory ends (see `Trajectory.period`) the one that repeats most accurately is used,
+        because just past a period doubling the shorter period repeats approximately, too.
 
     Returns
     -------

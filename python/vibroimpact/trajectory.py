@@ -306,8 +306,8 @@ def simulate(
         Load cycles to simulate, 0 to 1e9.
     state : mapping, optional
         ``t, x, x_dot, z, z_dot`` with the load phase r t at time t; default: all 0. Or the
-        `final_state` of a trajectory, which continues it bit for bit. From all 0 the free mass stays at rest in the
-        middle until |X| reaches D/2. |X| settles to the amplitude A without impacts, so that with D > 2 A no
+        `final_state` of a trajectory, which continues it bit for bit. From all 0 the free mass stays at rest in
+        the middle until |X| reaches D/2. |X| settles to the amplitude A without impacts, so that with D > 2 A no
         wall reaches it, unless the transient does: start it with a velocity there.
     load : float
         Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free

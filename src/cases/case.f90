@@ -43,7 +43,7 @@ module vi_case
       key_type('format', a_word, default='''csv''', words='csv table both', &
       meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
 
-   !> How the first line of a file with a result begins; its end tells whether the file is an input.
+   !> The start of the first line of a result; its end says whether the file is an input.
    character(*), parameter, public :: first_line = '# ! vibroimpact '//version// &
       '; lengths in F0/K, time in 1/omega, angles in radians; '
    !> Largest number of characters of the name of a result.

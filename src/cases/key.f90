@@ -34,7 +34,7 @@ module vi_key
       character(60) :: words = ''
       !> Description of what it takes, if type, range and words are not enough.
       character(longest) :: takes = ''
-      !> Another key that may be given in its place, but not beside it.
+      !> Another key that may be given instead, but not together with it.
       character(24) :: or = ''
       !> A key whose value must be below this one's.
       character(24) :: over = ''

@@ -103,7 +103,7 @@ contains
       end if
       good = good .and. i > len(text) .and. len(text) <= 400
       if (.not. good) return
-      ! where the first digit that counts stands tells the size, so that reading cannot overflow
+      ! the place of the first significant digit gives the size, so that reading cannot overflow
       first = scan(text, '123456789')
       if (scan(text(:max(0, first)), 'eEdD') > 0) first = 0
       if (first == 0) then

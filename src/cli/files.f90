@@ -228,7 +228,7 @@ contains
       ignored = c_remove(file%temporary//c_null_char)
    end subroutine close_file
 
-   !> Opens a new file beside another one, under a name that no other process or thread uses. If a
+   !> Opens a new file next to another one, under a name that no other process or thread uses. If a
    !! file of that name exists, it was left by an earlier process; it is kept, and the next name is
    !! tried.
    subroutine open_temporary(path, unit, temporary, message)

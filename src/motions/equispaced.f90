@@ -22,7 +22,7 @@ module vi_equispaced
       real(wp) :: normal(2) = 0, distance = 0, amplitude = 0
       !> x_1 = x_forced . (A cos(tau), A sin(tau)) + x_walls * clearance
       real(wp) :: x_forced(2) = 0, x_walls = 0
-      !> `stat%ok`; `stat%singular`, `stat%lost_digits` at, beside a resonance without damping.
+      !> `stat%ok`; `stat%singular`, `stat%lost_digits` at, near a resonance without damping.
       integer :: status = stat%ok
    end type line_type
 

@@ -41,7 +41,7 @@ contains
    !> Newton's method from a guess; the motion is without verdicts.
    !!
    !! It ends at rounding: with a step that is negligible, or, once the steps or the residuals are
-   !! small, with one that is no shorter than the one before. Near a singular Jacobian, beside a
+   !! small, with one that is no shorter than the one before. Near a singular Jacobian, near a
    !! fold or a pitchfork, steps shrink slowly at first, and rounding moves the unknowns far.
    pure subroutine solve_exact(setting, x, theta, most, known, motion, iterations)
       !> Given data of the motion.
@@ -100,7 +100,7 @@ contains
          end if
       end do
       if (iterations > most) then
-         ! beside a singular Jacobian a last step may lead away
+         ! near a singular Jacobian a last step may lead away
          if (.not. (worse .and. least < at_rounding)) return
          x = best(:n)
          theta = best(n + 1:)

@@ -1,7 +1,7 @@
 !> Sines, cosines and exponentials of many numbers at a time, one number a lane.
 !!
 !! Plain loops over `lanes` numbers, which compilers turn into vector instructions. Nothing here
-!! calls a library, so a lane's answer has the same bits beside whatever neighbours it has.
+!! calls a library, so a lane's result has the same bits whatever its neighbours are.
 module vi_lanes
    use vi_kinds, only: wp
    use vi_plan, only: lanes

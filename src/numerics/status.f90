@@ -1,7 +1,7 @@
 !> Status codes of computations: one integer and one text for each kind of failure.
 !!
 !! The core never prints and never stops. A procedure that can fail returns one of these codes; a
-!! point of a chart that failed keeps its code and NaN, and the rest of the chart goes on.
+!! point of a chart that failed keeps its code and NaN, and the rest of the chart is computed.
 module vi_status
    implicit none (type, external)
    private
@@ -24,7 +24,7 @@ module vi_status
       integer :: not_finite = 6
       !> There is no such motion for these parameters.
       integer :: no_motion = 7
-      !> The list of events is full; calling again goes on.
+      !> The list of events is full; another call continues.
       integer :: more_events = 8
       !> A search for the next event took more steps than it may.
       integer :: budget = 9

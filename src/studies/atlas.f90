@@ -4,7 +4,7 @@
 !! by simulation, whose attractors also are seeds of the zones, and from the simulations at the
 !! nodes of the lattice with which the searches for zones with rest begin. If an attractor lies in
 !! no zone of its pattern, that pattern is searched once more on a finer lattice. The outcomes of
-!! the other points of the survey are kept beside the zones.
+!! the other points of the survey are kept with the zones.
 module vi_atlas
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
@@ -63,7 +63,7 @@ contains
 
    !> All zones in a window.
    subroutine find_atlas(request, atlas, progress)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> The zones and the results of the survey.
       type(atlas_type), intent(out) :: atlas
@@ -118,7 +118,7 @@ contains
 
    !> The survey by simulation, and its attractors within the limits.
    subroutine survey_window(request, atlas, progress)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> In and out: points and attractors are set.
       type(atlas_type), intent(inout) :: atlas
@@ -141,7 +141,7 @@ contains
 
    !> The simulations at the nodes of a lattice, which all searches for zones with rest share.
    subroutine simulate_lattice(request, finer, releases, places, progress)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> Factor of the number of lattice lines.
       integer, intent(in) :: finer
@@ -158,10 +158,10 @@ contains
          request%max_cycles], request%threads, releases, places, progress)
    end subroutine simulate_lattice
 
-   !> Whether the free mass comes to rest on a wall in the survey's motions within the limits or,
+   !> Whether the free mass rests on a wall in the survey's motions within the limits or,
    !! if not, in the second half of a simulation at any node of the lattice.
    logical function any_rests(request, atlas, progress)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> Its families.
       type(atlas_type), intent(in) :: atlas
@@ -187,7 +187,7 @@ contains
    !! continued for as long as those of the survey. The pattern counts if Newton's method confirms
    !! the motion on which they are then.
    subroutine sight_rests(request, atlas, releases, progress)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> In: with its families. Out: with the attractors `sighted`.
       type(atlas_type), intent(inout) :: atlas
@@ -228,7 +228,7 @@ contains
 
    !> The patterns not listed so far that simulations at nodes appear to repeat, and those nodes.
    pure subroutine list_sights(request, atlas, releases, sights)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> Its families.
       type(atlas_type), intent(in) :: atlas
@@ -291,7 +291,7 @@ contains
 
    !> Finds the zones of some families; each is a task.
    subroutine trace_families(request, atlas, wanted, finer, releases, progress)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> In and out: the zones of the wanted families are set.
       type(atlas_type), intent(inout) :: atlas
@@ -332,7 +332,7 @@ contains
 
    !> The request for the zone of a family.
    pure function zone_request(request, family, finer) result(one)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> The family.
       type(family_type), intent(in) :: family
@@ -356,7 +356,7 @@ contains
    !> Number of lattice lines. Patterns with rest have more: such a motion is found only inside its
    !! zone, which may be narrow.
    pure integer function lattice(request, pattern, finer)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> The pattern.
       type(pattern_type), intent(in) :: pattern
@@ -369,7 +369,7 @@ contains
 
    !> All patterns up to the limits, shortest first, and those with rest that have been found.
    pure subroutine list_families(request, atlas)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
       !> In: with its attractors. Out: with its families, without zones.
       type(atlas_type), intent(inout) :: atlas
@@ -467,7 +467,7 @@ contains
 
    !> Sets which attractors lie in a zone of their pattern, of its symmetric motions or the others.
    pure subroutine explain(request, atlas)
-      !> What is asked for; its window.
+      !> The request; its window is used.
       type(atlas_request_type), intent(in) :: request
       !> In and out: `explained` is set.
       type(atlas_type), intent(inout) :: atlas

@@ -20,7 +20,7 @@ module vi_borders
       integer :: n = 0
       !> The surface of motions over the window.
       type(curve_type) :: surface
-      !> A point inside, beside each loop (2, n).
+      !> A point inside, close to each loop (2, n).
       real(wp), allocatable :: inside(:, :)
       !> Motions found in the window, steps of the net, and borders that were not traced; one more
       !! if a limit of the net was reached.

@@ -113,7 +113,7 @@ contains
 
       symbols = 0
       side = 0
-      ! backwards, since the rest tells that the impacts before it on its wall were accumulating
+      ! backwards, since a rest shows that the impacts before it on its wall were accumulating
       do rounds = 1, merge(2, 1, ring)
          do i = size(events), 1, -1
             select case (events(i)%kind)

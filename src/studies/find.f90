@@ -68,7 +68,7 @@ contains
    !> All motions at a point; the result does not depend on the number of threads. A search that is
    !! stopped gives what the patterns, releases and states led to that were begun.
    subroutine find_motions(request, findings, progress)
-      !> What is asked for.
+      !> The request.
       type(find_request_type), intent(in) :: request
       !> The motions found.
       type(findings_type), intent(out) :: findings
@@ -88,7 +88,7 @@ contains
 
    !> Adds the motions of all patterns without rest.
    subroutine from_patterns(request, scale, findings, progress)
-      !> What is asked for.
+      !> The request.
       type(find_request_type), intent(in) :: request
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
@@ -141,7 +141,7 @@ contains
    !> Follows the lines that begin where motions of other patterns graze, and the lines that begin
    !! on those.
    subroutine follow_births(request, patterns, lines)
-      !> What is asked for.
+      !> The request.
       type(find_request_type), intent(in) :: request
       !> All patterns searched.
       type(pattern_type), intent(in) :: patterns(:)
@@ -221,7 +221,7 @@ contains
 
    !> Adds the motions with rest to which Newton's method leads from releases.
    subroutine from_releases(request, scale, findings, progress)
-      !> What is asked for.
+      !> The request.
       type(find_request_type), intent(in) :: request
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
@@ -258,7 +258,7 @@ contains
 
    !> Adds the motions on which simulations settle.
    subroutine from_states(request, scale, findings, progress)
-      !> What is asked for.
+      !> The request.
       type(find_request_type), intent(in) :: request
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
@@ -343,7 +343,7 @@ contains
    !> Computes each motion once more in its standard form, with its verdicts; motions that do not
    !! converge then, or are not admissible, are counted and left out.
    subroutine verify(request, findings)
-      !> What is asked for.
+      !> The request.
       type(find_request_type), intent(in) :: request
       !> In and out: the motions.
       type(findings_type), intent(inout) :: findings

@@ -127,7 +127,7 @@ contains
       type(forced_system_type), intent(in) :: system
       !> The motion.
       type(found_type), intent(in) :: found
-      !> The same; its status tells whether it could be confirmed.
+      !> The same; its status says whether it could be confirmed.
       type(described_type), intent(out) :: described
       real(wp) :: unknowns(size(found%unknowns)), none(size(found%unknowns), 0)
       integer :: n, iterations

@@ -273,7 +273,7 @@ contains
    pure subroutine note_crossing(net, direction, level, begin, point)
       !> In and out: the crossing is added, if there is room.
       type(net_type), intent(inout) :: net
-      !> The direction of the line beside the lattice, and the number of the line it crosses.
+      !> The direction of the line off the lattice, and the number of the line it crosses.
       integer, intent(in) :: direction, level
       !> Start of the line.
       type(start_type), intent(in) :: begin

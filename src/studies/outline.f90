@@ -36,7 +36,7 @@ contains
       type(curve_type), intent(in) :: surface
       !> The loop.
       type(loop_type), intent(in) :: loop
-      !> A point inside, beside the loop: in the units of the surface.
+      !> A point inside, close to the loop, in the units of the surface.
       real(wp), intent(in) :: inside(2)
       !> The window.
       real(wp), intent(in) :: r(2), clearance(2)

@@ -1,4 +1,4 @@
-!> Periodic motions in which impacts accumulate and the free mass comes to rest on a wall.
+!> Periodic motions in which impacts accumulate and the free mass rests on a wall.
 !!
 !! A motion is a fixed point of the map from one release to the release k load cycles later, a map
 !! of the plane (phase, v). Its two eigenvalues and two zeros, which the accumulation brings, are

@@ -23,7 +23,7 @@ contains
       real(wp), intent(in) :: vertices(:, :)
       !> The window: lowest and highest r, lowest and highest D.
       real(wp), intent(in) :: r(2), clearance(2)
-      !> A point of the zone, close beside the loop: r, D. A hole does not go round it.
+      !> A point of the zone, close to the loop: r, D. A hole does not enclose it.
       real(wp), intent(in) :: inside(2)
       !> (2, n): r, D
       real(wp), allocatable, intent(out) :: ring(:, :)

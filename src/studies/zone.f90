@@ -48,7 +48,7 @@ contains
 
    !> All zones of a pattern in a window.
    subroutine find_zone(request, seeds, zone, status, progress, releases)
-      !> What is asked for.
+      !> The request.
       type(zone_request_type), intent(in) :: request
       !> Motions known beforehand, in the whole pattern: r, D, x_i/D, theta_i (2 + 2N, m).
       real(wp), intent(in) :: seeds(:, :)
@@ -102,7 +102,7 @@ contains
    !> Traces the boundary from all places found on it; then also from those found on lines through
    !! the seeds that no closed loop encloses so far.
    subroutine trace_borders(request, net, seeds, zone, reported, progress)
-      !> What is asked for.
+      !> The request.
       type(zone_request_type), intent(in) :: request
       !> In and out: the net; the lines through seeds are added.
       type(net_type), intent(inout) :: net
@@ -162,7 +162,7 @@ contains
 
    !> Which seeds are enclosed by loops; a seed inside a zone may also lie on a loop.
    pure subroutine enclose(request, zone, seeds)
-      !> What is asked for; its window.
+      !> The request; its window is used.
       type(zone_request_type), intent(in) :: request
       !> The loops.
       type(zone_type), intent(in) :: zone
@@ -203,7 +203,7 @@ contains
    !! other nodes with few: near resonance motions may exist on a strip of the window that the first
    !! pass misses.
    subroutine search_window(request, net, reported, progress, releases)
-      !> What is asked for.
+      !> The request.
       type(zone_request_type), intent(in) :: request
       !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
@@ -250,7 +250,7 @@ contains
 
    !> The simulations at the nodes of the lattice for patterns with rest.
    subroutine simulate_nodes(request, longest, threads, releases, places, progress)
-      !> What is asked for; its window and lattice.
+      !> The request; its window and lattice are used.
       type(zone_request_type), intent(in) :: request
       !> Symbols and load cycles of the longest period searched at the end of a simulation.
       integer, intent(in) :: longest(2)

@@ -93,7 +93,7 @@ contains
 
    !> The zones of a pattern: of symmetric motions, of the others, or of both, in this order.
    subroutine zone_pieces(request, seeds, families, found, progress)
-      !> What is asked for; `symmetric` is not read.
+      !> The request; `symmetric` is not used.
       type(zone_request_type), intent(in) :: request
       !> Known motions, as in `find_zone`.
       real(wp), intent(in) :: seeds(:, :)
@@ -158,7 +158,7 @@ contains
       type(zone_type), intent(in) :: zone
       !> Place of the loop.
       integer, intent(in) :: j
-      !> What is asked for.
+      !> The request.
       type(zone_request_type), intent(in) :: request
       !> The rings before it.
       type(pieces_type), intent(inout) :: found

@@ -49,7 +49,7 @@ contains
 
    !> The family in the window, both parameters active.
    pure subroutine make_surface(request, surface, status)
-      !> What is asked for.
+      !> The request.
       type(zone_request_type), intent(in) :: request
       !> The family; r and log D are 0 at the lower corner of the window.
       type(curve_type), intent(out) :: surface

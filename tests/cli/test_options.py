@@ -54,9 +54,7 @@ def test_plane_outside_of_the_walls(tool):
     plane = ["--plane", "x", "-9", "9", "5", "y", "-9", "8", "5"]
     done = tool("basins", *EQUAL, "--r", "1", "--clearance", "9", *plane)
     assert (done.status, len(done.faults)) == (2, 1)
-    wanted = (
-        "two finite numbers, one for each axis, and low below high; y must be within half the clearance"
-    )
+    wanted = "two finite numbers, one for each axis, and low below high; y must be within half the clearance"
     assert done.faults == [f"vibroimpact basins: --plane x -9 9 5 y -9 8 5: must be {wanted}"]
 
 

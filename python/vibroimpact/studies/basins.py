@@ -204,10 +204,10 @@ def basins(
     First a few of the states are simulated until they settle, and Newton's method computes the exact periodic
     motions. Around the events of each motion a ball is determined, in a norm in which the derivative over a
     period is a contraction: the largest ball on which the map is a contraction too, tested with 1024 states
-    spread over it. Half its radius is used. A state is decided as soon as its trajectory has an event in such a neighbourhood.
-    A state that is not decided after `cycles` load cycles is examined again: it may be on an unknown periodic
-    motion, which is then added, or on an attractor that is not periodic, whose kind follows from its largest
-    Lyapunov exponent.
+    spread over it. Half its radius is used. A state is decided as soon as its trajectory has an event in such a
+    neighbourhood. A state that is not decided after `cycles` load cycles is examined again: it may be on an
+    unknown periodic motion, which is then added, or on an attractor that is not periodic, whose kind follows
+    from its largest Lyapunov exponent.
 
     Parameters
     ----------

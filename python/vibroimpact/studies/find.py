@@ -236,9 +236,9 @@ def find(
     starts from guesses whose phases fill the period evenly and whose positions solve the linear equations of
     1983; motions found repel the later iterations, so none is found twice. Each is followed along the lines of
     constant r and of constant clearance through the point. Through folds these lines can return to the point on
-    another branch. Newton's method on the return map of releases adds motions with rest, stable or not. Simulations
-    from a spread of initial states add the attractors; a state counts as settled only where Newton's method
-    confirms a stable motion.
+    another branch. Newton's method on the return map of releases adds motions with rest, stable or not.
+    Simulations from a spread of initial states add the attractors; a state counts as settled only where Newton's
+    method confirms a stable motion.
 
     Parameters
     ----------
