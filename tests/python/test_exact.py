@@ -248,7 +248,7 @@ def test_no_convergence_says_so():
     assert np.isnan(core_exact(motion, motion.X + 0.3, motion.phases + motion.tau, 1)[1]).all()
 
 
-@pytest.mark.parametrize("guess", [None, 3, "RL", [0.0, 4.0], ([0.0, 4.0], "RL"), (1, 2, 3), {}])
+@pytest.mark.parametrize("guess", [None, 3, "RL", [0.0, 4.0], ([0.0, 4.0], 7), (1, 2, 3), {}])
 def test_guess_types(guess):
     """What is not a guess is refused with what would be one."""
     with pytest.raises(vi.errors.ParameterTypeError, match="guess") as caught:
