@@ -344,7 +344,7 @@ def test_bad_input(change, words):
     [
         {"r": ["a"]},
         {"osc": 1},
-        {"pattern": "RL"},
+        {"pattern": 7},
         {"slots": "4"},
         {"multipliers": "no"},
         {"progress": 5},
