@@ -94,9 +94,9 @@ class Record:
 
 def add_common(parser: argparse.ArgumentParser) -> None:
     """Options that every command has."""
-    parser.add_argument("--quiet", action="store_true", help="say nothing but what went wrong")
+    parser.add_argument("--quiet", action="store_true", help="print only errors")
     parser.add_argument(
-        "--json", action="store_true", help="print one JSON document for scripts, and nothing else"
+        "--json", action="store_true", help="print only one JSON document, for scripts"
     )
 
 
@@ -214,11 +214,11 @@ def add_forms(parser: argparse.ArgumentParser, on_request: bool = False) -> None
     parser.add_argument(
         "--format",
         choices=FORMATS,
-        help="form of the results (default: csv, or that of the file's name)",
+        help="format of the results (default: csv, or that of the file's name)",
     )
     parser.add_argument(
         "--plot", nargs="?", const=PICTURES[0], choices=PICTURES, metavar="FORMAT",
-        help=f"draw the results too, as png, svg or pdf (default: {PICTURES[0]})",
+        help=f"also draw the results, as png, svg or pdf (default: {PICTURES[0]})",
     )  # fmt: skip
 
 

@@ -35,5 +35,5 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_keys(parser)
     parser.add_argument(
         "--quantity", default="x", choices=(*COLUMNS, "approach"),
-        help="what --plot draws of each impact (default: x)",
+        help="quantity of each impact that --plot draws (default: x)",
     )  # fmt: skip

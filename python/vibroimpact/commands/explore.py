@@ -18,7 +18,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Where to serve, and whether to open a browser."""
     parser.add_argument(
         "--port", type=int, default=5006, metavar="N",
-        help="port of the page (default: 5006; 0: any that is free)",
+        help="port of the page (default: 5006; 0: any free port)",
     )  # fmt: skip
     parser.add_argument(
         "--address", default="127.0.0.1", metavar="A",
@@ -29,7 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--show", dest="show", action="store_true", default=True, help="open a browser (default)"
     )
     browser.add_argument(
-        "--no-browser", dest="show", action="store_false", help="only tell the page's address"
+        "--no-browser", dest="show", action="store_false", help="only print the address of the page"
     )
 
 

@@ -117,11 +117,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="NAME",
         choices=kinds(),
-        help="a kind of case, as --list tells them",
+        help="a kind of case (see --list)",
     )
     parser.add_argument("-o", dest="file", metavar="FILE.nml", help="the file (default: NAME.nml)")
-    parser.add_argument("--list", action="store_true", help="tell what each kind of case is")
-    parser.add_argument("--force", action="store_true", help="write over a file that is there")
+    parser.add_argument("--list", action="store_true", help="describe the kinds of cases")
+    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 
 def run(options: argparse.Namespace) -> int:

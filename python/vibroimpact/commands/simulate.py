@@ -24,5 +24,5 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_keys(parser)
     parser.add_argument(
         "--animate", choices=ANIMATIONS,
-        help="film the masses in the last load cycles, as DIR/NAME.gif or .mp4",
+        help="animate the masses in the last load cycles, as DIR/NAME.gif or .mp4",
     )  # fmt: skip
