@@ -31,6 +31,7 @@ subroutine stability_flags(n, m, xi, mu, walls, r, cycles, sides, restitution, p
    use vi_flags, only: flags => stability_flags
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
+   use vi_processor, only: usable_threads
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n, m, cycles, sides(n), with_radius, threads, wide
@@ -40,8 +41,8 @@ subroutine stability_flags(n, m, xi, mu, walls, r, cycles, sides, restitution, p
    integer(c_int), intent(out) :: status(m), referred
 
    call flags(oscillator_type(xi, mu, walls), r, pattern_type(sides, cycles), restitution, &
-      phases, acceptance, with_radius /= 0, threads, wide /= 0, consistent, stable, radius, &
-      status, referred)
+      phases, acceptance, with_radius /= 0, usable_threads(threads), wide /= 0, consistent, &
+      stable, radius, status, referred)
 end subroutine stability_flags
 
 !> Both equispaced motions at many points; two columns a point.
@@ -664,21 +665,23 @@ end subroutine start_state
 
 !> Simulates many systems for a number of load cycles: final states, impacts and rests of each.
 subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_events, threads, &
-   states, contacts, end_states, end_contacts, counts, status)
+   states, contacts, progress, end_states, end_contacts, counts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_bundle, only: run => simulate_bundle
    use vi_oscillator, only: oscillator_type
+   use vi_processor, only: usable_threads
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: m, most_events, threads, contacts(3, m)
+   integer(c_int), intent(inout) :: progress(3)
    real(c_double), intent(in) :: xi, mu, walls(2), r(m), load(m), clearance(m), cycles, states(7, m)
    real(c_double), intent(out) :: end_states(7, m)
    integer(c_int), intent(out) :: end_contacts(3, m), counts(2, m), status(m)
 
    end_states = states
    end_contacts = contacts
-   call run(oscillator_type(xi, mu, walls), r, load, clearance, cycles, most_events, threads, &
-      end_states, end_contacts, counts, status)
+   call run(oscillator_type(xi, mu, walls), r, load, clearance, cycles, most_events, &
+      usable_threads(threads), end_states, end_contacts, counts, status, progress)
 end subroutine simulate_bundle
 
 !> Both equispaced motions at each (clearance, r) of a grid; rows as in vi_chart.
@@ -687,6 +690,7 @@ subroutine equispaced_chart(m, n, xi, mu, walls, r, clearance, cycles, with_mult
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_chart, only: chart => equispaced_chart
    use vi_oscillator, only: oscillator_type
+   use vi_processor, only: usable_threads
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: m, n, cycles, with_multipliers, threads
@@ -696,7 +700,7 @@ subroutine equispaced_chart(m, n, xi, mu, walls, r, clearance, cycles, with_mult
    integer(c_int), intent(out) :: verdicts(3, 2, m, n), status(2, m, n)
 
    call chart(oscillator_type(xi, mu, walls), r, clearance, cycles, with_multipliers /= 0, &
-      threads, scalars, multipliers, verdicts, status)
+      usable_threads(threads), scalars, multipliers, verdicts, status)
 end subroutine equispaced_chart
 
 !> How often a polygon goes round points, counter-clockwise in the plane (r, log D).

@@ -415,6 +415,7 @@ class _SimulateBundle(Protocol):
         threads: int,
         states: ArrayLike,
         contacts: ArrayLike,
+        progress: _Integer,
         m: int = ...,
     ) -> tuple[_Real, _Integer, _Integer, _Integer]: ...
 

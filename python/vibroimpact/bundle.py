@@ -10,10 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError
+from .interrupt import new_counters, stoppable
 from .model import Oscillator
 from .states import TWO_PI
 
 __all__ = ["Bundle", "simulate_bundle"]
+
+#: Load cycles in all that take a moment, unless there are very many impacts; they are simulated without a look at
+#: Ctrl-C.
+LITTLE = 2000
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -61,8 +66,7 @@ def simulate_bundle(
 ) -> Bundle:
     """Simulate many initial states or parameters in one call, on several threads.
 
-    The results have the same bits for any number of threads. After such a call do not fork
-    the process (multiprocessing: use the "spawn" method); a forked child would hang.
+    The results have the same bits for any number of threads. In a forked child of the process there is one.
 
     Parameters
     ----------
@@ -113,8 +117,8 @@ def simulate_bundle(
         for value in (array.min(), array.max()):
             checks.number(float(value), name)
         columns[name] = np.ascontiguousarray(np.broadcast_to(array, m))
-    if osc.xi == 0 and (columns["r"] == 1).any():
-        checks.frequency_ratio(1.0, osc.xi)
+    nearest = float(columns["r"][np.argmin(abs(columns["r"] - 1))])
+    checks.frequency_ratio(nearest, osc.xi, near=True)
     start = np.broadcast_to(start.reshape(5, -1), (5, m))
     finite = np.isfinite(start).all(axis=0)
     if not finite.all():
@@ -138,9 +142,17 @@ def simulate_bundle(
         values[:, j], contacts[:, j] = _core.start_state(
             osc.xi, columns["r"][j], columns["load"][j], columns["clearance"][j], start[:, j]
         )
-    ends, _, counts, status = _core.simulate_bundle(
+    arguments = (
         osc.xi, osc.mu, osc.restitution, columns["r"], columns["load"], columns["clearance"], cycles,
         max_events, threads, values, contacts,
     )  # fmt: skip
+    if m * cycles < LITTLE:
+        ends, _, counts, status = _core.simulate_bundle(*arguments, new_counters())
+    else:
+        (ends, _, counts, status), complete = stoppable(
+            _core.simulate_bundle, *arguments, counters=new_counters()
+        )
+        if not complete:
+            raise KeyboardInterrupt
     t = (TWO_PI * ends[0] + ends[1]) / columns["r"]
     return Bundle(t, ends[2], ends[3], ends[4], ends[5], counts[0], counts[1], status)

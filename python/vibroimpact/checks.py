@@ -152,12 +152,22 @@ def real_array(values: ArrayLike, name: str, wanted: str) -> NDArray[np.float64]
     return array.astype(np.float64, copy=False)
 
 
-def frequency_ratio(value: Any, xi: float) -> float:
-    """A frequency ratio r at which the motion without impacts is finite."""
+#: 1/A of the motion without impacts below which free and forced vibration cancel to less than four digits; the
+#: core has the same number.
+LEAST_INVERSE = 1e-12
+
+
+def at_resonance(xi: float, r: float) -> bool:
+    """Whether r = 1 with hardly any damping."""
+    return math.hypot((1 - r) * (1 + r), 2 * xi * r) < LEAST_INVERSE
+
+
+def frequency_ratio(value: Any, xi: float, near: bool = False) -> float:
+    """A frequency ratio r at which the motion without impacts is finite and, with `near`, keeps some digits."""
     r = number(value, "r")
-    if r == 1.0 and xi == 0.0:
+    if (near or r == 1.0) and at_resonance(xi, r):
         raise ParameterError(
-            "r = 1.0: must differ from 1 when xi = 0 (resonance without damping: the amplitude is infinite)"
+            f"r = {r!r}: must differ from 1 when xi = 0 (resonance without damping: the amplitude is infinite)"
         )
     return r
 

@@ -13,11 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, checks, namelist
-from .errors import ParameterError, ParameterTypeError, StudyInterrupted
+from .errors import OutOfMemoryError, ParameterError, ParameterTypeError, StudyInterrupted
 from .interrupt import new_counters, stoppable
 from .model import Oscillator
 from .spacing import spacing_of
 from .tables import Handle, Result, from_core, language, text_of
+
+#: What the core returns for a case that takes more memory or stack than there is.
+NO_MEMORY = 4
 
 Progress = Callable[[float, str], None]
 Found = TypeVar("Found")
@@ -48,6 +51,8 @@ def run(
     ------
     ParameterError, ParameterTypeError
         With the message of the core and the caller's name of the parameter.
+    OutOfMemoryError
+        The case takes more memory than there is.
     StudyInterrupted
         After Ctrl-C, with what was finished.
     """
@@ -96,6 +101,8 @@ def run_text(
         owner = Handle(handle)
         raise ParameterError(refusal(owner.number))
     result = from_core(study, handle)
+    if status == NO_MEMORY:
+        raise OutOfMemoryError(result.notes[-1][1])
     if result.cut and result.empty:
         raise KeyboardInterrupt
     found = noun(result)

@@ -7,6 +7,7 @@ from typing import Any
 __all__ = [
     "MissingExtraError",
     "OpenBoundaryWarning",
+    "OutOfMemoryError",
     "ParameterError",
     "ParameterTypeError",
     "SingularError",
@@ -40,6 +41,12 @@ class OpenBoundaryWarning(UserWarning):
 
 class MissingExtraError(VibroimpactError, ImportError):
     """A library that is not required to compute is needed here."""
+
+    status = 1
+
+
+class OutOfMemoryError(VibroimpactError, MemoryError):
+    """A case takes more memory, or more room on the stack, than there is; nothing was computed."""
 
     status = 1
 

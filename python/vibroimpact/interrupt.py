@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 #: Seconds between two checks whether the call is done; an interrupt in between takes effect at once.
 INTERVAL = 0.05
+#: Bytes of the stack of a thread that runs the core, whatever `ulimit -s` and `threading.stack_size` are.
+STACK = 8 * 2**20
 #: In a thread that runs a call: whether its caller no longer waits for it (`event`).
 _HERE = threading.local()
 
@@ -103,7 +105,11 @@ class _Worker:
 
     def __init__(self) -> None:
         self.calls: SimpleQueue[Callable[[], None]] = SimpleQueue()
-        threading.Thread(target=self._work, daemon=True).start()
+        before = threading.stack_size(STACK)
+        try:
+            threading.Thread(target=self._work, daemon=True).start()
+        finally:
+            threading.stack_size(before)
 
     def _work(self) -> None:
         while True:

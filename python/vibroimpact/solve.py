@@ -335,7 +335,7 @@ def frequency_ratios(values: Any, m: int, xi: float) -> NDArray[np.float64]:
         raise ParameterError(f"r of shape {ratios.shape}: must be {wanted}")
     for value in ratios.ravel() if ratios.size == 1 else (ratios.min(), ratios.max()):
         checks.number(float(value), "r")
-    if xi == 0 and (ratios == 1).any():
+    if (ratios == 1).any():
         checks.frequency_ratio(1.0, xi)
     return np.broadcast_to(ratios.ravel(), m) if ratios.size == 1 else ratios
 

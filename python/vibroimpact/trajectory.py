@@ -30,6 +30,8 @@ REQUEST = ("clearance", "cycles", "discard", "load", *NEEDED, "max_events")
 FULL = "max_events was reached"
 #: Largest numbers of events and of load cycles in a call of the core; Ctrl-C takes effect between calls.
 CHUNK, SPAN = 65_536, 1_000_000
+#: Largest number of events of a trajectory, as in the core: 88 bytes each.
+MOST_KEPT = 50_000_000
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -315,7 +317,8 @@ def simulate(
     discard : float
         Load cycles simulated before those that are kept.
     max_events : int
-        Events after which the trajectory ends, if there are more (`complete` is then False).
+        Events after which the trajectory ends, if there are more (`complete` is then False); 50 million at most,
+        which take 4 GB.
     progress : callable, optional
         Called at intervals with the share done and the present task.
 
@@ -343,12 +346,12 @@ def simulate(
     ('stick', 'L')
     """
     checks.instance(osc, "osc", Oscillator)
-    r = checks.frequency_ratio(r, osc.xi)
+    r = checks.frequency_ratio(r, osc.xi, near=True)
     clearance = checks.number(clearance, "clearance")
     load = checks.number(load, "load")
     cycles = checks.number(cycles, "cycles_simulated", "cycles")
     discard = checks.number(discard, "cycles_simulated", "discard")
-    max_events = checks.integer(max_events, "max_events", 1, 10**9)
+    max_events = checks.integer(max_events, "max_events", 1, MOST_KEPT)
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
     now, begun = start_of(system, state)
     whole = discard + cycles or 1.0

@@ -2,7 +2,7 @@
 module vi_case
    use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
-   use vi_oscillator, only: oscillator_type
+   use vi_oscillator, only: at_resonance, oscillator_type
    use vi_text, only: append, line_type
    use vi_values, only: values_type
    use vi_version, only: version
@@ -67,7 +67,7 @@ contains
          call system%refuse('r')
       else if (.not. needs_r) then
          call system%forbid('r', ': '//why)
-      else if (system%number('xi') <= 0 .and. abs(system%number('r') - 1) <= 0) then
+      else if (at_resonance(system%number('xi'), system%number('r'))) then
          call system%refuse('r', 'must differ from 1 when xi = 0 (resonance without damping)')
       end if
       if (size(system%numbers('restitution')) == 1) call system%set('restitution', &

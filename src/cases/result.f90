@@ -84,8 +84,8 @@ module vi_result
       type(filled_type), allocatable :: columns(:)
       !> Name of the table whose rows are those of the CSV.
       character(16) :: row = ''
-      !> Whether there is nothing to write to a file.
-      logical :: empty = .false.
+      !> Whether there is nothing to write to a file, and whether that is for lack of memory.
+      logical :: empty = .false., no_memory = .false.
       !> How far the study got, if it was stopped before its end; otherwise empty.
       character(:), allocatable :: cut
    contains

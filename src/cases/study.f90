@@ -5,6 +5,7 @@
 module vi_study
    use vi_case, only: case_type
    use vi_key, only: a_whole, a_word, key_type
+   use vi_kinds, only: wp
    use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
    use vi_values, only: values_type
    implicit none (type, external)
@@ -37,6 +38,8 @@ module vi_study
       procedure(check_interface), pointer, nopass :: check => null()
       !> Checks the group that it starts from; null if it starts from none.
       procedure(check_start_interface), pointer, nopass :: check_start => null()
+      !> Bytes that a case asks for, results included; null if they are few for all cases.
+      procedure(memory_interface), pointer, nopass :: memory => null()
       procedure(run_interface), pointer, nopass :: run => null()
    end type study_type
 
@@ -74,6 +77,15 @@ module vi_study
          !> Line of the group of the study.
          integer, intent(in) :: line
       end subroutine check_start_interface
+
+      !> An upper estimate of the memory that a case takes. A failed allocation would end the
+      !! program, so it is asked for before the study starts.
+      pure real(wp) function memory_interface(case)
+         import :: case_type, wp
+         implicit none (type, external)
+         !> Checked.
+         type(case_type), intent(in) :: case
+      end function memory_interface
 
       !> Computes a case, and fills its result.
       subroutine run_interface(case, threads, result, progress)

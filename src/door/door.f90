@@ -25,8 +25,9 @@ module vi_door
 
    !> Status of a result: done; ran, but something failed or does not exist; the case is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
-   !> Status of an invalid handle: 0, or one that was freed.
-   integer, parameter, public :: no_result = 3
+   !> Status of an invalid handle: 0, or one that was freed; and of a case for which memory or stack
+   !! are too small.
+   integer, parameter, public :: no_result = 3, no_memory = 4
    !> The number at the start of a holder's memory, by which most freed handles are detected.
    integer(c_int64_t), parameter :: mark = 8387236825288893542_c_int64_t
 
@@ -73,6 +74,7 @@ contains
       if (len(holder%message) > 0) return
       call run_study(cases(1), threads, holder%result, progress)
       status = merge(failed, done, any(holder%result%notes%fault))
+      if (holder%result%no_memory) status = no_memory
       holder%status = status
    end subroutine run_text
 

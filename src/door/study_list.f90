@@ -8,18 +8,24 @@ module vi_study_list
    use vi_chart_study, only: declare_chart
    use vi_decay_study, only: declare_decay
    use vi_find_study, only: declare_find
+   use vi_kinds, only: wp
    use vi_lyapunov_study, only: declare_lyapunov
    use vi_motion_study, only: declare_motion
+   use vi_processor, only: has_memory, stack_left, stack_needed, usable_threads
    use vi_response_study, only: declare_response
    use vi_result, only: column_type, result_type, start_result
    use vi_simulate_study, only: declare_simulate
+   use vi_status, only: stat, status_text
    use vi_study, only: declare_type, study_type
-   use vi_text, only: line_type
+   use vi_text, only: line_type, whole
    use vi_zone_study, only: declare_zone
    implicit none (type, external)
    private
 
    public :: find_study, list_studies, run_study
+
+   !> Bytes that are there wherever the program runs; a case that asks for less is not examined.
+   real(wp), parameter :: little = 16.0e6_wp
 
 contains
 
@@ -90,7 +96,37 @@ contains
       call find_study(case%study%name, study)
       call study%list(columns=columns)
       call start_result(lines, columns, study%row, result)
-      call study%run(case, threads, result, progress)
+      call check_room(study, case, result)
+      if (result%empty) return
+      call study%run(case, usable_threads(threads), result, progress)
    end subroutine run_study
+
+   !> Checks that memory and stack are enough for a case.
+   subroutine check_room(study, case, result)
+      !> The study.
+      type(study_type), intent(in) :: study
+      !> Its case.
+      type(case_type), intent(in) :: case
+      !> The result; empty, with a fault, if there is too little.
+      type(result_type), intent(inout) :: result
+      real(wp) :: bytes
+
+      if (stack_left() < stack_needed()) then
+         result%empty = .true.
+         result%no_memory = .true.
+         call result%fail('the stack of this thread is too small: '// &
+            whole(int(stack_left()/1024))//' kB are left; must be at least '// &
+            whole(int(stack_needed()/1024))//' kB (ulimit -s, threading.stack_size)')
+         return
+      end if
+      if (.not. associated(study%memory)) return
+      bytes = study%memory(case)
+      if (bytes < little) return
+      if (has_memory(bytes)) return
+      result%empty = .true.
+      result%no_memory = .true.
+      call result%fail(status_text(stat%no_memory)//': the case takes up to '// &
+         whole(int(bytes/1.0e6_wp))//' MB, which cannot be allocated; ask for less at a time')
+   end subroutine check_room
 
 end module vi_study_list

@@ -9,7 +9,7 @@ module vi_oscillator
    implicit none (type, external)
    private
 
-   public :: eta, gain, lag
+   public :: at_resonance, eta, gain, lag
 
    !> Index of each wall in `restitution`.
    integer, parameter, public :: right = 1, left = 2
@@ -41,6 +41,16 @@ contains
 
       gain = 1/hypot((1 - r)*(1 + r), 2*xi*r)
    end function gain
+
+   !> Whether the amplitude of the motion without impacts is so great that free and forced
+   !! vibration, which all but cancel then, keep no more than four digits: r = 1 with hardly any
+   !! damping.
+   elemental logical function at_resonance(xi, r)
+      !> Damping ratio, and frequency ratio Omega/omega.
+      real(wp), intent(in) :: xi, r
+
+      at_resonance = hypot((1 - r)*(1 + r), 2*xi*r) < 1.0e-12_wp
+   end function at_resonance
 
    !> Phase by which the motion without impacts lags the load, in [0, pi], equation (4).
    elemental real(wp) function lag(xi, r)

@@ -34,6 +34,10 @@ module vi_status
       integer :: lost_digits = 11
       !> The computation was stopped before it reached this point.
       integer :: not_computed = 12
+      !> A simulation had more events than it may have.
+      integer :: event_limit = 13
+      !> There is not enough memory.
+      integer :: no_memory = 14
    end type status_codes
 
    !> The codes by name, as stat%no_motion.
@@ -83,6 +87,10 @@ contains
             &forced vibration cancel; move r away from it or add damping'
       case (stat%not_computed)
          text = 'it was stopped before this point was computed'
+      case (stat%event_limit)
+         text = 'the simulation reached max_events events before its end'
+      case (stat%no_memory)
+         text = 'out of memory'
       case (stat%no_convergence)
          text = 'the iteration did not converge; a closer guess may help'
       case default

@@ -12,7 +12,7 @@ module vi_atlas
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
    use vi_zone_request, only: zone_request_type
-   use vi_survey, only: attractor_type, settle_from, survey
+   use vi_survey, only: attractor_type, limits_type, settle_from, survey
    use vi_survey_outcome, only: count_outcomes, outcome_names
    use vi_progress, only: add_expected_work, is_stopped
    use vi_zone, only: count_zone, find_zone, release_type, simulate_nodes, zone_type, zone_work
@@ -29,6 +29,8 @@ module vi_atlas
       !> Points of the survey, and load cycles of the transient at each.
       integer :: survey = 400, settling = 400
       integer :: lines = 17, guesses = 24, points = 20000, threads = 1
+      !> Largest number of events of a simulation of the survey.
+      integer :: max_events = 10000000
    end type atlas_request_type
 
    !> One pattern's motions, symmetric or not, and where they are stable and admissible.
@@ -128,7 +130,7 @@ contains
 
       allocate (atlas%points(request%survey))
       call survey(request%osc, request%r, request%clearance, request%settling, &
-         request%max_impacts, request%max_cycles, request%threads, atlas%points, progress)
+         limits_of(request), request%threads, atlas%points, progress)
       deallocate (atlas%attractors)
       allocate (atlas%attractors(count(atlas%points%found)))
       n = 0
@@ -138,6 +140,14 @@ contains
          atlas%attractors(n) = atlas%points(i)
       end do
    end subroutine survey_window
+
+   !> The limits of the motions of an atlas.
+   pure type(limits_type) function limits_of(request) result(limits)
+      !> What is asked for.
+      type(atlas_request_type), intent(in) :: request
+
+      limits = limits_type(request%max_impacts, request%max_cycles, request%max_events)
+   end function limits_of
 
    !> The simulations at the nodes of a lattice, which all searches for zones with rest share.
    subroutine simulate_lattice(request, finer, releases, places, progress)
@@ -211,8 +221,8 @@ contains
          associate (at => places(:, nodes(2, i), nodes(3, i)))
             tried(i) = attractor_type(r=at(1), clearance=at(2))
             if (is_stopped(progress)) cycle
-            call settle_from(request%osc, nodes(1, i), request%settling, request%max_impacts, &
-               request%max_cycles, tried(i), progress)
+            call settle_from(request%osc, nodes(1, i), request%settling, limits_of(request), &
+               tried(i), progress)
          end associate
       end do
       !$omp end parallel do

@@ -1,7 +1,7 @@
 !> The study &atlas: the zones of all patterns in a window.
 module vi_atlas_study
    use vi_atlas, only: atlas_request_type, atlas_type, family_type, find_atlas, outcomes_of
-   use vi_common_keys, only: check_window, window_keys
+   use vi_common_keys, only: check_window, max_events_key, window_keys
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
@@ -31,7 +31,7 @@ module vi_atlas_study
       window_keys, lines_key, &
       key_type('guesses', a_whole, default='24', low=0.0_wp, high=1.0e5_wp, &
       meaning='guesses for motions at every second node each way, for each pattern'), &
-      vertices_key]
+      vertices_key, max_events_key]
 
    type(column_type), parameter :: atlas_columns(*) = [ &
       column_type('families', 'sides', words, meaning='walls in the order of impacts'), &
@@ -71,6 +71,7 @@ contains
       study%list => list_atlas
       study%row = 'vertices'
       study%check => check_atlas
+      study%memory => atlas_memory
       study%run => run_atlas
    end subroutine declare_atlas
 
@@ -106,9 +107,17 @@ contains
             'clearance_min'), s%number('clearance_max')], s%whole_number('max_impacts'), &
             s%whole_number('max_cycles'), s%whole_number('survey'), s%whole_number('settling'), &
             s%whole_number('lines'), s%whole_number('guesses'), s%whole_number('max_points'), &
-            threads)
+            threads, s%whole_number('max_events'))
       end associate
    end function atlas_request
+
+   !> Bytes for the points of the survey, some hundred numbers of each.
+   pure real(wp) function atlas_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+
+      bytes = 2000.0_wp*case%study%whole_number('survey')
+   end function atlas_memory
 
    !> Finds all zones in a window, and reports the outcomes of the survey and the attractors that
    !! lie in no zone.

@@ -7,7 +7,7 @@ module vi_attractor_basin
       release_event, state_type
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
-   use vi_simulate, only: simulate
+   use vi_simulate, only: simulate_on
    use vi_status, only: stat
    use vi_progress, only: add_done_work, is_stopped
    implicit none (type, external)
@@ -17,13 +17,16 @@ module vi_attractor_basin
 
    !> The label of a state that was not simulated, because the computation was stopped.
    integer, parameter, public :: not_reached = -1
+   !> The label of a state whose simulation had too many events.
+   integer, parameter, public :: event_limited = -2
 
 contains
 
    !> The number of the attractor of each initial state; 0 if it is not decided within the cycles,
-   !! and `not_reached` if the computation was stopped before.
-   subroutine decide(osc, r, load, clearance, targets, starts, cycles, threads, labels, impacts, &
-      ends, progress)
+   !! `event_limited` if there were too many events before, and `not_reached` if the computation was
+   !! stopped before.
+   subroutine decide(osc, r, load, clearance, targets, starts, cycles, max_events, threads, &
+      labels, impacts, ends, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio, load amplitude f, clearance.
@@ -32,9 +35,9 @@ contains
       type(target_type), intent(in) :: targets(:)
       !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
-      !> Largest number of load cycles simulated, and number of OpenMP threads.
-      integer, intent(in) :: cycles, threads
-      !> (m) Number of the target, 0 or `not_reached`; (m) events simulated until then.
+      !> Largest numbers of load cycles and of events of a simulation, and number of OpenMP threads.
+      integer, intent(in) :: cycles, max_events, threads
+      !> (m) Number of the target, or as above; (m) events simulated until then.
       integer, intent(out) :: labels(:), impacts(:)
       !> (5, m): the state at which the simulation ended.
       real(wp), intent(out) :: ends(:, :)
@@ -50,40 +53,44 @@ contains
       !$omp parallel do schedule(dynamic, 64) num_threads(threads)
       do j = 1, size(starts, 2)
          if (is_stopped(progress)) cycle
-         call follow(system, targets, starts(:, j), cycles, labels(j), impacts(j), ends(:, j))
+         call follow(system, targets, starts(:, j), cycles, max_events, labels(j), impacts(j), &
+            ends(:, j), progress)
          call add_done_work(1, progress)
       end do
       !$omp end parallel do
    end subroutine decide
 
    !> Simulates one state until it is in a neighbourhood.
-   pure subroutine follow(system, targets, start, cycles, label, impacts, finish)
+   subroutine follow(system, targets, start, cycles, max_events, label, impacts, finish, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Motions with their neighbourhoods.
       type(target_type), intent(in) :: targets(:)
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
-      !> Largest number of load cycles simulated.
-      integer, intent(in) :: cycles
-      !> Number of the target, 0 if none; events simulated.
+      !> Largest numbers of load cycles and of events simulated.
+      integer, intent(in) :: cycles, max_events
+      !> Number of the target, or as of `decide`; events simulated.
       integer, intent(out) :: label, impacts
       !> t (below a load cycle), x, x', z, z' at the end of the simulation.
       real(wp), intent(out) :: finish(5)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       integer, parameter :: chunk = 8
       type(state_type) :: state, final
       type(event_type) :: events(chunk)
       integer(int64) :: last
       real(wp) :: phase
-      integer :: n, i, status
+      integer :: n, i, left, status
 
       state = initial_state(system, start)
+      left = max_events
       last = state%cycle + cycles
       phase = state%phase
       label = 0
       impacts = 0
       do
-         call simulate(system, state, last, phase, events, n, final, status)
+         call simulate_on(system, state, last, phase, events, n, final, left, status, progress)
          do i = 1, n
             impacts = impacts + 1
             label = neighbourhood_of(targets, events(i))
@@ -91,6 +98,8 @@ contains
          end do
          if (label > 0 .or. status /= stat%more_events) exit
       end do
+      if (label == 0 .and. status == stat%event_limit) label = event_limited
+      if (label == 0 .and. status == stat%not_computed) label = not_reached
       finish = [final%phase/system%r, final%x, final%x_dot, final%z, final%z_dot]
    end subroutine follow
 

@@ -39,15 +39,18 @@ module vi_attractor_diagram
 contains
 
    !> Simulates all runs.
-   subroutine diagram(path, directions, start, settling, keep, points, threads, result, progress)
+   subroutine diagram(path, directions, start, settling, keep, points, max_events, threads, &
+      result, progress)
       !> The system and the values of its parameter.
       type(path_type), intent(in) :: path
       !> (runs): 1 up, -1 down, 0 anew at each value.
       integer, intent(in) :: directions(:)
       !> (5): t, x, x', z, z' at the start of sweeps; if empty, a state with large velocities.
       real(wp), intent(in) :: start(:)
-      !> Load cycles simulated first, load cycles examined, impacts kept, OpenMP threads.
-      integer, intent(in) :: settling, keep, points, threads
+      !> Load cycles simulated first, load cycles examined, impacts kept.
+      integer, intent(in) :: settling, keep, points
+      !> Largest number of events of the simulation at a value, and number of OpenMP threads.
+      integer, intent(in) :: max_events, threads
       !> Out: all runs, their values in rising order.
       type(diagram_type), intent(out), target :: result
       !> Progress counters, see vi_progress.
@@ -80,8 +83,8 @@ contains
       periods(1:4, 1:links, 1:chains) => result%periods
       extremes(1:2, 1:links, 1:chains) => result%extremes
       status(1:links, 1:chains) => result%status
-      call settle_chains(chain_parameters, path%load, starts, settling, keep, kick, threads, &
-         impacts, labels, found, periods, extremes, ends, status, progress)
+      call settle_chains(chain_parameters, path%load, starts, settling, keep, kick, max_events, &
+         threads, impacts, labels, found, periods, extremes, ends, status, progress)
       do j = 1, runs
          if (directions(j) < 0) call turn_round(result, j)
       end do

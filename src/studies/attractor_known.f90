@@ -44,7 +44,7 @@ module vi_attractor_known
 contains
 
    !> The stable periodic motion on which a state is, and its neighbourhoods.
-   subroutine identify(system, end, cycles, threads, known, good)
+   subroutine identify(system, end, cycles, threads, known, good, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
@@ -55,10 +55,12 @@ contains
       type(known_type), intent(out) :: known
       !> False if there is none.
       logical, intent(out) :: good
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
 
       call exact_period(system, end, cycles, known, good)
       if (good) call find_neighbourhoods(system%osc, system%r, system%load, system%clearance, &
-         known%targets, threads)
+         known%targets, threads, progress)
    end subroutine identify
 
    !> The stable periodic motion on which a state is.

@@ -1,6 +1,6 @@
 !> The attractors at a point (r, D), and the initial states that go to each.
 module vi_attractor_list
-   use vi_attractor_basin, only: decide, not_reached
+   use vi_attractor_basin, only: decide, event_limited, not_reached
    use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, within
    use vi_attractor_settled, only: settle_chains
    use vi_attractor_target, only: target_type
@@ -26,8 +26,9 @@ module vi_attractor_list
    !> The attractors known so far, and the settings of the search.
    type, public :: attractor_list_type
       type(forced_system_type) :: system
-      !> Longest period considered, in load cycles; number of OpenMP threads.
-      integer :: max_cycles = 16, threads = 1
+      !> Longest period considered, in load cycles; largest number of events of a simulation; number
+      !! of OpenMP threads.
+      integer :: max_cycles = 16, max_events = 10000000, threads = 1
       integer :: n = 0
       type(known_type), allocatable :: known(:)
       !> Of attractors that are not periodic.
@@ -42,7 +43,7 @@ module vi_attractor_list
 
 contains
 
-   !> The attractor of each state (0, `not_reached`: as in `decide`), by falling share of all.
+   !> The attractor of each state (or its label as in `decide`), by falling share of all.
    subroutine label_states(list, starts, cycles, probes, labels, events, progress)
       !> In: system, longest period and threads.
       type(attractor_list_type), intent(inout) :: list
@@ -50,7 +51,7 @@ contains
       real(wp), intent(in) :: starts(:, :)
       !> Load cycles in which a state should be decided, and states simulated first.
       integer, intent(in) :: cycles, probes
-      !> (m) Number of the attractor, 0 or `not_reached`.
+      !> (m) Number of the attractor, 0, `event_limited` or `not_reached`.
       integer, intent(out) :: labels(:)
       !> Number of events simulated to decide.
       real(wp), intent(out) :: events
@@ -71,7 +72,7 @@ contains
          allocate (found(size(open_ones)), counts(size(open_ones)), after(5, size(open_ones)))
          call decide_known(list, ends, cycles, found, counts, after, progress)
          events = events + sum(real(counts, wp))
-         labels(open_ones) = merge(found, max(found, 0), round == 1)  ! later on all were reached
+         labels(open_ones) = merge(0, found, found == not_reached .and. round > 1)
          call keep_open(found, after, open_ones, ends)
          known = count(found > 0)
          deallocate (found, counts, after)
@@ -104,7 +105,7 @@ contains
 
    !> Keeps only the states that are not decided, with their present values.
    pure subroutine keep_open(found, after, open_ones, ends)
-      !> (m) Number of the attractor of each state; not above 0 if it is not decided.
+      !> (m) Number of the attractor of each state, or its label as in `decide`.
       integer, intent(in) :: found(:)
       !> (5, m) The states at the end of the simulation.
       real(wp), intent(in) :: after(:, :)
@@ -115,7 +116,7 @@ contains
       integer, allocatable :: still(:), left(:)
       integer :: i
 
-      still = pack([(i, i=1, size(found))], found <= 0)
+      still = pack([(i, i=1, size(found))], found <= 0 .and. found /= event_limited)
       left = open_ones(still)
       call move_alloc(left, open_ones)
       deallocate (ends)
@@ -149,8 +150,8 @@ contains
                system%osc%restitution]
          end do
          call settle_chains(parameters, system%load, starts, settling, 2*list%max_cycles + 1, &
-            0.0_wp, list%threads, found%values, found%labels, found%found, found%periods, &
-            found%extremes, found%ends, found%status, progress)
+            0.0_wp, list%max_events, list%threads, found%values, found%labels, found%found, &
+            found%periods, found%extremes, found%ends, found%status, progress)
       end associate
    end subroutine find_ends
 
@@ -184,7 +185,7 @@ contains
          n = n + 1
          seen(n) = j
          call identify(list%system, found%ends(:, 1, j), found%periods(1, 1, j), &
-            list%threads, new, good)
+            list%threads, new, good, progress)
          if (.not. good) cycle
          do i = 1, list%n
             if (alike(new, list%known(i), list%system%clearance)) exit
@@ -212,7 +213,7 @@ contains
       real(wp), intent(in) :: starts(:, :)
       !> Largest number of load cycles simulated.
       integer, intent(in) :: cycles
-      !> (m) Number of the attractor, 0 or `not_reached`; (m) events simulated.
+      !> (m) Number of the attractor, or the label as in `decide`; (m) events simulated.
       integer, intent(out) :: found(:), counts(:)
       !> (5, m) The states at the end of the simulation.
       real(wp), intent(out) :: after(:, :)
@@ -226,8 +227,8 @@ contains
       do i = 1, list%n
          n = n + size(list%known(i)%targets)
       end do
-      allocate (targets(n), owners(not_reached:n))
-      owners(:) = [not_reached, (0, i=0, n)]
+      allocate (targets(n), owners(event_limited:n))
+      owners(:) = [event_limited, not_reached, (0, i=0, n)]
       n = 0
       do i = 1, list%n
          associate (own => list%known(i)%targets)
@@ -238,7 +239,7 @@ contains
       end do
       associate (system => list%system)
          call decide(system%osc, system%r, system%load, system%clearance, targets, starts, cycles, &
-            list%threads, found, counts, after, progress)
+            list%max_events, list%threads, found, counts, after, progress)
       end associate
       found = owners(found)
    end subroutine decide_known
@@ -261,6 +262,7 @@ contains
 
       call find_ends(list, starts, 0, impacts_kept, found, progress)
       do j = 1, size(members)
+         if (found%status(1, j) == stat%event_limit) labels(members(j)) = event_limited
          if (found%status(1, j) /= stat%ok) cycle
          new%state = within(found%ends(:, 1, j), list%system%clearance)
          associate (period => found%periods(:, 1, j))
@@ -269,7 +271,8 @@ contains
                i = list%n + 1
                if (i > most_attractors) cycle
                call separate_groups(list%system, found%values(:, :n, 1, j), &
-                  found%labels(2, :n, 1, j), new, list%groups, i, labels(members(j)))
+                  found%labels(2, :n, 1, j), new, list%groups, i, list%max_events, &
+                  labels(members(j)), progress)
                if (labels(members(j)) == i) call add_described(list, new)
                cycle
             end if
@@ -312,12 +315,12 @@ contains
       !> In and out: the number of the attractor of each state.
       integer, intent(inout) :: labels(:)
       type(known_type), allocatable :: sorted(:)
-      integer :: counts(list%n), place(not_reached:list%n), i, n
+      integer :: counts(list%n), place(event_limited:list%n), i, n
 
       do i = 1, list%n
          counts(i) = count(labels == i)
       end do
-      place = [not_reached, (0, i=0, list%n)]
+      place = [event_limited, not_reached, (0, i=0, list%n)]
       allocate (sorted(list%n))
       do n = 1, list%n
          i = maxloc(counts, 1)

@@ -20,7 +20,7 @@ module vi_attractor_lyapunov
       release_event, state_type, two_pi
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
-   use vi_simulate, only: simulate
+   use vi_simulate, only: simulate_on
    use vi_status, only: stat
    use vi_progress, only: add_expected_work, add_done_work, is_stopped
    use vi_trajectory, only: unpack_state
@@ -48,7 +48,7 @@ contains
 
    !> The exponents at m points, from batches of time after a first one that is not counted.
    subroutine lyapunov_points(osc, r, load, clearance, states, contacts, discard, cycles, batches, &
-      threads, exponents, deviations, dimensions, counts, errors, status, progress)
+      max_events, threads, exponents, deviations, dimensions, counts, errors, status, progress)
       !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> (m) each
@@ -59,8 +59,9 @@ contains
       integer, intent(in) :: contacts(:, :)
       !> Load cycles before the first batch, and in each batch.
       integer, intent(in) :: discard, cycles
-      !> Batches that count, at least 2, and number of OpenMP threads.
-      integer, intent(in) :: batches, threads
+      !> Batches that count, at least 2, largest number of events at a point, and number of OpenMP
+      !! threads.
+      integer, intent(in) :: batches, max_events, threads
       !> (4, m): per unit of time, -inf of directions that are lost; standard errors by the scatter
       !! of the batches.
       real(wp), intent(out) :: exponents(:, :), deviations(:, :)
@@ -71,55 +72,61 @@ contains
       !> (m): difference between the sum of the logarithms and that from the volume, per unit of
       !! time.
       real(wp), intent(out) :: errors(:)
-      !> (m): `stat%no_motion` if a batch has no two events, `stat%not_computed` if stopped before.
+      !> (m): `stat%no_motion` if a batch has no two events, `stat%event_limit` if there are too
+      !! many, `stat%not_computed` if stopped before.
       integer, intent(out) :: status(:)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       integer :: j
 
       call add_expected_work(size(r)*(batches + 1), progress)
-
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do j = 1, size(r)
          call exponents_of(new_forced_system(osc, r(j), load(j), clearance(j)), &
-            unpack_state(states(:, j), contacts(:, j)), discard, cycles, batches, exponents(:, j), &
-            deviations(:, j), dimensions(j), counts(:, j), errors(j), status(j), progress)
+            unpack_state(states(:, j), contacts(:, j)), discard, cycles, batches, max_events, &
+            exponents(:, j), deviations(:, j), dimensions(j), counts(:, j), errors(j), 1, &
+            status(j), progress)
       end do
       !$omp end parallel do
    end subroutine lyapunov_points
 
    !> The largest exponent per load cycle of one trajectory, and its standard error.
-   subroutine largest_exponent(system, start, discard, cycles, batches, largest, deviation, status)
+   subroutine largest_exponent(system, start, discard, cycles, batches, max_events, largest, &
+      deviation, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> State at the start.
       type(state_type), intent(in) :: start
       !> Load cycles before the first batch, which is not counted, and in each.
       integer, intent(in) :: discard, cycles
-      !> Batches that count, at least 2.
-      integer, intent(in) :: batches
+      !> Batches that count, at least 2, and largest number of events.
+      integer, intent(in) :: batches, max_events
       !> The exponent per load cycle, and its standard error; NaN if the status is not `stat%ok`.
       real(wp), intent(out) :: largest, deviation
       !> As in `lyapunov_points`.
       integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       real(wp) :: exponents(4), deviations(4), dimension, error
       integer :: counts(2)
 
-      call exponents_of(system, start, discard, cycles, batches, exponents, deviations, dimension, &
-         counts, error, status)
+      call exponents_of(system, start, discard, cycles, batches, max_events, exponents, &
+         deviations, dimension, counts, error, 0, status, progress)
       largest = exponents(1)*(two_pi/system%r)
       deviation = deviations(1)*(two_pi/system%r)
    end subroutine largest_exponent
 
    !> The exponents of one trajectory, and their standard errors from its batches.
-   subroutine exponents_of(system, start, discard, cycles, batches, exponents, deviations, &
-      dimension, counts, error, status, progress)
+   subroutine exponents_of(system, start, discard, cycles, batches, max_events, exponents, &
+      deviations, dimension, counts, error, work, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> State at the start.
       type(state_type), intent(in) :: start
       !> Load cycles before the first batch, load cycles in each batch, and batches that count.
       integer, intent(in) :: discard, cycles, batches
+      !> Largest number of events.
+      integer, intent(in) :: max_events
       !> Exponents per unit of time, -inf in lost directions; their standard errors; Kaplan-Yorke
       !! dimension. NaN if the status is not `stat%ok`.
       real(wp), intent(out) :: exponents(4), deviations(4), dimension
@@ -127,6 +134,8 @@ contains
       integer, intent(out) :: counts(2)
       !> As `errors` in `lyapunov_points`.
       real(wp), intent(out) :: error
+      !> Units of work of a batch in the progress counters.
+      integer, intent(in) :: work
       !> As in `lyapunov_points`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
@@ -134,7 +143,8 @@ contains
       real(wp) :: each(4, 0:batches), mean(4), sum_before
       integer :: i, rank
 
-      call carry_along(system, start, discard, cycles, each, rank, counts, error, status, progress)
+      call carry_along(system, start, discard, cycles, max_events, each, rank, counts, error, &
+         work, status, progress)
       if (status /= stat%ok) then
          exponents = ieee_value(error, ieee_quiet_nan)
          deviations = exponents
@@ -165,20 +175,24 @@ contains
    end subroutine exponents_of
 
    !> The averages over all batches together and over each batch, along a trajectory.
-   subroutine carry_along(system, start, discard, cycles, exponents, rank, counts, error, status, &
-      progress)
+   subroutine carry_along(system, start, discard, cycles, max_events, exponents, rank, counts, &
+      error, work, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> State at the start.
       type(state_type), intent(in) :: start
       !> Load cycles before the first batch, and in each batch.
       integer, intent(in) :: discard, cycles
+      !> Largest number of events.
+      integer, intent(in) :: max_events
       !> (4, 1 + batches): of all batches together, then of each.
       real(wp), intent(out) :: exponents(:, :)
       !> Directions that are not lost; impacts and rests.
       integer, intent(out) :: rank, counts(2)
       !> As `errors` in `lyapunov_points`.
       real(wp), intent(out) :: error
+      !> Units of work of a batch in the progress counters.
+      integer, intent(in) :: work
       !> As in `lyapunov_points`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
@@ -187,16 +201,17 @@ contains
       type(event_type) :: events(chunk)
       type(tangent_type) :: tangent
       integer(int64) :: first, last
-      integer :: n, batch, i
+      integer :: n, batch, i, left
       real(wp) :: done
       real(wp) :: sums(5, 2)
 
       exponents = 0
+      left = max_events
       state = start
       last = state%cycle + discard
       do
-         call simulate(system, state, last, start%phase, events, n, final, status)
-         if (is_stopped(progress)) status = stat%not_computed
+         call simulate_on(system, state, last, start%phase, events, n, final, left, status, &
+            progress)
          if (status /= stat%more_events) exit
       end do
       first = last + cycles
@@ -206,7 +221,8 @@ contains
          last = last + cycles
          sums(:, 2) = 0
          do
-            call simulate(system, state, last, start%phase, events, n, final, status)
+            call simulate_on(system, state, last, start%phase, events, n, final, left, status, &
+               progress)
             do i = 1, n
                done = real(events(i)%cycle - first, wp) + (events(i)%phase - start%phase)/two_pi
                call carry(system, events(i), [bump(done/(cycles*(size(exponents, 2) - 1))), &
@@ -215,7 +231,7 @@ contains
             if (is_stopped(progress)) status = stat%not_computed
             if (status /= stat%more_events) exit
          end do
-         call add_done_work(1, progress)
+         call add_done_work(work, progress)
          if (batch == 1) then
             tangent%counts = 0                        ! it is not counted: the directions settle
             tangent%difference = 0

@@ -11,6 +11,7 @@ module vi_attractor_neighbourhood
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
    use vi_oscillator, only: oscillator_type
+   use vi_progress, only: is_stopped
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -23,7 +24,7 @@ module vi_attractor_neighbourhood
 contains
 
    !> The neighbourhoods of motions whose event and period are given.
-   subroutine find_neighbourhoods(osc, r, load, clearance, targets, threads)
+   subroutine find_neighbourhoods(osc, r, load, clearance, targets, threads, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio, load amplitude f, clearance.
@@ -32,23 +33,28 @@ contains
       type(target_type), intent(inout) :: targets(:)
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(forced_system_type) :: system
       integer :: i
 
       system = new_forced_system(osc, r, load, clearance)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do i = 1, size(targets)
-         call find_neighbourhood(system, targets(i))
+         call find_neighbourhood(system, targets(i), progress)
       end do
       !$omp end parallel do
    end subroutine find_neighbourhoods
 
    !> The neighbourhood of one motion.
-   pure subroutine find_neighbourhood(system, target)
+   subroutine find_neighbourhood(system, target, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> In: event and period of the motion. Out: with metric and radius.
+      !> In: event and period of the motion. Out: with metric and radius; without a neighbourhood if
+      !! the study was stopped.
       type(target_type), intent(inout) :: target
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       real(wp), parameter :: finer = 0.5_wp**0.25_wp
       real(wp) :: p(4, 4), zero(4)
       type(event_type) :: events(capacity)
@@ -69,8 +75,9 @@ contains
          merge([system%clearance, 1.0_wp, 0.0_wp, 0.0_wp], &
          [system%clearance, system%clearance, system%clearance, 1.0_wp], target%release)))
       do i = 1, 160
-         call contract(system, target, events, good)
+         call contract(system, target, events, good, progress)
          if (good) exit
+         if (is_stopped(progress)) exit
          target%radius = finer*target%radius
       end do
       target%radius = merge(0.5_wp*target%radius, 0.0_wp, good)
@@ -78,15 +85,17 @@ contains
    end subroutine find_neighbourhood
 
    !> Whether all tested states of a ball come nearer to its centre over a period.
-   pure subroutine contract(system, target, events, contracts)
+   subroutine contract(system, target, events, contracts, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> The motion with its metric; the ball has its radius.
       type(target_type), intent(in) :: target
       !> Scratch.
       type(event_type), intent(inout) :: events(:)
-      !> Whether they do.
+      !> Whether they do; false if the study was stopped.
       logical, intent(out) :: contracts
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       real(wp) :: u(5), direction(4), d(4), distance, next, pair(4)
       real(wp), parameter :: steps(5) = [0.8566749_wp, 0.7338918_wp, 0.6287066_wp, 0.5385973_wp, &
          0.4614030_wp]
@@ -95,6 +104,7 @@ contains
 
       contracts = .false.
       do i = 1, trials
+         if (is_stopped(progress)) return
          u = modulo(0.5_wp + i*steps, 1.0_wp)
          pair = [sqrt(-2*log(max(u(1), tiny(1.0_wp))))*[cos(two_pi*u(2)), sin(two_pi*u(2))], &
             sqrt(-2*log(max(u(3), tiny(1.0_wp))))*[cos(two_pi*u(4)), sin(two_pi*u(4))]]

@@ -15,8 +15,8 @@ module vi_attractor_response
 contains
 
    !> max|X|/A of the motions on which evenly spread initial states settle, at n points.
-   subroutine respond(osc, r, clearance, load, settling, keep, threads, attenuation, envelope, &
-      periods, status, progress)
+   subroutine respond(osc, r, clearance, load, settling, keep, max_events, threads, attenuation, &
+      envelope, periods, status, progress)
       !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> (n) each
@@ -25,8 +25,8 @@ contains
       real(wp), intent(in) :: load
       !> Load cycles simulated first, and load cycles examined.
       integer, intent(in) :: settling, keep
-      !> Number of OpenMP threads.
-      integer, intent(in) :: threads
+      !> Largest number of events of a simulation, and number of OpenMP threads.
+      integer, intent(in) :: max_events, threads
       !> (states, n): NaN where a simulation failed.
       real(wp), intent(out) :: attenuation(:, :)
       !> (2, n): least and greatest over the states; inf and -inf if all failed.
@@ -52,8 +52,8 @@ contains
          starts(:, (j - 1)*states + 1:j*states) = spread_states(osc, r(j), load, clearance(j), &
             states)
       end do
-      call settle_chains(parameters, load, starts, settling, keep, 0.0_wp, threads, impacts, &
-         labels, found, counts, extremes, ends, ends_status, progress)
+      call settle_chains(parameters, load, starts, settling, keep, 0.0_wp, max_events, threads, &
+         impacts, labels, found, counts, extremes, ends, ends_status, progress)
       status = reshape(ends_status, [states, n])
       periods = reshape(counts, [4, states, n])
       attenuation = reshape(max(-extremes(1, 1, :), extremes(2, 1, :)), [states, n])

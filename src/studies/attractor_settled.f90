@@ -10,7 +10,7 @@ module vi_attractor_settled
    use vi_event_symbols, only: symbol_endings
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
-   use vi_simulate, only: simulate
+   use vi_simulate, only: simulate_on
    use vi_status, only: stat
    use vi_progress, only: add_expected_work, add_done_work, is_stopped
    use vi_trajectory, only: extreme_positions, later, store_events
@@ -19,8 +19,8 @@ module vi_attractor_settled
 
    public :: settle_chains
 
-   !> Events kept of a simulation, and largest number of events of a simulation.
-   integer, parameter :: capacity = 4096, most_events = 50000000
+   !> Events kept of a simulation.
+   integer, parameter :: capacity = 4096
    !> States one period apart count as the same within this share of the clearance.
    real(wp), parameter :: same = 1.0e-5_wp
 
@@ -38,8 +38,8 @@ module vi_attractor_settled
 contains
 
    !> Chains of simulations, each chain a task of its own.
-   subroutine settle_chains(parameters, load, starts, settling, keep, kick, threads, values, &
-      labels, found, periods, extremes, ends, status, progress)
+   subroutine settle_chains(parameters, load, starts, settling, keep, kick, max_events, threads, &
+      values, labels, found, periods, extremes, ends, status, progress)
       !> (6, links, chains): r, D, xi, mu, R1, R2
       real(wp), intent(in) :: parameters(:, :, :)
       !> Load amplitude f.
@@ -50,8 +50,8 @@ contains
       integer, intent(in) :: settling, keep
       !> Added to x' from link to link, over D, so that a sweep leaves unstable motions.
       real(wp), intent(in) :: kick
-      !> Number of OpenMP threads.
-      integer, intent(in) :: threads
+      !> Largest number of events of the simulation of a link, and number of OpenMP threads.
+      integer, intent(in) :: max_events, threads
       !> (7, capacity, links, chains): the kept impacts as in `store_events`.
       real(wp), intent(inout) :: values(:, :, :, :)
       !> (2, capacity, links, chains): kind and side of the kept impacts; (links, chains): their
@@ -91,7 +91,8 @@ contains
             else
                state = carried(system, state, parameters(2, max(1, i - 1), j), kick)
             end if
-            call settle_on(system, state, settling, keep, settled)
+            call settle_on(system, state, settling, keep, max_events, settled, progress)
+            if (settled%status == stat%not_computed) exit
             call store(settled, values(:, :, i, j), labels(:, :, i, j), system%r, found(i, j))
             periods(:, i, j) = [settled%period, settled%symbols, settled%impacts, settled%rests]
             extremes(:, i, j) = [settled%x_min, settled%x_max]
@@ -125,36 +126,40 @@ contains
    end function carried
 
    !> Simulates the transient, and examines the load cycles after it.
-   pure subroutine settle_on(system, state, settling, keep, settled)
+   subroutine settle_on(system, state, settling, keep, max_events, settled, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Out: the end.
       type(state_type), intent(inout) :: state
       !> Load cycles of the transient, and those examined.
       integer, intent(in) :: settling, keep
+      !> Largest number of events of all of them.
+      integer, intent(in) :: max_events
       !> Out: the end of the simulation; its arrays are reused.
       type(settled_type), intent(inout) :: settled
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(state_type) :: last(0:keep)
       integer :: n, first(0:keep), i, k
-      integer :: total, stored
+      integer :: left, stored
 
       if (.not. allocated(settled%events)) allocate (settled%events(capacity))
       settled%period = 0
       settled%n = 0
-      total = 0
+      left = max_events
       state%cycle = 0
       last(0) = state
       ! states are compared at a phase unrelated to that of the start, which may be an impact
-      call advance(system, state, last(0), settling + 0.6180339887_wp, settled%events, n, total, &
-         settled%status)
+      call advance(system, state, last(0), settling + 0.6180339887_wp, settled%events, n, left, &
+         settled%status, progress)
       first = 1
       stored = 0
       n = 0
       do i = 1, keep
          if (settled%status /= stat%ok) exit
          last(i) = last(i - 1)
-         call advance(system, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, total, &
-            settled%status)
+         call advance(system, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, left, &
+            settled%status, progress)
          first(i) = first(i - 1) + n
          stored = stored + n
       end do
@@ -175,7 +180,7 @@ contains
    end subroutine settle_on
 
    !> Simulates some load cycles; the last events are kept if there is room.
-   pure subroutine advance(system, state, final, cycles, events, n, total, status)
+   subroutine advance(system, state, final, cycles, events, n, left, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Where the last flight or rest began, and the end from which the cycles count.
@@ -187,19 +192,19 @@ contains
       type(event_type), intent(inout) :: events(:)
       !> Number of events kept.
       integer, intent(out) :: n
-      !> In and out: events of the simulation so far.
-      integer, intent(inout) :: total
-      !> `stat%ok`, `stat%more_events` or `stat%budget`.
+      !> As of `simulate_on`.
+      integer, intent(inout) :: left
+      !> As of `simulate_on`.
       integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       integer(int64) :: cycle
       real(wp) :: phase
 
       call later(final, cycles, cycle, phase)
       do
-         call simulate(system, state, cycle, phase, events, n, final, status)
-         total = total + n
-         if (status /= stat%more_events .or. total > most_events) exit
-         if (.not. cycles > 1) exit
+         call simulate_on(system, state, cycle, phase, events, n, final, left, status, progress)
+         if (status /= stat%more_events .or. .not. cycles > 1) exit
       end do
    end subroutine advance
 

@@ -1,12 +1,13 @@
 !> Attractors that are not periodic, distinguished by the places of their impacts.
 module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_basin, only: event_limited
    use vi_attractor_known, only: chaotic, known_type, quasi_periodic
    use vi_attractor_lyapunov, only: largest_exponent
    use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
       state_type, two_pi
    use vi_kinds, only: wp
-   use vi_simulate, only: simulate
+   use vi_simulate, only: simulate_on
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -31,7 +32,8 @@ module vi_attractor_wandering
 contains
 
    !> The attractor of a trajectory that does not repeat itself; it may be a new one.
-   subroutine separate_groups(system, values, sides, known, groups, next, label)
+   subroutine separate_groups(system, values, sides, known, groups, next, max_events, label, &
+      progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Its last impacts as in `store_events`.
@@ -42,13 +44,16 @@ contains
       type(known_type), intent(inout) :: known
       !> In: cells of the attractors known so far. Out: with those of a new one.
       type(group_type), allocatable, intent(inout) :: groups(:)
-      !> The number of a new attractor.
-      integer, intent(in) :: next
-      !> Out: the number of the attractor; not changed if it cannot be determined.
+      !> The number of a new attractor, and the largest number of events of a simulation.
+      integer, intent(in) :: next, max_events
+      !> Out: the number of the attractor, or `event_limited`; not changed if it cannot be
+      !! determined.
       integer, intent(inout) :: label
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(group_type) :: own
       type(group_type), allocatable :: more(:)
-      integer :: i, best, shared(size(groups))
+      integer :: i, best, status, shared(size(groups))
 
       do i = 1, size(sides)
          call mark(own, system, values(2, i), values(3, i), sides(i))
@@ -64,10 +69,11 @@ contains
          end if
       end if
       if (size(groups) >= most_groups) return
-      call find_kind(system, known)
-      if (known%kind == 0) return
+      call find_kind(system, max_events, known, status, progress)
       own = group_type(next)
-      call find_cells(system, known%state, own)
+      if (known%kind > 0) call find_cells(system, known%state, max_events, own, status, progress)
+      if (status == stat%event_limit) label = event_limited
+      if (known%kind == 0 .or. status /= stat%ok) return
       label = next
       allocate (more(size(groups) + 1))
       more(:size(groups)) = groups
@@ -92,24 +98,31 @@ contains
    end subroutine mark
 
    !> The cells in which a long simulation has impacts.
-   pure subroutine find_cells(system, start, group)
+   subroutine find_cells(system, start, max_events, group, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
+      !> Largest number of events.
+      integer, intent(in) :: max_events
       !> In and out: the cells.
       type(group_type), intent(inout) :: group
+      !> As of `simulate_on`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(event_type) :: events(64)
       type(state_type) :: state, final
       integer(int64) :: last
       real(wp) :: phase
-      integer :: n, i, status
+      integer :: n, i, left
 
+      left = max_events
       state = initial_state(system, start)
       last = state%cycle + exponent_cycles
       phase = state%phase
       do
-         call simulate(system, state, last, phase, events, n, final, status)
+         call simulate_on(system, state, last, phase, events, n, final, left, status, progress)
          do i = 1, n
             if (events(i)%kind == impact_event) call mark(group, system, events(i)%phase, &
                events(i)%x, events(i)%side)
@@ -119,19 +132,24 @@ contains
    end subroutine find_cells
 
    !> Whether a state is on a chaotic or a quasi-periodic attractor; kind 0 if it is on neither.
-   subroutine find_kind(system, known)
+   subroutine find_kind(system, max_events, known, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
+      !> Largest number of events of the simulation.
+      integer, intent(in) :: max_events
       !> In: with its state. Out: kind and largest exponent are set.
       type(known_type), intent(inout) :: known
+      !> As in `lyapunov_points`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       real(wp) :: deviation
-      integer :: status
 
       known%kind = 0
       known%cycles = 0
       if (allocated(known%symbols)) deallocate (known%symbols)
       call largest_exponent(system, initial_state(system, known%state), exponent_discard, &
-         exponent_cycles/batches, batches, known%largest, deviation, status)
+         exponent_cycles/batches, batches, max_events, known%largest, deviation, status, progress)
       if (status /= stat%ok) return                                     ! impacts die out
       ! a smaller exponent: it was a transient, which has ended meanwhile
       if (known%largest > -least_chaos) known%kind = merge(chaotic, quasi_periodic, &

@@ -1,12 +1,13 @@
 !> The study &basins: the attractor to which each initial state goes.
 module vi_basins_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-   use vi_attractor_basin, only: not_reached
+   use vi_attractor_basin, only: event_limited, not_reached
    use vi_attractor_list, only: attractor_list_type, label_states
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
    use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
    use vi_attractor_spread, only: random_states
-   use vi_common_keys, only: check_product, clearance_key, half_gap, load_key, state_keys
+   use vi_common_keys, only: check_product, clearance_key, half_gap, load_key, max_events_key, &
+      state_keys
    use vi_forced_system, only: new_forced_system
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
@@ -62,7 +63,7 @@ module vi_basins_study
       meaning='states simulated first to find attractors'), &
       key_type('max_cycles', a_whole, default='16', low=1.0_wp, high=100.0_wp, &
       meaning='longest period considered, in load cycles'), &
-      load_key]
+      load_key, max_events_key]
 
    type(column_type), parameter :: basins_columns(*) = [ &
       column_type('states', 't', unit='1/omega', meaning='time of the initial state'), &
@@ -71,7 +72,8 @@ module vi_basins_study
       column_type('states', 'z', unit='F0/K', meaning='displacement of the free mass'), &
       column_type('states', 'z_dot', unit='omega F0/K', meaning='velocity of the free mass'), &
       column_type('states', 'label', wholes, &
-      meaning='number of its attractor; below 0 if it was not decided'), &
+      meaning='number of its attractor; -1 not decided, -2 not reached, -3 not decided before &
+      &max_events'), &
       column_type('states', 'attractor', words, meaning='name of its attractor'), &
       column_type('first', 'place', label='=', listed=.false., meaning='along the first axis'), &
       column_type('second', 'place', label='=', listed=.false., meaning='along the second axis'), &
@@ -118,6 +120,7 @@ contains
       study%list => list_basins
       study%row = 'states'
       study%check => check_basins
+      study%memory => basins_memory
       study%run => run_basins
    end subroutine declare_basins
 
@@ -236,6 +239,24 @@ contains
       states(4, :) = states(4, :) + states(2, :)
    end function plane_states
 
+   !> Bytes for all states, about 60 numbers of each, and for those simulated first.
+   pure real(wp) function basins_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      real(wp) :: states
+
+      associate (s => case%study)
+         if (s%has('states')) then
+            states = s%whole_number('states')
+         else if (s%has('list')) then
+            states = 0.2_wp*size(s%numbers('list'))
+         else
+            states = product(real(s%whole_numbers('values'), wp))
+         end if
+         bytes = 500*states + 1000*min(2.0_wp*s%whole_number('probes'), states)
+      end associate
+   end function basins_memory
+
    !> Finds the attractor to which each state goes.
    subroutine run_basins(case, threads, result, progress)
       !> The case, checked.
@@ -252,11 +273,12 @@ contains
       integer, allocatable :: labels(:)
       character(:), allocatable :: text
       real(wp) :: events
-      integer :: i, n, reached, lost
+      integer :: i, n, reached, lost, limited
 
       associate (s => case%study)
          list%system = new_forced_system(case%osc, case%r, s%number('load'), s%number('clearance'))
          list%max_cycles = s%whole_number('max_cycles')
+         list%max_events = s%whole_number('max_events')
          list%threads = threads
          allocate (states, source=initial_states(case))
          n = size(states, 2)
@@ -265,7 +287,8 @@ contains
             labels, events, progress)
       end associate
       reached = count(labels /= not_reached)
-      lost = count(labels == 0)
+      limited = count(labels == event_limited)
+      lost = count(labels == 0) + limited
       if (is_stopped(progress) .and. any(labels <= 0)) then
          result%cut = whole(reached)//' of '//whole(n)//' states were reached'
          if (lost > 0) result%cut = result%cut//', '//whole(lost)//' of them not decided yet'
@@ -289,8 +312,10 @@ contains
          end do
          call result%add_note(text)
       end if
-      if (lost > 0) call result%fail(whole(lost)//' of '//counted(reached, 'state')// &
-         ' not decided')
+      if (lost == 0) return
+      text = ''
+      if (limited > 0) text = ', '//whole(limited)//' of them as max_events was reached'
+      call result%fail(whole(lost)//' of '//counted(reached, 'state')//' not decided'//text)
    end subroutine run_basins
 
    !> Opens the tables of the states, and of the axes of a plane.

@@ -3,8 +3,9 @@ module vi_bifurcation_study
    use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
    use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, load_key, &
       parameter_of, parameter_place, parameter_takes, parameter_values, parameter_words, &
-      range_takes, resonance, spacing_key, state_keys, state_of, window_keys
+      max_events_key, range_takes, resonance, spacing_key, state_keys, state_of, window_keys
    use vi_kinds, only: wp
+   use vi_oscillator, only: at_resonance
    use vi_status, only: stat, status_text
    use vi_text, only: append, counted, exact, line_type, whole, whole_width
    use vi_chart_grid, only: most_numbers
@@ -57,7 +58,7 @@ module vi_bifurcation_study
       key_type('z', may_miss=.true., never=states, why=own, option='state', unit='F0/K', &
       meaning=state_keys(4)%meaning), &
       key_type('z_dot', may_miss=.true., never=states, why=own, option='state', unit='omega F0/K', &
-      meaning=state_keys(5)%meaning), load_key]
+      meaning=state_keys(5)%meaning), load_key, max_events_key]
 
    type(column_type), parameter :: bifurcation_columns(*) = [ &
       column_type('runs', 'run', words, meaning='up, down, or a state'), &
@@ -111,6 +112,7 @@ contains
       study%list => list_bifurcation
       study%row = 'impacts'
       study%check => check_bifurcation
+      study%memory => bifurcation_memory
       study%run => run_bifurcation
    end subroutine declare_bifurcation
 
@@ -163,7 +165,7 @@ contains
       integer, intent(in) :: n
       character(9), parameter :: names(2) = [character(9) :: 'clearance', 'r']
       real(wp), allocatable :: values(:)
-      logical :: undamped
+      real(wp) :: xi
       integer :: i
 
       associate (study => case%study)
@@ -173,11 +175,11 @@ contains
                study%refuse(trim(names(i)), 'one number, or '//whole(n)//', one for each value')
          end do
          if (.not. study%has('r')) return
-         undamped = case%osc%xi <= 0
+         xi = case%osc%xi
          values = parameter_values(case)
-         if (parameter_of(case) == 'xi') undamped = values(1) <= 0
-         if (undamped .and. any(abs(study%numbers('r') - 1) <= 0)) call study%refuse('r', &
-            resonance//'among the values')
+         if (parameter_of(case) == 'xi') xi = values(1)
+         if (any(at_resonance(xi, study%numbers('r')))) call study%refuse('r', resonance// &
+            'among the values')
       end associate
    end subroutine check_lists
 
@@ -209,6 +211,18 @@ contains
       if (case%study%has('t')) state = state_of(case%study)
    end function start_state
 
+   !> Bytes for all runs and values: the impacts kept, three times, and about 60 numbers of each.
+   pure real(wp) function bifurcation_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      integer :: runs
+
+      associate (s => case%study)
+         runs = size(directions_of(case))
+         bytes = (200.0_wp*s%whole_number('points') + 500)*size(parameter_values(case))*runs
+      end associate
+   end function bifurcation_memory
+
    !> Sweeps, or starts anew at each value, and keeps the impacts after the transient.
    subroutine run_bifurcation(case, threads, result, progress)
       !> The case, checked.
@@ -229,7 +243,8 @@ contains
       allocate (directions, source=directions_of(case))
       associate (s => case%study)
          call diagram(path, directions, start_state(case), s%whole_number('settling'), &
-            s%whole_number('keep'), s%whole_number('points'), threads, found, progress)
+            s%whole_number('keep'), s%whole_number('points'), s%whole_number('max_events'), &
+            threads, found, progress)
       end associate
       m = size(path%values)
       n = size(directions)

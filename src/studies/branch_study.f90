@@ -12,6 +12,7 @@ module vi_branch_study
    use vi_motion, only: motion_type
    use vi_motion_study, only: check_motion, find_motions, motion_request, motion_request_type
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi, most_impacts
+   use vi_oscillator, only: at_resonance
    use vi_periodic, only: linear_system_type
    use vi_status, only: stat, status_text
    use vi_progress, only: add_expected_work, add_done_work, is_stopped
@@ -181,8 +182,8 @@ contains
          call case%study%refuse('low', limits)
       else if (.not. (high <= most .and. high >= start(2) .and. high > low)) then
          call case%study%refuse('high', limits)
-      else if ((place == by_r .and. case%osc%xi <= 0 .and. low <= 1 .and. high >= 1) .or. &
-         (place == by_xi .and. low <= 0 .and. abs(case%r - 1) <= 0)) then
+      else if ((place == by_r .and. at_resonance(case%osc%xi, max(low, min(high, 1.0_wp)))) .or. &
+         (place == by_xi .and. at_resonance(low, case%r))) then
          call case%study%refuse('low', resonance//'between low and high')
       end if
    end subroutine check_branch

@@ -14,7 +14,7 @@ module vi_branch_switching
    use vi_lapack, only: eigenvector
    use vi_motion, only: flight_of, motion_type, yes
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
-   use vi_oscillator, only: oscillator_type
+   use vi_oscillator, only: at_resonance, oscillator_type
    use vi_pattern, only: default_restitution, pattern_type
    use vi_points, only: store_motion
    use vi_stability, only: stability_matrix
@@ -347,7 +347,7 @@ contains
       if (tied) c(by_left) = c(by_right)
       allowed = c(by_xi) >= 0 .and. c(by_xi) < 1 .and. c(by_mu) >= 0 .and. &
          all(c([by_right, by_left]) >= 0 .and. c([by_right, by_left]) <= 1) .and. &
-         (c(by_xi) > 0 .or. abs(c(by_r) - 1) > 0)
+         .not. at_resonance(c(by_xi), c(by_r))
    end subroutine move_beside
 
    !> The exact motion of a pattern near a guess, with its verdicts.

@@ -7,7 +7,7 @@ module vi_bundle
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: forced_system_type, event_type, impact_event, new_forced_system, &
-      simulate, state_type, stick_event
+      simulate_on, state_type, stick_event
    use vi_status, only: stat
    use vi_trajectory, only: later, pack_state, unpack_state
    implicit none (type, external)
@@ -22,7 +22,7 @@ contains
 
    !> Simulates m systems for a number of load cycles each.
    subroutine simulate_bundle(osc, r, load, clearance, cycles, most_events, threads, states, &
-      contacts, counts, status)
+      contacts, counts, status, progress)
       !> Oscillator, the same for all.
       type(oscillator_type), intent(in) :: osc
       !> (m) Frequency ratios, load amplitudes f, clearances.
@@ -37,8 +37,11 @@ contains
       integer, intent(inout) :: contacts(:, :)
       !> (2, m): impacts and rests.
       integer, intent(out) :: counts(:, :)
-      !> (m): `stat%ok`, `stat%more_events` if most_events were reached, or `stat%budget`.
+      !> (m): `stat%ok`, `stat%event_limit` if most_events were reached, `stat%budget`, or
+      !! `stat%not_computed` if it was stopped.
       integer, intent(out) :: status(:)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(state_type) :: state
       integer :: j
 
@@ -46,14 +49,14 @@ contains
       do j = 1, size(r)
          state = unpack_state(states(:, j), contacts(:, j))
          call simulate_counting(new_forced_system(osc, r(j), load(j), clearance(j)), state, &
-            cycles, most_events, counts(:, j), status(j))
+            cycles, most_events, counts(:, j), status(j), progress)
          call pack_state(state, states(:, j), contacts(:, j))
       end do
       !$omp end parallel do
    end subroutine simulate_bundle
 
    !> One simulation of which only the end and the numbers of impacts and rests are kept.
-   pure subroutine simulate_counting(system, state, cycles, most_events, counts, status)
+   subroutine simulate_counting(system, state, cycles, most_events, counts, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> In: the initial state. Out: the final one; if `most_events` were reached, that after the
@@ -63,24 +66,25 @@ contains
       real(wp), intent(in) :: cycles
       !> Events after which the simulation ends.
       integer, intent(in) :: most_events
-      !> Numbers of impacts and of rests; `stat%ok`, `stat%more_events` or `stat%budget`.
+      !> Numbers of impacts and of rests; the status is that of `simulate_on`.
       integer, intent(out) :: counts(2), status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(event_type) :: events(chunk)
       type(state_type) :: final
       integer(int64) :: last_cycle
       real(wp) :: last_phase
-      integer :: n, total
+      integer :: n, left
 
       call later(state, cycles, last_cycle, last_phase)
       counts = 0
-      total = 0
+      left = most_events
       do
-         call simulate(system, state, last_cycle, last_phase, &
-            events(:min(chunk, most_events - total)), n, final, status)
+         call simulate_on(system, state, last_cycle, last_phase, events, n, final, left, status, &
+            progress)
          counts(1) = counts(1) + count(events(:n)%kind == impact_event)
          counts(2) = counts(2) + count(events(:n)%kind == stick_event)
-         total = total + n
-         if (status /= stat%more_events .or. total >= most_events) exit
+         if (status /= stat%more_events) exit
       end do
       state = final
    end subroutine simulate_counting

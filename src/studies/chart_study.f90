@@ -97,6 +97,7 @@ contains
       study%list => list_chart
       study%row = 'motions'
       study%check => check_chart
+      study%memory => chart_memory
       study%run => run_chart
    end subroutine declare_chart
 
@@ -229,6 +230,19 @@ contains
       if (study%is('symmetric', 'yes')) grid%symmetry = 1
       if (study%is('symmetric', 'no')) grid%symmetry = -1
    end function chart_grid_of
+
+   !> Bytes for all points: three times the numbers of each possible motion there.
+   pure real(wp) function chart_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      type(pattern_type) :: pattern
+
+      associate (s => case%study)
+         pattern = chart_pattern(s)
+         bytes = 3.0_wp*points_of(s, 'r')*points_of(s, 'clearance')*(s%whole_number('slots') + 2)* &
+            (16*size(pattern%sides) + 150)
+      end associate
+   end function chart_memory
 
    !> Finds the motions of a pattern on a grid.
    subroutine run_chart(case, threads, result, progress)

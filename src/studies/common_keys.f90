@@ -2,6 +2,7 @@
 module vi_common_keys
    use vi_kinds, only: wp
    use vi_orbit, only: by_right, n_parameters
+   use vi_oscillator, only: at_resonance
    use vi_spacing, only: spaced
    use vi_text, only: exact, number_text
    use vi_chart_grid, only: most_numbers
@@ -32,6 +33,9 @@ module vi_common_keys
       meaning='clearance d K/F0; d is the whole travel of m between the walls')
    type(key_type), parameter, public :: load_key = key_type('load', low=0.0_wp, high=1.0e12_wp, &
       default='1', meaning='load amplitude, in units of the load that defines the unit of length')
+   type(key_type), parameter, public :: max_events_key = key_type('max_events', a_whole, &
+      default='10000000', low=1.0_wp, high=1.0e9_wp, &
+      meaning='events (impacts, rests, releases) after which one simulation is given up')
    type(key_type), parameter, public :: cycles_key = key_type('cycles', a_whole, default='1', &
       low=1.0_wp, high=1.0e4_wp, meaning='load cycles in a period')
    type(key_type), parameter, public :: symmetric_key = key_type('symmetric', a_word, &
@@ -98,10 +102,10 @@ contains
          else if (.not. rise(parameter_values(case))) then
             call case%study%refuse('values', 'so many between '//exact(low)//' and '// &
                exact(high)//' do not differ')
-         else if (parameters(place) == 'r' .and. case%osc%xi <= 0) then
-            if (any(abs(parameter_values(case) - 1) <= 0)) call case%study%refuse('low', &
-               resonance//'among the values')
-         else if (parameters(place) == 'xi' .and. low <= 0 .and. abs(case%r - 1) <= 0) then
+         else if (parameters(place) == 'r') then
+            if (any(at_resonance(case%osc%xi, parameter_values(case)))) call &
+               case%study%refuse('low', resonance//'among the values')
+         else if (parameters(place) == 'xi' .and. at_resonance(low, case%r)) then
             call case%study%refuse('low', resonance//'among the values')
          end if
       end associate
@@ -118,8 +122,10 @@ contains
          if (.not. (rise(values) .and. in_range(minval(values), place) .and. &
             in_range(maxval(values), place))) then
             call case%study%refuse('list')
-         else if (parameters(place) == 'r' .and. case%osc%xi <= 0 .and. &
-            any(abs(values - 1) <= 0)) then
+         else if (parameters(place) == 'r') then
+            if (any(at_resonance(case%osc%xi, values))) call case%study%refuse('list', resonance// &
+               'among the values')
+         else if (parameters(place) == 'xi' .and. at_resonance(values(1), case%r)) then
             call case%study%refuse('list', resonance//'among the values')
          end if
       end associate
@@ -201,7 +207,7 @@ contains
       !> With `window_keys` in its study.
       type(case_type), intent(inout) :: case
 
-      if (len(case%study%fault) > 0 .or. case%osc%xi > 0) return
+      if (len(case%study%fault) > 0 .or. .not. at_resonance(case%osc%xi, 1.0_wp)) return
       if (case%study%number('r_min') <= 1 .and. case%study%number('r_max') >= 1) call &
          case%study%refuse('r_min', 'r = 1 must not be in the window when xi = 0 (resonance &
          &without damping)')

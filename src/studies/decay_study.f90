@@ -1,7 +1,7 @@
 !> The study &decay: the peaks and the damping of free vibration, for one or several clearances.
 module vi_decay_study
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_common_keys, only: check_product, clearance_key, half_gap, state_keys
+   use vi_common_keys, only: check_product, clearance_key, half_gap, max_events_key, state_keys
    use vi_forced_system, only: two_pi
    use vi_kinds, only: wp
    use vi_peaks, only: find_peaks, peak_type
@@ -29,7 +29,8 @@ module vi_decay_study
       key_type('z_dot', default='0', unit=state_keys(5)%unit, &
       meaning='velocity of the free mass at the start'), &
       key_type('cycles', a_whole, default='20', low=1.0_wp, high=1.0e6_wp, &
-      meaning='oscillations of the primary mass; there are 2 cycles + 1 peaks')]
+      meaning='oscillations of the primary mass; there are 2 cycles + 1 peaks'), &
+      max_events_key]
 
    type(column_type), parameter :: decay_columns(*) = [ &
       column_type('runs', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
@@ -60,6 +61,7 @@ contains
       study%list => list_decay
       study%row = 'peaks'
       study%check => check_decay
+      study%memory => decay_memory
       study%run => run_decay
    end subroutine declare_decay
 
@@ -105,6 +107,14 @@ contains
       end if
    end function clearance_values
 
+   !> Bytes for all peaks, about 20 numbers of each.
+   pure real(wp) function decay_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+
+      bytes = 160.0_wp*(2*case%study%whole_number('cycles') + 1)*size(clearance_values(case))
+   end function decay_memory
+
    !> Finds the peaks of each free vibration, and its damping from peak to peak.
    subroutine run_decay(case, threads, result, progress)
       !> The case, checked.
@@ -126,7 +136,8 @@ contains
          most = 2*s%whole_number('cycles') + 1
          allocate (peaks(most, n), counts(n), status(n))
          call find_peaks(case%osc, clearance, [s%number('amplitude'), s%number('x_dot'), &
-            s%number('y'), s%number('z_dot')], threads, peaks, counts, status, progress)
+            s%number('y'), s%number('z_dot')], s%whole_number('max_events'), threads, &
+            peaks, counts, status, progress)
       end associate
       ! only the clearances that were completed before a stop
       done = pack([(j, j=1, n)], status /= stat%not_computed)

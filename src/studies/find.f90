@@ -34,9 +34,11 @@ module vi_find
       type(forced_system_type) :: system
       !> Limits of the patterns that are searched.
       integer :: max_impacts = 6, max_cycles = 2
-      !> Guesses for each pattern; initial states simulated, and load cycles of the transient;
-      !! releases for each wall and number of cycles; OpenMP threads.
-      integer :: guesses = 96, states = 24, settling = 600, releases = 32, threads = 1
+      !> Guesses for each pattern; initial states simulated, load cycles of the transient, and
+      !! largest number of events of a simulation; releases for each wall and number of cycles;
+      !! OpenMP threads.
+      integer :: guesses = 96, states = 24, settling = 600, max_events = 10000000, &
+         releases = 32, threads = 1
    end type find_request_type
 
    !> The motions found, and counts of the search.
@@ -276,7 +278,8 @@ contains
          allocate (batches(i)%motions(longest))
          associate (system => request%system, batch => batches(i))
             call settle_on(system, state_start(system%osc, system%r, system%load, &
-               system%clearance, i), request%settling, scale, batch%outcome, batch%motions, batch%n)
+               system%clearance, i), request%settling, request%max_events, scale, batch%outcome, &
+               batch%motions, batch%n, progress)
          end associate
          call add_done_work(state_work/size(batches), progress)
       end do

@@ -1,14 +1,15 @@
 !> The study &find: every periodic motion at a point that a search finds, stable and unstable.
 module vi_find_study
-   use vi_common_keys, only: clearance_key, load_key
+   use vi_common_keys, only: clearance_key, load_key, max_events_key
    use vi_forced_system, only: event_type, impact_event, new_forced_system, release_event, &
       stick_event
    use vi_find, only: find_motions, find_request_type, findings_type
-   use vi_found_motion, only: described_type
+   use vi_found_motion, only: described_type, found_type
    use vi_kinds, only: wp
    use vi_motion, only: yes
    use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
-   use vi_settled_motion, only: no_impacts, not_stable, settled, unconfirmed, unfinished, wandering
+   use vi_settled_motion, only: longest, no_impacts, not_stable, settled, unconfirmed, unfinished, &
+      wandering
    use vi_progress, only: is_stopped
    use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, wholes
    use vi_text, only: counted, whole
@@ -32,7 +33,7 @@ module vi_find_study
       meaning='load cycles simulated before the attractor is examined'), &
       key_type('releases', a_whole, default='32', low=0.0_wp, high=1.0e6_wp, &
       meaning='releases from rest, for each wall and number of load cycles, from which &
-      &Newton''s method starts')]
+      &Newton''s method starts'), max_events_key]
 
    !> Of the search.
    type(column_type), parameter :: search_columns(*) = [ &
@@ -57,7 +58,7 @@ module vi_find_study
       column_type('search', 'without_impacts', wholes, listed=.false., &
       meaning='states after which no impacts were left'), &
       column_type('search', 'unfinished', wholes, listed=.false., &
-      meaning='states whose simulation could not go on'), &
+      meaning='states whose simulation reached max_events or could not go on'), &
       column_type('search', 'lost', wholes, listed=.false., &
       meaning='solutions that could not be confirmed, or of which rounding hides whether they are &
       &admissible')]
@@ -76,6 +77,7 @@ contains
       study%meaning = 'search for all periodic motions at a point'
       study%list => list_find
       study%row = 'impacts'
+      study%memory => find_memory
       study%run => run_find
    end subroutine declare_find
 
@@ -89,6 +91,19 @@ contains
       if (present(keys)) keys = find_keys
       if (present(columns)) columns = find_columns
    end subroutine list_find
+
+   !> Bytes for all releases, and for the motions on which a state may settle.
+   pure real(wp) function find_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      type(found_type) :: one
+
+      associate (s => case%study)
+         bytes = storage_size(one)/8 + 200
+         bytes = bytes*(2.0_wp*s%whole_number('releases')*s%whole_number('max_cycles') + &
+            real(longest, wp)*s%whole_number('states'))
+      end associate
+   end function find_memory
 
    !> Searches at the point of a case.
    subroutine run_find(case, threads, result, progress)
@@ -108,7 +123,7 @@ contains
          request = find_request_type(new_forced_system(case%osc, case%r, s%number('load'), &
             s%number('clearance')), s%whole_number('max_impacts'), s%whole_number('max_cycles'), &
             s%whole_number('guesses'), s%whole_number('states'), s%whole_number('settling'), &
-            s%whole_number('releases'), threads)
+            s%whole_number('max_events'), s%whole_number('releases'), threads)
       end associate
       call find_motions(request, findings, progress)
       if (is_stopped(progress)) result%cut = whole(findings%patterns)//' of '// &
@@ -209,7 +224,7 @@ contains
          'passed by a motion that is not stable', &
          'repeated themselves where Newton''s method finds no motion', &
          'did not repeat themselves within 16 load cycles', 'had no more impacts', &
-         'could not be simulated to the end']
+         'reached max_events or could not be simulated to the end']
       character(:), allocatable :: apart
       integer :: i
 

@@ -1,10 +1,12 @@
 !> The study &lyapunov: all Lyapunov exponents, at a point or along a line of points.
 module vi_lyapunov_study
    use vi_attractor_lyapunov, only: lyapunov_points
-   use vi_common_keys, only: check_parameter, check_start, clearance_key, load_key, parameter_of, &
-      parameter_values, resonance, spacing_key, state_keys, state_of, window_keys
+   use vi_common_keys, only: check_parameter, check_start, clearance_key, load_key, &
+      max_events_key, parameter_of, parameter_values, resonance, spacing_key, state_keys, &
+      state_of, window_keys
    use vi_forced_system, only: initial_state, new_forced_system, two_pi
    use vi_kinds, only: wp
+   use vi_oscillator, only: at_resonance
    use vi_status, only: stat, status_text
    use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
       wholes
@@ -47,7 +49,7 @@ module vi_lyapunov_study
       meaning='load cycles simulated before the average begins'), &
       key_type('batches', a_whole, default='20', low=2.0_wp, high=1000.0_wp, &
       meaning='parts of the cycles whose scatter gives the standard errors'), &
-      state_keys, load_key]
+      state_keys, load_key, max_events_key]
 
    type(column_type), parameter :: lyapunov_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
@@ -80,6 +82,7 @@ contains
       study%list => list_lyapunov
       study%row = 'points'
       study%check => check_lyapunov
+      study%memory => lyapunov_memory
       study%run => run_lyapunov
    end subroutine declare_lyapunov
 
@@ -129,7 +132,7 @@ contains
          if (.not. study%has('r')) return
          if (all(size(study%numbers('r')) /= [1, n])) call study%refuse('r', 'one number, or '// &
             whole(n)//' as of clearance')
-         if (case%osc%xi <= 0 .and. any(abs(study%numbers('r') - 1) <= 0)) call &
+         if (any(at_resonance(case%osc%xi, study%numbers('r')))) call &
             study%refuse('r', resonance//'among the values')
          if (.not. study%has('shape')) return
          if (abs(product(study%numbers('shape')) - n) > 0) call study%refuse('shape', &
@@ -180,6 +183,14 @@ contains
       if (size(given) == size(values)) values = given
    end subroutine spread_out
 
+   !> Bytes for all points, about 100 numbers of each.
+   pure real(wp) function lyapunov_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+
+      bytes = 800.0_wp*count_points(case)
+   end function lyapunov_memory
+
    !> Computes the exponents along a line of points, or at one.
    subroutine run_lyapunov(case, threads, result, progress)
       !> The case, checked.
@@ -208,8 +219,9 @@ contains
                clearance(j)), state_of(s)), states(:, j), contacts(:, j))
          end do
          call lyapunov_points(case%osc, r, loads, clearance, states, contacts, &
-            s%whole_number('discard'), s%whole_number('cycles')/batches, batches, threads, &
-            exponents, deviations, dimensions, counts, errors, status, progress)
+            s%whole_number('discard'), s%whole_number('cycles')/batches, batches, &
+            s%whole_number('max_events'), threads, exponents, deviations, dimensions, counts, &
+            errors, status, progress)
       end associate
       ! only the points that were completed before a stop
       done = pack([(j, j=1, n)], status /= stat%not_computed)

@@ -11,7 +11,7 @@ module vi_peaks
    use vi_kinds, only: wp
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: eta, oscillator_type
-   use vi_simulate, only: simulate
+   use vi_simulate, only: simulate_on
    use vi_status, only: stat
    use vi_progress, only: add_expected_work, add_done_work, is_stopped, report_share
    implicit none (type, external)
@@ -44,8 +44,6 @@ module vi_peaks
    real(wp), parameter :: clock = 2, pi = two_pi/2
    !> Load cycles of the clock that are simulated at a time: 2 pi/omega.
    integer, parameter :: chunk = 2
-   !> Events after which a run is given up.
-   integer, parameter :: most_events = 10000000
    !> Units of work of a run in the progress counters.
    integer, parameter :: work = 100
    !> Relative differences of this size are rounding; so are angles (rad) beyond the end of a
@@ -55,20 +53,22 @@ module vi_peaks
 contains
 
    !> The peaks of free vibrations from one state, for several clearances.
-   subroutine find_peaks(osc, clearances, start, threads, peaks, counts, status, progress)
+   subroutine find_peaks(osc, clearances, start, max_events, threads, peaks, counts, status, &
+      progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> (n) Clearances, in the unit of length of the start.
       real(wp), intent(in) :: clearances(:)
       !> x, x', y = z - x and z' at the start.
       real(wp), intent(in) :: start(4)
-      !> Number of OpenMP threads; the result does not depend on it.
-      integer, intent(in) :: threads
+      !> Largest number of events of a run, and number of OpenMP threads; the result does not depend
+      !! on the latter.
+      integer, intent(in) :: max_events, threads
       !> (most, n) Out: the peaks; a run ends with its last one.
       type(peak_type), intent(inout) :: peaks(:, :)
       !> (n) Number of peaks found, fewer than `most` if the oscillation ends before.
       integer, intent(out) :: counts(:)
-      !> (n) `stat%ok`, `stat%more_events` (too many impacts), `stat%budget`, or
+      !> (n) `stat%ok`, `stat%event_limit`, `stat%budget`, or
       !! `stat%not_computed` if the computation was stopped before the end of the run.
       integer, intent(out) :: status(:)
       !> Progress counters, see vi_progress.
@@ -81,18 +81,20 @@ contains
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do j = 1, size(clearances)
          if (is_stopped(progress)) cycle
-         call follow(new_forced_system(osc, clock, 0.0_wp, clearances(j)), start, peaks(:, j), &
-            counts(j), status(j), progress)
+         call follow(new_forced_system(osc, clock, 0.0_wp, clearances(j)), start, max_events, &
+            peaks(:, j), counts(j), status(j), progress)
       end do
       !$omp end parallel do
    end subroutine find_peaks
 
    !> The peaks of one free vibration.
-   subroutine follow(system, start, peaks, n, status, progress)
+   subroutine follow(system, start, max_events, peaks, n, status, progress)
       !> The system, with load 0.
       type(forced_system_type), intent(in) :: system
       !> x, x', y and z' at the start.
       real(wp), intent(in) :: start(4)
+      !> Largest number of events.
+      integer, intent(in) :: max_events
       !> (most) Out: the peaks.
       type(peak_type), intent(inout) :: peaks(:)
       !> Number of peaks found.
@@ -109,10 +111,10 @@ contains
       type(half_type) :: half
       real(wp) :: longest
       integer(int64) :: last
-      integer :: i, found, total, reported
+      integer :: i, found, left, reported
 
       n = 0
-      total = 0
+      left = max_events
       reported = 0
       longest = patience*two_pi*(size(peaks) + 1)*sqrt(1 + system%osc%mu)/eta(system%osc%xi)
       state = initial_state(system, [0.0_wp, start(1), start(2), start(1) + start(3), start(4)])
@@ -121,21 +123,21 @@ contains
       if (.not. start(1)*start(2) > 0) call take(point(system, begin, half), half, peaks, n)
       last = chunk
       do
-         call simulate(system, state, last, 0.0_wp, events, found, final, status)
+         call simulate_on(system, state, last, 0.0_wp, events, found, final, left, status, progress)
+         if (status == stat%not_computed) return
          do i = 1, found
             call walk(system, begin, state_time(events(i)%cycle, events(i)%phase, system%r), half, &
                peaks, n)
             call pass(system, events(i), half, peaks, n, begin)
          end do
-         total = total + found
-         if (status == stat%budget .or. n == size(peaks)) exit
+         if (n == size(peaks)) exit
          if (status == stat%ok) then
             call walk(system, begin, state_time(last, 0.0_wp, system%r), half, peaks, n)
             if (n == size(peaks) .or. state_time(last, 0.0_wp, system%r) > longest) exit
             begin = final
             state = final
             last = last + chunk
-         else if (total >= most_events) then
+         else if (status /= stat%more_events) then
             exit
          end if
          if (is_stopped(progress)) then

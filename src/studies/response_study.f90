@@ -1,8 +1,10 @@
 !> The study &response: the greatest displacement of the primary mass along the frequency ratio.
 module vi_response_study
    use vi_attractor_response, only: respond
-   use vi_common_keys, only: check_product, clearance_key, resonance, window_keys
+   use vi_common_keys, only: check_product, clearance_key, max_events_key, &
+      resonance, window_keys
    use vi_kinds, only: wp
+   use vi_oscillator, only: at_resonance
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
    use vi_text, only: counted, shown, whole
@@ -35,7 +37,7 @@ module vi_response_study
       key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
       meaning='load cycles then examined'), &
       key_type('load', default='1', low=0.0_wp, above=.true., high=1.0e12_wp, &
-      meaning='load amplitude')]
+      meaning='load amplitude'), max_events_key]
 
    type(column_type), parameter :: response_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
@@ -63,6 +65,7 @@ contains
       study%list => list_response
       study%row = 'points'
       study%check => check_response
+      study%memory => response_memory
       study%run => run_response
    end subroutine declare_response
 
@@ -87,11 +90,9 @@ contains
       associate (study => case%study)
          if (len(study%fault) > 0) return
          n = size(r_values(case))
-         if (case%osc%xi <= 0) then
-            key = trim(merge('r    ', 'r_min', study%has('r')))
-            if (any(abs(r_values(case) - 1) <= 0)) call study%refuse(key, resonance// &
-               'among the values')
-         end if
+         key = trim(merge('r    ', 'r_min', study%has('r')))
+         if (any(at_resonance(case%osc%xi, r_values(case)))) call study%refuse(key, resonance// &
+            'among the values')
          key = trim(clearance_name(case))
          if (all(size(study%numbers(key)) /= [1, n])) call study%refuse(key, 'one number, or '// &
             whole(n)//' as of r')
@@ -138,6 +139,14 @@ contains
       if (case%study%has('inverse_clearance')) clearance = 1/clearance
    end function clearance_values
 
+   !> Bytes for all simulations: about 120 numbers of each.
+   pure real(wp) function response_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+
+      bytes = 1000.0_wp*size(r_values(case))*case%study%whole_number('states')
+   end function response_memory
+
    !> Finds max|X|/A of the attractors at each frequency ratio, and its least and greatest value.
    subroutine run_response(case, threads, result, progress)
       !> The case, checked.
@@ -158,8 +167,9 @@ contains
       allocate (clearance, source=clearance_values(case, n))
       allocate (attenuation(states, n), envelope(2, n), periods(4, states, n), status(states, n))
       call respond(case%osc, r, clearance, case%study%number('load'), &
-         case%study%whole_number('settling'), case%study%whole_number('keep'), threads, &
-         attenuation, envelope, periods, status, progress)
+         case%study%whole_number('settling'), case%study%whole_number('keep'), &
+         case%study%whole_number('max_events'), threads, attenuation, envelope, periods, status, &
+         progress)
       ! only the points that were completed before a stop
       done = pack([(i, i=1, n)], all(status /= stat%not_computed, 1))
       if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'

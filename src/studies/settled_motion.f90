@@ -24,7 +24,7 @@ module vi_settled_motion
    !> Outcomes of a state: a confirmed motion; one that is confirmed but not stable (or not
    !! admissible, or where that is unknown); a simulation that repeats itself, but Newton's method
    !! leads to no motion near it; one that does not repeat itself; no impacts occur any more; the
-   !! simulation could not be completed.
+   !! simulation could not be completed, or had too many events.
    integer, parameter, public :: settled = 1, not_stable = 2, unconfirmed = 3, wandering = 4, &
       no_impacts = 5, unfinished = 6
    integer, parameter, public :: n_outcomes = 6
@@ -34,8 +34,6 @@ module vi_settled_motion
    integer, parameter :: most_symbols = 100
    !> Events kept of the end of a simulation, and of a period with rest.
    integer, parameter :: capacity = 40000, rest_capacity = 20000
-   !> Largest number of events of a simulation.
-   integer, parameter :: most_events = 100000000
    !> Largest difference of impact phases (rad) from period to period, and the largest distance
    !! (rad, or over the scale) of Newton's solution from the simulation.
    real(wp), parameter :: about = 0.05_wp, near = 0.1_wp
@@ -43,21 +41,24 @@ module vi_settled_motion
 contains
 
    !> Simulates a state, and confirms the motion on which it settles.
-   pure subroutine settle_on(system, start, settling, scale, outcome, found, n_found)
+   subroutine settle_on(system, start, settling, max_events, scale, outcome, found, n_found, &
+      progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
-      !> Load cycles of the transient.
-      integer, intent(in) :: settling
+      !> Load cycles of the transient, and largest number of events of the simulation.
+      integer, intent(in) :: settling, max_events
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
-      !> One of the outcomes above.
+      !> One of the outcomes above; 0 if the study was stopped.
       integer, intent(out) :: outcome
       !> The admissible motions to which Newton's method led, the one settled on first.
       type(found_type), intent(out) :: found(:)
       !> Number of motions in `found`.
       integer, intent(out) :: n_found
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(state_type) :: state
       type(event_type), allocatable :: events(:)
       type(period_type), allocatable :: periods(:)
@@ -67,12 +68,12 @@ contains
 
       allocate (events(capacity))
       n_found = 0
-      outcome = unfinished
       state = initial_state(system, start)
-      left = most_events
-      call simulate_cycles(system, state, settling, left, events(:1000), n, status)
-      if (status /= stat%ok) return
-      call simulate_cycles(system, state, 2*longest + 2, left, events, n, status)
+      left = max_events
+      call simulate_cycles(system, state, settling, left, events(:1000), n, status, progress)
+      if (status == stat%ok) call simulate_cycles(system, state, 2*longest + 2, left, events, n, &
+         status, progress)
+      outcome = merge(0, unfinished, status == stat%not_computed)
       if (status /= stat%ok) return
       outcome = no_impacts
       if (n == 0) return

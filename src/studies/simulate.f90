@@ -10,12 +10,13 @@ module vi_simulate
    use vi_march, only: march, touch_type
    use vi_oscillation, only: derivatives
    use vi_oscillator, only: left, oscillator_type, right
+   use vi_progress, only: is_stopped
    use vi_rest, only: release_time
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: simulate, simulate_cycles
+   public :: simulate, simulate_cycles, simulate_on
    public :: forced_system_type, event_type, new_forced_system, state_time, state_type
    public :: impact_event, stick_event, release_event
 
@@ -68,22 +69,60 @@ contains
       final%phase = last_phase
    end subroutine simulate
 
+   !> Simulates like `simulate`, unless the events that are left run out or the study is stopped.
+   !!
+   !! All long simulations go on by this procedure, with room for at most some thousand events: each
+   !! of them then has a limit, and stops within a load cycle.
+   subroutine simulate_on(system, state, last_cycle, last_phase, events, n, final, left, status, &
+      progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> As of `simulate`.
+      type(state_type), intent(inout) :: state
+      !> Whole load cycles at the end.
+      integer(int64), intent(in) :: last_cycle
+      !> Load phase above them at the end (rad).
+      real(wp), intent(in) :: last_phase
+      !> Out: events 1 to n, as of `simulate`.
+      type(event_type), intent(inout) :: events(:)
+      !> Number of events found.
+      integer, intent(out) :: n
+      !> As of `simulate`.
+      type(state_type), intent(out) :: final
+      !> In: events that the simulation may still have, at least 0. Out: less those found.
+      integer, intent(inout) :: left
+      !> As of `simulate`; instead of `stat%more_events`, `stat%event_limit` if no more events may
+      !! occur, and `stat%not_computed` if the study was stopped.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+
+      call simulate(system, state, last_cycle, last_phase, events(:min(size(events), left)), n, &
+         final, status)
+      left = left - n
+      if (status /= stat%more_events) return
+      if (left == 0) status = stat%event_limit
+      if (is_stopped(progress)) status = stat%not_computed
+   end subroutine simulate_on
+
    !> Simulates some load cycles with any number of events, of which only the last ones are kept.
-   pure subroutine simulate_cycles(system, state, cycles, left, events, n, status)
+   subroutine simulate_cycles(system, state, cycles, left, events, n, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> In: the initial state. Out: the state at the end.
       type(state_type), intent(inout) :: state
       !> Whole load cycles to simulate.
       integer, intent(in) :: cycles
-      !> In: events that may still occur. Out: less those that did; 0 or negative if too many.
+      !> As of `simulate_on`.
       integer, intent(inout) :: left
       !> Scratch and out: elements 1 to n are the last events.
       type(event_type), intent(inout) :: events(:)
       !> Number of events kept.
       integer, intent(out) :: n
-      !> `stat%ok`, `stat%more_events` if there are too many, or `stat%budget`.
+      !> `stat%ok`, `stat%event_limit`, `stat%not_computed` or `stat%budget`.
       integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(state_type) :: final
       integer(int64) :: last_cycle
       real(wp) :: last_phase
@@ -91,9 +130,9 @@ contains
       last_cycle = state%cycle + cycles
       last_phase = state%phase
       do
-         call simulate(system, state, last_cycle, last_phase, events, n, final, status)
-         left = left - n
-         if (status /= stat%more_events .or. left <= 0) exit
+         call simulate_on(system, state, last_cycle, last_phase, events, n, final, left, status, &
+            progress)
+         if (status /= stat%more_events) exit
       end do
       state = final
    end subroutine simulate_cycles

@@ -3,6 +3,7 @@ module vi_simulate_study
    use vi_common_keys, only: check_start, clearance_key, load_key, state_keys, state_of
    use vi_forced_system, only: new_forced_system, state_time, state_type
    use vi_kinds, only: wp
+   use vi_processor, only: has_memory
    use vi_simulate, only: event_type, impact_event, stick_event
    use vi_status, only: stat, status_text
    use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
@@ -14,6 +15,11 @@ module vi_simulate_study
 
    public :: declare_simulate
 
+   !> Largest number of events of a result: 64 bytes each, and as many for its columns.
+   real(wp), parameter :: most_kept = 5.0e7_wp
+   !> Bytes that an event takes in the columns of the result, with room to make them.
+   real(wp), parameter :: event_bytes = 120
+
    type(key_type), parameter :: simulate_keys(*) = [clearance_key, &
       key_type('cycles', low=0.0_wp, high=1.0e9_wp, &
       takes='a number of load cycles with 0 <= cycles <= 1e9', &
@@ -22,7 +28,7 @@ module vi_simulate_study
       takes='a number of load cycles with 0 <= discard <= 1e9', &
       meaning='load cycles simulated before the ones that are kept'), &
       load_key, state_keys, &
-      key_type('max_events', a_whole, default='10000000', low=1.0_wp, high=1.0e9_wp, &
+      key_type('max_events', a_whole, default='10000000', low=1.0_wp, high=most_kept, &
       meaning='events after which the simulation is cut short')]
 
    type(column_type), parameter :: simulate_columns(*) = [ &
@@ -116,6 +122,7 @@ contains
       character(*), parameter :: names(7) = [character(9) :: 'xi', 'mu', 'R1', 'R2', 'r', &
          'clearance', 'load']
       real(wp) :: values(7)
+      logical :: room
 
       associate (not_used => threads)    ! one simulation has one thread
       end associate
@@ -133,7 +140,16 @@ contains
             return
          end if
       end associate
-      if (status == stat%not_computed) then
+      room = has_memory(event_bytes*size(events))
+      if (.not. room) status = stat%no_memory
+      if (status == stat%no_memory) then
+         result%empty = .true.
+         result%no_memory = .true.
+         call result%fail(status_text(status)//': the events so far, '//whole(size(events))// &
+            ', leave no room for more; simulate fewer load cycles at a time, or give a smaller &
+            &max_events')
+         return
+      else if (status == stat%not_computed) then
          result%cut = 'the simulation was stopped after '//whole(count(events%kind == &
             impact_event))//' impacts of the cycles kept'
          result%empty = size(events) == 0

@@ -33,9 +33,9 @@ module vi_survey
    !> Longest period in load cycles that the second examination of a point considers, and the factor
    !! by which its transient is longer.
    integer, parameter :: longest_period = 16, longer = 3
-   !> Events kept of the end of a simulation, largest number of events of a simulation, and load
-   !! cycles between two checks whether to stop.
-   integer, parameter :: capacity = 4000, most_events = 4000000, between_looks = 10000
+   !> Events kept of the end of a simulation, and load cycles between two checks whether to stop if
+   !! there are no impacts.
+   integer, parameter :: capacity = 4000, between_looks = 10000
    !> Impacts of two periods that repeat each other are nearer than this in phase.
    real(wp), parameter :: same_phase = 1.0e-3_wp
    !> Load cycles of each of ten batches for a Lyapunov exponent, at first and at last.
@@ -57,16 +57,15 @@ module vi_survey
       real(wp), allocatable :: unknowns(:)
    end type attractor_type
 
-   !> The limits of the motions of an atlas.
-   type :: limits_type
-      integer :: symbols, cycles
+   !> The limits of the motions of an atlas, and the largest number of events of a simulation.
+   type, public :: limits_type
+      integer :: symbols, cycles, max_events
    end type limits_type
 
 contains
 
    !> The motions on which simulations settle, at points spread evenly over a window.
-   subroutine survey(osc, r, clearance, settling, most_symbols, most_cycles, threads, attractors, &
-      progress)
+   subroutine survey(osc, r, clearance, settling, limits, threads, attractors, progress)
       !> Oscillator, the same at all points.
       type(oscillator_type), intent(in) :: osc
       !> The window.
@@ -74,7 +73,7 @@ contains
       !> Load cycles of the transient.
       integer, intent(in) :: settling
       !> Limits of the motions kept.
-      integer, intent(in) :: most_symbols, most_cycles
+      type(limits_type), intent(in) :: limits
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
       !> (points) Out: the outcome of each point.
@@ -95,8 +94,7 @@ contains
          c = [r(1) + (r(2) - r(1))*u(1), clearance(1)*(clearance(2)/clearance(1))**u(2)]
          attractors(i) = attractor_type(r=c(1), clearance=c(2))
          if (is_stopped(progress)) cycle
-         call settle_point(osc, u(3:5), settling, limits_type(most_symbols, most_cycles), &
-            attractors(i), progress)
+         call settle_point(osc, u(3:5), settling, limits, attractors(i), progress)
          call add_done_work(survey_work, progress)
       end do
       !$omp end parallel do
@@ -123,6 +121,7 @@ contains
       type(state_type) :: state
       real(wp) :: size_x
       logical :: chaos
+      integer :: status
 
       system = new_forced_system(osc, attractor%r, 1.0_wp, attractor%clearance)
       size_x = min(abs(system%amplitude), 3*attractor%clearance)
@@ -132,18 +131,19 @@ contains
       call look(osc, system, settling, limits%cycles, limits, state, attractor, progress)
       if (attractor%outcome /= not_settled .and. attractor%outcome /= not_confirmed) return
       if (is_stopped(progress)) return
-      call is_chaotic(system, state, short_batch, chaos)
-      if (.not. chaos) then
+      call is_chaotic(system, state, short_batch, limits%max_events, chaos, status, progress)
+      if (.not. chaos .and. status /= stat%event_limit) then
          call look(osc, system, longer*settling, longest_period, limits, state, attractor, progress)
          if (attractor%outcome /= not_settled) return
-         call is_chaotic(system, state, long_batch, chaos)
+         call is_chaotic(system, state, long_batch, limits%max_events, chaos, status, progress)
       end if
       if (chaos) attractor%outcome = chaotic
+      if (status == stat%event_limit) attractor%outcome = event_limit
    end subroutine settle_point
 
    !> The motion on which a simulation from a given state is after some load cycles, if it repeats
    !! itself by then.
-   subroutine settle_from(osc, start, settling, most_symbols, most_cycles, attractor, progress)
+   subroutine settle_from(osc, start, settling, limits, attractor, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> Number of the initial state, as of `state_start`.
@@ -151,7 +151,7 @@ contains
       !> Load cycles of the transient.
       integer, intent(in) :: settling
       !> Limits of the motions kept.
-      integer, intent(in) :: most_symbols, most_cycles
+      type(limits_type), intent(in) :: limits
       !> In: the point (r, clearance). Out: the outcome.
       type(attractor_type), intent(inout) :: attractor
       !> Progress counters, see vi_progress; read to stop.
@@ -162,8 +162,7 @@ contains
       system = new_forced_system(osc, attractor%r, 1.0_wp, attractor%clearance)
       state = initial_state(system, state_start(osc, attractor%r, 1.0_wp, attractor%clearance, &
          start))
-      call look(osc, system, settling, most_cycles, limits_type(most_symbols, most_cycles), state, &
-         attractor, progress)
+      call look(osc, system, settling, limits%cycles, limits, state, attractor, progress)
    end subroutine settle_from
 
    !> Simulates the transient, then examines the cycles after it.
@@ -182,15 +181,18 @@ contains
       type(attractor_type), intent(inout) :: attractor
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      type(event_type) :: events(capacity)
+      type(event_type), allocatable :: events(:)         ! too large for some stacks
       type(period_type), allocatable :: periods(:)
       integer, allocatable :: symbols(:)
       logical :: shorter
-      integer :: i, n, status
+      integer :: i, n, left, status
 
+      allocate (events(capacity))
+      left = limits%max_events
       attractor%outcome = not_settled
-      call run(system, state, settling, events, n, status, progress)
-      if (status == stat%ok) call run(system, state, 2*longest + 2, events, n, status, progress)
+      call run(system, state, settling, left, events, n, status, progress)
+      if (status == stat%ok) call run(system, state, 2*longest + 2, left, events, n, status, &
+         progress)
       if (status /= stat%ok) then
          if (status /= stat%not_computed) attractor%outcome = event_limit
          return
@@ -221,27 +223,27 @@ contains
    end subroutine look
 
    !> Simulates some load cycles and keeps the last events.
-   subroutine run(system, state, cycles, events, n, status, progress)
+   subroutine run(system, state, cycles, left, events, n, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> In: at the start. Out: at the end.
       type(state_type), intent(inout) :: state
       !> Load cycles to simulate.
       integer, intent(in) :: cycles
+      !> As of `simulate_on`.
+      integer, intent(inout) :: left
       !> Out: the last n events.
       type(event_type), intent(inout) :: events(:)
-      !> Number of events kept; `stat%more_events` if there are too many, `stat%not_computed` if it
-      !! was stopped, otherwise as of `simulate`.
+      !> Number of events kept; the status is that of `simulate_on`.
       integer, intent(out) :: n, status
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      integer :: done, step, left
+      integer :: done, step
 
-      left = most_events
       done = 0
       do
          step = min(cycles - done, between_looks)
-         call simulate_cycles(system, state, step, left, events, n, status)
+         call simulate_cycles(system, state, step, left, events, n, status, progress)
          done = done + step
          if (status /= stat%ok .or. done == cycles) exit
          if (is_stopped(progress)) then

@@ -110,19 +110,23 @@ contains
    end function is_shorter
 
    !> Whether the largest Lyapunov exponent of a trajectory is positive by more than its error.
-   subroutine is_chaotic(system, state, cycles, chaos)
+   subroutine is_chaotic(system, state, cycles, max_events, chaos, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> State at the start.
       type(state_type), intent(in) :: state
-      !> Load cycles of each of ten batches.
-      integer, intent(in) :: cycles
+      !> Load cycles of each of ten batches, and largest number of events of all.
+      integer, intent(in) :: cycles, max_events
       !> Whether it is; false also if the simulation failed.
       logical, intent(out) :: chaos
+      !> As in `lyapunov_points`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       real(wp) :: largest, deviation
-      integer :: status
 
-      call largest_exponent(system, state, 0, cycles, 10, largest, deviation, status)
+      call largest_exponent(system, state, 0, cycles, 10, max_events, largest, deviation, status, &
+         progress)
       chaos = status == stat%ok
       if (chaos) chaos = largest > least_chaos .and. largest > least_ratio*deviation
    end subroutine is_chaotic

@@ -90,7 +90,7 @@ contains
       type(state_type), intent(out) :: moments(4)
       !> The events of the cycles that are kept.
       type(event_type), allocatable, intent(out) :: events(:)
-      !> `stat%ok`, `stat%more_events` (max_events was reached), `stat%budget`, or
+      !> `stat%ok`, `stat%more_events` (max_events was reached), `stat%budget`, `stat%no_memory`, or
       !! `stat%not_computed` (stopped by the caller; the final state and the events so far are
       !! those of the simulation).
       integer, intent(out) :: status
@@ -130,47 +130,97 @@ contains
       logical, intent(in) :: keep
       !> In and out: the list of events.
       type(event_type), allocatable, intent(inout) :: events(:)
-      !> `stat%ok`, `stat%more_events`, `stat%budget`, or `stat%not_computed` (stopped by the
-      !! caller).
+      !> `stat%ok`, `stat%more_events`, `stat%budget`, `stat%no_memory`, or `stat%not_computed`
+      !! (stopped by the caller).
       integer, intent(out) :: status
       !> Units of work of these cycles in the progress counters.
       integer, intent(in) :: work
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       ! between two looks at the request to stop: events, and load cycles
-      integer, parameter :: chunk = 65536
+      integer, parameter :: chunk = 4096
       integer(int64), parameter :: span = 100000_int64
       type(event_type), allocatable :: chunk_events(:)
       integer(int64) :: last_cycle, first_cycle, cycle
       real(wp) :: last_phase, phase
-      logical :: last
-      integer :: n, total, reported, now
+      logical :: last, good
+      integer :: n, kept, total, reported, now
 
       call later(final, cycles, last_cycle, last_phase)
       total = 0
+      kept = 0
+      good = .true.
+      allocate (chunk_events(chunk))
       reported = 0
       first_cycle = final%cycle
       do
-         allocate (chunk_events(min(chunk, max_events - total)))
          last = last_cycle - final%cycle <= span
          cycle = merge(last_cycle, final%cycle + span, last)
          phase = merge(last_phase, final%phase, last)
-         call simulate(system, state, cycle, phase, chunk_events, n, final, status)
-         if (keep) events = [events, chunk_events(:n)]
+         call simulate(system, state, cycle, phase, &
+            chunk_events(:min(chunk, max_events - total)), n, final, status)
+         if (keep) call append_events(chunk_events(:n), events, kept, good)
+         if (.not. good) exit
          total = total + n
-         deallocate (chunk_events)
-         if (status /= stat%ok .and. status /= stat%more_events) return
+         if (status /= stat%ok .and. status /= stat%more_events) exit
          last = last .and. status == stat%ok
          now = merge(work, int(work*((final%cycle - first_cycle)/cycles)), last)
          call add_done_work(now - reported, progress)
          reported = now
-         if (last .or. (status == stat%more_events .and. total >= max_events)) return
+         if (last .or. (status == stat%more_events .and. total >= max_events)) exit
          if (is_stopped(progress)) then
             status = stat%not_computed
-            return
+            exit
          end if
       end do
+      if (good) call shorten_events(kept, events, good)
+      if (.not. good) status = stat%no_memory
    end subroutine gather
+
+   !> Appends events to a list with room for more, which grows by doubling.
+   pure subroutine append_events(new, events, n, good)
+      !> The events to append.
+      type(event_type), intent(in) :: new(:)
+      !> In and out: the list, of which elements 1 to n are used.
+      type(event_type), allocatable, intent(inout) :: events(:)
+      !> In and out: number of elements used.
+      integer, intent(inout) :: n
+      !> False if there is not enough memory; nothing is appended then.
+      logical, intent(out) :: good
+      type(event_type), allocatable :: longer(:)
+      integer :: failed
+
+      good = .true.
+      if (n + size(new) > size(events)) then
+         allocate (longer(max(2*n, n + size(new))), stat=failed)
+         good = failed == 0
+         if (.not. good) return
+         longer(:n) = events(:n)
+         call move_alloc(longer, events)
+      end if
+      events(n + 1:n + size(new)) = new
+      n = n + size(new)
+   end subroutine append_events
+
+   !> Removes the elements of a list that are not used.
+   pure subroutine shorten_events(n, events, good)
+      !> Number of elements used.
+      integer, intent(in) :: n
+      !> In and out: the list.
+      type(event_type), allocatable, intent(inout) :: events(:)
+      !> False if there is not enough memory; the list is not changed then.
+      logical, intent(out) :: good
+      type(event_type), allocatable :: shorter(:)
+      integer :: failed
+
+      good = .true.
+      if (n == size(events)) return
+      allocate (shorter(n), stat=failed)
+      good = failed == 0
+      if (.not. good) return
+      shorter = events(:n)
+      call move_alloc(shorter, events)
+   end subroutine shorten_events
 
    !> Cycle and phase a number of load cycles after a state.
    pure subroutine later(state, cycles, cycle, phase)

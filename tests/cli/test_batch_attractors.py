@@ -318,7 +318,7 @@ def test_defaults_are_those_of_the_api(tmp_path):
                     "states" if case is cases[2] and name == "sweep" else item.default
                 )
                 compared += 1
-    assert compared == 4 + 5 + 6 + 4 + 4
+    assert compared == 5 + 6 + 7 + 5 + 5
 
 
 @pytest.mark.parametrize("program", ["batch", "command"])

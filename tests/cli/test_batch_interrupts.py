@@ -9,7 +9,7 @@ from programs import wait_for, write
 
 SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"
 SHORT = "&simulate clearance = 6, cycles = 10 /\n"
-LONG = "&simulate clearance = 5, cycles = 2000000, max_events = 1000000000 /\n"
+LONG = "&simulate clearance = 5, cycles = 2000000, max_events = 50000000 /\n"
 
 
 @contextlib.contextmanager

@@ -7,7 +7,7 @@ module studies_atlas
    use vi_pattern, only: pattern_type
    use vi_rings, only: dense_ring, winding
    use vi_zone_request, only: zone_request_type
-   use vi_survey, only: attractor_type, survey, survey_work
+   use vi_survey, only: attractor_type, limits_type, survey, survey_work
    use vi_survey_outcome, only: beyond, chaotic, count_outcomes, no_impacts, not_settled, periodic
    use vi_zone, only: find_zone, release_type, simulate_nodes, zone_type, zone_work
    implicit none (type, external)
@@ -156,7 +156,7 @@ contains
       integer :: counts(7), progress(3), i, n
 
       osc = oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.61_wp])
-      call survey(osc, window(:, 1), window(:, 2), 400, 2, 1, 1, points)
+      call survey(osc, window(:, 1), window(:, 2), 400, limits_type(2, 1, 10000000), 1, points)
       counts = count_outcomes(points%outcome)
       call check(sum(counts) == size(points), 'every point is counted once')
       call check(counts(periodic) == count(points%found), 'periodic: within the limits')
@@ -172,10 +172,10 @@ contains
                point%cycles > 1, 'beyond the limits')
          end associate
       end do
-      call survey(osc, window(:, 1), window(:, 2), 400, 2, 1, 2, same)
+      call survey(osc, window(:, 1), window(:, 2), 400, limits_type(2, 1, 10000000), 2, same)
       call check(all(same%outcome == points%outcome), 'outcomes do not depend on threads')
       ! what is beyond the limits is within wider ones, and the same motion
-      call survey(osc, window(:, 1), window(:, 2), 400, 8, 4, 2, wide)
+      call survey(osc, window(:, 1), window(:, 2), 400, limits_type(8, 4, 10000000), 2, wide)
       n = 0
       do i = 1, size(points)
          if (points(i)%outcome /= beyond) cycle

@@ -209,7 +209,7 @@ contains
       call check(all(pack(ring, ring /= 0) == now%symbols), 'symbols: of the ring')
       left = 3
       call simulate_cycles(system, state, 6, left, events(:2), n, status)
-      call check(status == stat%more_events .and. left <= 0, &
+      call check(status == stat%event_limit .and. left == 0, &
          'symbols: a limit of events')
    end subroutine test_simulated
 

@@ -297,7 +297,8 @@ contains
    subroutine test_status()
       integer, parameter :: codes(*) = [stat%ok, stat%singular, stat%free_amplitude, stat%no_load, &
          stat%zero_approach, stat%lapack_failed, stat%not_finite, stat%no_motion, &
-         stat%more_events, stat%budget, stat%no_convergence, stat%lost_digits, stat%not_computed]
+         stat%more_events, stat%budget, stat%no_convergence, stat%lost_digits, stat%not_computed, &
+         stat%event_limit, stat%no_memory]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

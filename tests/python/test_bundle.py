@@ -48,11 +48,11 @@ def test_event_budget():
     whole = vi.simulate_bundle(RIG, RATIOS, 6.0, 40)
     most = int(np.median(whole.impacts + whole.rests))
     cut = vi.simulate_bundle(RIG, RATIOS, 6.0, 40, max_events=most)
-    assert {0, 8} == set(cut.status.tolist())
+    assert {0, 13} == set(cut.status.tolist())
     for j in np.flatnonzero(cut.status == 0):
         assert cut.x[j] == whole.x[j]
-    assert (cut.t[cut.status == 8] < whole.t[cut.status == 8]).all()
-    assert "events is full" in vi.status_text(8)
+    assert (cut.t[cut.status == 13] < whole.t[cut.status == 13]).all()
+    assert "max_events" in vi.status_text(13)
 
 
 @pytest.mark.parametrize(

@@ -208,7 +208,7 @@ def test_a_stopped_case_keeps_its_events(tmp_path, monkeypatch):
     path = tmp_path / "case.nml"
     path.write_text(
         "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"
-        "&simulate clearance = 6, cycles = 100000000, max_events = 100000000 /\n"
+        "&simulate clearance = 6, cycles = 100000000, max_events = 50000000 /\n"
     )
     (case,) = vi.read_namelist(path)
     calls = []

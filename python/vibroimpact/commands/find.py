@@ -29,7 +29,7 @@ EXAMPLE = (
     "--plot -o results"
 )
 #: Keys of a search beside its point.
-LIMITS = ("max_impacts", "max_cycles", "guesses", "states", "settling", "releases")
+LIMITS = ("max_impacts", "max_cycles", "guesses", "states", "settling", "releases", "max_events")
 
 
 class Point(NamedTuple):

@@ -126,7 +126,7 @@ class State:
                 )
         r = (self.r_min, self.r_max)
         checks.frequency_ratio(self.r, self.xi)
-        if self.xi == 0 and r[0] <= 1 <= r[1]:
+        if checks.at_resonance(self.xi, 1.0) and r[0] <= 1 <= r[1]:
             raise ParameterError(
                 f"xi = 0: must be above 0 while the window, r = {r[0]:g} to {r[1]:g}, contains 1"
             )
@@ -146,7 +146,9 @@ class State:
                 checks.number(value, name, f"{name} of the line")
             if self.line[:2] == self.line[2:]:
                 raise ParameterError(f"line = {self.line!r}: must have two different ends")
-            if self.xi == 0 and min(self.line[::2]) <= 1 <= max(self.line[::2]):
+            if checks.at_resonance(self.xi, 1.0) and min(self.line[::2]) <= 1 <= max(
+                self.line[::2]
+            ):
                 raise ParameterError(f"line = {self.line!r}: must not pass r = 1 when xi = 0")
 
     @property

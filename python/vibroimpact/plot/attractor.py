@@ -154,7 +154,7 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
     colors = ["0.7", *(AREAS[i % len(AREAS)] for i in range(n))]
     first, second = basins.axes
     ax.pcolormesh(
-        first.values, second.values, basins.labels.T, cmap=ListedColormap(colors),
+        first.values, second.values, np.maximum(basins.labels.T, -1), cmap=ListedColormap(colors),
         norm=BoundaryNorm(np.arange(-1.5, n), n + 1), shading="nearest", rasterized=True,
     )  # fmt: skip
     ax.set_xlabel(COORDINATES[first.name])

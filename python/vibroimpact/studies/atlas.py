@@ -307,6 +307,7 @@ def atlas(
     lines: int = 17,
     guesses: int = 24,
     max_points: int = 20_000,
+    max_events: int = 10_000_000,
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Atlas:
@@ -332,6 +333,8 @@ def atlas(
         Load cycles simulated at each before its attractor is examined.
     lines, guesses, max_points : int
         As in `zone`.
+    max_events : int
+        Events after which a simulation of the survey is given up, with the outcome "event limit reached".
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
@@ -361,5 +364,6 @@ def atlas(
     keys = {
         **window(r, clearance), "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey,
         "settling": settling, "lines": lines, "guesses": guesses, "max_points": max_points,
+        "max_events": max_events,
     }  # fmt: skip
     return door.run(Atlas, osc, keys, threads=threads, progress=progress, parameters=NAMES)

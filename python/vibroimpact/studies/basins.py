@@ -20,8 +20,8 @@ __all__ = ["Axis", "BasinAttractor", "Basins", "basins"]
 _Array = NDArray[np.float64]
 #: Coordinates of a state; y = z - x.
 COORDINATES = ("t", "x", "x_dot", "y", "z_dot")
-#: The label of a state that was not simulated because the study was stopped.
-NOT_REACHED = -2
+#: The label of a state that was not simulated because the study was stopped, and of one with too many events.
+NOT_REACHED, EVENT_LIMITED = -2, -3
 
 
 class Axis(NamedTuple):
@@ -49,7 +49,7 @@ class Basins(Noun, study="basins"):
         The label of an attractor is its place in this list.
     labels : ndarray (n, m) of int, or (M,)
         For each state of the plane (first axis, second axis) or of the list; -1 not decided, -2 not reached
-        before it was cut short.
+        before it was cut short, -3 not decided before `max_events`.
     axes : (Axis, Axis) or None
     states : ndarray (5, ...)
         t, x, x_dot, z, z_dot of each.
@@ -178,7 +178,7 @@ class Basins(Noun, study="basins"):
     def __repr__(self) -> str:
         names = self._result.tables["attractors"].columns["name"].decoded()
         parts = [f"{name} {share:.1%}" for name, share in zip(names, self.fractions, strict=True)]
-        left = int((self.labels == -1).sum())
+        left = int(np.isin(self.labels, (-1, EVENT_LIMITED)).sum())
         parts += [f"{left} not decided"] if left and self.complete else []
         cut = "" if self.complete else f"; cut short, {self.cut}"
         return f"<Basins of {self.labels.size} states: {', '.join(parts)}{cut}>"
@@ -196,6 +196,7 @@ def basins(
     probes: int = 200,
     max_cycles: int = 16,
     seed: int = 0,
+    max_events: int = 10_000_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Basins:
@@ -230,6 +231,8 @@ def basins(
     seed : int
         Of random states, from 0 to 2**31 - 1. A state depends only on the seed and its number, so a larger set
         of states begins with the smaller one.
+    max_events : int
+        Events (impacts, rests, releases) after which one simulation is given up: its state has the label -3.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
@@ -269,6 +272,7 @@ def basins(
         raise ParameterError(f"fixed = {fixed!r}: must be left out: it goes with plane")
     keys: dict[str, Any] = {
         "clearance": clearance, "cycles": cycles, "probes": probes, "max_cycles": max_cycles, "load": load,
+        "max_events": max_events,
     }  # fmt: skip
     names = {
         "axes": "plane: name", "low": "plane: low", "high": "plane: high", "values": "plane: n", "list": "states",

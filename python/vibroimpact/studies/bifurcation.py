@@ -212,6 +212,7 @@ def bifurcation_diagram(
     settling: int = 300,
     keep: int = 33,
     points: int = 100,
+    max_events: int = 10_000_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram:
@@ -243,6 +244,9 @@ def bifurcation_diagram(
         Load cycles examined; periods of up to half of them are detected.
     points : int
         Impacts kept of each run and value.
+    max_events : int
+        Events (impacts, rests, releases) after which one simulation is given up, one at each value of a
+        run; the status says so.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
@@ -286,7 +290,7 @@ def bifurcation_diagram(
         "parameter": parameter, **(door.swept(along, parameter) or {"list": along}),
         "clearance": fixed["clearance"], "r": fixed["r"] if np.ndim(fixed["r"]) else None, "sweep": sweep,
         "states": states if sweep == "states" else None, "settling": settling, "keep": keep,
-        "points": points, "load": load,
+        "points": points, "load": load, "max_events": max_events,
     }  # fmt: skip
     if state is not None:
         walls = along if parameter == "clearance" else np.atleast_1d(fixed["clearance"])

@@ -78,7 +78,7 @@ class Chart(Noun, study="chart"):
             tables["ratios"].columns["r"].values,
             tables["clearances"].columns["clearance"].values,
         )
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore"):
             a = 1 / np.hypot((1 - r) * (1 + r), 2 * self.osc.xi * r)
         multipliers, codes = columns["multipliers"], np.unique(columns["status"])
         attenuation = np.maximum(-columns["x_min"], columns["x_max"]) / a

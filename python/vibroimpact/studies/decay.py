@@ -92,6 +92,7 @@ def decay(
     y: float = 0.0,
     z_dot: float = 0.0,
     cycles: int = 20,
+    max_events: int = 10_000_000,
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Decay:
@@ -111,6 +112,8 @@ def decay(
         Position z - x of the free mass between the walls, 0 in the middle, and its velocity at the start.
     cycles : int
         Oscillations of the primary mass: a run ends with peak 2 cycles + 1.
+    max_events : int
+        Events (impacts, rests, releases) after which one simulation is given up; its status says so.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
@@ -142,5 +145,6 @@ def decay(
     keys = {
         "clearance": clearance, "inverse_clearance": inverse_clearance, "amplitude": amplitude,
         "x_dot": x_dot, "y": y, "z_dot": z_dot, "cycles": cycles,
+        "max_events": max_events,
     }  # fmt: skip
     return door.run(Decay, osc, keys, threads=threads, progress=progress)

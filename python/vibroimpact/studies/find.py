@@ -57,7 +57,7 @@ class Search:
     without_impacts : int
         States after which no impacts are left.
     unfinished : int
-        States whose simulation could not continue.
+        States whose simulation reached `max_events` or could not continue.
     lost : int
         Motions that were found but that a final run of Newton's method did not confirm; they are left out.
     text : str
@@ -228,6 +228,7 @@ def find(
     states: int = 24,
     settling: int = 600,
     releases: int = 32,
+    max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions:
     """Periodic motions at a point: from all side patterns, from releases, and from simulated attractors.
@@ -258,6 +259,8 @@ def find(
     releases : int
         Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
         return map; this also finds unstable motions with rest.
+    max_events : int
+        Events (impacts, rests, releases) after which one simulation is stopped, as one of `Search.unfinished`.
     progress : callable, optional
         Called with the share done and the present task; an exception that it raises ends the search.
 
@@ -290,6 +293,7 @@ def find(
     keys = {
         "clearance": clearance, "max_impacts": max_impacts, "max_cycles": max_cycles, "load": load,
         "guesses": guesses, "states": states, "settling": settling, "releases": releases,
+        "max_events": max_events,
     }  # fmt: skip
     for name, value in keys.items():
         if value is None:

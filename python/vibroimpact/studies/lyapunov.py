@@ -119,6 +119,7 @@ def lyapunov(
     load: float = 1.0,
     discard: int = 1000,
     batches: int = 20,
+    max_events: int = 10_000_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Lyapunov:
@@ -145,6 +146,9 @@ def lyapunov(
         Load cycles of the transient.
     batches : int
         2 to 1000.
+    max_events : int
+        Events (impacts, rests, releases) after which one simulation is given up, one at each point; its status
+        says so. Long averages need more than the default.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
@@ -196,7 +200,10 @@ def lyapunov(
     if state is not None:
         start = checked_state(state, float(clearances.min()))
         points |= {name: start[name] for name in NEEDED}
-    keys = {**points, "load": load, "cycles": cycles, "discard": discard, "batches": batches}
+    keys = {
+        **points, "load": load, "cycles": cycles, "discard": discard, "batches": batches,
+        "max_events": max_events,
+    }  # fmt: skip
     found = door.run(Lyapunov, osc, keys, one_r, threads, progress)
     found.require()
     return found

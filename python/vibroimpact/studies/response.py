@@ -75,6 +75,7 @@ def response(
     load: float = 1.0,
     settling: int = 600,
     keep: int = 33,
+    max_events: int = 10_000_000,
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response:
@@ -98,6 +99,8 @@ def response(
         Load cycles of the transient.
     keep : int
         Load cycles examined.
+    max_events : int
+        Events (impacts, rests, releases) after which one simulation is given up; its status says so.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
@@ -125,6 +128,7 @@ def response(
     keys = {
         **door.line("r", r), "clearance": clearance, "inverse_clearance": inverse_clearance,
         "states": states, "load": load, "settling": settling, "keep": keep,
+        "max_events": max_events,
     }  # fmt: skip
     names = {"r_min": "r", "r_max": "r"}
     return door.run(Response, osc, keys, threads=threads, progress=progress, parameters=names)

@@ -1,0 +1,329 @@
+"""Limits of a computation: events, memory, stack, threads, and the processes that a parent forks."""
+
+import math
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact import _core
+from vibroimpact.interrupt import new_counters
+
+#: Without load a light primary mass between the walls of a heavy, elastic one bounces faster and faster: the time
+#: between impacts has no lower bound that matters, and four load cycles have billions of impacts.
+FAST = vi.Oscillator(xi=0.0114, mu=1e6, restitution=1)
+RIG = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+EVENT_LIMIT = 13
+
+
+def child(code, seconds=60, environment=None):
+    """Runs a script in a process of its own, with a deadline."""
+    return subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code)], timeout=seconds, capture_output=True, text=True,
+        check=False, env=os.environ | (environment or {}),
+    )  # fmt: skip
+
+
+def assert_answers(done, wanted):
+    assert (done.returncode, done.stdout.split()) == (0, wanted.split()), done.stderr[-2000:]
+
+
+# events
+
+
+def test_basins_end():
+    """States that have too many events are not decided, and are counted as that."""
+    found = vi.basins(
+        FAST, 0.5, 37.0, states=3, cycles=4, probes=1, max_cycles=2, load=0, max_events=20_000
+    )
+    assert found.labels.tolist() == [-3, -3, -3]
+    assert not found.attractors
+    assert "3 not decided" in repr(found)
+    assert any("max_events was reached" in text for _, text in found._result.notes)
+
+
+def test_response_ends():
+    """The status says that a simulation had too many events; it has no amplitude."""
+    found = vi.response(FAST, [0.5, 0.6], 37.0, states=2, settling=5, keep=3, max_events=1000)
+    ended = found.status == EVENT_LIMIT
+    assert ended.any()
+    assert np.isnan(found.attenuation[ended]).all()
+    assert "max_events" in vi.status_text(EVENT_LIMIT)
+
+
+def test_sweeps_end():
+    """A value at which a simulation had too many events has no impacts, and its run goes on."""
+    found = vi.bifurcation_diagram(
+        FAST, "r", [0.5, 0.6, 0.7], clearance=37.0, settling=5, keep=3, load=0, max_events=10_000
+    )
+    status = found._result.tables["cells"].columns["status"].values
+    assert (status == EVENT_LIMIT).any()
+
+
+def test_exponents_end():
+    """A point whose trajectory has too many events has no exponents."""
+    with pytest.raises(vi.errors.VibroimpactError, match="max_events"):
+        vi.lyapunov(RIG, 1.04, 20.0, cycles=1000, discard=10, max_events=100)
+
+
+def test_search_ends():
+    """A state whose simulation has too many events is counted as unfinished, and leads to no motion."""
+    found = vi.find(
+        FAST, 0.5, 37.0, max_impacts=2, max_cycles=1, guesses=0, releases=0, states=4, settling=4,
+        max_events=1000,
+    )  # fmt: skip
+    assert found.search.unfinished == found.search.states == 4
+    assert "max_events" in found.search.text
+
+
+def test_decay_ends():
+    """A free vibration with too many impacts is cut short, and says so."""
+    found = vi.decay(FAST, 1e-3, z_dot=1.0, cycles=3, max_events=1000)
+    assert found._result.tables["runs"].columns["status"].values.tolist() == [EVENT_LIMIT]
+
+
+def test_survey_ends():
+    """A point of a survey whose simulation has too many events is counted as that."""
+    found = vi.atlas(
+        RIG,
+        (1.03, 1.05),
+        (20, 30),
+        max_impacts=2,
+        survey=3,
+        settling=40,
+        lines=5,
+        guesses=0,
+        max_events=20,
+    )
+    assert found.counts["event limit reached"] == 3
+
+
+@pytest.mark.parametrize(
+    "study", ["basins", "response", "bifurcation", "lyapunov", "find", "decay"]
+)
+def test_stop_within_a_cycle(study):
+    """A request to stop ends a study within a load cycle that has millions of impacts."""
+    groups = {
+        "basins": "states = 3, cycles = 4, probes = 1, max_cycles = 2, load = 0",
+        "response": "r_min = .5, r_max = .6, r_points = 2, states = 1, settling = 1",
+        "bifurcation": "parameter = 'mu', low = 1e5, high = 1e6, values = 2, load = 0, settling = 9",
+        "lyapunov": "load = 0, x_dot = 1, z_dot = 20",
+        "find": "max_impacts = 2, max_cycles = 1, guesses = 0, states = 3, load = 0",
+        "decay": "z_dot = 1",
+    }  # fmt: skip
+    r = "" if study in ("response", "decay") else "r = .5"
+    text = (
+        f"&system xi = .0114, mu = 1e6, restitution = 1, {r} /\n&{study} "
+        f"clearance = {1e-6 if study == 'decay' else 37}, max_events = 1000000000, {groups[study]} /\n"
+    )
+    counters = new_counters()
+    answer = []
+    worker = threading.Thread(
+        target=lambda: answer.append(
+            _core.run_case(np.frombuffer(text.encode(), "S1"), 1, counters)
+        ),
+        daemon=True,
+    )
+    worker.start()
+    time.sleep(0.3)
+    counters[2] = 1
+    begin = time.monotonic()
+    worker.join(20)
+    assert answer, f"{study} did not stop"
+    assert time.monotonic() - begin < 10
+    _core.free_result(answer[0][0])
+
+
+def test_largest_number_of_events():
+    """A trajectory keeps its events, so their number is bounded by what a computer can hold."""
+    with pytest.raises(vi.errors.ParameterError, match="50000000"):
+        vi.simulate(RIG, 1.04, 20.0, 1e9, max_events=10**9)
+
+
+@pytest.mark.parametrize("batches", [2**31 - 1, 2**31, 2**30, 1001])
+def test_batches(batches):
+    """Twice the batches must not overflow: their range is checked first."""
+    with pytest.raises(vi.errors.ParameterError, match="1000"):
+        vi.lyapunov(RIG, 1.04, 20.0, batches=batches)
+
+
+# damping
+
+
+@pytest.mark.parametrize("xi", [5e-324, 1e-310, 1e-160, 1e-30, 1e-13])
+def test_hardly_any_damping_at_resonance(xi):
+    """Free and forced vibration of amplitude 1/(2 xi) cancel to no digits: as for xi = 0, r must not be 1."""
+    osc = vi.Oscillator(xi=xi, mu=0.028, restitution=0.75)
+    pattern = vi.Pattern("RL")
+    for call in (
+        lambda: vi.simulate(osc, 1.0, 25.0, 5),
+        lambda: vi.simulate_bundle(osc, [0.9, 1.0], 25.0, 5),
+        lambda: vi.response(osc, [0.9, 1.0, 1.1], 25.0),
+        lambda: vi.response(osc, [0.9, 1.0, 1.2], 25.0),
+        lambda: vi.exact(osc, 1.0, 25.0, ([0, 3.0], pattern)),
+        lambda: vi.equispaced(osc, 1.0, 25.0),
+        lambda: vi.periodic(osc, 1.0, [0, 3.0], pattern),
+        lambda: vi.find(osc, 1.0, 25.0),
+        lambda: vi.basins(osc, 1.0, 25.0, states=3),
+        lambda: vi.lyapunov(osc, 1.0, 25.0),
+        lambda: vi.lyapunov(osc, [0.9, 1.0, 1.2], 25.0),
+        lambda: vi.bifurcation_diagram(osc, "r", [0.9, 1.0, 1.1], clearance=25.0),
+        lambda: vi.bifurcation_diagram(osc, "r", [0.9, 1.0, 1.2], clearance=25.0),
+        lambda: vi.bifurcation_diagram(osc, "xi", [xi, 0.1, 0.3], r=1.0, clearance=25.0),
+        lambda: vi.zone(osc, pattern, (0.9, 1.1), (20, 30)),
+        lambda: vi.atlas(osc, (0.9, 1.1), (20, 30)),
+        lambda: vi.branch(vi.equispaced(osc, 1.04, 25.0)[0], "r", (0.95, 1.05)),
+        lambda: vi.branch(vi.equispaced(RIG, 1.0, 25.0)[0], "xi", (xi, 0.1)),
+    ):
+        with pytest.raises(vi.errors.ParameterError, match="resonance"):
+            call()
+    chart = vi.chart(osc, pattern, r=[0.9, 1.0, 1.1], clearance=[20.0, 30.0])
+    assert (chart.status.sel(r=1.0) != 0).all()  # a column of a chart is a status
+
+
+# memory
+
+#: Sets the limit of the address space a little above what is used; {room} in MB.
+LIMITED = """
+import resource, numpy as np, vibroimpact as vi
+osc = vi.Oscillator(xi=.0114, mu=.028, restitution=.75)
+vi.simulate(osc, 1.04, 20., 1)
+vi.response(osc, [1., 1.1], 25., states=1, settling=0, keep=3)
+used = int(open("/proc/self/statm").read().split()[0])*resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, 2*(used + {room}*2**20,))
+try:
+    {call}
+except MemoryError as error:
+    print("raised", isinstance(error, vi.errors.OutOfMemoryError) or "numpy" in type(error).__module__)
+print("alive")
+"""
+linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, sets limits of Linux")
+
+
+@linux
+@pytest.mark.parametrize(
+    "call",
+    [
+        "vi.response(osc, np.linspace(.8, 1.2, 900000), clearance=25., states=1, settling=0, keep=3)",
+        "vi.bifurcation_diagram(osc, 'r', np.linspace(.8, 1.2, 60000), clearance=25., settling=0, keep=3)",
+        "vi.basins(osc, 1.04, 20., states=5000000, cycles=1, probes=1, max_cycles=1)",
+        "vi.basins(osc, 1.04, 20., (('x', -1, 1, 3000), ('y', -1, 1, 3000)), cycles=1, probes=1)",
+        "vi.lyapunov(osc, np.linspace(.8, 1.2, 900000), 25., cycles=4, discard=0, batches=2)",
+        "vi.decay(osc, .5, cycles=1000000, amplitude=1e9)",
+        "vi.chart(osc, vi.Pattern('RL'), r=np.linspace(.8, 1.2, 900), clearance=np.linspace(20, 30, 900))",
+        "vi.find(osc, 1.04, 20., max_impacts=2, max_cycles=1, states=1000000, settling=0)",
+        "vi.atlas(osc, (1., 1.1), (20., 30.), survey=1000000, settling=1)",
+        "vi.simulate(osc, 1.04, 2., 1e9, max_events=50000000)",
+    ],
+    ids=lambda call: call.split("(")[0][3:],
+)
+def test_memory(call):
+    """A case for which memory is lacking raises MemoryError, and the interpreter goes on."""
+    assert_answers(child(LIMITED.format(room=250, call=call), 120), "raised True alive")
+
+
+@linux
+def test_memory_of_a_small_case():
+    """What fits in the memory is computed."""
+    call = (
+        "print(vi.response(osc, np.linspace(.8, 1.2, 9), 25., states=2, settling=5, keep=3).r.size)"
+    )
+    assert_answers(child(LIMITED.format(room=250, call=call)), "9 alive")
+
+
+# forks
+
+FORKED = """
+import os, sys, numpy as np, vibroimpact as vi
+osc = vi.Oscillator(xi=.0114, mu=.028, restitution=.75)
+phases = np.vstack([np.zeros(4096), np.linspace(2, 4, 4096)])
+calls = dict(
+    flags=lambda: vi.stability_flags(osc, 1.04, phases, vi.Pattern("RL"), threads=2).stable.sum(),
+    bundle=lambda: vi.simulate_bundle(osc, np.linspace(1.03, 1.05, 8), 25., 30, threads=2).x.sum(),
+    big=lambda: vi.simulate_bundle(osc, np.linspace(1.03, 1.05, 8), 25., 900, threads=2).x.sum(),
+    chart=lambda: vi.chart(osc, vi.Pattern("RL"), r=np.linspace(1., 1.1, 5), clearance=np.linspace(20, 30, 5),
+                           threads=2)["found"].values.sum(),
+    response=lambda: vi.response(osc, np.linspace(1., 1.1, 5), 25., states=2, settling=5, threads=2).highest.sum(),
+)
+before = {name: call() for name, call in calls.items()}
+pid = os.fork()
+if pid == 0:
+    same = all(call() == before[name] for name, call in calls.items())
+    os._exit(0 if same else 3)
+print(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
+print(all(call() == before[name] for name, call in calls.items()))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_fork():
+    """A child forked after threaded calls computes the same as its parent, and does not wait for lost threads."""
+    assert_answers(child(FORKED, 120), "0 True")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_fork_from_another_thread():
+    """The same in a child forked by a thread that is not the main one."""
+    code = FORKED.replace("\n", "\n    ")
+    code = f"import threading\ndef work():\n    {code}\nt = threading.Thread(target=work)\nt.start()\nt.join(90)\n"
+    assert_answers(child(code, 120), "0 True")
+
+
+# stacks and threads
+
+STUDY = """
+import vibroimpact as vi, numpy as np
+osc = vi.Oscillator(xi=.005, mu=.042, restitution=.75)
+try:
+    print(vi.basins(osc, .94, 37., states=30, cycles=100, probes=5, threads=2).labels.size)
+    print(vi.simulate_bundle(osc, [.9, .91], 37., 30, threads=2).x.size)
+    print(vi.stability_flags(osc, .94, [[0, 0], [3, 4]], vi.Pattern("RL"), threads=2).stable.size)
+except vi.errors.VibroimpactError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("size", ["1k", "16k", "64k", "64 K", "16384B", "1M", "1000000000G", "x"])
+def test_stacks_of_other_threads(size):
+    """Where OpenMP would give its threads small stacks, one thread computes."""
+    assert_answers(child(STUDY, environment={"OMP_STACKSIZE": size}), "30 2 2")
+
+
+@pytest.mark.parametrize("threads", ["100000", "1"])
+def test_number_of_threads(threads):
+    """The number of threads of the environment is not believed beyond the number of processors."""
+    assert_answers(child(STUDY, environment={"OMP_NUM_THREADS": threads}), "30 2 2")
+
+
+@linux
+@pytest.mark.parametrize("size", [256, 128])
+def test_small_stack_of_the_process(size):
+    """With a small stack of the process a study has one of its own."""
+    limit = f"resource.setrlimit(resource.RLIMIT_STACK, ({size * 1024}, {size * 1024}))"
+    assert_answers(child(f"import resource, vibroimpact\n{limit}\n{STUDY}"), "30 2 2")
+
+
+@linux
+def test_small_stack_of_a_thread():
+    """A study called in a thread with a small stack runs, or says why it cannot; the process goes on."""
+    code = f"import threading\nthreading.stack_size(65536)\ndef work():\n{textwrap.indent(STUDY, '    ')}\n"
+    done = child(
+        code
+        + "import vibroimpact\nt = threading.Thread(target=work)\nt.start()\nt.join()\nprint('alive')\n"
+    )
+    assert done.returncode == 0, done.stderr[-1000:]
+    assert "alive" in done.stdout
+    assert "30" in done.stdout or "stack of this thread is too small" in done.stdout
+
+
+def test_exponents_of_nothing_are_not_read():
+    """The numbers of the codes above are those of the core."""
+    assert [vi.status_text(code) for code in (EVENT_LIMIT, EVENT_LIMIT + 1)] == [
+        "the simulation reached max_events events before its end", "out of memory",
+    ]  # fmt: skip
+    assert math.isfinite(vi.simulate(RIG, 1.0, 25.0, 5).final_state["x"])
