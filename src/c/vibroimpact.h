@@ -40,7 +40,8 @@ enum {
     VIBROIMPACT_DONE = 0,     /* all went well */
     VIBROIMPACT_FAILED = 1,   /* it ran, but something failed or is not there: VIBROIMPACT_FAULTS */
     VIBROIMPACT_WRONG = 2,    /* the text or an argument is wrong: VIBROIMPACT_MESSAGE */
-    VIBROIMPACT_NO_RESULT = 3 /* no result, no such table or column, or no place for the answer */
+    VIBROIMPACT_NO_RESULT = 3, /* no result, no such table or column, or no place for the answer */
+    VIBROIMPACT_NO_MEMORY = 4 /* the case takes more memory, or room on the stack, than there is: VIBROIMPACT_FAULTS */
 };
 
 /* Runs the one case of a text.
@@ -53,7 +54,9 @@ enum {
  *          takes no notice of them.
  * result:  is set whatever the status, but for VIBROIMPACT_NO_RESULT, which means that it is NULL.
  *
- * Returns VIBROIMPACT_DONE, VIBROIMPACT_FAILED or VIBROIMPACT_WRONG. */
+ * In a forked child of the process a case takes one thread.
+ *
+ * Returns VIBROIMPACT_DONE, VIBROIMPACT_FAILED, VIBROIMPACT_WRONG or VIBROIMPACT_NO_MEMORY. */
 int vibroimpact_run(const char *text, int threads, int32_t *counters, vibroimpact_result *result);
 
 /* Lists the cases of a text, which are as many as it has groups that ask for a result.

@@ -200,11 +200,7 @@ contains
          counted(size(counts), 'clearance'))
       if (all(counts == most)) return
       reason = 'the oscillation ends before'
-      if (any(status == stat%more_events)) then
-         reason = 'too many impacts'
-      else if (any(status /= stat%ok)) then
-         reason = status_text(maxval(status))
-      end if
+      if (any(status /= stat%ok)) reason = status_text(maxval(status))
       call result%fail(whole(count(counts < most))//' of '//counted(size(counts), 'clearance')// &
          ' with fewer than '//whole(most)//' peaks: '//reason)
    end subroutine add_summary

@@ -1,0 +1,69 @@
+"""Limits of the stand-alone program: events, memory, stack and threads."""
+
+import os
+import resource
+import subprocess
+import sys
+
+import pytest
+
+SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
+FAST = "&system xi = 0.0114, mu = 1e6, restitution = 1, r = 0.5 /\n"
+BASINS = "&basins clearance = 37, states = 3, cycles = 4, probes = 1, max_cycles = 2, load = 0"
+linux = pytest.mark.skipif(sys.platform != "linux", reason="the limits are those of Linux")
+
+
+def run(binary, tmp_path, text, limits=(), environment=None):
+    """Runs the program on a file within limits of the system."""
+    (tmp_path / "case.nml").write_text(text)
+
+    def limit():
+        for name, value in limits:
+            resource.setrlimit(name, (value, value))
+
+    return subprocess.run(
+        [binary, "case.nml"], cwd=tmp_path, timeout=120, capture_output=True, text=True, check=False,
+        env=os.environ | (environment or {}), preexec_fn=limit,
+    )  # fmt: skip
+
+
+def test_event_limit(binary, tmp_path):
+    """States that have too many events are not decided, and the message says why."""
+    done = run(binary, tmp_path, f"{FAST}{BASINS}, max_events = 20000 /\n")
+    assert done.returncode == 1
+    assert "3 of 3 states not decided, 3 of them as max_events was reached" in done.stderr
+
+
+@linux
+def test_memory(binary, tmp_path):
+    """A case for which memory is lacking is a message, and the program goes on with the next one."""
+    text = (
+        f"{SYSTEM}&response r_min = .8, r_max = 1.2, r_points = 900000, clearance = 25, states = 1, settling = 0, "
+        "keep = 3 /\n&response r_min = .8, r_max = 1.2, r_points = 3, clearance = 25, states = 1, settling = 9, "
+        "keep = 3 /\n"
+    )
+    done = run(binary, tmp_path, text, [(resource.RLIMIT_AS, 400 * 2**20)])
+    assert done.returncode == 1
+    assert "out of memory" in done.stderr
+    assert len(list((tmp_path / "results").glob("*.csv"))) == 1
+
+
+@linux
+@pytest.mark.parametrize("size", [64, 256, 1024])
+def test_stack(binary, tmp_path, size):
+    """A stack that is too small is a message, not the end by a signal."""
+    text = f"{SYSTEM.replace('/', ', r = 1.04 /')}{BASINS.replace(', load = 0', '')} /\n"
+    done = run(binary, tmp_path, text, [(resource.RLIMIT_STACK, size * 1024)])
+    assert done.returncode in (0, 1)
+    assert ("stack of this thread is too small" in done.stderr) == (size < 512)
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [{"OMP_STACKSIZE": "16k"}, {"OMP_STACKSIZE": "64k"}, {"OMP_NUM_THREADS": "100000"}],
+)
+def test_threads(binary, tmp_path, environment):
+    """Small stacks of threads, or very many of them, do not end the program."""
+    done = run(binary, tmp_path, f"{FAST}{BASINS}, max_events = 9 /\n", (), environment)
+    assert done.returncode == 1, done.stderr
+    assert "max_events" in done.stderr
