@@ -140,86 +140,74 @@ subroutine status_text(code, text, length)
    length = len_trim(line)
 end subroutine status_text
 
-!> Runs namelist files; `paths` are separated by line feeds, and so are the lines of `text`.
-!!
-!! The first character of a line tells what it is: '-' news, '!' a fault, '>' a table that was
-!! written. `only` names the kind of cases to run (blank: all). `text` has room for `capacity`
-!! bytes;
-!! `length` tells how many were wanted.
-subroutine run_namelists(n_paths, paths, n_folder, folder, only, capacity, progress, text, length, &
-   status)
-   use, intrinsic :: iso_c_binding, only: c_char, c_int
+!> Runs namelist files; `paths` are separated by null characters, and so are the lines of what was
+!! said (see vi_log), which is the message of the handle. `only` names the kind of cases to run
+!! (blank: all).
+subroutine run_namelists(n_paths, paths, n_folder, folder, only, progress, handle, status)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
    use vi_batch, only: log_type, run_file
-   use vi_text, only: append, join, line_type, split
+   use vi_buffer, only: add
+   use vi_door, only: new_text
+   use vi_text, only: line_type, split
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n_paths, n_folder, capacity
+   integer(c_int), intent(in) :: n_paths, n_folder
    character(kind=c_char), intent(in) :: paths(n_paths), folder(n_folder), only(16)
    integer(c_int), intent(inout) :: progress(3)
-   character(kind=c_char), intent(out) :: text(capacity)
-   integer(c_int), intent(out) :: length, status
+   integer(c_int64_t), intent(out) :: handle
+   integer(c_int), intent(out) :: status
    type(log_type) :: log
    type(line_type), allocatable :: files(:)
    character(n_paths) :: all_paths
    character(n_folder) :: one_folder
-   character(:), allocatable :: answer
    character(16) :: kind
    integer :: i
 
    all_paths = transfer(paths, all_paths)
    one_folder = transfer(folder, one_folder)
    kind = transfer(only, kind)
-   allocate (files, source=split(all_paths, achar(10)))
+   allocate (files, source=split(all_paths, achar(0)))
    do i = 1, size(files)
       call run_file(files(i)%text, one_folder, log, trim(kind), progress)
    end do
-   do i = 1, size(log%results)
-      call append(log%lines, '>'//log%results(i)%text)
-   end do
-   answer = join(log%lines, achar(10))
-   length = len(answer)
-   text = ' '
-   do i = 1, min(length, capacity)
-      text(i) = answer(i:i)
-   end do
+   call add(log%said, '')
+   call new_text(log%said%text(:log%said%n), handle)
    status = log%status
 end subroutine run_namelists
 
-!> The cases of a namelist file, each in the form that the header of its result has.
-!!
-!! `text` has room for `capacity` bytes; `length` tells how many were wanted. If the file is wrong,
-!! `status` is 2 and the text says why.
-subroutine read_namelist(n_path, path, capacity, text, length, status)
-   use, intrinsic :: iso_c_binding, only: c_char, c_int
+!> The cases of a namelist file, each in the form that the header of its result has, as the message
+!! of the handle. If the file is wrong, `status` is 2 and the message says why.
+subroutine read_namelist(n_path, path, handle, status)
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
    use vi_batch, only: done, wrong
+   use vi_buffer, only: add, buffer_type
    use vi_case, only: case_type, echo
+   use vi_door, only: new_text
    use vi_read_cases, only: read_cases
-   use vi_text, only: join, line_type
+   use vi_text, only: join, line_type, printable
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n_path, capacity
+   integer(c_int), intent(in) :: n_path
    character(kind=c_char), intent(in) :: path(n_path)
-   character(kind=c_char), intent(out) :: text(capacity)
-   integer(c_int), intent(out) :: length, status
+   integer(c_int64_t), intent(out) :: handle
+   integer(c_int), intent(out) :: status
    type(case_type), allocatable :: cases(:)
    type(line_type), allocatable :: lines(:)
+   type(buffer_type) :: text
    character(n_path) :: one_path
-   character(:), allocatable :: answer
+   character(:), allocatable :: message
    integer :: i
 
    one_path = transfer(path, one_path)
-   call read_cases(one_path, cases, answer)
-   status = merge(wrong, done, len(answer) > 0)
+   call read_cases(one_path, cases, message)
+   status = merge(wrong, done, len(message) > 0)
+   call add(text, printable(message))
    do i = 1, size(cases)
       if (status == wrong) exit
       call echo(cases(i), lines)
-      answer = answer//join(lines, achar(10))//achar(10)
+      call add(text, join(lines, achar(10))//achar(10))
    end do
-   length = len(answer)
-   text = ' '
-   do i = 1, min(length, capacity)
-      text(i) = answer(i:i)
-   end do
+   call new_text(text%text(:text%n), handle)
 end subroutine read_namelist
 
 !> Runs the one case of a namelist text; see vi_door. Who gets the handle frees it, once.
@@ -364,26 +352,29 @@ subroutine add_notes_of(handle, n, text)
 end subroutine add_notes_of
 
 !> Writes a result as CSV; `message` says what went wrong, with blanks behind it.
-subroutine write_result(handle, n, path, message)
+subroutine write_result(handle, n, path, progress, message)
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
    use vi_door, only: name_after, result_of
    use vi_result, only: result_type
+   use vi_text, only: line_type
    use vi_write_csv, only: write_csv
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int64_t), intent(in) :: handle
    integer(c_int), intent(in) :: n
    character(kind=c_char), intent(in) :: path(n)
+   integer(c_int), intent(inout) :: progress(3)
    character(kind=c_char), intent(out) :: message(400)
    type(result_type), pointer :: result
+   type(line_type), allocatable :: case(:)
    character(n) :: name
    character(400) :: line
    character(:), allocatable :: reason
 
    name = transfer(path, name)
    result => result_of(handle)
-   call name_after(result, name)
-   call write_csv(result, name, reason)
+   call name_after(result, name, case)
+   call write_csv(result, name, reason, progress, case)
    line = reason
    message = transfer(line, message)
 end subroutine write_result

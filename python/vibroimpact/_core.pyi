@@ -277,13 +277,12 @@ class _Periodic(Protocol):
 
 @type_check_only
 class _ReadNamelist(Protocol):
-    # text, length, status
+    # handle, status
     def __call__(
         self,
         path: ArrayLike,
-        capacity: int,
         n_path: int = ...,
-    ) -> tuple[_Bytes, int, int]: ...
+    ) -> tuple[int, int]: ...
 
 @type_check_only
 class _RunCase(Protocol):
@@ -298,17 +297,16 @@ class _RunCase(Protocol):
 
 @type_check_only
 class _RunNamelists(Protocol):
-    # text, length, status
+    # handle, status
     def __call__(
         self,
         paths: ArrayLike,
         folder: ArrayLike,
         only: ArrayLike,
-        capacity: int,
         progress: _Integer,
         n_paths: int = ...,
         n_folder: int = ...,
-    ) -> tuple[_Bytes, int, int]: ...
+    ) -> tuple[int, int]: ...
 
 @type_check_only
 class _SameMotion(Protocol):
@@ -527,6 +525,7 @@ class _WriteResult(Protocol):
         self,
         handle: int,
         path: ArrayLike,
+        progress: _Integer,
         n: int = ...,
     ) -> _Bytes: ...
 

@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from .model import Oscillator
 from .motion import Motion, MotionSet
 from .namelist import keys_of
 from .noun import RESULTS, Noun
-from .tables import language
+from .tables import Handle, language, message_of
 
 __all__ = ["Case", "read_namelist"]
 
@@ -134,11 +133,8 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     [<Motion RL/1 at r = 0.94, ...unstable...>, <Motion RL/1 at r = 0.94, ...unstable...>]
     """
     name = path_bytes(path)
-    capacity = 65_536 + 40 * (Path(path).stat().st_size if os.path.isfile(path) else 0)
-    text, length, status = _core.read_namelist(characters(name), capacity)
-    if length > capacity:
-        text, length, status = _core.read_namelist(characters(name), length)
-    echo = os.fsdecode(text[:length].tobytes())
+    handle, status = _core.read_namelist(characters(name))
+    echo = message_of(Handle(handle))
     if status:
         raise ParameterError(echo)
     cases: list[dict[str, Any]] = []
@@ -168,8 +164,8 @@ def _case(keys: dict[str, Any]) -> Case:
 def path_bytes(path: str | os.PathLike[str]) -> bytes:
     """A path as the compiled reader takes it."""
     name = os.fsencode(path)
-    if not name or b"\n" in name or b"\0" in name:
-        raise ParameterError(f"path = {os.fsdecode(name)!r}: must not be empty or hold a line feed")
+    if not name or b"\0" in name:
+        raise ParameterError(f"path = {os.fsdecode(name)!r}: must not be empty or hold a null byte")
     return name
 
 

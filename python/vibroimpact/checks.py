@@ -84,7 +84,7 @@ def read_number(text: str) -> float:
     too_small = value == 0 and any(digit in "123456789" for digit in digits.partition("e")[0])
     if too_large or too_small:
         raise ValueError(f"{text.strip()}: must be a number that double precision holds")
-    if "_" in text:
+    if "_" in text or not text.isascii():
         raise ValueError(f"{text.strip()}: must be a number")
     return value
 
@@ -122,6 +122,15 @@ def place(index: Any, n: int, what: str) -> int | range:
     return i % n
 
 
+def truth(value: Any, name: str) -> bool:
+    """True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ParameterTypeError(
+            f"{name} = {value!r}: must be True or False, not {type(value).__name__}"
+        )
+    return bool(value)
+
+
 def choice(value: Any, name: str, choices: Sequence[str]) -> str:
     """One of a few words."""
     wanted = " or ".join(map(repr, choices))
@@ -147,9 +156,19 @@ def real_array(values: ArrayLike, name: str, wanted: str) -> NDArray[np.float64]
         array = np.asarray(values)
     except ValueError:
         raise ParameterError(f"{name} = {values!r}: must be {wanted}") from None
-    if array.size and array.dtype.kind not in "iuf":
+    if array.size and (array.dtype.kind not in "iuf" or has_truth(values)):
         raise ParameterTypeError(f"{name} = {values!r}: must be {wanted}")
     return array.astype(np.float64, copy=False)
+
+
+def has_truth(values: Any) -> bool:
+    """Whether one of some nested lists of numbers is True or False, which NumPy takes as 1 or 0 beside numbers."""
+    if not isinstance(values, (list, tuple)):
+        return getattr(getattr(values, "dtype", None), "kind", "") == "b"
+    kinds = set(map(type, values))
+    if bool in kinds or np.bool_ in kinds:
+        return True
+    return not kinds <= {float, int} and any(map(has_truth, values))
 
 
 #: 1/A of the motion without impacts below which free and forced vibration cancel to less than four digits; the

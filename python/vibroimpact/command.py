@@ -73,7 +73,7 @@ class Parser(argparse.ArgumentParser):
         if not self.in_json:
             self.print_usage(sys.stderr)
         record = Record(self.prog.partition(" ")[2])
-        record.fault(f"{self.prog}: {message}")
+        record.fault(f"{self.prog}: {message}; see `{self.prog} --help`")
         if self.in_json:
             print(record.text(2, ""))
         self.exit(2)
@@ -82,7 +82,7 @@ class Parser(argparse.ArgumentParser):
 def whole(text: str) -> int:
     """The value of an option that is a whole number."""
     try:
-        if "_" in text:
+        if "_" in text or not text.isascii():
             raise ValueError
         return int(text)
     except ValueError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import operator
 import os
 import re
@@ -17,7 +16,7 @@ from .errors import OutOfMemoryError, ParameterError, ParameterTypeError, StudyI
 from .interrupt import new_counters, stoppable
 from .model import Oscillator
 from .spacing import spacing_of
-from .tables import Handle, Result, from_core, language, text_of
+from .tables import Handle, Result, from_core, language, message_of
 
 #: What the core returns for a case that takes more memory or stack than there is.
 NO_MEMORY = 4
@@ -98,8 +97,7 @@ def run_text(
             *call, counters=new_counters(), progress=progress, note=study
         )
     if status == 2:
-        owner = Handle(handle)
-        raise ParameterError(refusal(owner.number))
+        raise ParameterError(message_of(Handle(handle)))
     result = from_core(study, handle)
     if status == NO_MEMORY:
         raise OutOfMemoryError(result.notes[-1][1])
@@ -111,18 +109,15 @@ def run_text(
     return found
 
 
-def refusal(handle: int) -> str:
-    """The error for a case that the core refused."""
-    message: str = json.loads(text_of(_core.describe_result, handle))["message"]
-    return message
-
-
 def plain(study: str, key: str, value: Any, name: str) -> Any:
     """A value in a form for a namelist: float, int, str, or a list of them; the core checks its range."""
-    if value is None:
-        return None
     declared = next(item for item in language()["groups"][study] if item["name"] == key)
     wanted = declared["takes"]
+    if value is None:
+        # None stands for a default nowhere, also where the core has one
+        if declared["default"]:
+            raise ParameterTypeError(f"{name} = None: must be {wanted}")
+        return None
     kind = {"number": number, "whole": whole, "word": word}[declared["kind"]]
     if declared["most"] == 1 or np.ndim(value) == 0:
         return kind(value, name, wanted)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-import threading
+import secrets
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,27 +16,38 @@ def write_text(path: Path, text: str) -> None:
 
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a file under a temporary name and rename it; the old file is kept if that fails."""
-    with replacing(path, path.with_name(f"{path.name}.{writer_name()}.part")) as temporary:
+    with replacing(path) as temporary:
         temporary.write_bytes(content)
 
 
-def writer_name() -> str:
-    """Part of a temporary name that no other process or thread uses."""
-    return f"{os.getpid()}-{threading.get_ident()}"
-
-
 @contextlib.contextmanager
-def replacing(path: Path, temporary: Path) -> Iterator[Path]:
-    """Provide a temporary name to write to; the file replaces `path` if no error occurs.
+def replacing(path: Path, ending: str = "") -> Iterator[Path]:
+    """Provide a new, empty file beside `path`, which replaces it if no error occurs; its name ends with `ending`.
 
-    An error names `path`, which the user knows, and not the temporary one.
+    An error names `path`, which the user knows, and not the temporary file.
     """
+    temporary = None
     try:
+        temporary = new_file(path, ending)
         yield temporary
         os.replace(temporary, path)
     except BaseException as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
+        if temporary is not None:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
         if isinstance(error, OSError) and error.errno:
             raise OSError(error.errno, os.strerror(error.errno), str(path)) from None
         raise
+
+
+def new_file(path: Path, ending: str = "") -> Path:
+    """Make an empty file beside another one, under a name that cannot be predicted.
+
+    It is made only if nothing of this name is there, not even a link, and has the permissions of any new file
+    (`tempfile` would let nobody else read it).
+    """
+    while True:
+        place = path.with_name(f"{path.stem[:40]}.{secrets.token_hex(8)}.part{ending}")
+        with contextlib.suppress(FileExistsError):
+            os.close(os.open(place, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+            return place

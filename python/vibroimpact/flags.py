@@ -109,18 +109,19 @@ def stability_flags(
     ratios = frequency_ratios(r, m, osc.xi)
     each = impact_restitution(osc, pattern, restitution)
     acceptance = checks.number(acceptance, "acceptance")
+    with_radius = checks.truth(spectral_radius, "spectral_radius")
     threads = checks.integer(
         os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
     )
     consistent, stable, status = (np.empty(m, dtype=np.int8) for _ in range(3))
-    radius = np.empty(m) if spectral_radius else None
+    radius = np.empty(m) if with_radius else None
     referred = 0
     for first in range(0, m, CHUNK):
         part = slice(first, min(first + CHUNK, m))
         columns = checks.phase_table(table[:, part], n, pattern.cycles, first)
         consistent[part], stable[part], moduli, status[part], count = _core.stability_flags(
             osc.xi, osc.mu, osc.restitution, ratios[part], pattern.cycles, pattern.signs, each,
-            np.ascontiguousarray(columns).T, acceptance, spectral_radius, threads, True,
+            np.ascontiguousarray(columns).T, acceptance, with_radius, threads, True,
         )  # fmt: skip
         referred += count
         if radius is not None:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
+from .errors import ParameterTypeError
 from .model import Oscillator
 
 #: Namelist groups with their keys; those with the value None are left out.
@@ -23,6 +26,13 @@ def text(groups: Groups) -> str:
             "/",
         ]
     return "\n".join(lines) + "\n"
+
+
+def symmetric_word(value: Any) -> str:
+    """How namelists spell the argument `symmetric`."""
+    if value is not None and not isinstance(value, (bool, np.bool_)):
+        raise ParameterTypeError(f"symmetric = {value!r}: must be None, True or False")
+    return SYMMETRIC[None if value is None else bool(value)]
 
 
 def case(osc: Oscillator, r: float | None = None, **groups: Mapping[str, Any]) -> str:

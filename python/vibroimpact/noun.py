@@ -42,7 +42,7 @@ class column:  # noqa: N801 (a descriptor, written as property is)
     def __get__(self, noun: Noun | None, owner: type) -> Any:
         if noun is None:
             return self
-        values = noun._result.tables[self.table].columns[self.name].decoded()
+        values = noun._result.column(self.table, self.name).decoded()
         return np.moveaxis(values, -1, 0) if self.first else values
 
 

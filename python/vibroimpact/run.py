@@ -11,6 +11,7 @@ from . import _core, checks
 from .case import characters, kinds, path_bytes
 from .errors import ParameterError, ParameterTypeError
 from .interrupt import interruptible, new_counters
+from .tables import Handle, message_of
 
 __all__ = ["RunLog", "run_namelists"]
 
@@ -83,20 +84,17 @@ def run_namelists(
     if not files:
         raise ParameterError("paths = []: must name at least one file")
     kind = "" if only is None else checks.choice(only, "only", kinds())
-    # a case takes at least 20 characters of namelist and gives messages of at most a few hundred characters
-    size = sum(Path(os.fsdecode(item)).stat().st_size for item in files if os.path.isfile(item))
-    capacity = 4096 + (len(files) + size // 20) * (800 + 4 * len(target) + max(map(len, files)))
     # progress counters, which the core updates while it runs
     counters = new_counters()
     arguments = (
-        characters(b"\n".join(files)), characters(target), characters(kind.ljust(16).encode()), capacity, counters,
+        characters(b"\0".join(files)), characters(target), characters(kind.ljust(16).encode()), counters,
     )  # fmt: skip
 
     def watch() -> None:
         if progress is not None:
             progress(float(counters[0] / max(1, counters[1])))
 
-    text, length, status = interruptible(_core.run_namelists, *arguments, watch=watch)
-    log = [line for line in os.fsdecode(text[:length].tobytes()).split("\n") if line]
+    handle, status = interruptible(_core.run_namelists, *arguments, watch=watch)
+    log = message_of(Handle(handle)).split("\0")[:-1]
     lines = [(line.startswith("!"), line[1:]) for line in log if line[0] in "-!"]
     return RunLog(lines, int(status), [Path(line[1:]) for line in log if line[0] == ">"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 
-from . import _core
+from . import _core, checks
 from .errors import SingularError
 
 __all__ = ["status_text"]
@@ -15,9 +15,14 @@ VERDICT = {1: True, 0: False, -1: None}
 NO_MOTION, MORE_EVENTS, NOT_COMPUTED = 7, 8, 12
 
 
-@functools.cache
 def status_text(code: int) -> str:
     """The meaning of a status code of the core."""
+    return sentence(checks.integer(code, "code", -(2**31), 2**31 - 1))
+
+
+@functools.cache
+def sentence(code: int) -> str:
+    """The meaning of a status code."""
     text, length = _core.status_text(code)
     return text[:length].tobytes().decode()
 

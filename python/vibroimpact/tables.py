@@ -25,7 +25,7 @@ def text_of(function: Any, *arguments: Any, capacity: int = 16_384) -> str:
     text, length = function(*arguments, capacity)
     if length > capacity:
         text, length = function(*arguments, length)
-    return bytes(text[:length].tobytes()).decode()
+    return bytes(text[:length].tobytes()).decode(errors="surrogateescape")
 
 
 @cache
@@ -40,6 +40,13 @@ class Handle:
     def __init__(self, number: int) -> None:
         self.number = number
         weakref.finalize(self, _core.free_result, number)
+
+
+def message_of(handle: Handle) -> str:
+    """The error for a case that the core refused, or the text behind a handle; bytes that are not UTF-8 stay as
+    they are."""
+    message: str = json.loads(text_of(_core.describe_result, handle.number))["message"]
+    return message
 
 
 class Memory:
@@ -108,6 +115,20 @@ def declared_column(
         for key in ("name", "kind", "each", "unit", "meaning", "label", "listed")
     )  # fmt: skip
     return Column(name, kind, each, unit, meaning, label, listed, words, values)
+
+
+class Found(dict[str, Any]):
+    """Tables or columns of a file by their names; one that the file lacks is an error that names it."""
+
+    def __init__(self, items: Mapping[str, Any], place: str) -> None:
+        super().__init__(items)
+        self.place = place
+
+    def __missing__(self, name: str) -> Any:
+        raise ParameterError(f"{self.place}.{name}: must be there; it is missing")
+
+    def __reduce__(self) -> Any:
+        return Found, (dict(self), self.place)
 
 
 @cache
@@ -187,8 +208,18 @@ class Result:
             }
             (dim,) = item.dims
             size = {dim: here.stop - here.start}
-            tables[name] = Table(size, item.parent if owners is not None else "", owners, columns)
-        return Result(study, case, self.cut, False, (remark,), (), study_tables["row"], tables)
+            parent = item.parent if owners is not None else ""
+            tables[name] = Table(size, parent, owners, Found(columns, name))
+        return Result(
+            study,
+            case,
+            self.cut,
+            False,
+            (remark,),
+            (),
+            study_tables["row"],
+            Found(tables, "tables"),
+        )
 
 
 def made(

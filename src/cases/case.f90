@@ -3,13 +3,13 @@ module vi_case
    use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
    use vi_oscillator, only: at_resonance, oscillator_type
-   use vi_text, only: append, line_type
+   use vi_text, only: append, letter_length, line_type
    use vi_values, only: values_type
    use vi_version, only: version
    implicit none (type, external)
    private
 
-   public :: check_output, check_system, echo
+   public :: check_output, check_system, echo, name_part
 
    !> A case with the values of its groups, defaults included.
    type, public :: case_type
@@ -38,7 +38,7 @@ module vi_case
 
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &
-      takes='at most 100 letters, digits, _, - or ., the first one no .', &
+      takes='at most 100 letters, digits, _, - or . (100 bytes in UTF-8), the first one no .', &
       meaning='name of the result; else that of the file, numbered if it holds several cases'), &
       key_type('format', a_word, default='''csv''', words='csv table both', &
       meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
@@ -46,9 +46,9 @@ module vi_case
    !> The start of the first line of a result; its end says whether the file is an input.
    character(*), parameter, public :: first_line = '# ! vibroimpact '//version// &
       '; lengths in F0/K, time in 1/omega, angles in radians; '
-   !> Largest number of characters of the name of a result.
+   !> Largest number of bytes of the name of a result.
    integer, parameter, public :: longest_name = 100
-   character(*), parameter, public :: name_letters = &
+   character(*), parameter :: name_letters = &
       'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.'
 
 contains
@@ -79,12 +79,40 @@ contains
       !> The group.
       type(values_type), intent(inout) :: output
       character(:), allocatable :: name
+      integer :: i, n
 
       if (len(output%fault) > 0 .or. .not. output%has('name')) return
       call output%text('name', name)
-      if (len(name) == 0 .or. len(name) > longest_name .or. verify(name, name_letters) > 0 .or. &
-         index(name, '.') == 1) call output%refuse('name')
+      n = 0
+      i = 1
+      do while (i <= len(name))
+         n = name_part(name(i:))
+         if (n == 0) exit
+         i = i + n
+      end do
+      if (n == 0 .or. len(name) > longest_name .or. name(:1) == '.') call output%refuse('name')
    end subroutine check_output
+
+   !> Number of bytes of the first character of a text, if the name of a result may hold it, else 0.
+   !! It may hold those of `name_letters` and all of UTF-8 beyond ASCII except blanks, marks of
+   !! direction and other punctuation of U+2000 to U+206F.
+   pure integer function name_part(text) result(n)
+      !> At least one byte.
+      character(*), intent(in) :: text
+      character(*), parameter :: no_break_space = char(194)//char(160), &
+         ideographic_space = char(227)//char(128)//char(128), &
+         byte_order_mark = char(239)//char(187)//char(191)
+
+      n = 1
+      if (scan(text(1:1), name_letters) > 0) return
+      n = letter_length(text(:min(4, len(text))))
+      if (n == 1) n = 0                                 ! other characters of ASCII, and Latin-1
+      if (text(:n) == no_break_space .or. text(:n) == ideographic_space) n = 0
+      if (text(:n) == byte_order_mark) n = 0
+      if (n /= 3) return
+      if (text(:2) == char(226)//char(128)) n = 0
+      if (text(:2) == char(226)//char(129) .and. iachar(text(3:3)) <= 175) n = 0
+   end function name_part
 
    !> The complete case as a namelist, each line after `#`.
    pure subroutine echo(case, lines)

@@ -16,9 +16,11 @@ module vi_csv
 contains
 
    !> The header; its last line names the columns.
-   pure subroutine csv_header(result, lines)
+   pure subroutine csv_header(result, case, lines)
       !> The result.
       type(result_type), intent(in) :: result
+      !> The echo of its case.
+      type(line_type), intent(in) :: case(:)
       !> The header.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(buffer_type) :: buffer
@@ -26,8 +28,8 @@ contains
       integer :: i, j
 
       allocate (lines(0))
-      do i = 1, size(result%case)
-         call append(lines, result%case(i)%text)
+      do i = 1, size(case)
+         call append(lines, case(i)%text)
       end do
       if (len(result%cut) > 0) call append(lines, '# ! cut short: '//result%cut)
       do i = 1, size(result%remarks)

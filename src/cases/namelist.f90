@@ -2,9 +2,9 @@
 !!
 !! Values are not interpreted here. A text that starts with `#` is a result of this program: only
 !! the lines with a leading `#` are read, without it, so that every table is an input that
-!! reproduces it.
+!! reproduces it. The time is proportional to the length of the text.
 module vi_namelist
-   use vi_text, only: detab, line_type, lower, whole
+   use vi_text, only: lower, whole
    implicit none (type, external)
    private
 
@@ -25,168 +25,242 @@ module vi_namelist
       type(assignment_type), allocatable :: items(:)
    end type group_type
 
-   !> Text of one group with the line of each character.
-   type :: body_type
-      character(:), allocatable :: text
-      integer, allocatable :: line(:)
-   end type body_type
+   !> A position in a text, and its line.
+   type :: place_type
+      integer :: at = 1, line = 1
+   end type place_type
 
    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
    character(*), parameter :: name_characters = letters//'0123456789_%'
-   character(*), parameter :: blanks = ' '//achar(9)
+   character, parameter :: line_feed = achar(10), tab = achar(9)
 
 contains
 
    !> All groups of a text in order; `message` and `line` describe the first fault of its form.
-   pure subroutine scan_namelist(text, groups, line, message)
-      !> The lines.
-      type(line_type), intent(in) :: text(:)
+   pure subroutine scan_namelist(source, groups, line, message)
+      !> The text, its lines separated by line feeds.
+      character(*), intent(in) :: source
       !> The groups.
       type(group_type), allocatable, intent(out) :: groups(:)
       !> Line of the fault, 0 if it has none.
       integer, intent(out) :: line
       !> Empty if there is no fault.
       character(:), allocatable, intent(out) :: message
-      type(line_type), allocatable :: lines(:)
       type(group_type) :: group
-      type(body_type) :: body
-      character(:), allocatable :: rest
-      integer :: i, j, n
+      type(place_type) :: begin
+      character(:), allocatable :: text, plain
+      integer :: at, first, last, n
 
       line = 0
       message = ''
-      lines = text
-      call strip_hash(lines)
-      n = 0                                             ! groups so far; room for all that can come
-      do i = 1, size(lines)
-         n = n + count([(lines(i)%text(j:j) == '&', j=1, len(lines(i)%text))])
-      end do
-      allocate (groups(n))
+      call clean(source, text)
+      plain = text                             ! in it blanks replace comments and the ends of lines
+      allocate (groups(1))
       n = 0
-      i = 1
-      rest = ''
-      if (size(lines) > 0) rest = lines(1)%text
+      at = 1
       do
-         rest = adjustl(detab(rest))
-         if (len_trim(rest) == 0 .or. index(rest, '!') == 1) then
-            i = i + 1
-            if (i > size(lines)) exit
-            rest = lines(i)%text
-            cycle
-         end if
-         line = i
-         if (rest(1:1) /= '&') then
-            message = trim(rest)//': stands outside a group; a group starts with & and ends with /'
+         at = next_text(text, at)
+         if (at > len(text)) exit
+         call advance(text, at, begin)
+         line = begin%line
+         if (text(at:at) /= '&') then
+            message = trim(text(at:line_end(text, at)))// &
+               ': stands outside a group; a group starts with & and ends with /'
             return
          end if
-         call open_group(rest, group)
-         group%line = i
-         call collect_body(lines, i, rest, body, line, message)
+         last = verify(text(at + 1:), name_characters)
+         if (last == 0) last = len(text) - at + 1
+         group%name = lower(text(at + 1:at + last - 1))
+         group%line = line
+         first = at + last
+         call close_group(text, plain, first, begin, last, at, line, message)
          if (len(message) > 0) then
             message = '&'//group%name//': '//message
             return
          end if
-         call split_body(body, group, line, message)
+         call split_body(plain, text, first, last, begin, group, line, message)
          if (len(message) > 0) return
-         n = n + 1
-         groups(n) = group
+         call keep(group, n, groups)
       end do
       line = 0
       groups = groups(:n)
       if (n == 0) message = 'holds no namelist group; a case starts with &system'
    end subroutine scan_namelist
 
-   !> If the first line starts with #, keeps only the lines that do, without the #.
-   pure subroutine strip_hash(lines)
-      !> In and out: the lines; those without # become empty.
-      type(line_type), intent(inout) :: lines(:)
-      integer :: i
+   !> Replaces tabs by blanks. If the text starts with #, keeps only the lines that do, without the
+   !! #; the others become empty.
+   pure subroutine clean(source, text)
+      !> The text, its lines separated by line feeds.
+      character(*), intent(in) :: source
+      !> The text to be read, with as many lines.
+      character(:), allocatable, intent(out) :: text
+      character(:), allocatable :: room
+      logical :: is_result, starts, kept
+      integer :: i, n
 
-      if (size(lines) == 0) return
-      if (index(lines(1)%text, '#') /= 1) return
-      do i = 1, size(lines)
-         if (index(lines(i)%text, '#') == 1) then
-            lines(i)%text = lines(i)%text(2:)
+      allocate (character(len(source)) :: room)
+      is_result = index(source, '#') == 1
+      starts = .true.
+      kept = .true.
+      n = 0
+      do i = 1, len(source)
+         if (starts) kept = .not. is_result .or. source(i:i) == '#'
+         if (source(i:i) == line_feed .or. (kept .and. .not. (starts .and. is_result))) then
+            n = n + 1
+            room(n:n) = merge(' ', source(i:i), source(i:i) == tab)
+         end if
+         starts = source(i:i) == line_feed
+      end do
+      text = room(:n)
+   end subroutine clean
+
+   !> Position of the first character at or after `from` that is neither blank nor part of a comment
+   !! outside a group; behind the text if there is none.
+   pure integer function next_text(text, from) result(at)
+      !> The text.
+      character(*), intent(in) :: text
+      !> A position; may be behind the text.
+      integer, intent(in) :: from
+
+      at = from
+      do while (at <= len(text))
+         if (text(at:at) == '!') then
+            at = line_end(text, at) + 1
+         else if (text(at:at) == ' ' .or. text(at:at) == line_feed) then
+            at = at + 1
          else
-            lines(i)%text = ''
+            return
          end if
       end do
-   end subroutine strip_hash
+   end function next_text
 
-   !> Reads `&name` at the start of a text.
-   pure subroutine open_group(rest, group)
-      !> In: starts with `&name`. Out: the text after it.
-      character(:), allocatable, intent(inout) :: rest
-      !> Out: with its name.
-      type(group_type), intent(out) :: group
-      integer :: last
+   !> Position of the last character of a line.
+   pure integer function line_end(text, from) result(last)
+      !> The text.
+      character(*), intent(in) :: text
+      !> A position in the line.
+      integer, intent(in) :: from
 
-      last = verify(rest(2:), name_characters)
-      if (last == 0) last = len(rest)
-      group%name = lower(rest(2:last))
-      rest = rest(last + 1:)
-   end subroutine open_group
+      last = index(text(from:), line_feed)
+      last = merge(from + last - 2, len(text), last > 0)
+   end function line_end
 
-   !> Collects the text of a group up to its closing slash, without comments.
-   !!
-   !! On entry `rest` is the text after `&name` on line i; on return it is the text after the slash
-   !! on the new line i.
-   pure subroutine collect_body(lines, i, rest, body, line, message)
-      !> All lines.
-      type(line_type), intent(in) :: lines(:)
-      !> In: number of the line of `&name`. Out: that of the closing slash.
-      integer, intent(inout) :: i
-      !> In: text of the line after `&name`. Out: text of the line after the slash.
-      character(:), allocatable, intent(inout) :: rest
-      !> The text of the group, with the line number of each character.
-      type(body_type), intent(out) :: body
-      !> Line of the fault.
+   !> Moves a place on to a later position.
+   pure subroutine advance(text, at, place)
+      !> The text.
+      character(*), intent(in) :: text
+      !> The position; nothing is done if the place is there or behind it.
+      integer, intent(in) :: at
+      !> In and out.
+      type(place_type), intent(inout) :: place
+      integer :: i
+
+      do i = place%at, at - 1
+         if (text(i:i) == line_feed) place%line = place%line + 1
+      end do
+      place%at = max(place%at, at)
+   end subroutine advance
+
+   !> Finds the closing slash of a group, and replaces comments and line ends before it by blanks.
+   pure subroutine close_group(text, plain, first, begin, last, at, line, message)
+      !> The text.
+      character(*), intent(in) :: text
+      !> In: the text. Out: with blanks in place of comments and line ends of the group.
+      character(:), allocatable, intent(inout) :: plain
+      !> Position after `&name`.
+      integer, intent(in) :: first
+      !> The place of `&name`.
+      type(place_type), intent(in) :: begin
+      !> Position of the last character before the slash.
+      integer, intent(out) :: last
+      !> Position after the slash.
+      integer, intent(out) :: at
+      !> Out: line of the fault; not changed if it is that of `&name`.
       integer, intent(inout) :: line
       !> The fault; empty if there is none.
       character(:), allocatable, intent(out) :: message
+      type(place_type) :: here
       character :: quote
-      integer :: j, first
+      integer :: start, comment
 
       message = ''
-      body%text = ''
-      allocate (body%line(0))
-      first = i
-      do
-         quote = ' '
-         j = 1
-         do while (j <= len(rest))
-            if (quote /= ' ') then
-               if (rest(j:j) == quote) quote = ' '
-            else if (rest(j:j) == '''' .or. rest(j:j) == '"') then
-               quote = rest(j:j)
-            else if (rest(j:j) == '!') then
-               exit
-            else if (rest(j:j) == '/' .or. lower(rest(j:min(len(rest), j + 3))) == '&end') then
-               call extend(body, rest(:j - 1), i)
-               rest = rest(j + merge(1, 4, rest(j:j) == '/'):)
-               return
-            else if (rest(j:j) == '&') then
-               message = 'no / closes the group of line '//whole(first)//' before ' &
-                  //trim(rest(j:)) &
-                  //' in line '//whole(i)
-               return
+      quote = ' '
+      here = begin
+      start = first                                     ! of the line, or of what follows `&name`
+      last = first - 1
+      at = first
+      do while (at <= len(text))
+         if (text(at:at) == line_feed) then
+            if (quote /= ' ') exit
+            plain(at:at) = ' '
+            start = at + 1
+         else if (quote /= ' ') then
+            if (text(at:at) == quote) quote = ' '
+         else if (text(at:at) == '''' .or. text(at:at) == '"') then
+            quote = text(at:at)
+         else if (text(at:at) == '!') then
+            comment = at
+            at = line_end(text, at)
+            plain(comment:at) = ' '
+         else if (text(at:at) == '/') then
+            last = at - 1
+            at = at + 1
+            return
+         else if (text(at:at) == '&') then
+            if (lower(text(at:min(len(text), at + 3))) == '&end') then
+               last = at - 1
+               at = at + 4
+            else
+               call advance(text, at, here)
+               message = 'no / closes the group of line '//whole(begin%line)//' before '// &
+                  trim(text(at:line_end(text, at)))//' in line '//whole(here%line)
             end if
-            j = j + 1
-         end do
-         if (quote /= ' ') then
-            line = i
-            message = trim(adjustl(rest))//': the quote is not closed'
             return
          end if
-         call extend(body, rest(:j - 1)//' ', i)
-         i = i + 1
-         if (i > size(lines)) then
-            message = 'no / closes the group of line '//whole(first)
-            return
-         end if
-         rest = lines(i)%text
+         at = at + 1
       end do
-   end subroutine collect_body
+      if (quote /= ' ') then
+         call advance(text, start, here)
+         line = here%line
+         message = trim(adjustl(text(start:line_end(text, start))))//': the quote is not closed'
+      else
+         message = 'no / closes the group of line '//whole(begin%line)
+      end if
+   end subroutine close_group
+
+   !> Adds a group to a growing list, and leaves it empty.
+   pure subroutine keep(group, n, groups)
+      !> In: the group. Out: without its texts.
+      type(group_type), intent(inout) :: group
+      !> In and out: groups in the list.
+      integer, intent(inout) :: n
+      !> In and out: the list, with free room.
+      type(group_type), allocatable, intent(inout) :: groups(:)
+      type(group_type), allocatable :: longer(:)
+      integer :: i
+
+      if (n == size(groups)) then
+         allocate (longer(2*n))
+         do i = 1, n
+            call move(groups(i), longer(i))
+         end do
+         call move_alloc(longer, groups)
+      end if
+      n = n + 1
+      call move(group, groups(n))
+   end subroutine keep
+
+   !> Moves a group without copying its texts.
+   pure subroutine move(from, to)
+      !> In: the group. Out: without its texts.
+      type(group_type), intent(inout) :: from
+      !> The group.
+      type(group_type), intent(out) :: to
+
+      to%line = from%line
+      call move_alloc(from%name, to%name)
+      call move_alloc(from%items, to%items)
+   end subroutine move
 
    !> Removes the blanks from a text.
    pure subroutine squeeze(text)
@@ -203,24 +277,41 @@ contains
       text = text(:n)
    end subroutine squeeze
 
-   !> Appends a text to the body of a group.
-   pure subroutine extend(body, text, line)
-      !> In and out: the body.
-      type(body_type), intent(inout) :: body
-      !> What is appended; tabs become blanks.
-      character(*), intent(in) :: text
-      !> Number of its line.
-      integer, intent(in) :: line
-      integer :: i
+   !> Removes blanks outside quotes that follow another one, and those at the ends.
+   pure subroutine tidy(text)
+      !> In and out.
+      character(:), allocatable, intent(inout) :: text
+      character :: quote, before
+      integer :: i, n
 
-      body%text = body%text//detab(text)
-      body%line = [body%line, [(line, i=1, len(text))]]
-   end subroutine extend
+      n = 0
+      quote = ' '
+      before = ' '
+      do i = 1, len(text)
+         if (quote /= ' ') then
+            if (text(i:i) == quote) quote = ' '
+         else if (text(i:i) == '''' .or. text(i:i) == '"') then
+            quote = text(i:i)
+         else if (text(i:i) == ' ' .and. before == ' ') then
+            cycle
+         end if
+         n = n + 1
+         before = text(i:i)
+         text(n:n) = before
+      end do
+      text = trim(text(:n))
+   end subroutine tidy
 
    !> Splits the text of a group into `target = value` at its equals signs.
-   pure subroutine split_body(body, group, line, message)
-      !> The text of the group.
-      type(body_type), intent(in) :: body
+   pure subroutine split_body(plain, text, first, last, begin, group, line, message)
+      !> The text, with blanks in place of comments and line ends of the group.
+      character(*), intent(in) :: plain
+      !> The text.
+      character(*), intent(in) :: text
+      !> Positions of the first and the last character of the group after `&name`.
+      integer, intent(in) :: first, last
+      !> In: the place of `&name`. Out: a later place.
+      type(place_type), intent(inout) :: begin
       !> In: with its name. Out: with its assignments.
       type(group_type), intent(inout) :: group
       !> Out: line of the fault; otherwise of the last assignment.
@@ -232,30 +323,36 @@ contains
 
       message = ''
       n = 0
-      allocate (group%items(count([(body%text(i:i) == '=', i=1, len(body%text))])))
-      equals = next_equals(body%text, 1)
-      start = 1
-      if (equals > 0) start = target_start(body%text, equals)
-      if (equals == 0) start = len(body%text) + 1
-      if (len_trim(body%text(:start - 1)) > 0) then
-         i = verify(body%text, blanks)
-         line = body%line(i)
-         message = '&'//group%name//' '//trim(adjustl(body%text(:start - 1)))// &
-            ': must be of the form key = value'
+      do i = first, last
+         if (plain(i:i) == '=') n = n + 1
+      end do
+      allocate (group%items(n))
+      n = 0
+      equals = next_equals(plain(:last), first)
+      start = last + 1
+      if (equals > 0) start = target_start(plain(:equals - 1), first)
+      i = first - 1 + verify(plain(first:start - 1), ' ')
+      if (i >= first) then
+         call advance(text, i, begin)
+         line = begin%line
+         item%value = plain(i:start - 1)
+         call tidy(item%value)
+         message = '&'//group%name//' '//item%value//': must be of the form key = value'
          return
       end if
       do while (equals > 0)
-         next = next_equals(body%text, equals + 1)
-         next_start = len(body%text) + 1
-         if (next > 0) next_start = target_start(body%text, next)
-         line = body%line(min(start, size(body%line)))
-         item%line = line
-         item%target = lower(body%text(start:equals - 1))
+         next = next_equals(plain(:last), equals + 1)
+         next_start = last + 1
+         if (next > 0) next_start = target_start(plain(:next - 1), equals + 1)
+         item%target = lower(plain(start:equals - 1))
          call squeeze(item%target)
-         if (len(item%target) == 0) line = body%line(equals)
+         call advance(text, merge(equals, start, len(item%target) == 0), begin)
+         line = begin%line
+         item%line = line
          item%key = item%target
          if (index(item%key, '(') > 0) item%key = trim(item%key(:index(item%key, '(') - 1))
-         item%value = trim(adjustl(body%text(equals + 1:max(equals, next_start - 1))))
+         item%value = plain(equals + 1:max(equals, next_start - 1))
+         call tidy(item%value)
          i = len(item%value)                       ! the comma before the next key
          if (i > 0) then
             if (item%value(i:i) == ',') item%value = trim(item%value(:i - 1))
@@ -266,7 +363,10 @@ contains
             return
          end if
          n = n + 1
-         group%items(n) = item
+         group%items(n)%line = item%line
+         call move_alloc(item%target, group%items(n)%target)
+         call move_alloc(item%key, group%items(n)%key)
+         call move_alloc(item%value, group%items(n)%value)
          start = next_start
          equals = next
       end do
@@ -294,22 +394,21 @@ contains
       position = 0
    end function next_equals
 
-   !> Position at which the name (with its subscript) before an equals sign starts.
-   pure integer function target_start(text, equals) result(start)
-      !> The text.
+   !> Position at which the name (with its subscript) at the end of a text starts.
+   pure integer function target_start(text, from) result(start)
+      !> The text before an equals sign.
       character(*), intent(in) :: text
-      !> Position of the equals sign.
-      integer, intent(in) :: equals
+      !> Position at which the name starts at the earliest.
+      integer, intent(in) :: from
       integer :: last
 
-      last = len_trim(text(:equals - 1))
+      last = from - 1 + len_trim(text(from:))
       start = last + 1
-      if (last == 0) return
+      if (last < from) return
       if (text(last:last) == ')') then
-         last = index(text(:last), '(', back=.true.) - 1
-         last = len_trim(text(:max(0, last)))
+         last = from - 1 + len_trim(text(from:from - 2 + index(text(from:last), '(', back=.true.)))
       end if
-      start = verify(text(:last), name_characters, back=.true.) + 1
+      start = from + verify(text(from:last), name_characters, back=.true.)
    end function target_start
 
 end module vi_namelist

@@ -39,7 +39,7 @@ contains
       good = .true.
       wants_value = .true.
       do while (good)
-         i = i + max(0, verify(text(i:)//'#', ' ') - 1)
+         i = next_text(text, i)
          if (i > len(text)) exit
          if (text(i:i) == ',') then
             good = .not. wants_value
@@ -48,7 +48,8 @@ contains
             cycle
          end if
          first = i
-         last = first + scan(text(first:)//' ', ' ,') - 2
+         last = scan(text(first:), ' ,')
+         last = merge(first + last - 2, len(text), last > 0)
          i = last + 1
          star = index(text(first:last), '*')
          times = 1
@@ -117,6 +118,18 @@ contains
       good = status == 0 .and. abs(value) > 0
    end subroutine parse_number
 
+   !> Position of the first character at or after `from` that is not blank; behind the text if there
+   !! is none.
+   pure integer function next_text(text, from) result(i)
+      !> A text.
+      character(*), intent(in) :: text
+      !> A position; may be behind the text.
+      integer, intent(in) :: from
+
+      i = verify(text(from:), ' ')
+      i = merge(from + i - 1, len(text) + 1, i > 0)
+   end function next_text
+
    !> The place behind the digits that start at a place.
    pure integer function skip(text, from) result(i)
       !> A text.
@@ -152,7 +165,7 @@ contains
       good = .true.
       wants_value = .true.
       do while (good)
-         i = i + max(0, verify(text(i:)//'#', ' ') - 1)
+         i = next_text(text, i)
          if (i > len(text)) exit
          quote = text(i:i)
          i = i + 1
@@ -164,7 +177,6 @@ contains
          good = scan(quote, '''"') > 0 .and. n < most
          if (.not. good) exit
          length = 0
-         word = ''
          do
             good = i <= len(text)
             if (.not. good) exit

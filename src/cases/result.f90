@@ -5,6 +5,7 @@
 !! Tables are relational: a row of a child table gives the row of its parent, and a column that
 !! depends on one dimension alone is in a table of that dimension.
 module vi_result
+   use vi_dictionary, only: dictionary_type, include_text
    use vi_kinds, only: wp
    use vi_text, only: append, line_type, split
    implicit none (type, external)
@@ -279,21 +280,14 @@ contains
       character(*), intent(in) :: table, name
       !> Row by row.
       type(line_type), intent(in) :: lines(:)
-      type(line_type), allocatable :: list(:)
-      integer :: codes(size(lines)), i, j
+      type(dictionary_type) :: list
+      integer :: codes(size(lines)), i
 
-      allocate (list(0))
-      codes = 0
+      allocate (list%texts(0))
       do i = 1, size(lines)
-         do j = 1, size(list)
-            if (len(list(j)%text) == len(lines(i)%text)) then
-               if (list(j)%text == lines(i)%text) exit
-            end if
-         end do
-         codes(i) = j
-         if (j > size(list)) call append(list, lines(i)%text)
+         call include_text(list, lines(i)%text, codes(i))
       end do
-      call result%put_codes(table, name, codes, list)
+      call result%put_codes(table, name, codes, list%texts(:list%n))
    end subroutine put_text
 
    !> The numbers of a column, row by row.

@@ -8,8 +8,8 @@ module vi_text
    implicit none (type, external)
    private
 
-   public :: append, brief, counted, detab, exact, exact_list, join, last_part, &
-      lengthen, lower, number_text, printable, shown, split, whole, whole_width
+   public :: append, brief, counted, exact, exact_list, join, last_part, lengthen, &
+      letter_length, lower, number_text, printable, shown, split, whole, whole_width
 
    !> A line of text.
    type, public :: line_type
@@ -51,19 +51,6 @@ contains
       call move_alloc(longer, lines)
    end subroutine lengthen
 
-   !> The text with tabs replaced by blanks.
-   pure function detab(text) result(clean)
-      !> A text.
-      character(*), intent(in) :: text
-      character(len(text)) :: clean
-      integer :: i
-
-      clean = text
-      do i = 1, len(text)
-         if (text(i:i) == achar(9)) clean(i:i) = ' '
-      end do
-   end function detab
-
    !> The text, safe for a terminal: a question mark for each byte of a control character.
    pure function printable(text) result(clean)
       !> Any, in UTF-8 or Latin-1.
@@ -93,6 +80,9 @@ contains
       i = 2 + count(bytes(1) >= [224, 240])
       if (i > len(text)) return
       if (any(bytes(2:i) < 128 .or. bytes(2:i) > 191)) return
+      ! longer forms of shorter characters, surrogates, and numbers above the last character
+      if (any(bytes(1) == [224, 237, 240, 244] .and. ([bytes(2) < 160, bytes(2) > 159, &
+         bytes(2) < 144, bytes(2) > 143]))) return
       n = merge(0, i, bytes(1) == 194 .and. bytes(2) < 160)
    end function letter_length
 

@@ -1,8 +1,9 @@
 !> Runs the cases of a namelist file and writes their results.
 module vi_batch
    use vi_case, only: case_type
+   use vi_dictionary, only: dictionary_type, find_text, include_text
    use vi_files, only: make_folder, same_file, writable, write_file
-   use vi_log, only: done, failed, log_type, add_message, wrong
+   use vi_log, only: add_message, add_result, done, failed, log_type, wrong
    use vi_printout, only: print_motions
    use vi_processor, only: available_threads
    use vi_progress, only: is_stopped
@@ -10,7 +11,7 @@ module vi_batch
    use vi_read_file, only: is_result
    use vi_result, only: result_type
    use vi_study_list, only: run_study
-   use vi_text, only: append, line_type, lower, whole
+   use vi_text, only: lengthen, line_type, lower, whole
    use vi_write_csv, only: write_csv
    implicit none (type, external)
    private
@@ -36,8 +37,6 @@ contains
       logical :: written
       integer :: i
 
-      if (.not. allocated(log%lines)) allocate (log%lines(0), log%names(0), log%places(0), &
-         log%results(0))
       message = ''
       if (len_trim(path) < len(path) .or. len(path) == 0) message = path// &
          ': cannot be read: a path must not end with a blank'
@@ -111,7 +110,7 @@ contains
       end do
       if (len(printed) > 0) call add_message(log, done, case%name//': '//printed)
       if (len(table) == 0) return
-      call append(log%results, table)
+      call add_result(log, table)
       call add_message(log, done, case%name//': '//table)
    end subroutine run_case
 
@@ -149,22 +148,20 @@ contains
       type(log_type), intent(inout) :: log
       !> Out: the fault; not changed if there is none.
       character(:), allocatable, intent(inout) :: message
+      type(dictionary_type) :: names
       character(:), allocatable :: result
       logical :: overwrites
       integer :: i, j
 
       do i = 1, size(cases)
          associate (name => cases(i)%name, place => path//':'//whole(cases(i)%line))
-            do j = 1, size(log%names)
-               if (log%names(j)%text == lower(name)) message = place//': &output name = '''// &
-                  name//''': is already the name of the case at '//log%places(j)%text// &
-                  '; must be another'
-            end do
-            do j = 1, i - 1
-               if (lower(cases(j)%name) == lower(name)) message = place//': &output name = '''// &
-                  name//''': is already the name of the case at '//path//':'// &
-                  whole(cases(j)%line)//'; must be another'
-            end do
+            call find_text(log%names, lower(name), j)
+            if (j > 0) message = place//': &output name = '''//name// &
+               ''': is already the name of the case at '//log%places(j)%text//'; must be another'
+            call include_text(names, lower(name), j)
+            if (j < i) message = place//': &output name = '''//name// &
+               ''': is already the name of the case at '//path//':'//whole(cases(j)%line)// &
+               '; must be another'
             result = folder//'/'//name
             ! a result may be run into its own file: it writes the same bytes again
             overwrites = same_file(path, result//'.txt')
@@ -175,9 +172,10 @@ contains
          end associate
          if (len(message) > 0) return
       end do
+      call lengthen(log%places, size(cases))
       do i = 1, size(cases)
-         call append(log%names, lower(cases(i)%name))
-         call append(log%places, path//':'//whole(cases(i)%line))
+         call include_text(log%names, lower(cases(i)%name), j)
+         log%places(j)%text = path//':'//whole(cases(i)%line)
       end do
    end subroutine take_names
 

@@ -40,7 +40,7 @@ contains
       type(log_type) :: log
       character(:), allocatable :: folder, item
       logical :: files_only, lost, printed
-      integer :: i, j, printed_lines
+      integer :: i, j, first, last
 
       status = done
       folder = 'results'
@@ -87,20 +87,19 @@ contains
          status = wrong
          return
       end if
-      printed_lines = 0
+      first = 1
       do i = 1, size(files)
          call run_file(files(i)%text, folder, log, progress=progress)
-         do printed_lines = printed_lines + 1, size(log%lines)
-            associate (line => log%lines(printed_lines)%text)
-               if (line(1:1) == '!') then
-                  write (error_unit, '(a)') line(2:)
-               else if (.not. lost) then
-                  call print_line(line(2:), printed)
-                  lost = .not. printed
-               end if
-            end associate
+         do while (first <= log%said%n)
+            last = first + index(log%said%text(first:), achar(0)) - 2
+            if (log%said%text(first:first) == '!') then
+               write (error_unit, '(a)') log%said%text(first + 1:last)
+            else if (log%said%text(first:first) == '-' .and. .not. lost) then
+               call print_line(log%said%text(first + 1:last), printed)
+               lost = .not. printed
+            end if
+            first = last + 2
          end do
-         printed_lines = size(log%lines)
       end do
       status = max(log%status, merge(failed, done, lost))
    end subroutine run_command

@@ -7,8 +7,8 @@ module vi_files
    implicit none (type, external)
    private
 
-   public :: add_text, close_file, is_folder, make_folder, open_file, print_line, same_file, &
-      write_file
+   public :: add_text, close_file, give_up, is_folder, make_folder, open_file, print_line, &
+      same_file, write_file
 
    interface
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -201,24 +201,37 @@ contains
       if (status /= 0) file%message = last_part(reason)
    end subroutine add_text
 
+   !> Stops writing a file, which is then removed when it is closed.
+   subroutine give_up(file, reason)
+      !> The file.
+      type(new_file_type), intent(inout) :: file
+      !> Why it is not completed.
+      character(*), intent(in) :: reason
+
+      if (len(file%message) == 0) file%message = reason
+   end subroutine give_up
+
    !> Closes a file and gives it its name; if that fails, the old file is kept.
    subroutine close_file(file, message)
       !> The file.
       type(new_file_type), intent(inout) :: file
       !> Empty if it was written; otherwise the reason.
       character(:), allocatable, intent(out) :: message
+      character(300) :: reason
       integer(int64) :: written
       integer(c_int) :: ignored
       integer :: status
 
       message = file%message
       if (.not. file%opened) return
-      close (file%unit, iostat=status)
+      close (file%unit, iostat=status, iomsg=reason)
       ! the runtime does not report every failed write: a full disk shows in the size
       inquire (file=file%temporary, size=written)
       if (len(message) > 0) then
          continue
-      else if (status /= 0 .or. written /= file%length) then
+      else if (status /= 0) then
+         message = last_part(reason)
+      else if (written /= file%length) then
          message = 'the disk is full, or the file could not be written whole'
       else if (c_rename(file%temporary//c_null_char, file%path//c_null_char) /= 0) then
          message = 'the temporary file could not be renamed'

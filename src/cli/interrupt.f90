@@ -1,10 +1,11 @@
-!> Ctrl-C in the stand-alone program: the running study stops, and what is finished is written.
+!> Signals in the stand-alone program: after Ctrl-C the running study stops, and what is finished is
+!! written; a file that becomes too large is an error.
 module vi_interrupt
    use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, c_null_funptr
    implicit none (type, external)
    private
 
-   public :: catch_interrupts
+   public :: catch_signals
 
    !> Progress counters of the running study, see vi_progress.
    integer, public, target :: progress(3) = 0
@@ -24,21 +25,26 @@ module vi_interrupt
          !> The function to call, or null for the default action.
          type(c_funptr), value, intent(in) :: handler
       end function c_signal
+      subroutine ignore_size_signal() bind(c, name='vibroimpact_ignore_size_signal')
+         implicit none (type, external)
+      end subroutine ignore_size_signal
    end interface
 
 contains
 
-   !> From now on the first Ctrl-C (or SIGTERM) stops the study, and the second ends the program.
-   subroutine catch_interrupts()
+   !> From now on the first Ctrl-C (or SIGTERM) stops the study, and the second ends the program; a
+   !! write beyond the file size limit is an error.
+   subroutine catch_signals()
       type(c_funptr) :: before
       integer :: i
 
+      call ignore_size_signal()
       do i = 1, size(signals)
          before = c_signal(signals(i), c_funloc(stop_study))
          ! a signal that the caller told this program to ignore, as nohup does, stays ignored
          if (transfer(before, ignored) == ignored) before = c_signal(signals(i), before)
       end do
-   end subroutine catch_interrupts
+   end subroutine catch_signals
 
    !> The signal handler.
    subroutine stop_study(number) bind(c)

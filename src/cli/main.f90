@@ -3,7 +3,7 @@ program vibroimpact_batch
    use, intrinsic :: iso_fortran_env, only: error_unit
    use vi_batch, only: failed, wrong
    use vi_command, only: run_command
-   use vi_interrupt, only: catch_interrupts, progress
+   use vi_interrupt, only: catch_signals, progress
    use vi_processor, only: stack_left, stack_needed
    implicit none (type, external)
    integer :: status
@@ -14,7 +14,7 @@ program vibroimpact_batch
          int(stack_needed()/1024), ' kB (ulimit -s)'
       stop 2, quiet=.true.
    end if
-   call catch_interrupts()
+   call catch_signals()
    call run_command(progress, status)
    if (status == failed) stop 1, quiet=.true.
    if (status == wrong) stop 2, quiet=.true.

@@ -2,8 +2,8 @@
 module vi_read_cases
    use vi_case, only: case_type
    use vi_parse_cases, only: parse_cases
-   use vi_read_file, only: read_lines
-   use vi_text, only: brief, line_type
+   use vi_read_file, only: read_text
+   use vi_text, only: brief
    implicit none (type, external)
    private
 
@@ -19,11 +19,11 @@ contains
       type(case_type), allocatable, intent(out) :: cases(:)
       !> Empty if there is no fault.
       character(:), allocatable, intent(out) :: message
-      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: text
 
-      call read_lines(path, lines, message)
+      call read_text(path, text, message)
       if (len(message) == 0) then
-         call parse_cases(lines, path, cases, message)
+         call parse_cases(text, path, cases, message)
       else
          message = path//': '//brief('cannot be read: '//message)
       end if

@@ -4,12 +4,11 @@
 !! streams of the C library are independent.
 module vi_read_file
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_ptr, c_size_t
-   use vi_lines, only: split_lines
-   use vi_text, only: line_type
+   use vi_lines, only: unify_line_ends
    implicit none (type, external)
    private
 
-   public :: is_result, read_lines
+   public :: is_result, read_text
 
    interface
       type(c_ptr) function c_fopen(path, mode) bind(c, name='fopen')
@@ -50,30 +49,28 @@ module vi_read_file
 
 contains
 
-   !> All lines of a text file or pipe.
-   subroutine read_lines(path, lines, message)
+   !> The content of a text file or pipe.
+   subroutine read_text(path, text, message)
       !> The file.
       character(*), intent(in) :: path
-      !> Without their line ends; the text after the last line end is a line too.
-      type(line_type), allocatable, intent(out) :: lines(:)
+      !> Its lines, separated by line feeds.
+      character(:), allocatable, intent(out) :: text
       !> Why it cannot be read; empty if it can.
       character(:), allocatable, intent(out) :: message
       character(:), allocatable :: content
 
       call read_bytes(path, content, message)
-      call split_lines(content, lines)
-   end subroutine read_lines
+      call unify_line_ends(content, text)
+   end subroutine read_text
 
    !> Whether a file is a result of this program, which starts with #.
    logical function is_result(path)
       !> The file.
       character(*), intent(in) :: path
-      type(line_type), allocatable :: lines(:)
-      character(:), allocatable :: message
+      character(:), allocatable :: text, message
 
-      call read_lines(path, lines, message)
-      is_result = .false.
-      if (size(lines) > 0) is_result = index(lines(1)%text, '#') == 1
+      call read_text(path, text, message)
+      is_result = index(text, '#') == 1
    end function is_result
 
    !> The content of a file or pipe.

@@ -1,7 +1,8 @@
 !> A result as a CSV file, which is written completely or not at all.
 module vi_write_csv
    use vi_csv, only: csv_header, csv_rows, row_count
-   use vi_files, only: add_text, close_file, new_file_type, open_file
+   use vi_files, only: add_text, close_file, give_up, new_file_type, open_file
+   use vi_progress, only: is_stopped
    use vi_result, only: result_type
    use vi_text, only: line_type
    implicit none (type, external)
@@ -15,25 +16,37 @@ module vi_write_csv
 contains
 
    !> Writes a result as CSV.
-   subroutine write_csv(result, path, message)
+   subroutine write_csv(result, path, message, progress, case)
       !> The result.
       type(result_type), intent(in) :: result
       !> The file.
       character(*), intent(in) :: path
       !> Empty if it was written; otherwise the reason.
       character(:), allocatable, intent(out) :: message
+      !> Progress counters, see vi_progress; without them it is written to its end.
+      integer, intent(inout), optional :: progress(3)
+      !> The echo of the case, if it is not that of the result.
+      type(line_type), intent(in), optional :: case(:)
       type(new_file_type) :: file
       type(line_type), allocatable :: head(:)
       character(:), allocatable :: text
       integer :: i, rows
 
       call open_file(path, file)
-      call csv_header(result, head)
+      if (present(case)) then
+         call csv_header(result, case, head)
+      else
+         call csv_header(result, result%case, head)
+      end if
       do i = 1, size(head)
          call add_text(file, head(i)%text//new_line('a'))
       end do
       rows = row_count(result)
       do i = 1, rows, block
+         if (is_stopped(progress)) then
+            call give_up(file, 'interrupted')
+            exit
+         end if
          call csv_rows(result, i, min(rows, i + block - 1), text)
          call add_text(file, text)
       end do

@@ -71,7 +71,7 @@ contains
       integer :: i
 
       if (.not. has_rows(result)) return
-      call csv_header(result, head)
+      call csv_header(result, result%case, head)
       do i = 1, size(head)
          call add(buffer, head(i)%text//new_line('a'))
       end do

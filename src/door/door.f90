@@ -8,7 +8,7 @@ module vi_door
       c_null_ptr, c_ptr
    use vi_buffer, only: add, add_quoted, buffer_type
    use vi_case, only: case_type, echo, first_line
-   use vi_lines, only: split_lines
+   use vi_lines, only: unify_line_ends
    use vi_parse_cases, only: find_name, parse_cases
    use vi_kinds, only: wp
    use vi_result, only: column_type, complexes, filled_type, result_type, &
@@ -20,8 +20,8 @@ module vi_door
    private
 
    public :: bare_text, describe_result, fault_of, fill_reals, fill_wholes, free_result, &
-      list_cases, name_after, new_bare_result, new_result, open_table, result_of, run_text, &
-      add_notes_of, set_fault
+      list_cases, name_after, new_bare_result, new_result, new_text, open_table, result_of, &
+      run_text, add_notes_of, set_fault
 
    !> Status of a result: done; ran, but something failed or does not exist; the case is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
@@ -123,12 +123,12 @@ contains
       type(holder_type), pointer, intent(out) :: holder
       !> The cases of the text.
       type(case_type), allocatable, intent(out) :: cases(:)
-      type(line_type), allocatable :: lines(:)
+      character(:), allocatable :: clean
 
       allocate (holder)
       holder%mark = mark
-      call split_lines(text, lines)
-      call parse_cases(lines, '', cases, holder%message, holder%line)
+      call unify_line_ends(text, clean)
+      call parse_cases(clean, '', cases, holder%message, holder%line)
    end subroutine new_holder
 
    !> Sets a fault if the text does not hold exactly one case.
@@ -184,6 +184,21 @@ contains
       call study%list(columns=columns)
       call start_result(lines, columns, study%row, holder%result)
    end subroutine new_result
+
+   !> A text without a result, which `describe_result` gives as the message.
+   subroutine new_text(text, handle)
+      !> The text.
+      character(*), intent(in) :: text
+      !> To be freed by `free_result`.
+      integer(c_int64_t), intent(out) :: handle
+      type(holder_type), pointer :: holder
+
+      allocate (holder)
+      holder%mark = mark
+      holder%message = text
+      holder%status = done
+      handle = address_of(c_loc(holder))
+   end subroutine new_text
 
    !> A result without a case, since no namelist gives it; without tables, to be filled.
    subroutine new_bare_result(name, handle)
@@ -294,19 +309,23 @@ contains
       end do
    end subroutine add_notes_of
 
-   !> Sets the name of the case of a result to that of the file to which it will be written.
-   subroutine name_after(result, path)
+   !> The case of a result with the name of the file to which it will be written. The result itself
+   !! is not changed, since several threads may write it.
+   pure subroutine name_after(result, path, case)
       !> The result.
-      type(result_type), intent(inout) :: result
+      type(result_type), intent(in) :: result
       !> Path of the file.
       character(*), intent(in) :: path
+      !> The echo of the case.
+      type(line_type), allocatable, intent(out) :: case(:)
       character(*), parameter :: start = '#   name = '
       character(:), allocatable :: name
       integer :: i
 
       call find_name(path, 1, 1, name)
-      do i = 1, size(result%case)
-         if (index(result%case(i)%text, start) == 1) result%case(i)%text = start//''''//name//''''
+      allocate (case, source=result%case)
+      do i = 1, size(case)
+         if (index(case(i)%text, start) == 1) case(i)%text = start//''''//name//''''
       end do
    end subroutine name_after
 

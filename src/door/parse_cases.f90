@@ -5,14 +5,14 @@
 !! does from a `&motion`; a group directly before that study is only its start and no case of its
 !! own.
 module vi_parse_cases
-   use vi_case, only: case_type, check_output, check_system, longest_name, name_letters, &
+   use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
       output_keys, system_keys
    use vi_key, only: key_type, place_of
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
    use vi_study, only: join_groups, study_type
    use vi_study_list, only: list_studies
-   use vi_text, only: brief, line_type, lower, whole, whole_width
+   use vi_text, only: brief, lower, whole, whole_width
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
@@ -22,9 +22,9 @@ module vi_parse_cases
 contains
 
    !> All cases of a namelist; `message` names file, line, key and remedy of the first fault.
-   subroutine parse_cases(lines, path, cases, message, fault_line)
-      !> The namelist.
-      type(line_type), intent(in) :: lines(:)
+   subroutine parse_cases(text, path, cases, message, fault_line)
+      !> The namelist, its lines separated by line feeds.
+      character(*), intent(in) :: text
       !> The file of the namelist; empty if there is none.
       character(*), intent(in) :: path
       !> Its cases, in order.
@@ -41,7 +41,7 @@ contains
 
       allocate (cases(0))
       call list_studies(studies)
-      call scan_namelist(lines, groups, line, message)
+      call scan_namelist(text, groups, line, message)
       if (len(message) == 0) call check_names(studies, groups, line, message)
       if (len(message) == 0) then
          deallocate (cases)
@@ -334,18 +334,24 @@ contains
       integer, intent(in) :: number, total
       !> The name.
       character(:), allocatable, intent(out) :: name
-      character(:), allocatable :: suffix
-      integer :: i
+      character(:), allocatable :: stem, suffix
+      integer :: i, n
 
-      name = path(index(path, '/', back=.true.) + 1:)
-      i = index(name, '.', back=.true.)
-      if (i > 1) name = name(:i - 1)
+      stem = path(index(path, '/', back=.true.) + 1:)
+      i = index(stem, '.', back=.true.)
+      if (i > 1) stem = stem(:i - 1)
       suffix = ''
       if (total > 1) suffix = '_'//whole(number)
-      name = name(:min(len(name), longest_name - len(suffix)))//suffix
-      do i = 1, len(name)
-         if (verify(name(i:i), name_letters) > 0) name(i:i) = '_'
+      name = ''
+      i = 1
+      do while (i <= len(stem))
+         n = name_part(stem(i:))
+         if (len(name) + max(1, n) > longest_name - len(suffix)) exit
+         if (n == 0) name = name//'_'
+         name = name//stem(i:i + n - 1)
+         i = i + max(1, n)
       end do
+      name = name//suffix
       if (index(name, '.') == 1) name(1:1) = '_'
       if (len(name) == 0) name = 'case'
    end subroutine find_name

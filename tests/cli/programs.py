@@ -71,7 +71,7 @@ def kinds():
 
 #: A line that names a file that was written.
 WRITTEN = re.compile(
-    rb"^[\w.-]+: (.+\.(?:csv|txt|json|nc|mat|png|svg|pdf|gif|mp4))\n", re.MULTILINE
+    rb"^[\w.\x80-\xff-]+: (.+\.(?:csv|txt|json|nc|mat|png|svg|pdf|gif|mp4))\n", re.MULTILINE
 )
 
 

@@ -48,7 +48,7 @@ VALUES = [
         "0, 4.3, nan")],
     *[(13, f"name = {v}", NAME) for v in (
         "''", "'a b'", "'a/b'", "'../up'", "'/tmp/x'", "'.hidden'", "'..'", "' a'", "'it''s'",
-        f"'{'n' * 101}'", f"'{'n' * 300}'", "'\xfc'", "abc", "'a', 'b'", "'a\\b'", "'a:b'",
+        f"'{'n' * 101}'", f"'{'n' * 300}'", "'\xa0'", "abc", "'a', 'b'", "'a\\b'", "'a:b'",
         "'*'")],
     *[(14, f"format = {v}", "'csv', 'table' or 'both'") for v in (
         "''", "'xlsx'", "csv", "'csv,table'", "1", "'csv                 x'")],

@@ -238,3 +238,30 @@ def test_folders_with_a_dot(name, tool):
     write(tool.cwd / "case.nml", PAIR)
     assert tool("run", "case.nml", "-o", name).status == 0
     assert list(contents(tool.cwd / name)) == ["case.csv"]
+
+
+@pytest.mark.parametrize("value", [
+    "2+1", "2-1", "1e-5000", "1e400", "1_0", "\u0661", "0x10", "1e", "1,5", "1e1.5", ".", "- 1", "1 2", "true",
+])  # fmt: skip
+@pytest.mark.parametrize("option", ["--clearance", "--r", "--xi"])
+def test_forms_of_numbers(option, value, tool):
+    """The forms that a namelist takes, and no others; one that would become 0 or infinite is refused."""
+    done = found_with(tool, option, value)
+    assert (done.status, done.out) == (2, b"")
+    assert f"{option}: {value}: must be a number" in done.faults[-1] or (
+        f"{option} {value}: must be a number" in done.faults[-1]
+    )
+
+
+@pytest.mark.parametrize("value", ["2+1", "1_0", "٣", "1e3", "2.0", "0x10"])
+def test_forms_of_whole_numbers(value, tool):
+    done = found_with(tool, "--max-impacts", value)
+    assert (done.status, done.out) == (2, b"")
+    assert f"{value}: must be a whole number" in done.faults[-1]
+    assert done.faults[-1].endswith("; see `vibroimpact find --help`")
+
+
+def found_with(tool, option, value):
+    """`vibroimpact find` with one option changed."""
+    words = {"--xi": "0.01", "--mu": "0.1", "--r": "0.9", "--clearance": "9"} | {option: value}
+    return tool("find", "--restitution", "0.7", *[f"{name}={text}" for name, text in words.items()])

@@ -1,5 +1,6 @@
 """The recomputed paper: independent routes to its zones, its statements, and how results are kept."""
 
+import contextlib
 import json
 import math
 import os
@@ -8,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -508,3 +510,40 @@ def test_interrupt_leaves_whole_items(tmp_path):
     for stamp in stamps:
         name = stamp.name.removeprefix(".").removesuffix(".done")
         assert tasks.recall(tmp_path, name, tasks.fingerprint(name, 1.0)) is not None
+
+
+def session_of(leader):
+    """The processes of a session, by their numbers; those that only wait to be collected are left out."""
+    found = []
+    for place in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, _, session = place.read_text().rpartition(")")[2].split()[:4]
+            if int(session) == leader and state != "Z":
+                found.append(int(place.parent.name))
+    return found
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="no /proc")
+def test_workers_end_with_a_killed_program(tmp_path):
+    """After kill -9 of the program its workers, idle or not, end within seconds."""
+    code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
+    # two workers, of which one is idle as soon as the other has the last task
+    start = "import os; os.sched_getaffinity = lambda _: {0, 1}\n" + code
+    process = subprocess.Popen(
+        [sys.executable, "-c", start, "reproduce", "figure8b", "-o", str(tmp_path)],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+    )  # fmt: skip
+    try:
+        while process.poll() is None and len(list(tmp_path.glob("data/.sweep*.done"))) < 2:
+            time.sleep(0.01)
+        assert len(session_of(process.pid)) >= 3
+        process.kill()
+        process.wait()
+        end = time.monotonic() + 60
+        while session_of(process.pid) and time.monotonic() < end:
+            time.sleep(0.1)
+        assert session_of(process.pid) == []
+    finally:
+        for number in session_of(process.pid):
+            with contextlib.suppress(OSError):
+                os.kill(number, signal.SIGKILL)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..errors import ParameterError
+from ..errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..noun import NOUNS
 from .matlab import read_matlab
 from .netcdf import read_netcdf
@@ -18,6 +18,9 @@ READERS: dict[str, Callable[[Path], str]] = {
     ".nc": read_netcdf,
     ".mat": read_matlab,
 }
+
+#: Characters of a reason at most.
+LONGEST = 400
 
 
 def load(path: str | Path) -> Any:
@@ -58,6 +61,14 @@ def load(path: str | Path) -> Any:
         if kind not in [*NOUNS]:
             raise ParameterError(f"type = {kind!r}: must be one of {', '.join(NOUNS)}")
         return NOUNS[kind].from_dict(data)
-    except (OSError, ValueError) as error:
+    except RecursionError:
+        reason = "it is nested too deeply"
+    except MemoryError:
+        reason = "it needs more memory than there is"
+    except MissingExtraError:
+        raise
+    except (OSError, ParameterTypeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
+    if len(reason) > LONGEST:
+        reason = f"{reason[: LONGEST // 2]} ... {reason[-LONGEST // 2 :]}"
     raise ParameterError(f"path = {str(path)!r}: {wanted}; {reason}")

@@ -60,13 +60,19 @@ def cells(items: Any) -> Any:
 def read_matlab(path: Path) -> str:
     """The record of a file that `write_matlab` wrote."""
     loadmat = scipy_io().loadmat
+    path.open(
+        "rb"
+    ).close()  # an OSError that says why; scipy would also try the name with .mat behind it
     try:
         data = loadmat(path)
-    except OSError:
-        raise
     except Exception as error:  # whatever scipy stumbles on in a file that is broken
         raise ParameterError(str(error)) from None
     for name, struct in data.items():
-        if not name.startswith("__") and struct.dtype.names and "record" in struct.dtype.names:
-            return str(struct["record"][0, 0][0])
+        if name.startswith("__") or not struct.dtype.names or "record" not in struct.dtype.names:
+            continue
+        # savemat makes a struct of 1 x 1, with a text of one row
+        record = struct["record"].ravel()[0] if struct.size else None
+        if not isinstance(record, np.ndarray) or record.dtype.kind != "U" or record.size != 1:
+            raise ParameterError("its field 'record' is not a text")
+        return str(record.ravel()[0])
     raise ParameterError("there is no struct with a field 'record'")

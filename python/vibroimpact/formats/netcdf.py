@@ -13,6 +13,9 @@ from ..errors import MissingExtraError, ParameterError
 from ..files import write_bytes
 from ..libraries import xarray
 
+#: Bytes that one byte of deflated data can stand for at most.
+DEFLATED = 1032
+
 
 def write_netcdf(noun: Any, path: Path) -> None:
     """Write the dataset, and the record from which `load` makes the result again, whole or not at all."""
@@ -25,11 +28,17 @@ def write_netcdf(noun: Any, path: Path) -> None:
 def need_netcdf() -> None:
     """An error that says how to get them, if netCDF files cannot be written."""
     xarray("netCDF files")
+    for name in ("h5py", "h5netcdf"):
+        need(name)
+
+
+def need(name: str) -> Any:
+    """A library of the extra for data, or an error that says how to get it."""
     try:
-        import_module("h5netcdf")
+        return import_module(name)
     except ImportError:
         raise MissingExtraError(
-            "netCDF files need h5netcdf: pip install 'vibroimpact[data]'"
+            f"netCDF files need {name}: pip install 'vibroimpact[data]'"
         ) from None
 
 
@@ -52,14 +61,25 @@ def save_dataset(data: Any, path: Path) -> None:
 
 
 def read_netcdf(path: Path) -> str:
-    """The record of a file that `write_netcdf` wrote, as text."""
+    """The record of a file that `write_netcdf` wrote, as text.
+
+    Only the record is read, and only if it is not larger than what a file of this size can hold.
+    """
+    size = path.stat().st_size
     path.open("rb").close()  # an OSError that says why, rather than what h5py makes of it
-    need_netcdf()
+    h5py = need("h5py")
     try:
-        with xarray().open_dataset(path, engine="h5netcdf", decode_times=False) as data:
-            if "record" not in data:
+        with h5py.File(path, "r") as data:
+            record = data.get("record")
+            if not isinstance(record, h5py.Dataset):
                 raise ParameterError("there is no variable 'record'")
-            return bytes(data["record"].values.astype(np.uint8)).decode()
+            if record.ndim != 1 or record.dtype.kind not in "iu":
+                raise ParameterError("its variable 'record' is not a list of bytes")
+            if record.size * record.dtype.itemsize > DEFLATED * size:
+                raise ParameterError(
+                    f"its record of {record.size} bytes is larger than a file of {size} bytes can hold"
+                )
+            return bytes(record[:].astype(np.uint8)).decode()
     except ParameterError:
         raise
     except Exception:  # whatever h5py stumbles on in a file that is broken

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ParameterError
-from ..tables import STORED, Column, Result, Table, column_from, language
+from .. import checks
+from ..errors import ParameterError, VibroimpactError
+from ..tables import STORED, Column, Found, Result, Table, column_from, language
+from .rows import places_of
 
 #: The least and the greatest code of verdicts and of logical values.
 LIMITS = {"verdict": (-1, 1), "truth": (0, 1)}
@@ -64,6 +66,10 @@ def from_json(kind: Any, text: str) -> Any:
     """The inverse of `to_json`."""
     try:
         data = json.loads(text)
+    except RecursionError:
+        raise ParameterError(
+            f"text of {len(text)} characters: must be JSON; it is nested too deeply"
+        ) from None
     except ValueError as error:
         raise ParameterError(f"text of {len(text)} characters: must be JSON; {error}") from None
     return from_dict(kind, data)
@@ -84,20 +90,81 @@ def from_dict(kind: Any, data: Any) -> Any:
     tables = {}
     for name, table in mapping(data.get("tables"), "tables").items():
         tables[name] = table_of(name, mapping(table, name), declared.get(name, {}))
-    for name, table in tables.items():
-        if table.parent and table.parent not in tables:
-            raise ParameterError(f"{name}.parent = {table.parent!r}: must be one of the tables")
+    check_sizes(tables)
+    check_parents(tables)
     if not all(isinstance(note, list) and len(note) == 2 for note in data["notes"]):
         raise ParameterError(
             f"notes = {data['notes']!r}: must be pairs of a fault's mark and a text"
         )
     notes = tuple((bool(note[0]), str(note[1])) for note in data["notes"])
-    return kind.of_result(
-        Result(
-            kind.study, data["case"], data["cut"], data["empty"], tuple(map(str, data["remarks"])),
-            notes, study["row"], tables,
-        )
+    result = Result(
+        kind.study, data["case"], data["cut"], data["empty"], tuple(map(str, data["remarks"])), notes,
+        study["row"], Found(tables, "tables"),
     )  # fmt: skip
+    if not result.empty:
+        check_rows(result, study["columns"])
+    try:
+        noun = kind.of_result(result)
+        repr(noun)  # which needs what its tables have in common
+    except VibroimpactError:
+        raise
+    except Exception as error:
+        raise ParameterError(
+            f"tables: must be those of a {kind.__name__}, and fit together; {type(error).__name__}: {error}"
+        ) from None
+    return noun
+
+
+def check_sizes(tables: dict[str, Table]) -> None:
+    """An error if a table has neither columns nor owners, or a dimension different sizes in two places."""
+    sizes: dict[str, int] = {}
+    for name, table in tables.items():
+        if not table.columns and table.owners is None:
+            raise ParameterError(f"{name}.columns: must hold at least one column")
+        own = {
+            column.each: column.values.shape[-1] for column in table.columns.values() if column.each
+        }
+        for dim, size in [*table.dims.items(), *own.items()]:
+            if sizes.setdefault(dim, size) != size:
+                raise ParameterError(
+                    f"{name}: {dim} = {size}: must be {sizes[dim]}, its size elsewhere in the record"
+                )
+
+
+def check_parents(tables: dict[str, Table]) -> None:
+    """An error unless the parent of each table is there, and the owners are rows of it, in order."""
+    for name, table in tables.items():
+        if not table.parent:
+            continue
+        above = name
+        for _ in tables:
+            if above in tables:
+                above = tables[above].parent
+        if table.parent not in tables or above:
+            raise ParameterError(
+                f"{name}.parent = {table.parent!r}: must be one of the tables, and none that belongs to it"
+            )
+        owners = np.zeros(0) if table.owners is None else table.owners
+        rows = math.prod(tables[table.parent].dims.values())
+        if owners.size and not (
+            0 <= owners.min() and owners.max() < rows and (np.diff(owners) >= 0).all()
+        ):
+            raise ParameterError(f"{name}.owners: must be rows of {table.parent}, in order, from 0")
+
+
+def check_rows(result: Result, columns: list[dict[str, Any]]) -> None:
+    """An error unless every cell of the rows of the CSV has a value."""
+    if result.row not in result.tables:
+        raise ParameterError(f"tables.{result.row}: must be there; it is missing")
+    places = places_of(result, result.row)
+    for declared in columns:
+        name = declared["table"]
+        if not declared["listed"]:
+            continue
+        result.column(name, declared["name"])
+        rows = math.prod(result.tables[name].dims.values())
+        if name not in places or (places[name].size and places[name].max() >= rows):
+            raise ParameterError(f"{name}: must have a row for each row of {result.row}")
 
 
 def mapping(data: Any, name: str) -> dict[str, Any]:
@@ -109,7 +176,10 @@ def mapping(data: Any, name: str) -> dict[str, Any]:
 
 def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table:
     """A table from its record."""
-    dims = {str(key): int(size) for key, size in mapping(data.get("dims"), f"{name}.dims").items()}
+    dims = {
+        str(key): checks.integer(size, f"{name}.dims.{key}", 0, 2**31 - 1)
+        for key, size in mapping(data.get("dims"), f"{name}.dims").items()
+    }
     shape = tuple(dims.values())
     owners = None
     if data.get("parent"):
@@ -119,7 +189,7 @@ def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table
         if key not in declared:
             raise ParameterError(f"{name}.{key}: must be one of {', '.join(declared)}")
         columns[key] = column_of(f"{name}.{key}", declared[key], values, shape)
-    return Table(dims, str(data.get("parent", "")), owners, columns)
+    return Table(dims, str(data.get("parent", "")), owners, Found(columns, name))
 
 
 def column_of(label: str, declared: dict[str, Any], data: Any, shape: tuple[int, ...]) -> Column:
@@ -168,6 +238,6 @@ def array_of(label: str, data: Any, shape: tuple[int, ...], stored: Any) -> NDAr
             return array
         if array.size == 0 and 0 in shape:
             return array.reshape([max(0, size) for size in shape])
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         pass
     raise ParameterError(f"{label} = {str(data)[:60]}: must be numbers of shape {shape}")

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..door import refusal
 from ..errors import ParameterError
 from ..files import write_text
-from ..tables import STORED, Handle, Result
+from ..interrupt import new_counters, stoppable
+from ..tables import STORED, Handle, Result, message_of
 from . import matlab, netcdf
 
 
@@ -31,19 +31,34 @@ def save(noun: Any, path: str | Path) -> None:
 
 
 def write_csv(noun: Any, path: Path) -> None:
-    """Write the rows with the case in the header, by the core."""
-    written(_core.write_result, noun, path)
+    """Write the rows with the case in the header, by the core, which Ctrl-C stops."""
+    handle = handle_of(noun)
+    arguments = handle.number, file_name(path)
+    message, complete = stoppable(_core.write_result, *arguments, counters=new_counters())
+    if not complete:
+        raise KeyboardInterrupt
+    check_written(message, path)
 
 
 def write_printout(noun: Any, path: Path) -> None:
     """Write the motions of a case as a printout, by the core."""
-    written(_core.write_printout, noun, path)
+    handle = handle_of(noun)
+    check_written(_core.write_printout(handle.number, file_name(path)), path)
 
 
-def written(function: Any, noun: Any, path: Path) -> None:
-    """Let a function of the core write a file."""
-    handle = noun._result.handle or restored(noun._result)
-    message = function(handle.number, np.frombuffer(os.fsencode(path), "S1"))
+def handle_of(noun: Any) -> Handle:
+    """The result in the core, in which it is put if it is not there."""
+    handle: Handle = noun._result.handle or restored(noun._result)
+    return handle
+
+
+def file_name(path: Path) -> Any:
+    """A path in the form that the core takes."""
+    return np.frombuffer(os.fsencode(path), "S1")
+
+
+def check_written(message: Any, path: Path) -> None:
+    """An error if the core could not write a file."""
     reason = bytes(message.tobytes()).decode(errors="replace").strip()
     if reason:
         raise OSError(errno.ENOSPC if "full" in reason else errno.EIO, reason, str(path))
@@ -55,7 +70,7 @@ def restored(result: Result) -> Handle:
     number, status = _core.new_result(characters(result.case or " "), study)
     handle = Handle(number)
     if status:
-        raise ParameterError(f"case: {refusal(number)}")
+        raise ParameterError(f"case: {message_of(handle)}")
     _core.add_notes_of(number, characters("\n".join([result.cut, *result.remarks]) + "\n"))
     for name, table in result.tables.items():
         names = f"{name:16}{table.parent:16}{' '.join(reversed(table.dims)):64}"

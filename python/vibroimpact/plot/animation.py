@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError
-from ..files import replacing, writer_name
+from ..files import replacing
 from ..progress import Progress
 from .history import KINDS, History, history
 from .style import FREE, IMPACT, PRIMARY, REST, SETTINGS, pyplot
@@ -90,12 +90,11 @@ def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer
     """Write the frames, drawing each one once (FuncAnimation.save draws three times)."""
     from matplotlib.animation import writers
 
-    # the writer chooses the format by the extension
-    temporary = target.with_name(f"{target.stem}.{writer_name()}.part{target.suffix}")
     with pyplot().rc_context(_program(writer)):
         film = writers[writer](fps=RATE)
         with (
-            replacing(target, temporary),
+            # the writer chooses the format by the extension
+            replacing(target, target.suffix) as temporary,
             Progress(target.name) as bar,
             film.saving(figure, str(temporary), figure.dpi),
         ):

@@ -154,7 +154,7 @@ def _perform_all(
         return
     context = multiprocessing.get_context("spawn")
     # Ctrl-C is handled by this process: running tasks are finished, so that all written results are complete
-    with ProcessPoolExecutor(workers, context, _ignore_interrupt) as pool:
+    with ProcessPoolExecutor(workers, context, _start_worker) as pool:
         running: dict[Future[Done], str] = {}
         try:
             while waiting or running:
@@ -198,5 +198,14 @@ def _interrupt_waits() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def _ignore_interrupt() -> None:
+def _start_worker() -> None:
+    """Ignore Ctrl-C, and end with the process that gives out the tasks, even if that is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -289,8 +289,9 @@ def bifurcation_diagram(
     keys = {
         "parameter": parameter, **(door.swept(along, parameter) or {"list": along}),
         "clearance": fixed["clearance"], "r": fixed["r"] if np.ndim(fixed["r"]) else None, "sweep": sweep,
-        "states": states if sweep == "states" else None, "settling": settling, "keep": keep,
+        "settling": settling, "keep": keep,
         "points": points, "load": load, "max_events": max_events,
+        **({"states": states} if sweep == "states" else {}),
     }  # fmt: skip
     if state is not None:
         walls = along if parameter == "clearance" else np.atleast_1d(fixed["clearance"])

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
-from ..errors import ParameterError, ParameterTypeError, StudyInterrupted
+from ..errors import StudyInterrupted
 from ..libraries import xarray
 from ..model import Oscillator, Pattern, plain_pattern
-from ..namelist import SYMMETRIC
+from ..namelist import symmetric_word
 from ..noun import Noun
 from ..status import status_text
 
@@ -246,14 +246,12 @@ def chart(
     xarray("charts")
     checks.instance(osc, "osc", Oscillator)
     pattern = plain_pattern(pattern)
-    if symmetric not in (None, True, False):
-        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
-    if not isinstance(multipliers, (bool, np.bool_)):
-        raise ParameterTypeError(f"multipliers = {multipliers!r}: must be True or False")
+    with_multipliers = checks.truth(multipliers, "multipliers")
     keys = {
         "sides": pattern.sides, "cycles": pattern.cycles, **door.line("r", r),
-        **door.line("clearance", clearance, geometric=True), "symmetric": SYMMETRIC[symmetric], "slots": slots,
-        "guesses": guesses, "seeds": seeds, "multipliers": None if multipliers else "no",
+        **door.line("clearance", clearance, geometric=True), "symmetric": symmetric_word(symmetric),
+        "slots": slots, "guesses": guesses, "seeds": seeds,
+        "multipliers": "yes" if with_multipliers else "no",
     }  # fmt: skip
     names = {"r_points": "r", "clearance_points": "clearance", "r_min": "r[0]", "r_max": "r[-1]"}
     names |= {"clearance_min": "clearance[0]", "clearance_max": "clearance[-1]"}

@@ -295,9 +295,8 @@ def find(
         "guesses": guesses, "states": states, "settling": settling, "releases": releases,
         "max_events": max_events,
     }  # fmt: skip
-    for name, value in keys.items():
-        if value is None:
-            raise ParameterTypeError(f"{name} = None: must be a number")
+    if clearance is None:
+        raise ParameterTypeError("clearance = None: must be a number")
     report = None if progress is None else _PatternProgress(osc, max_impacts, max_cycles, progress)
     findings = door.run(
         Findings, osc, keys, r, progress=report,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
-from ..errors import OpenBoundaryWarning, ParameterError, SingularError
+from ..errors import OpenBoundaryWarning, ParameterError, ParameterTypeError, SingularError
 from ..model import Oscillator, Pattern, pattern_of
 from ..motion import Motion
-from ..namelist import SYMMETRIC
+from ..namelist import symmetric_word
 from ..newton import newton
 from ..noun import Noun
 from ..tables import runs
@@ -458,10 +458,8 @@ def zone(
     [True, False]
     """
     pattern = pattern_of(pattern)
-    if symmetric not in (None, True, False):
-        raise ParameterError(f"symmetric = {symmetric!r}: must be None, True or False")
     keys = {
-        "sides": pattern.sides, "cycles": pattern.cycles, "symmetric": SYMMETRIC[symmetric],
+        "sides": pattern.sides, "cycles": pattern.cycles, "symmetric": symmetric_word(symmetric),
         **window(r, clearance), "lines": lines, "guesses": guesses, "max_points": max_points,
         "seeds": seed_list(pattern, seeds) or None,
     }  # fmt: skip
@@ -470,6 +468,8 @@ def zone(
 
 def seed_list(pattern: Pattern, seeds: Sequence[Motion]) -> list[float]:
     """Seeds in the form of the key: r, D, x_i/D, theta_i of each."""
+    if not isinstance(seeds, Iterable):
+        raise ParameterTypeError(f"seeds = {seeds!r}: must be a list of motions")
     numbers: list[float] = []
     for i, motion in enumerate(seeds):
         checks.instance(motion, f"seeds[{i}]", Motion)

@@ -1,0 +1,136 @@
+"""Namelist files of millions of lines or thousands of cases: the time is proportional to their size."""
+
+import os
+import resource
+import subprocess
+
+import pytest
+from programs import PAIR, SYSTEM, find_twin, many_cases, write
+
+#: What ends each file: a fault that is found after all else has been read.
+FAULT = f"{SYSTEM}&motion x = 1 /\n"
+BIG = {
+    "empty lines": "\n" * 20_000_000 + FAULT,
+    "empty lines in a group": f"{SYSTEM}&motion " + "\n" * 2_000_000 + " x = 1 /\n",
+    "comments in a group": f"{SYSTEM}&motion x = 1\n" + "! c = 1 /\n" * 1_000_000 + "/\n",
+    "ampersands in a comment": "!" + "&" * 20_000_000 + f"\n{FAULT}",
+    "groups in one line": SYSTEM + "&motion x = 1 /" * 1_000_000,
+    "keys in one group": f"{SYSTEM}&motion " + "a) = 1 " * 500_000 + "/\n",
+    "a list and blanks": f"{SYSTEM}&motion phases = " + "0, " * 900 + " " * 20_000_000 + "x /\n",
+    "a list without blanks": f"{SYSTEM}&motion phases = " + "0," * 5_000_000 + "x /\n",
+}
+
+
+def seconds(call, folder):
+    """Processor time of a program, and what it says of faults."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    done = subprocess.run(call, cwd=folder, capture_output=True, timeout=300)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, done
+
+
+@pytest.mark.parametrize("kind", BIG)
+def test_long_files_are_read(kind, binary, tmp_path):
+    """A file of up to 20 MB takes a few seconds; a reader that copies what is left at each step takes minutes."""
+    write(tmp_path / "case.nml", BIG[kind])
+    time, done = seconds([binary, "case.nml"], tmp_path)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
+    assert time < 20
+
+
+def test_many_cases(binary, tmp_path):
+    """Sixteen times as many cases take about sixteen times as long, and not 256 times."""
+    times = []
+    for number in (500, 8000):
+        write(tmp_path / "case.nml", many_cases(number) + "&motion x = 1 /\n")
+        times.append(min(seconds([binary, "case.nml"], tmp_path)[0] for _ in range(3)))
+    assert times[1] < 60 * max(times[0], 0.01)
+
+
+def test_names_of_many_cases(binary, tmp_path):
+    """The name that occurs twice is found among 8000, wherever it stands."""
+    text = many_cases(8000).replace("'case_7998'", "'CASE_3'")
+    write(tmp_path / "case.nml", text)
+    _, done = seconds([binary, "case.nml"], tmp_path)
+    assert done.returncode == 2
+    assert b"name = 'CASE_3': is already the name of the case at case.nml:9; " in done.stderr
+
+
+LETTERS = ["ü.nml", "é.nml", "Ψ.nml", "激.nml", "😀.nml"]
+
+
+def test_names_keep_their_letters(batch, command):
+    """Files whose names differ in letters beyond ASCII have results of their own, in both programs."""
+    for name in LETTERS:
+        write(batch.cwd / name, PAIR)
+    assert batch(*LETTERS, "-o", "out").status == 0
+    made = sorted(path.name for path in (batch.cwd / "out").iterdir())
+    assert made == sorted(name.replace(".nml", ".csv") for name in LETTERS)
+    assert command(*LETTERS, "-o", "again").status == 0
+    for name in made:
+        text = (batch.cwd / "out" / name).read_bytes()
+        assert text == (batch.cwd / "again" / name).read_bytes()
+        assert f"name = '{name[:-4]}'".encode() in text
+    # a result is an input that reproduces it
+    assert batch("out/ü.csv", "-o", "third").status == 0
+    assert (batch.cwd / "third/ü.csv").read_bytes() == (batch.cwd / "out/ü.csv").read_bytes()
+
+
+@pytest.mark.parametrize("name", [
+    b"\xff", b"a\xe9", b"\xc0\xaf", b"\xed\xa0\x80", "\u202egnp", "a\u00a0b", "a\u2028b", "a\nb", "a b", "\u0085",
+])  # fmt: skip
+def test_names_without_letters(name, batch, command):
+    """Bytes that are not UTF-8, blanks and marks of direction become _, alike in both programs."""
+    raw = name if isinstance(name, bytes) else name.encode()
+    write(batch.cwd / os.fsdecode(raw + b".nml"), PAIR)
+    for program, folder in ((batch, "out"), (command, "again")):
+        assert program(os.fsdecode(raw + b".nml"), "-o", folder).status == 0
+    (one,), (other,) = ([*(batch.cwd / folder).iterdir()] for folder in ("out", "again"))
+    assert one.name == other.name
+    assert set(one.name) <= set("ab_gnp.csv")
+
+
+def test_long_name_is_cut_between_letters(batch):
+    """A name of 100 bytes ends with a whole letter."""
+    done = batch.case(PAIR, "-o", "out", name="a" + "ü" * 60 + ".nml")
+    assert done.status == 0
+    assert [path.name for path in (batch.cwd / "out").iterdir()] == ["a" + "ü" * 49 + ".csv"]
+
+
+def test_line_feed_in_a_path(batch, command):
+    """The message of a fault is one line in both programs."""
+    write(batch.cwd / "a\nb.nml", "x")
+    said = [program("a\nb.nml", "-o", "out") for program in (batch, command)]
+    assert said[0] == said[1]
+    assert said[0].faults == [
+        "a?b.nml:1: x: stands outside a group; a group starts with & and ends with /"
+    ]
+
+
+def limit_file_size():
+    """Let no file of the child grow above 1000 bytes, as `ulimit -f` does: the signal has its default action."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+
+
+@pytest.mark.parametrize("program", ["program", "command"])
+@pytest.mark.parametrize("old", [b"the old result\n", None])
+def test_file_size_limit(program, old, binary, tmp_path):
+    """One line says that the file became too large; the old result stays, and nothing else."""
+    call = [binary] if program == "program" else find_twin()
+    (tmp_path / "results").mkdir()
+    if old:
+        write(tmp_path / "results/case.csv", old)
+    write(tmp_path / "case.nml", PAIR)
+    done = subprocess.run(
+        [*call, "case.nml"],
+        cwd=tmp_path,
+        preexec_fn=limit_file_size,
+        capture_output=True,
+        timeout=300,
+    )
+    assert done.returncode == 2
+    (said,) = done.stderr.decode().splitlines()
+    assert said.startswith("results/case.csv: ")
+    assert "File too large" in said or "could not be written whole" in said
+    assert said.endswith("; must be a folder and disk that can be written")
+    left = {path.name: path.read_bytes() for path in (tmp_path / "results").iterdir()}
+    assert left == ({"case.csv": old} if old else {})

@@ -1,0 +1,200 @@
+"""Files that `load` cannot read: one ParameterError that names the file, in a moment and in little memory."""
+
+import json
+import random
+import resource
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.formats import netcdf
+
+OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+#: Values that a record holds nowhere in these places.
+ODD = [
+    None,
+    True,
+    -1,
+    0,
+    2**31,
+    2**70,
+    float("inf"),
+    float("nan"),
+    "",
+    "x",
+    [],
+    {},
+    [[]],
+    [1, [2]],
+    4e9,
+    -5,
+]
+
+
+@pytest.fixture(scope="module")
+def results():
+    motion = vi.equispaced(OSC, r=0.94, clearance=37.0)[0]
+    state = {"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9}
+    return [motion, vi.simulate(OSC, 0.94, 37.0, 3, state=state), vi.branch(motion, bounds=(36, 38)),
+            vi.zone(OSC, vi.Pattern("RL"), (0.93, 0.95), (36, 38), lines=5, guesses=4),
+            vi.response(OSC, [0.93, 0.94], clearance=37.0, states=1, settling=2, keep=3)]  # fmt: skip
+
+
+def refused(path):
+    """The reason why a file is refused."""
+    with pytest.raises(vi.errors.ParameterError) as error:
+        vi.load(path)
+    assert str(error.value).startswith(
+        f"path = {str(path)!r}: must be a file that the save of a result wrote; "
+    )
+    assert len(str(error.value)) < 1000
+    return str(error.value).partition("; ")[2]
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 200_000, '{"a":' * 200_000, "1" * 10_000, '{"type": "' + "x" * 10**6 + '"}']
+)
+def test_deep_and_long_texts(text, tmp_path):
+    path = tmp_path / "deep.json"
+    path.write_text(text)
+    refused(path)
+    with pytest.raises(vi.errors.ParameterError):
+        vi.Motion.from_json(text)
+
+
+def places(data, above=()):
+    """All places in a record, and of long lists the first few."""
+    inner = (
+        data.items()
+        if isinstance(data, dict)
+        else enumerate(data[:3])
+        if isinstance(data, list)
+        else ()
+    )
+    for key, item in inner:
+        yield (*above, key)
+        yield from places(item, (*above, key))
+
+
+def used(result, folder):
+    """Whatever can be done with a result."""
+    for name in dir(result):
+        if not name.startswith("_"):
+            getattr(result, name)
+    result.to_xarray()
+    result.save(folder / "out.csv")
+    result.save(folder / "out.json")
+
+
+def test_records_with_other_values(results, tmp_path):
+    """A value of a record replaced or left out: refused by name, or a result that can be used throughout.
+
+    In a list that became longer or shorter, a size or an owner that does not fit, the core would read outside
+    its arrays.
+    """
+    draw = random.Random(4)
+    read = 0
+    for _ in range(250):
+        data = json.loads(draw.choice(results).to_json())
+        place = draw.choice([*places(data)])
+        inner = data
+        for key in place[:-1]:
+            inner = inner[key]
+        item = inner[place[-1]]
+        way = draw.random()
+        if way < 0.3:
+            del inner[place[-1]]
+        elif way < 0.5 and isinstance(item, list) and item:
+            inner[place[-1]] = draw.choice([item[:-1], [*item, item[0]], item[::-1]])
+        elif way < 0.7 and type(item) is int:
+            inner[place[-1]] = item + draw.choice([-1, 1, 1000])
+        else:
+            inner[place[-1]] = draw.choice(ODD)
+        path = tmp_path / "record.json"
+        path.write_text(json.dumps(data))
+        try:
+            used(vi.load(path), tmp_path)
+            read += 1
+        except vi.errors.VibroimpactError:
+            pass
+    assert read > 10
+
+
+def change_owner(value):
+    """A change of the first owner of the pieces of a zone."""
+    return lambda tables: tables["pieces"]["owners"].__setitem__(0, value)
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    (change_owner(5), "pieces.owners: must be rows of families, in order, from 0"),
+    (change_owner(-1), "pieces.owners: must be rows of families, in order, from 0"),
+    (lambda tables: tables["pieces"].update(parent="pieces"), "must be one of the tables, and none that"),
+    (lambda tables: tables["pieces"].update(parent="nowhere"), "must be one of the tables, and none that"),
+    (lambda tables: tables["open_seeds"].update(columns={}), "open_seeds.columns: must hold at least one"),
+    (lambda tables: tables.pop("vertices"), "tables.vertices: must be there; it is missing"),
+    (lambda tables: tables["vertices"]["dims"].update(vertex=1e9), "must be a whole number with 0 <="),
+    (lambda tables: tables["vertices"]["columns"].pop("r"), "vertices.r: must be there; it is missing"),
+])  # fmt: skip
+def test_tables_that_do_not_fit(change, said, results, tmp_path):
+    data = json.loads(results[3].to_json())
+    change(data["tables"])
+    path = tmp_path / "zone.json"
+    path.write_text(json.dumps(data))
+    assert said in refused(path)
+
+
+@pytest.mark.parametrize(
+    "record", [np.zeros((0, 0)), "", 5.0, np.array(["a", "b"]), {"a": 1}, "{}", "[" * 100_000]
+)
+def test_matlab_files_without_a_record(record, tmp_path):
+    path = tmp_path / "motion.mat"
+    pytest.importorskip("scipy.io").savemat(path, {"motion": {"record": record}})
+    refused(path)
+
+
+def netcdf_file(path, **options):
+    """A netCDF file with a variable `record` of these options."""
+    with pytest.importorskip("h5py").File(path, "w") as data:
+        data.create_dataset("record", **options)
+
+
+def test_netcdf_file_that_claims_too_much(tmp_path):
+    """A file of a few kB with a record of 4e9 bytes is refused in little memory."""
+    path = tmp_path / "motion.nc"
+    netcdf_file(path, shape=(4_000_000_000,), dtype="u1", chunks=(2**20,), compression="gzip")
+    assert path.stat().st_size < 10_000
+    assert "is larger than a file of" in refused(path)
+    code = "import sys, vibroimpact as vi\ntry: vi.load(sys.argv[1])\nexcept vi.errors.ParameterError: print('no')"
+    done = subprocess.run(
+        [sys.executable, "-c", code, path], capture_output=True, text=True, timeout=300,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (3 * 2**30, 3 * 2**30)),
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (0, "no\n", "")
+
+
+@pytest.mark.parametrize("options", [
+    {"data": 5}, {"data": np.zeros((2, 2), "u1")}, {"data": np.ones(3)}, {"data": "text"},
+    {"data": np.frombuffer(b"\xff\xfe", "u1")}, {"data": np.frombuffer(b"{}", "u1")},
+    {"shape": (0,), "dtype": "u1"},
+])  # fmt: skip
+def test_netcdf_files_with_another_record(options, tmp_path):
+    path = tmp_path / "motion.nc"
+    netcdf_file(path, **options)
+    refused(path)
+
+
+@pytest.mark.parametrize("missing", ["h5py", "h5netcdf"])
+def test_libraries_for_netcdf(missing, results, tmp_path, monkeypatch):
+    """Each library that is missing is named, with the extra that has it."""
+    pytest.importorskip("h5netcdf")
+    results[0].save(tmp_path / "motion.nc")
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(
+        vi.errors.MissingExtraError, match=rf"need {missing}: pip install 'vibroimpact\[data\]'"
+    ):
+        netcdf.need_netcdf()
+    if missing == "h5py":
+        with pytest.raises(vi.errors.MissingExtraError, match="need h5py: pip install"):
+            vi.load(tmp_path / "motion.nc")

@@ -1,0 +1,153 @@
+"""Files that are saved: whole or not at all, whatever other threads, links and limits do."""
+
+import os
+import secrets
+import stat
+import subprocess
+import sys
+import threading
+
+import pytest
+import vibroimpact as vi
+from vibroimpact.files import write_bytes
+
+OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+FORMS = ["json", "csv", "nc", "mat"]
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return vi.equispaced(OSC, r=0.94, clearance=37.0)[0]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_threads_that_save_to_one_path(form, motion, tmp_path):
+    """Each of four threads succeeds each time, and a reader never sees part of a file."""
+    path = tmp_path / f"motion.{form}"
+    motion.save(path)
+    whole, errors = path.read_bytes(), []
+
+    def save():
+        try:
+            for _ in range(25):
+                motion.save(path)
+        except BaseException as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=save) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    # a .mat file begins with its date
+    skip = 128 if form == "mat" else 0
+    while any(thread.is_alive() for thread in threads):
+        seen = path.read_bytes()
+        assert (len(seen), seen[skip:]) == (len(whole), whole[skip:])
+    assert errors == []
+    assert [item.name for item in tmp_path.iterdir()] == [path.name]
+
+
+def test_threads_that_save_one_result_under_other_names(motion, tmp_path):
+    """Each CSV has its own name in its header: saving does not change the result."""
+    names = [f"name_{i}" for i in range(8)]
+
+    def save(name):
+        for _ in range(25):
+            motion.save(tmp_path / f"{name}.csv")
+
+    threads = [threading.Thread(target=save, args=(name,)) for name in names]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for name in names:
+        assert f"\n#   name = '{name}'\n" in (tmp_path / f"{name}.csv").read_text()
+
+
+def test_planted_links_are_not_followed(motion, tmp_path, monkeypatch):
+    """Where a link has the name of the temporary file, another name is taken; names differ each time."""
+    victim = tmp_path / "victim"
+    victim.write_text("mine")
+    token = secrets.token_hex
+    names = ["planted", "planted", token(8)]
+    (tmp_path / "motion.planted.part").symlink_to(victim)
+    monkeypatch.setattr(secrets, "token_hex", lambda _: names.pop(0))
+    motion.save(tmp_path / "motion.json")
+    assert victim.read_text() == "mine"
+    assert names == []
+    assert not (tmp_path / "motion.json").is_symlink()
+
+
+def test_permissions_follow_the_umask(tmp_path):
+    """A file that was saved may be read by whoever may read a new file."""
+    before = os.umask(0o027)
+    try:
+        write_bytes(tmp_path / "file", b"x")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "file").stat().st_mode) == 0o640
+
+
+def test_long_names(motion, tmp_path):
+    """The name of the temporary file is not longer than the file system allows."""
+    motion.save(tmp_path / f"{'n' * 250}.json")
+    assert len([*tmp_path.iterdir()]) == 1
+
+
+LIMITED = """
+import resource, sys, vibroimpact as vi
+motion = vi.equispaced(vi.Oscillator(0.005, 0.042, 0.75), r=0.94, clearance=37.0)[0]
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    motion.save(sys.argv[1])
+except OSError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_file_size_limit(form, tmp_path):
+    """A file that becomes too large is an OSError that names it, and leaves nothing."""
+    path = tmp_path / f"motion.{form}"
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, path], capture_output=True, text=True, timeout=300
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    # the runtime library of Fortran does not always tell the reason
+    assert "File too large" in done.stdout or (form == "csv" and "written whole" in done.stdout)
+    assert str(path) in done.stdout
+    assert [*tmp_path.iterdir()] == []
+
+
+SLOW = """
+import os, signal, sys, threading, time, vibroimpact as vi
+from pathlib import Path
+signal.signal(signal.SIGINT, signal.default_int_handler)
+osc = vi.Oscillator(0.0114, 0.028, 0.75)
+run = vi.simulate(osc, 1.04, 9.0, 200_000, state={"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9})
+folder = Path(sys.argv[1])
+
+def interrupt():
+    while not any(folder.iterdir()):
+        time.sleep(0.001)
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=interrupt).start()
+begin = time.process_time()
+try:
+    run.save(folder / "run.csv")
+    print("saved", time.process_time() - begin)
+except KeyboardInterrupt:
+    print("stopped", time.process_time() - begin)
+print(os.listdir(folder))
+"""
+
+
+def test_interrupt_stops_the_writing_of_a_csv(tmp_path):
+    """Ctrl-C while the core writes a large CSV: it stops at once, and leaves nothing."""
+    done = subprocess.run(
+        [sys.executable, "-c", SLOW, tmp_path], capture_output=True, text=True, timeout=300
+    )
+    assert done.stderr == ""
+    first, second = done.stdout.splitlines()
+    assert first.startswith("stopped")
+    assert second == "[]"
