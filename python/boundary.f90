@@ -476,6 +476,51 @@ subroutine sample_trajectory(n, m, xi, mu, r, load, clearance, starts, resting, 
       resting, times, values)
 end subroutine sample_trajectory
 
+!> Simulates a structure with gaps from a state to an end of time, or until there are more than
+!! `capacity` events.
+!!
+!! `matrices` are M, C, K; `gap_values` the opening and the restitution of each gap; `loads` the
+!! cosine and sine parts of each harmonic. A column of `table` is time, approach speed, impulse,
+!! coordinates and velocities just after an event; one of `labels` its kind and gap.
+subroutine simulate_structure(n, gaps, harmonics, matrices, directions, gap_values, frequency, &
+   loads, constant, start, state, last, capacity, table, labels, n_events, end_state, end_time, &
+   status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_trajectory, only: simulate_structure_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, harmonics, capacity
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(2, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), start, state(2*n), last
+   real(c_double), intent(inout) :: table(2*n + 3, capacity)
+   integer(c_int), intent(inout) :: labels(2, capacity)
+   integer(c_int), intent(out) :: n_events, status
+   real(c_double), intent(out) :: end_state(2*n), end_time
+
+   call simulate_structure_arrays(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant), start, state(:n), state(n + 1:), last, table, labels, &
+      n_events, end_state, end_time, status)
+end subroutine simulate_structure
+
+!> Coordinates and velocities of a structure at the given times, which ascend.
+subroutine sample_structure(n, gaps, harmonics, m, k, matrices, directions, gap_values, frequency, &
+   loads, constant, starts, labels, times, values, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_trajectory, only: sample_structure_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, harmonics, m, k, labels(2, m)
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(2, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), starts(2*n + 1, m), times(k)
+   real(c_double), intent(out) :: values(2*n, k)
+   integer(c_int), intent(out) :: status
+
+   call sample_structure_arrays(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant), starts, labels, times, values, status)
+end subroutine sample_structure
+
 !> The exact motion near a guess of x_i and theta_i = alpha_i + tau, by Newton's method.
 subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitution, x, theta, &
    most, phases, impacts, scalars, multipliers, verdicts, status, iterations)

@@ -35,6 +35,8 @@ from .studies.decay import Decay, decay
 from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
+from .structure import Gap, Load, Structure
+from .structure_trajectory import StructureTrajectory, simulate_structure
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
@@ -54,6 +56,8 @@ __all__ = [
     "Decay",
     "Findings",
     "FoundMotions",
+    "Gap",
+    "Load",
     "Lyapunov",
     "MissingExtraError",
     "Motion",
@@ -73,6 +77,8 @@ __all__ = [
     "SingularError",
     "SpecialPoint",
     "StabilityFlags",
+    "Structure",
+    "StructureTrajectory",
     "StudyInterrupted",
     "Trajectory",
     "Units",
@@ -103,6 +109,7 @@ __all__ = [
     "same_motion",
     "simulate",
     "simulate_bundle",
+    "simulate_structure",
     "spaced",
     "stability_flags",
     "standard_motion",

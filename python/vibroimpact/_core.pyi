@@ -350,6 +350,27 @@ class _Sample(Protocol):
     ) -> _Real: ...
 
 @type_check_only
+class _SampleStructure(Protocol):
+    # values, status
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        starts: ArrayLike,
+        labels: ArrayLike,
+        times: ArrayLike,
+        n: int = ...,
+        gaps: int = ...,
+        harmonics: int = ...,
+        m: int = ...,
+        k: int = ...,
+    ) -> tuple[_Real, int]: ...
+
+@type_check_only
 class _SampleTrajectory(Protocol):
     # values
     def __call__(
@@ -416,6 +437,28 @@ class _SimulateBundle(Protocol):
         progress: _Integer,
         m: int = ...,
     ) -> tuple[_Real, _Integer, _Integer, _Integer]: ...
+
+@type_check_only
+class _SimulateStructure(Protocol):
+    # n_events, end_state, end_time, status
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        start: float,
+        state: ArrayLike,
+        last: float,
+        table: _Real,
+        labels: _Integer,
+        n: int = ...,
+        gaps: int = ...,
+        harmonics: int = ...,
+        capacity: int = ...,
+    ) -> tuple[int, _Real, float, int]: ...
 
 @type_check_only
 class _Spaced(Protocol):
@@ -550,10 +593,12 @@ run_case: _RunCase
 run_namelists: _RunNamelists
 same_motion: _SameMotion
 sample: _Sample
+sample_structure: _SampleStructure
 sample_trajectory: _SampleTrajectory
 side_patterns: _SidePatterns
 simulate: _Simulate
 simulate_bundle: _SimulateBundle
+simulate_structure: _SimulateStructure
 spaced: _Spaced
 stability_flags: _StabilityFlags
 start_state: _StartState

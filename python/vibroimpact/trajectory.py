@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -279,6 +280,7 @@ def digits(value: float) -> str:
     return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"
 
 
+@singledispatch
 def simulate(
     osc: Oscillator,
     r: float,

@@ -38,6 +38,18 @@ module vi_status
       integer :: event_limit = 13
       !> There is not enough memory.
       integer :: no_memory = 14
+      !> The mass matrix of a structure is not positive definite.
+      integer :: mass_not_definite = 15
+      !> The stiffness or the damping matrix of a structure has a negative eigenvalue.
+      integer :: negative_stiffness = 16
+      !> Damping makes modes of a structure nearly coincide.
+      integer :: defective = 17
+      !> A mode without damping resonates with the load.
+      integer :: resonance = 18
+      !> Gaps that are coupled close at one instant.
+      integer :: coupled_impacts = 19
+      !> A gap is less than closed in the initial state.
+      integer :: gap_closed = 20
    end type status_codes
 
    !> The codes by name, as stat%no_motion.
@@ -93,6 +105,20 @@ contains
          text = 'out of memory'
       case (stat%no_convergence)
          text = 'the iteration did not converge; a closer guess may help'
+      case (stat%mass_not_definite)
+         text = 'the mass matrix is not positive definite'
+      case (stat%negative_stiffness)
+         text = 'the stiffness or the damping matrix has a negative eigenvalue'
+      case (stat%defective)
+         text = 'damping makes two modes of the structure nearly coincide, so that digits are &
+            &lost; change the damping a little'
+      case (stat%resonance)
+         text = 'a mode without damping resonates with the load'
+      case (stat%coupled_impacts)
+         text = 'two coupled gaps close at one instant, and the impact law does not say what &
+            &follows'
+      case (stat%gap_closed)
+         text = 'a gap is less than closed in the initial state'
       case default
          text = 'unknown status code'
       end select

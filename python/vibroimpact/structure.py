@@ -1,0 +1,304 @@
+"""Linear structures with gaps, and their loads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import checks
+from .errors import ParameterError
+
+__all__ = ["Gap", "Load", "Structure"]
+
+_Array = NDArray[np.float64]
+#: Most coordinates of a structure, and most gaps.
+MOST = 500
+
+
+def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Array:
+    """A read-only array of finite numbers of a given shape; -1 allows any length."""
+    array = np.array(checks.real_array(values, name, wanted), dtype=np.float64)
+    if array.ndim != len(shape) or any(
+        n not in (-1, m) for n, m in zip(shape, array.shape, strict=True)
+    ):
+        raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}")
+    if not np.isfinite(array).all():
+        raise ParameterError(f"{name}: must be {wanted}, all of them finite")
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Gap:
+    """A gap that opens and closes: opening - direction.q >= 0.
+
+    Parameters
+    ----------
+    direction : array_like (n,)
+        The coordinates that close it, such as ``[-1, 1]`` for a stop of body 1 to the right of body 2.
+    opening : float
+        Its opening at q = 0; negative if it is closed there.
+    restitution : float
+        Coefficient of restitution, 0 to 1.
+    """
+
+    direction: _Array
+    opening: float
+    restitution: float = 1.0
+
+    def __init__(self, direction: ArrayLike, opening: float, restitution: float = 1.0) -> None:
+        wanted = "numbers, one a coordinate, not all 0"
+        direction = _numbers(direction, "direction", wanted, (-1,))
+        if not direction.any():
+            raise ParameterError(f"direction = {direction.tolist()!r}: must be {wanted}")
+        opening = checks.to_float(opening, "opening", "a finite number")
+        if not np.isfinite(opening):
+            raise ParameterError(f"opening = {opening!r}: must be a finite number")
+        object.__setattr__(self, "direction", direction)
+        object.__setattr__(self, "opening", opening)
+        object.__setattr__(self, "restitution", checks.number(restitution, "restitution"))
+
+    def __repr__(self) -> str:
+        return f"Gap({self.direction.tolist()}, {self.opening:g}, restitution={self.restitution:g})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Structure:
+    """A linear structure M q'' + C q' + K q = f with gaps.
+
+    All bodies are alike, free masses too: a mass between two walls of another body is a coordinate without
+    stiffness and two gaps. Units are the user's own, consistent ones.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : array_like (n, n)
+        Symmetric matrices M (positive definite), C and K (positive semidefinite). A vector (n,) is a diagonal.
+    gaps : sequence of Gap
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed.
+
+    Examples
+    --------
+    A mass on a spring that carries a free mass between two walls:
+
+    >>> import vibroimpact as vi
+    >>> gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
+    >>> vi.Structure(mass=[1, 0.1], damping=[0.02, 0], stiffness=[1, 0], gaps=gaps)
+    <Structure of 2 coordinates with 2 gaps>
+    """
+
+    mass: _Array
+    damping: _Array
+    stiffness: _Array
+    gaps: tuple[Gap, ...] = field(default=())
+
+    def __init__(
+        self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike, gaps: Sequence[Gap] = ()
+    ) -> None:
+        matrices = {}
+        for name, values in {"mass": mass, "damping": damping, "stiffness": stiffness}.items():
+            matrices[name] = _matrix(values, name)
+        n = len(matrices["mass"])
+        if not 1 <= n <= MOST:
+            raise ParameterError(f"mass of shape {(n, n)}: must be for 1 to {MOST} coordinates")
+        for name, matrix in matrices.items():
+            if len(matrix) != n:
+                raise ParameterError(
+                    f"{name} of shape {matrix.shape}: must be ({n}, {n}) as mass is"
+                )
+            least = float(np.linalg.eigvalsh(matrix).min())
+            if name == "mass" and not least > 0:
+                raise ParameterError(
+                    f"mass: must be positive definite; its least eigenvalue is {least:.3g}"
+                )
+            if least < -1e-12 * max(1e-300, float(np.abs(matrix).max())) * n:
+                raise ParameterError(
+                    f"{name}: must have no negative eigenvalue; the least one is {least:.3g}"
+                )
+            object.__setattr__(self, name, matrix)
+        gaps = tuple(gaps)
+        if len(gaps) > MOST:
+            raise ParameterError(f"gaps: {len(gaps)} of them; must be at most {MOST}")
+        for i, gap in enumerate(gaps):
+            checks.instance(gap, f"gaps[{i}]", Gap)
+            if len(gap.direction) != n:
+                raise ParameterError(
+                    f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {n}, one a coordinate"
+                )
+        object.__setattr__(self, "gaps", gaps)
+
+    @classmethod
+    def from_modes(
+        cls,
+        frequencies: ArrayLike,
+        damping_ratios: ArrayLike,
+        shapes: ArrayLike,
+        gaps: Sequence[Gap] = (),
+    ) -> Structure:
+        """A structure by its modes, whose amplitudes are the coordinates.
+
+        Parameters
+        ----------
+        frequencies : array_like (n,)
+            Circular frequencies of the modes, 0 allowed.
+        damping_ratios : array_like (n,)
+        shapes : array_like (points, n)
+            Mass-normalised mode shapes at some points.
+        gaps : sequence of Gap
+            Their directions refer to the points: `direction` has one number a point.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> beam = vi.Structure.from_modes([1.0, 6.27], [0.01, 0.01], [[2.0, -2.0]], [vi.Gap([1.0], 0.1, 0.6)])
+        >>> beam.gaps[0].direction.tolist()
+        [2.0, -2.0]
+        """
+        wanted = "numbers >= 0, one a mode"
+        omega = _numbers(frequencies, "frequencies", wanted, (-1,))
+        n = len(omega)
+        zeta = _numbers(damping_ratios, "damping_ratios", wanted, (n,))
+        if (omega < 0).any() or (zeta < 0).any():
+            raise ParameterError(f"frequencies and damping_ratios: must be {wanted}")
+        points = _numbers(shapes, "shapes", "an array (points, modes)", (-1, n))
+        modal = []
+        for i, gap in enumerate(gaps):
+            checks.instance(gap, f"gaps[{i}]", Gap)
+            if len(gap.direction) != len(points):
+                raise ParameterError(
+                    f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {len(points)}, one a point"
+                )
+            modal.append(Gap(gap.direction @ points, gap.opening, gap.restitution))
+        return cls(np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), modal)
+
+    @property
+    def n(self) -> int:
+        """Number of coordinates."""
+        return len(self.mass)
+
+    def _arrays(self) -> tuple[_Array, _Array, _Array]:
+        """Matrices (n, n, 3), directions (n, gaps), and openings with restitution (2, gaps)."""
+        matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
+        # f2py refuses arrays of two rows and no column: a gap that never closes stands for none
+        gaps = self.gaps or (Gap(np.eye(self.n)[0], 1e300),)
+        directions = np.array([gap.direction for gap in gaps]).T
+        values = np.array([[gap.opening, gap.restitution] for gap in gaps]).T
+        return np.asfortranarray(matrices), np.asfortranarray(directions), np.asfortranarray(values)
+
+    def __repr__(self) -> str:
+        n, gaps = self.n, len(self.gaps)
+        return f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {gaps} gap{'s' if gaps != 1 else ''}>"
+
+
+def _matrix(values: Any, name: str) -> _Array:
+    """A symmetric matrix, of which a vector is the diagonal."""
+    wanted = "a symmetric matrix (n, n), or its diagonal (n,)"
+    array = checks.real_array(values, name, wanted)
+    array = _numbers(np.diag(array) if array.ndim == 1 else array, name, wanted, (-1, -1))
+    if array.shape[0] != array.shape[1]:
+        raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}")
+    apart = np.abs(array - array.T)
+    if apart.size and apart.max() > 1e-12 * np.abs(array).max():
+        i, j = np.unravel_index(int(np.argmax(apart)), apart.shape)
+        raise ParameterError(
+            f"{name}[{i}, {j}] = {array[i, j]!r} and {name}[{j}, {i}] = {array[j, i]!r}: must be equal"
+        )
+    symmetric: _Array = np.array(0.5 * (array + array.T))
+    symmetric.flags.writeable = False
+    return symmetric
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Load:
+    """A periodic load: the sum of cosine_h cos(h Omega t) + sine_h sin(h Omega t), plus a constant.
+
+    Parameters
+    ----------
+    frequency : float
+        Omega, > 0.
+    sine, cosine : array_like (n,) or (H, n), optional
+        Amplitudes of the harmonics 1 to H at each coordinate; a vector is the first harmonic.
+    constant : array_like (n,), optional
+        A constant force, such as gravity.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> vi.Load(1.04, sine=[1, 0])
+    <Load of 1 harmonic of Omega = 1.04 on 2 coordinates>
+    """
+
+    frequency: float
+    sine: _Array
+    cosine: _Array
+    constant: _Array
+
+    def __init__(
+        self, frequency: float, sine: ArrayLike | None = None, cosine: ArrayLike | None = None,
+        constant: ArrayLike | None = None,
+    ) -> None:  # fmt: skip
+        frequency = checks.to_float(frequency, "frequency", "a number > 0")
+        if not 0 < frequency < np.inf:
+            raise ParameterError(f"frequency = {frequency!r}: must be a finite number > 0")
+        parts = {}
+        for name, values in {"sine": sine, "cosine": cosine}.items():
+            if values is not None:
+                wanted = "amplitudes (n,) or (harmonics, n)"
+                array = checks.real_array(values, name, wanted)
+                parts[name] = _numbers(
+                    array[None] if array.ndim == 1 else array, name, wanted, (-1, -1)
+                )
+        if constant is not None:
+            parts["constant"] = _numbers(constant, "constant", "one force a coordinate", (-1,))
+        sizes = {array.shape[-1] for array in parts.values()}
+        if len(sizes) != 1:
+            what = (
+                "give sine, cosine or constant"
+                if not sizes
+                else f"they are for {sorted(sizes)} coordinates"
+            )
+            raise ParameterError(
+                f"sine, cosine, constant: must be for the same coordinates; {what}"
+            )
+        n = sizes.pop()
+        harmonics = max(
+            (len(array) for name, array in parts.items() if name != "constant"), default=0
+        )
+        for name in ("sine", "cosine"):
+            whole = np.zeros((harmonics, n))
+            if name in parts:
+                whole[: len(parts[name])] = parts[name]
+            whole.flags.writeable = False
+            object.__setattr__(self, name, whole)
+        object.__setattr__(self, "constant", parts.get("constant", np.zeros(n)))
+        object.__setattr__(self, "frequency", frequency)
+
+    @property
+    def n(self) -> int:
+        """Number of coordinates."""
+        return self.constant.size
+
+    def _arrays(self) -> tuple[float, _Array, _Array]:
+        """Omega (0 without harmonics), harmonics (n, 2, H), and the constant part."""
+        both = (
+            np.stack([self.cosine, self.sine], axis=1).T
+            if self.sine.size
+            else np.zeros((self.n, 2, 0))
+        )
+        return self.frequency if len(self.sine) else 0.0, np.asfortranarray(both), self.constant
+
+    def __repr__(self) -> str:
+        n = len(self.sine)
+        return f"<Load of {n} harmonic{'s' if n != 1 else ''} of Omega = {self.frequency:g} on {self.n} coordinates>"

@@ -1,0 +1,280 @@
+!> Motion of the modes of a linear structure in closed form.
+!!
+!! A mode is a pair (x, v) with
+!!
+!!     x' = v + p,    v' = -omega^2 x - 2 sigma v + f
+!!
+!! and constant p and f. With classical damping x is a modal coordinate, v its velocity, and p = 0.
+!! Other damping couples the modes of the undamped structure, but not the pairs made of its complex
+!! eigenvectors. Under-, critically and over-damped pairs and those of frequency 0 differ only in
+!! the functions u(t) (x from x = 1) and w(t) (x from v = 1).
+module vi_modes
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: advance, bound_on, new_steps, rates, step_functions, steady_response
+
+   !> Pairs of a structure.
+   type, public :: modes_type
+      !> (n) omega^2 >= 0 and sigma >= 0.
+      real(wp), allocatable :: stiffness(:), damping(:)
+      !> (n) The constant terms p and f.
+      real(wp), allocatable :: drift(:), force(:)
+   end type modes_type
+
+   !> Number of step lengths of a table.
+   integer, parameter, public :: levels = 24
+
+   !> Products that advance all pairs by one of some step lengths, each half of the one before.
+   type, public :: steps_type
+      !> Step lengths.
+      real(wp) :: length(levels) = 0
+      !> (n, levels) x from x = 1 and from v = 1; v from x = 1 and from v = 1; x and v from the
+      !! constant terms.
+      real(wp), allocatable, dimension(:, :) :: xx, xv, vx, vv, x, v
+   end type steps_type
+
+contains
+
+   !> The functions u and w of a pair, and their integrals against constant and growing terms:
+   !! s2'' + 2 sigma s2' + omega^2 s2 = 1, and s3 the integral of s2.
+   elemental subroutine step_functions(stiffness, damping, t, u, w, s2, s3)
+      !> omega^2 >= 0, sigma >= 0, and the time t >= 0.
+      real(wp), intent(in) :: stiffness, damping, t
+      !> x from x = 1, and x from v = 1.
+      real(wp), intent(out) :: u, w
+      !> x from a constant f = 1, and from f = t.
+      real(wp), intent(out), optional :: s2, s3
+      real(wp) :: square, rate, slow, fast, shrink
+
+      square = (sqrt(stiffness) - damping)*(sqrt(stiffness) + damping)
+      rate = sqrt(abs(square))
+      slow = 0
+      fast = 0
+      if (.not. (stiffness > 0 .or. damping > 0)) then
+         ! a free mass
+         u = 1
+         w = t
+      else if (square > 0) then
+         w = t
+         if (rate*t > 1.0e-8_wp) w = sin(rate*t)/rate
+         u = cos(rate*t) + damping*w
+         if (damping > 0) then
+            shrink = exp(-damping*t)
+            u = shrink*u
+            w = shrink*w
+         end if
+      else
+         ! over-damped, and a free mass with a drag: exponentials of a slow and of a fast rate
+         fast = damping + rate
+         slow = stiffness/fast
+         shrink = exp(-slow*t)
+         w = shrink*t*mean_decay(2*rate*t)
+         u = shrink + slow*w
+      end if
+      if (.not. present(s2)) return
+      if (.not. fast > 0 .and. .not. stiffness > 0) then
+         s2 = 0.5_wp*t**2
+         s3 = t**3/6
+      else if (max(sqrt(stiffness), 2*damping)*t < 0.5_wp) then
+         call short_responses(stiffness, damping, t, s2, s3)
+      else if (rate*t > 0.25_wp .and. fast > 0) then
+         s2 = t*(mean_decay(slow*t) - mean_decay(fast*t))/(2*rate)
+         s3 = t**2*(mean_lag(slow*t) - mean_lag(fast*t))/(2*rate)
+      else
+         s2 = (1 - u)/stiffness
+         s3 = (t - w - 2*damping*s2)/stiffness
+      end if
+   end subroutine step_functions
+
+   !> (1 - exp(-z))/z, the mean of exp(-z) from 0 to z.
+   elemental real(wp) function mean_decay(z)
+      !> z >= 0.
+      real(wp), intent(in) :: z
+
+      if (z > 0.5_wp) then
+         mean_decay = (1 - exp(-z))/z
+      else
+         mean_decay = power_series(z, 1)
+      end if
+   end function mean_decay
+
+   !> (1 - mean_decay(z))/z.
+   elemental real(wp) function mean_lag(z)
+      !> z >= 0.
+      real(wp), intent(in) :: z
+
+      if (z > 0.5_wp) then
+         mean_lag = (1 - (1 - exp(-z))/z)/z
+      else
+         mean_lag = power_series(z, 2)
+      end if
+   end function mean_lag
+
+   !> The sum of (-z)^i/(i + first)! over i >= 0, for z up to 0.5.
+   elemental real(wp) function power_series(z, first) result(total)
+      !> The argument.
+      real(wp), intent(in) :: z
+      !> 1 or 2.
+      integer, intent(in) :: first
+      integer :: i
+
+      total = 1
+      do i = 14, 1, -1
+         total = 1 - z/(i + first)*total
+      end do
+      total = total/first
+   end function power_series
+
+   !> s2 and s3 for short times, by their Taylor series.
+   elemental subroutine short_responses(stiffness, damping, t, s2, s3)
+      !> omega^2, sigma, t.
+      real(wp), intent(in) :: stiffness, damping, t
+      !> As in `step_functions`.
+      real(wp), intent(out) :: s2, s3
+      integer, parameter :: terms = 18
+      real(wp) :: c, before, last
+      integer :: i
+
+      ! the i-th term c of s3 is t^i/i! times its i-th derivative; s2 = s3'
+      before = 0
+      c = t**3/6
+      s3 = 0
+      s2 = 0
+      do i = 3, terms
+         s3 = s3 + c
+         s2 = s2 + i*c
+         last = c
+         c = (-2*damping*c - stiffness*before*t/i)*t/(i + 1)
+         before = last
+      end do
+      if (t > 0) s2 = s2/t
+   end subroutine short_responses
+
+   !> The pairs after a time, directly from their start.
+   pure subroutine advance(modes, t, x, v, x_new, v_new)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> Time.
+      real(wp), intent(in) :: t
+      !> (n) At the start.
+      real(wp), intent(in) :: x(:), v(:)
+      !> (n) After that time.
+      real(wp), intent(out) :: x_new(:), v_new(:)
+      real(wp) :: u, w, s2, s3
+      integer :: k
+
+      do k = 1, size(x)
+         s2 = 0
+         if (abs(modes%force(k)) + abs(modes%drift(k)) > 0) then
+            call step_functions(modes%stiffness(k), modes%damping(k), t, u, w, s2, s3)
+         else
+            call step_functions(modes%stiffness(k), modes%damping(k), t, u, w)
+         end if
+         x_new(k) = u*x(k) + w*v(k) + modes%force(k)*s2 &
+            + modes%drift(k)*(w + 2*modes%damping(k)*s2)
+         v_new(k) = (u - 2*modes%damping(k)*w)*v(k) - modes%stiffness(k)*w*x(k) &
+            + modes%force(k)*w - modes%stiffness(k)*modes%drift(k)*s2
+      end do
+   end subroutine advance
+
+   !> Tables that advance the pairs by steps of given lengths.
+   pure subroutine new_steps(modes, longest, steps)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> The longest step.
+      real(wp), intent(in) :: longest
+      !> The tables.
+      type(steps_type), intent(out) :: steps
+      real(wp) :: u, w, s2, s3
+      integer :: j, k, n
+
+      n = size(modes%stiffness)
+      allocate (steps%xx(n, levels), steps%xv(n, levels), steps%vx(n, levels), &
+         steps%vv(n, levels), steps%x(n, levels), steps%v(n, levels))
+      do j = 1, levels
+         steps%length(j) = longest*0.5_wp**(j - 1)
+         do k = 1, n
+            associate (stiffness => modes%stiffness(k), damping => modes%damping(k))
+               call step_functions(stiffness, damping, steps%length(j), u, w, s2, s3)
+               steps%xx(k, j) = u
+               steps%xv(k, j) = w
+               steps%vx(k, j) = -stiffness*w
+               steps%vv(k, j) = u - 2*damping*w
+               steps%x(k, j) = modes%force(k)*s2 + modes%drift(k)*(w + 2*damping*s2)
+               steps%v(k, j) = modes%force(k)*w - stiffness*modes%drift(k)*s2
+            end associate
+         end do
+      end do
+   end subroutine new_steps
+
+   !> Derivatives of the pairs from those before: order 1 adds the constant terms.
+   pure subroutine rates(modes, order, x, v)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> Order of the derivative that is wanted, >= 1.
+      integer, intent(in) :: order
+      !> (n) In: derivative order - 1. Out: derivative order.
+      real(wp), intent(inout) :: x(:), v(:)
+      real(wp) :: before
+      integer :: k
+
+      do k = 1, size(x)
+         before = x(k)
+         x(k) = v(k)
+         v(k) = -modes%stiffness(k)*before - 2*modes%damping(k)*v(k)
+         if (order > 1) cycle
+         x(k) = x(k) + modes%drift(k)
+         v(k) = v(k) + modes%force(k)
+      end do
+   end subroutine rates
+
+   !> Bounds on |x| and |v| of a pair without constant terms, from now on.
+   !!
+   !! v^2 + omega^2 x^2 never grows. A pair of frequency 0 is taken as a derivative of one, whose x
+   !! is the derivative before's v and does not grow either.
+   elemental subroutine bound_on(stiffness, x, v, of_x, of_v)
+      !> omega^2.
+      real(wp), intent(in) :: stiffness
+      !> Derivatives of order 2 or more of the pair.
+      real(wp), intent(in) :: x, v
+      !> The bounds.
+      real(wp), intent(out) :: of_x, of_v
+      real(wp) :: omega
+
+      if (stiffness > 0) then
+         omega = sqrt(stiffness)
+         of_v = hypot(v, omega*x)
+         of_x = of_v/omega
+      else
+         of_x = abs(x)
+         of_v = abs(v)
+      end if
+   end subroutine bound_on
+
+   !> The steady response of a pair to p = Re(drift e^(i h Omega t)), f alike.
+   elemental subroutine steady_response(stiffness, damping, frequency, drift, force, x, v, resonant)
+      !> omega^2, sigma, and the circular frequency of the load.
+      real(wp), intent(in) :: stiffness, damping, frequency
+      !> Complex amplitudes.
+      complex(wp), intent(in) :: drift, force
+      !> Complex amplitudes of x and v; 0 where there is a resonance.
+      complex(wp), intent(out) :: x, v
+      !> Whether there is none, because an undamped mode resonates.
+      logical, intent(out) :: resonant
+      complex(wp) :: divisor, turn
+
+      x = 0
+      v = 0
+      turn = cmplx(0.0_wp, frequency, wp)
+      divisor = cmplx(stiffness - frequency**2, 2*damping*frequency, wp)
+      resonant = .false.
+      if (.not. abs(drift) + abs(force) > 0) return
+      resonant = .not. abs(divisor) > 4*epsilon(1.0_wp)*(stiffness + frequency**2)
+      if (resonant) return
+      x = ((turn + 2*damping)*drift + force)/divisor
+      v = (turn*force - stiffness*drift)/divisor
+   end subroutine steady_response
+
+end module vi_modes

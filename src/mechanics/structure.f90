@@ -1,0 +1,469 @@
+!> A linear structure with gaps under a load, and its motion while given gaps are closed.
+!!
+!! M q'' + C q' + K q = f(t) + g with q in R^n, all bodies alike. Gap j stays open:
+!! e_j - G_j.q >= 0. While a set of gaps is at rest, G_j.q = e_j for each of them, the structure has
+!! as many coordinates fewer, and each pushes back with a force p_j >= 0.
+module vi_structure
+   use vi_decoupling, only: decouple, decoupled_type
+   use vi_eigen_routines, only: dgeqrf, dgesv, dorgqr
+   use vi_kinds, only: wp
+   use vi_modes, only: levels, modes_type, new_steps, steady_response, steps_type
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: check_structure, new_load, new_regime, new_structure, state_of, to_pairs
+
+   !> A structure and its gaps.
+   type, public :: structure_type
+      !> (n, n) M, C and K.
+      real(wp), allocatable, dimension(:, :) :: mass, damping, stiffness
+      !> (n, gaps) G_j.
+      real(wp), allocatable :: directions(:, :)
+      !> (gaps) Openings e_j, coefficients of restitution, and effective masses 1/(G_j.M^-1 G_j).
+      real(wp), allocatable :: openings(:), restitution(:), effective(:)
+      !> (n, gaps) M^-1 G_j: the change of q' by an impulse -1.
+      real(wp), allocatable :: mobility(:, :)
+      !> (gaps) The channel of each gap, and whether it is the upper wall (+1) or the lower one
+      !! (-1).
+      integer, allocatable :: channel(:), wall(:)
+      !> Number of channels: directions along which one gap or two opposite ones lie.
+      integer :: channels = 0
+   end type structure_type
+
+   !> A load f(t) = sum over h of cosine_h cos(h Omega t) + sine_h sin(h Omega t), plus a constant.
+   type, public :: load_type
+      !> Omega; 0 if there are no harmonics.
+      real(wp) :: frequency = 0
+      !> (n, harmonics)
+      real(wp), allocatable, dimension(:, :) :: cosine, sine
+      !> (n)
+      real(wp), allocatable :: constant(:)
+   end type load_type
+
+   !> The structure while a set of gaps is at rest; free if the set is empty.
+   !!
+   !! A row is a channel or the force of a closed gap, as a sum over the pairs (x, v), the harmonics
+   !! of the load and a constant. Rows are watched: a channel must stay between its walls and a
+   !! force
+   !! above 0.
+   type, public :: regime_type
+      !> The gaps at rest, in ascending order.
+      integer, allocatable :: resting(:)
+      !> The pairs.
+      type(modes_type) :: modes
+      !> q = offset + qx x + qv v + steady part, q' alike: (n, m).
+      real(wp), allocatable, dimension(:, :) :: qx, qv, dx, dv
+      !> Back: (m, n).
+      real(wp), allocatable, dimension(:, :) :: xq, xd, vq, vd
+      !> (n) The point about which the closed gaps hold the structure.
+      real(wp), allocatable :: offset(:)
+      !> (n, harmonics) Steady motion and its velocity: Re(.. e^(i h Omega t)).
+      complex(wp), allocatable, dimension(:, :) :: steady, steady_rate
+      !> (rows, m) Coefficients of x and v in each row, and in its rate.
+      real(wp), allocatable, dimension(:, :) :: position, velocity, rate_position, rate_velocity
+      !> (rows) Constants of each row and of its rate.
+      real(wp), allocatable, dimension(:) :: row_offset, rate_offset
+      !> (rows, harmonics)
+      complex(wp), allocatable :: ripple(:, :)
+      !> (rows) Between which a row has to stay, and the gaps that close there; 0 if none does.
+      real(wp), allocatable, dimension(:) :: upper, lower
+      integer, allocatable, dimension(:) :: upper_gap, lower_gap
+      !> (m) First and last row in which a pair occurs.
+      integer, allocatable, dimension(:) :: first_row, last_row
+      !> Pairs of each row: those of row i are touched(begins(i):begins(i + 1) - 1).
+      integer, allocatable, dimension(:) :: touched, begins
+      !> Whether no row depends on v.
+      logical :: by_position = .true.
+      !> Tables for steps in time, and (harmonics, levels) e^(i h Omega h_j).
+      type(steps_type) :: steps
+      complex(wp), allocatable :: turns(:, :)
+      !> Omega of the load.
+      real(wp) :: frequency = 0
+   end type regime_type
+
+contains
+
+   !> A structure from arrays.
+   pure function new_structure(matrices, directions, gap_values) result(structure)
+      !> (n, n, 3) M, C and K; (n, gaps) G_j; (2, gaps) opening and restitution of each gap.
+      real(wp), intent(in) :: matrices(:, :, :), directions(:, :), gap_values(:, :)
+      type(structure_type) :: structure
+
+      allocate (structure%mass, source=matrices(:, :, 1))
+      allocate (structure%damping, source=matrices(:, :, 2))
+      allocate (structure%stiffness, source=matrices(:, :, 3))
+      allocate (structure%directions, source=directions)
+      allocate (structure%openings, source=gap_values(1, :))
+      allocate (structure%restitution, source=gap_values(2, :))
+   end function new_structure
+
+   !> A load from arrays.
+   pure function new_load(frequency, harmonics, constant) result(load)
+      !> Omega; (n, 2, harmonics) cosine and sine part of each; (n) constant part.
+      real(wp), intent(in) :: frequency, harmonics(:, :, :), constant(:)
+      type(load_type) :: load
+
+      load%frequency = frequency
+      allocate (load%cosine, source=harmonics(:, 1, :))
+      allocate (load%sine, source=harmonics(:, 2, :))
+      allocate (load%constant, source=constant)
+   end function new_load
+
+   !> Completes a structure: effective masses and channels.
+   pure subroutine check_structure(structure, status)
+      !> In: M, C, K, directions, openings and restitution. Out: also what follows from them.
+      type(structure_type), intent(inout) :: structure
+      !> `stat%ok`, or `stat%mass_not_definite`.
+      integer, intent(out) :: status
+      real(wp), allocatable :: factor(:, :)
+      integer, allocatable :: pivot(:)
+      integer :: i, j, n, info
+
+      n = size(structure%mass, 1)
+      allocate (factor, source=structure%mass)
+      structure%mobility = structure%directions
+      allocate (pivot(n))
+      associate (gaps => size(structure%directions, 2))
+         call dgesv(n, gaps, factor, n, pivot, structure%mobility, n, info)
+         status = merge(stat%ok, stat%mass_not_definite, info == 0)
+         if (info /= 0) return
+         structure%effective = 1/sum(structure%directions*structure%mobility, 1)
+         allocate (structure%channel(gaps), structure%wall(gaps))
+         structure%channels = 0
+         do i = 1, gaps
+            structure%wall(i) = 1
+            structure%channel(i) = 0
+            do j = 1, i - 1
+               if (any(abs(structure%directions(:, i) + structure%directions(:, j)) > 0)) cycle
+               if (count(structure%channel(:i - 1) == structure%channel(j)) > 1) cycle
+               structure%channel(i) = structure%channel(j)
+               structure%wall(i) = -1
+               exit
+            end do
+            if (structure%channel(i) > 0) cycle
+            structure%channels = structure%channels + 1
+            structure%channel(i) = structure%channels
+         end do
+      end associate
+   end subroutine check_structure
+
+   !> The motion of a structure while a set of gaps is at rest.
+   pure subroutine new_regime(structure, load, resting, regime, status)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> The gaps at rest, in ascending order.
+      integer, intent(in) :: resting(:)
+      !> The motion.
+      type(regime_type), intent(out) :: regime
+      !> `stat%ok`; as of `decouple`; `stat%resonance` where an undamped mode resonates.
+      integer, intent(out) :: status
+      type(decoupled_type) :: parts
+      real(wp), allocatable :: basis(:, :), pull(:, :), rows(:, :)
+      integer :: h
+
+      regime%resting = resting
+      regime%frequency = load%frequency
+      call constraint(structure, resting, basis, regime%offset, status)
+      if (status /= stat%ok) return
+      call decouple(between(structure%mass), between(structure%damping), &
+         between(structure%stiffness), parts, status)
+      if (status /= stat%ok) return
+      regime%modes%stiffness = parts%stiffness
+      regime%modes%damping = parts%damping
+      regime%qx = matmul(basis, parts%qx)
+      regime%qv = matmul(basis, parts%qv)
+      regime%dx = matmul(basis, parts%dx)
+      regime%dv = matmul(basis, parts%dv)
+      ! the basis is orthonormal, so its transpose finds the coordinates of what lies in it
+      regime%xq = matmul(parts%xq, transpose(basis))
+      regime%xd = matmul(parts%xd, transpose(basis))
+      regime%vq = matmul(parts%vq, transpose(basis))
+      regime%vd = matmul(parts%vd, transpose(basis))
+      pull = transpose(basis)
+      call solve(between(structure%mass), pull, status)
+      if (status /= stat%ok) return
+      ! (m, n) from forces to the inputs of the pairs
+      rows = matmul(parts%xd, pull)
+      regime%modes%drift = matmul(rows, load%constant - matmul(structure%stiffness, regime%offset))
+      allocate (regime%steady(size(basis, 1), size(load%sine, 2)), &
+         regime%steady_rate(size(basis, 1), size(load%sine, 2)))
+      pull = matmul(parts%vd, pull)
+      regime%modes%force = matmul(pull, load%constant - matmul(structure%stiffness, regime%offset))
+      do h = 1, size(load%sine, 2)
+         call steady_motion(regime, h, matmul(rows, cmplx(load%cosine(:, h), -load%sine(:, h), &
+            wp)), matmul(pull, cmplx(load%cosine(:, h), -load%sine(:, h), wp)), status)
+         if (status /= stat%ok) return
+      end do
+      call set_rows(structure, load, regime, status)
+      if (status == stat%ok) call set_tables(regime)
+   contains
+      !> A matrix of the structure between the vectors of the basis.
+      pure function between(matrix) result(reduced)
+         !> (n, n)
+         real(wp), intent(in) :: matrix(:, :)
+         real(wp) :: reduced(size(basis, 2), size(basis, 2))
+
+         if (size(resting) == 0) then
+            reduced = matrix
+         else
+            reduced = matmul(transpose(basis), matmul(matrix, basis))
+            reduced = 0.5_wp*(reduced + transpose(reduced))
+            where (abs(reduced) <= 8*epsilon(1.0_wp)*maxval(abs(reduced))) reduced = 0
+         end if
+      end function between
+   end subroutine new_regime
+
+   !> Solves several systems with one matrix.
+   pure subroutine solve(matrix, right, status)
+      !> (n, n)
+      real(wp), intent(in) :: matrix(:, :)
+      !> In: right sides (n, m). Out: the solutions.
+      real(wp), intent(inout) :: right(:, :)
+      !> `stat%ok` or `stat%singular`.
+      integer, intent(out) :: status
+      real(wp), allocatable :: factor(:, :)
+      integer :: pivot(size(matrix, 1)), info
+
+      allocate (factor, source=matrix)
+      status = stat%ok
+      if (size(matrix) == 0) return
+      call dgesv(size(matrix, 1), size(right, 2), factor, size(matrix, 1), pivot, right, &
+         size(matrix, 1), info)
+      if (info /= 0) status = stat%singular
+   end subroutine solve
+
+   !> The motions that closed gaps allow: q = offset + basis.xi.
+   pure subroutine constraint(structure, resting, basis, offset, status)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The closed gaps.
+      integer, intent(in) :: resting(:)
+      !> (n, n - gaps) Orthonormal columns.
+      real(wp), allocatable, intent(out) :: basis(:, :)
+      !> (n) The shortest q at which these gaps are closed.
+      real(wp), allocatable, intent(out) :: offset(:)
+      !> `stat%ok`, or `stat%singular` where the gaps cannot be closed independently.
+      integer, intent(out) :: status
+      real(wp), allocatable :: q(:, :), work(:), gram(:, :), needed(:, :)
+      real(wp) :: tau(size(resting))
+      integer :: i, n, s, info
+
+      n = size(structure%mass, 1)
+      s = size(resting)
+      status = stat%ok
+      allocate (q(n, n), offset(n), source=0.0_wp)
+      if (s == 0) then
+         do i = 1, n
+            q(i, i) = 1
+         end do
+         basis = q
+         return
+      end if
+      q(:, :s) = structure%directions(:, resting)
+      allocate (work(64*n))
+      call dgeqrf(n, s, q, n, tau, work, size(work), info)
+      if (info /= 0) status = stat%lapack_failed
+      do i = 1, s
+         ! the part of this direction that the ones before it leave
+         if (abs(q(i, i)) <= 1.0e-10_wp*norm2(structure%directions(:, resting(i)))) then
+            status = stat%singular
+         end if
+      end do
+      if (status /= stat%ok) return
+      call dorgqr(n, n, s, q, n, tau, work, size(work), info)
+      if (info /= 0) status = stat%lapack_failed
+      basis = q(:, s + 1:)
+      where (abs(basis) <= 4*epsilon(1.0_wp)) basis = 0
+      gram = matmul(transpose(structure%directions(:, resting)), structure%directions(:, resting))
+      needed = reshape(structure%openings(resting), [s, 1])
+      call solve(gram, needed, status)
+      if (status == stat%ok) offset = matmul(structure%directions(:, resting), needed(:, 1))
+   end subroutine constraint
+
+   !> The steady motion under one harmonic of the load.
+   pure subroutine steady_motion(regime, h, drift, force, status)
+      !> In and out: filled in.
+      type(regime_type), intent(inout) :: regime
+      !> The harmonic, from 1.
+      integer, intent(in) :: h
+      !> (m) Complex amplitudes of the inputs of the pairs.
+      complex(wp), intent(in) :: drift(:), force(:)
+      !> `stat%ok`, or `stat%resonance` where an undamped mode resonates.
+      integer, intent(out) :: status
+      complex(wp) :: x(size(force)), v(size(force))
+      logical :: resonant(size(force))
+
+      call steady_response(regime%modes%stiffness, regime%modes%damping, h*regime%frequency, &
+         drift, &
+         force, x, v, resonant)
+      status = merge(stat%resonance, stat%ok, any(resonant))
+      regime%steady(:, h) = cmplx(matmul(regime%qx, x%re) + matmul(regime%qv, v%re), &
+         matmul(regime%qx, x%im) + matmul(regime%qv, v%im), wp)
+      regime%steady_rate(:, h) = regime%steady(:, h)*cmplx(0.0_wp, h*regime%frequency, wp)
+   end subroutine steady_motion
+
+   !> The rows: channels, and forces of closed gaps.
+   pure subroutine set_rows(structure, load, regime, status)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> In and out: filled in.
+      type(regime_type), intent(inout) :: regime
+      !> `stat%ok` or `stat%singular`.
+      integer, intent(out) :: status
+      real(wp), allocatable :: of_force(:, :), of_q(:, :), of_rate(:, :), gram(:, :)
+      integer :: i, j, k, rows, m, h
+
+      rows = structure%channels + size(regime%resting)
+      m = size(regime%modes%stiffness)
+      status = stat%ok
+      allocate (of_q(rows, size(structure%mass, 1)), of_rate(rows, size(structure%mass, 1)), &
+         of_force(rows, size(structure%mass, 1)), source=0.0_wp)
+      allocate (regime%upper(rows), source=huge(1.0_wp))
+      allocate (regime%lower(rows), source=-huge(1.0_wp))
+      allocate (regime%upper_gap(rows), regime%lower_gap(rows), source=0)
+      do j = 1, size(structure%openings)
+         i = structure%channel(j)
+         if (structure%wall(j) > 0) then
+            of_q(i, :) = structure%directions(:, j)
+            regime%upper(i) = structure%openings(j)
+            regime%upper_gap(i) = j
+         else
+            regime%lower(i) = -structure%openings(j)
+            regime%lower_gap(i) = j
+         end if
+      end do
+      do k = 1, size(regime%resting)
+         ! a channel that is closed does not move
+         i = structure%channel(regime%resting(k))
+         regime%upper(i) = huge(1.0_wp)
+         regime%lower(i) = -huge(1.0_wp)
+         regime%lower(structure%channels + k) = 0
+         regime%lower_gap(structure%channels + k) = -regime%resting(k)
+      end do
+      if (size(regime%resting) > 0) then
+         gram = matmul(transpose(structure%directions(:, regime%resting)), &
+            structure%mobility(:, regime%resting))
+         associate (forces => of_force(structure%channels + 1:, :))
+            forces = transpose(structure%mobility(:, regime%resting))
+            call solve(gram, forces, status)
+            if (status /= stat%ok) return
+            of_q(structure%channels + 1:, :) = -matmul(forces, structure%stiffness)
+            of_rate(structure%channels + 1:, :) = -matmul(forces, structure%damping)
+         end associate
+      end if
+      regime%position = matmul(of_q, regime%qx) + matmul(of_rate, regime%dx)
+      regime%velocity = matmul(of_q, regime%qv) + matmul(of_rate, regime%dv)
+      regime%row_offset = matmul(of_q, regime%offset) + matmul(of_force, load%constant)
+      allocate (regime%ripple(rows, size(load%sine, 2)))
+      do h = 1, size(load%sine, 2)
+         regime%ripple(:, h) = matmul(of_q, regime%steady(:, h)) &
+            + matmul(of_rate, regime%steady_rate(:, h)) &
+            + matmul(of_force, cmplx(load%cosine(:, h), -load%sine(:, h), wp))
+      end do
+      allocate (regime%rate_position(rows, m), regime%rate_velocity(rows, m), &
+         regime%rate_offset(rows))
+      regime%rate_offset = 0
+      do k = 1, m
+         regime%rate_position(:, k) = -regime%modes%stiffness(k)*regime%velocity(:, k)
+         regime%rate_velocity(:, k) = regime%position(:, k) &
+            - 2*regime%modes%damping(k)*regime%velocity(:, k)
+         regime%rate_offset = regime%rate_offset + regime%position(:, k)*regime%modes%drift(k) &
+            + regime%velocity(:, k)*regime%modes%force(k)
+      end do
+      regime%by_position = .not. any(abs(regime%velocity) > 0)
+   end subroutine set_rows
+
+   !> Which pair occurs in which row, and the tables for steps in time.
+   pure subroutine set_tables(regime)
+      !> In and out: filled in.
+      type(regime_type), intent(inout) :: regime
+      real(wp), allocatable :: speeds(:)
+      integer :: h, i, j, k, m, rows
+
+      m = size(regime%modes%stiffness)
+      rows = size(regime%upper)
+      allocate (regime%first_row(m), regime%last_row(m), regime%begins(rows + 1))
+      do k = 1, m
+         associate (occurs => abs(regime%position(:, k)) + abs(regime%velocity(:, k)) > 0)
+            regime%first_row(k) = findloc(occurs, .true., 1)
+            regime%last_row(k) = findloc(occurs, .true., 1, back=.true.)
+            if (regime%first_row(k) == 0) regime%first_row(k) = 1
+         end associate
+      end do
+      allocate (regime%touched(count(abs(regime%position) + abs(regime%velocity) > 0)))
+      i = 1
+      do j = 1, rows
+         regime%begins(j) = i
+         do k = 1, m
+            if (.not. abs(regime%position(j, k)) + abs(regime%velocity(j, k)) > 0) cycle
+            regime%touched(i) = k
+            i = i + 1
+         end do
+      end do
+      regime%begins(rows + 1) = i
+      speeds = [sqrt(regime%modes%stiffness), 2*regime%modes%damping, regime%frequency]
+      speeds = pack(speeds, speeds > 0)
+      call new_steps(regime%modes, merge(4/minval(speeds), 1.0_wp, size(speeds) > 0), regime%steps)
+      allocate (regime%turns(size(regime%ripple, 2), levels))
+      do j = 1, levels
+         do h = 1, size(regime%turns, 1)
+            associate (angle => h*regime%frequency*regime%steps%length(j))
+               regime%turns(h, j) = cmplx(cos(angle), sin(angle), wp)
+            end associate
+         end do
+      end do
+   end subroutine set_tables
+
+   !> The pairs of a state: its free part.
+   pure subroutine to_pairs(regime, phase, q, rate, x, v)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Load phase Omega t (rad).
+      real(wp), intent(in) :: phase
+      !> (n) Coordinates and velocities.
+      real(wp), intent(in) :: q(:), rate(:)
+      !> (m) The pairs.
+      real(wp), intent(out) :: x(:), v(:)
+      real(wp) :: free(size(q)), free_rate(size(q))
+      integer :: h
+
+      free = q - regime%offset
+      free_rate = rate
+      do h = 1, size(regime%steady, 2)
+         associate (turn => cmplx(cos(h*phase), sin(h*phase), wp))
+            free = free - real(regime%steady(:, h)*turn)
+            free_rate = free_rate - real(regime%steady_rate(:, h)*turn)
+         end associate
+      end do
+      x = matmul(regime%xq, free) + matmul(regime%xd, free_rate)
+      v = matmul(regime%vq, free) + matmul(regime%vd, free_rate)
+   end subroutine to_pairs
+
+   !> Coordinates and velocities from the pairs.
+   pure subroutine state_of(regime, phase, x, v, q, rate)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Load phase Omega t (rad).
+      real(wp), intent(in) :: phase
+      !> (m) The pairs.
+      real(wp), intent(in) :: x(:), v(:)
+      !> (n) Coordinates and velocities.
+      real(wp), intent(out) :: q(:), rate(:)
+      integer :: h
+
+      q = regime%offset + matmul(regime%qx, x) + matmul(regime%qv, v)
+      rate = matmul(regime%dx, x) + matmul(regime%dv, v)
+      do h = 1, size(regime%steady, 2)
+         associate (turn => cmplx(cos(h*phase), sin(h*phase), wp))
+            q = q + real(regime%steady(:, h)*turn)
+            rate = rate + real(regime%steady_rate(:, h)*turn)
+         end associate
+      end do
+   end subroutine state_of
+
+end module vi_structure

@@ -1,0 +1,524 @@
+!> Event by event simulation of a linear structure with gaps.
+module vi_structure_run
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_channels, only: first_event, leaving_type, reached_type, row_derivatives
+   use vi_kinds, only: wp
+   use vi_modes, only: advance
+   use vi_status, only: stat
+   use vi_structure, only: check_structure, load_type, new_regime, regime_type, state_of, &
+      structure_type, to_pairs
+   implicit none (type, external)
+   private
+
+   public :: find_regime, new_run, simulate_structure, start_at, state_now, time_of
+
+   !> Kinds of events.
+   integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
+
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+
+   !> A structure under a load, with the regimes met so far.
+   type, public :: run_type
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(regime_type), allocatable :: regimes(:)
+      !> The unit of `cycle`: the period of the load, or 1.
+      real(wp) :: period = 1
+   end type run_type
+
+   !> A state: time as whole periods and the rest, so that its error does not grow.
+   type, public :: run_state_type
+      integer(int64) :: cycle = 0
+      !> In [0, period).
+      real(wp) :: elapsed = 0
+      !> The regime, and its pairs.
+      integer :: regime = 1
+      real(wp), allocatable :: x(:), v(:)
+      !> How the flight begins, and the step level of the search before.
+      type(leaving_type) :: leaving
+      integer :: level = 8
+   end type run_state_type
+
+   !> An event, and the pairs just after it.
+   type, public :: run_event_type
+      integer :: kind = 0, gap = 0, regime = 1
+      integer(int64) :: cycle = 0
+      real(wp) :: elapsed = 0, speed = 0, impulse = 0
+      real(wp), allocatable :: x(:), v(:)
+   end type run_event_type
+
+contains
+
+   !> A structure under a load, ready to be simulated.
+   pure subroutine new_run(structure, load, run, status)
+      !> M, C, K, gaps.
+      type(structure_type), intent(in) :: structure
+      !> The load.
+      type(load_type), intent(in) :: load
+      !> Out: the run.
+      type(run_type), intent(out) :: run
+      !> `stat%ok`, or as of `new_regime`.
+      integer, intent(out) :: status
+
+      run%structure = structure
+      run%load = load
+      if (load%frequency > 0) run%period = two_pi/load%frequency
+      call check_structure(run%structure, status)
+      if (status /= stat%ok) return
+      allocate (run%regimes(1))
+      call new_regime(run%structure, load, [integer :: ], run%regimes(1), status)
+   end subroutine new_run
+
+   !> A state from coordinates and velocities.
+   pure subroutine start_at(run, time, q, rate, state, status)
+      !> In and out: the regime of closed gaps is added.
+      type(run_type), intent(inout) :: run
+      !> Time, coordinates (n), velocities (n).
+      real(wp), intent(in) :: time, q(:), rate(:)
+      !> The state.
+      type(run_state_type), intent(out) :: state
+      !> `stat%ok`, or `stat%gap_closed` where a gap is less than closed.
+      integer, intent(out) :: status
+      real(wp) :: gap, speed, scale
+      integer, allocatable :: closed(:)
+      integer :: j, n
+
+      n = size(q)
+      state%cycle = floor(time/run%period, int64)
+      state%elapsed = modulo(time, run%period)
+      allocate (closed(0))
+      status = stat%ok
+      do j = 1, size(run%structure%openings)
+         associate (direction => run%structure%directions(:, j))
+            gap = run%structure%openings(j) - dot_product(direction, q)
+            speed = dot_product(direction, rate)
+            scale = abs(run%structure%openings(j)) + dot_product(abs(direction), abs(q))
+            if (gap < -8*epsilon(1.0_wp)*scale) status = stat%gap_closed
+            if (abs(gap) > 8*epsilon(1.0_wp)*scale) cycle
+            if (.not. abs(speed) > 0) closed = [closed, j]
+         end associate
+      end do
+      if (status /= stat%ok) return
+      call enter(run, closed, q, rate, state, status)
+   end subroutine start_at
+
+   !> Puts a state into the regime of closed gaps, of which those are dropped that would pull.
+   pure subroutine enter(run, closed, q, rate, state, status)
+      !> In and out: the regime is added.
+      type(run_type), intent(inout) :: run
+      !> The gaps.
+      integer, intent(in) :: closed(:)
+      !> (n) Coordinates and velocities.
+      real(wp), intent(in) :: q(:), rate(:)
+      !> In: time. Out: regime and pairs.
+      type(run_state_type), intent(inout) :: state
+      !> `stat%ok`, or as of `new_regime`.
+      integer, intent(out) :: status
+      integer, allocatable :: set(:)
+      real(wp), allocatable :: forces(:)
+      real(wp) :: phase, d(0:3)
+      integer :: i
+
+      allocate (set, source=closed)
+      phase = run%load%frequency*state%elapsed
+      do
+         call find_regime(run, set, state%regime, status)
+         if (status /= stat%ok) return
+         associate (regime => run%regimes(state%regime))
+            if (allocated(state%x)) deallocate (state%x, state%v)
+            allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))
+            call to_pairs(regime, phase, q, rate, state%x, state%v)
+            if (size(set) == 0) return
+            allocate (forces(size(set)))
+            do i = 1, size(set)
+               call row_derivatives(regime, state%x, state%v, phase, run%structure%channels + i, &
+                  0.0_wp, d)
+               forces(i) = d(0)
+            end do
+         end associate
+         i = minloc(forces, 1)
+         if (forces(i) >= 0) return
+         set = pack(set, set /= set(i))
+         deallocate (forces)
+      end do
+   end subroutine enter
+
+   !> The number of the regime of a set of closed gaps, which is made if it is new.
+   pure subroutine find_regime(run, set, number, status)
+      !> In and out: with its regimes.
+      type(run_type), intent(inout) :: run
+      !> The set, in ascending order.
+      integer, intent(in) :: set(:)
+      !> Its number.
+      integer, intent(out) :: number
+      !> `stat%ok`, or as of `new_regime`.
+      integer, intent(out) :: status
+      type(regime_type), allocatable :: more(:)
+      integer :: n
+
+      status = stat%ok
+      n = size(run%regimes)
+      do number = 1, n
+         associate (known => run%regimes(number)%resting)
+            if (size(known) /= size(set)) cycle
+            if (all(known == set)) return
+         end associate
+      end do
+      allocate (more(n + 1))
+      more(:n) = run%regimes
+      call new_regime(run%structure, run%load, set, more(n + 1), status)
+      call move_alloc(more, run%regimes)
+   end subroutine find_regime
+
+   !> Simulates to a time, or until the list of events is full.
+   pure subroutine simulate_structure(run, state, last_cycle, last_elapsed, events, n, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In: the start. Out: the end, or just after the last event if the list is full.
+      type(run_state_type), intent(inout) :: state
+      !> Whole periods at the end, and the rest.
+      integer(int64), intent(in) :: last_cycle
+      !> As of `last_cycle`.
+      real(wp), intent(in) :: last_elapsed
+      !> The events, in the order of time.
+      type(run_event_type), intent(inout) :: events(:)
+      !> Their number.
+      integer, intent(out) :: n
+      !> `stat%ok`, `stat%more_events`, `stat%budget`, `stat%coupled_impacts`, or as of
+      !! `new_regime`.
+      integer, intent(out) :: status
+      type(reached_type) :: reached
+      real(wp) :: remaining
+      logical :: stuck
+
+      n = 0
+      status = stat%ok
+      do
+         remaining = real(last_cycle - state%cycle, wp)*run%period + (last_elapsed - state%elapsed)
+         if (n == size(events)) then
+            status = stat%more_events
+            return
+         end if
+         call accumulate(run, state, remaining, events(n + 1), stuck, status)
+         if (status /= stat%ok) return
+         if (stuck) then
+            n = n + 1
+            cycle
+         end if
+         call first_event(run%regimes(state%regime), state%x, state%v, &
+            run%load%frequency*state%elapsed, state%leaving, remaining, state%level, reached)
+         if (.not. reached%complete) status = stat%budget
+         if (status /= stat%ok) return
+         if (reached%row == 0) exit
+         if (reached%row > run%structure%channels) then
+            call release(run, state, reached, events(n + 1), status)
+         else
+            call collide(run, state, reached, events(n + 1), status)
+         end if
+         if (status /= stat%ok) return
+         n = n + 1
+      end do
+      call move(run, state, remaining)
+      state%leaving = leaving_type()
+      state%cycle = last_cycle
+      state%elapsed = last_elapsed
+   end subroutine simulate_structure
+
+   !> Advances time and pairs.
+   pure subroutine move(run, state, time)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> Time to advance.
+      real(wp), intent(in) :: time
+      real(wp), dimension(size(state%x)) :: x, v
+      integer(int64) :: cycles
+
+      if (time > 0) then
+         call advance(run%regimes(state%regime)%modes, time, state%x, state%v, x, v)
+         state%x = x
+         state%v = v
+      end if
+      state%elapsed = state%elapsed + time
+      if (state%elapsed < run%period) return
+      cycles = int(state%elapsed/run%period, int64)
+      state%cycle = state%cycle + cycles
+      state%elapsed = max(0.0_wp, state%elapsed - real(cycles, wp)*run%period)
+   end subroutine move
+
+   !> Goes through an impact.
+   pure subroutine collide(run, state, reached, event, status)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> In: at the start of the flight. Out: just after the impact.
+      type(run_state_type), intent(inout) :: state
+      !> What is reached.
+      type(reached_type), intent(in) :: reached
+      !> The impact.
+      type(run_event_type), intent(inout) :: event
+      !> `stat%ok`, or `stat%coupled_impacts` where its outcome is not defined.
+      integer, intent(out) :: status
+      real(wp) :: impulse
+      integer :: j, gap
+
+      status = stat%ok
+      associate (regime => run%regimes(state%regime), structure => run%structure)
+         gap = gap_of(regime, reached%row, reached%wall)
+         associate (kick => structure%mobility(:, gap))
+            do j = 1, size(regime%resting)
+               if (are_coupled(structure, gap, regime%resting(j))) status = stat%coupled_impacts
+            end do
+            if (.not. reached%time > 0 .and. state%leaving%row > 0) then
+               if (are_coupled(structure, gap, gap_of(regime, state%leaving%row, &
+                  state%leaving%wall))) status = stat%coupled_impacts
+            end if
+            call move(run, state, reached%time)
+            if (closes_another(run, state, gap)) status = stat%coupled_impacts
+            if (status /= stat%ok) return
+            impulse = (1 + structure%restitution(gap))*structure%effective(gap)*reached%speed
+            state%x = state%x - impulse*matmul(regime%xd, kick)
+            state%v = state%v - impulse*matmul(regime%vd, kick)
+         end associate
+         state%leaving = leaving_type(reached%row, reached%wall, &
+            structure%restitution(gap)*reached%speed)
+         call note(state, impact_event, gap, reached%speed, impulse, event)
+      end associate
+   end subroutine collide
+
+   !> The gap at a wall of a row.
+   pure integer function gap_of(regime, row, wall) result(gap)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> The row, and its upper (+1) or lower (-1) limit.
+      integer, intent(in) :: row, wall
+
+      gap = merge(regime%upper_gap(row), regime%lower_gap(row), wall > 0)
+   end function gap_of
+
+   !> Whether an impulse on one gap changes the speed of another.
+   pure logical function are_coupled(structure, one, other)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Two gaps.
+      integer, intent(in) :: one, other
+
+      are_coupled = one /= other .and. abs(dot_product(structure%directions(:, one), &
+         structure%mobility(:, other)))*sqrt(structure%effective(one)*structure%effective(other)) &
+         > 1.0e-12_wp
+   end function are_coupled
+
+   !> Whether a gap that is coupled with the one that closes is closing at the same instant.
+   pure logical function closes_another(run, state, gap)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> Just before the impact.
+      type(run_state_type), intent(in) :: state
+      !> The gap that closes.
+      integer, intent(in) :: gap
+      real(wp), dimension(size(run%structure%mass, 1)) :: q, rate
+      integer :: j
+
+      closes_another = .false.
+      call state_now(run, state, q, rate)
+      do j = 1, size(run%structure%openings)
+         if (.not. are_coupled(run%structure, gap, j)) cycle
+         associate (direction => run%structure%directions(:, j), &
+            opening => run%structure%openings(j))
+            if (.not. dot_product(direction, rate) > 0) cycle
+            closes_another = opening - dot_product(direction, q) <= 8*epsilon(1.0_wp) &
+               *(abs(opening) + dot_product(abs(direction), abs(q)))
+         end associate
+         if (closes_another) return
+      end do
+   end function closes_another
+
+   !> Completes an accumulation of impacts, if what remains of it is short enough.
+   !!
+   !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
+   !! take T = 2u/(a (1 - R)), to first order. The structure notices them only through u itself:
+   !! rest
+   !! begins at once from the velocities without the part that closes the gap, with an error of
+   !! order u^3.
+   pure subroutine accumulate(run, state, remaining, event, stuck, status)
+      !> In and out: the regime is added.
+      type(run_type), intent(inout) :: run
+      !> In: just after an impact. Out: at rest, if the accumulation is completed.
+      type(run_state_type), intent(inout) :: state
+      !> Time to the end.
+      real(wp), intent(in) :: remaining
+      !> The start of the rest.
+      type(run_event_type), intent(inout) :: event
+      !> Whether it is completed.
+      logical, intent(out) :: stuck
+      !> `stat%ok`, or as of `new_regime`.
+      integer, intent(out) :: status
+      real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
+      type(reached_type) :: reached
+      real(wp), allocatable :: q(:), rate(:), speeds(:)
+      real(wp) :: d(0:3), closing, duration, lost, phase, unit
+      integer :: gap, level
+
+      stuck = .false.
+      status = stat%ok
+      if (state%leaving%row == 0 .or. state%leaving%released) return
+      phase = run%load%frequency*state%elapsed
+      duration = 0
+      associate (regime => run%regimes(state%regime), leaving => state%leaving)
+         call row_derivatives(regime, state%x, state%v, phase, leaving%row, 0.0_wp, d)
+         closing = leaving%wall*d(2)
+         if (.not. closing > 0) return
+         gap = gap_of(regime, leaving%row, leaving%wall)
+         if (leaving%speed > 0) then
+            speeds = [sqrt(regime%modes%stiffness), 2*regime%modes%damping, run%load%frequency]
+            unit = 1
+            if (maxval(speeds) > 0) unit = 1/maxval(speeds)
+            lost = closing*(1 - run%structure%restitution(gap))
+            if (.not. 2*leaving%speed <= longest*unit*lost) return
+            duration = 2*leaving%speed/lost
+            if (abs(d(3))*duration**2 > time_error*unit*closing) return
+            if (duration > remaining) return
+         end if
+         allocate (q(size(regime%offset)), rate(size(regime%offset)))
+         call state_of(regime, phase, state%x, state%v, q, rate)
+      end associate
+      call stop_gaps(run, merged(run%regimes(state%regime)%resting, gap), rate, status)
+      if (status /= stat%ok) return
+      call enter(run, merged(run%regimes(state%regime)%resting, gap), q, rate, state, status)
+      if (status /= stat%ok) return
+      state%leaving = leaving_type()
+      stuck = any(run%regimes(state%regime)%resting == gap)
+      if (.not. stuck) return
+      level = state%level
+      call first_event(run%regimes(state%regime), state%x, state%v, phase, state%leaving, &
+         duration, &
+         level, reached)
+      if (reached%row == 0) call move(run, state, duration)
+      call note(state, stick_event, gap, 0.0_wp, 0.0_wp, event)
+   end subroutine accumulate
+
+   !> A set with one more member.
+   pure function merged(set, one) result(larger)
+      !> In ascending order, and a number that is not in it.
+      integer, intent(in) :: set(:), one
+      integer :: larger(size(set) + 1)
+
+      larger = [pack(set, set < one), one, pack(set, set > one)]
+   end function merged
+
+   !> Takes from the velocities what closes or opens some gaps, as impulses there would.
+   pure subroutine stop_gaps(run, gaps, rate, status)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The gaps.
+      integer, intent(in) :: gaps(:)
+      !> (n) In and out: velocities.
+      real(wp), intent(inout) :: rate(:)
+      !> `stat%ok` or `stat%singular`.
+      integer, intent(out) :: status
+      real(wp), dimension(size(rate), size(gaps)) :: directions, kicks
+      real(wp) :: gram(size(gaps), size(gaps)), impulses(size(gaps)), ratio
+      integer :: i, k
+
+      ! Gauss without interchanges: the matrix is positive definite
+      directions = run%structure%directions(:, gaps)
+      kicks = run%structure%mobility(:, gaps)
+      gram = matmul(transpose(directions), kicks)
+      impulses = matmul(rate, directions)
+      status = stat%ok
+      do k = 1, size(gaps)
+         if (.not. gram(k, k) > 0) status = stat%singular
+         if (status /= stat%ok) return
+         do i = k + 1, size(gaps)
+            ratio = gram(i, k)/gram(k, k)
+            gram(i, k:) = gram(i, k:) - ratio*gram(k, k:)
+            impulses(i) = impulses(i) - ratio*impulses(k)
+         end do
+      end do
+      do k = size(gaps), 1, -1
+         impulses(k) = (impulses(k) - dot_product(gram(k, k + 1:), impulses(k + 1:)))/gram(k, k)
+      end do
+      rate = rate - matmul(kicks, impulses)
+   end subroutine stop_gaps
+
+   !> Goes through a release.
+   pure subroutine release(run, state, reached, event, status)
+      !> In and out: the regime is added.
+      type(run_type), intent(inout) :: run
+      !> In: at rest. Out: just released.
+      type(run_state_type), intent(inout) :: state
+      !> What is reached.
+      type(reached_type), intent(in) :: reached
+      !> The release.
+      type(run_event_type), intent(inout) :: event
+      !> `stat%ok`, or as of `new_regime`.
+      integer, intent(out) :: status
+      real(wp) :: q(size(run%structure%mass, 1)), rate(size(run%structure%mass, 1)), phase
+      integer, allocatable :: set(:)
+      integer :: gap
+
+      call move(run, state, reached%time)
+      phase = run%load%frequency*state%elapsed
+      associate (regime => run%regimes(state%regime))
+         gap = -regime%lower_gap(reached%row)
+         set = pack(regime%resting, regime%resting /= gap)
+         call state_of(regime, phase, state%x, state%v, q, rate)
+      end associate
+      call find_regime(run, set, state%regime, status)
+      if (status /= stat%ok) return
+      deallocate (state%x, state%v)
+      associate (regime => run%regimes(state%regime))
+         allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))
+         call to_pairs(regime, phase, q, rate, state%x, state%v)
+      end associate
+      state%leaving = leaving_type(run%structure%channel(gap), run%structure%wall(gap), 0.0_wp, &
+         .true.)
+      call note(state, release_event, gap, 0.0_wp, 0.0_wp, event)
+   end subroutine release
+
+   !> Records an event.
+   pure subroutine note(state, kind, gap, speed, impulse, event)
+      !> Just after it.
+      type(run_state_type), intent(in) :: state
+      !> Kind and gap.
+      integer, intent(in) :: kind, gap
+      !> Approach speed and impulse.
+      real(wp), intent(in) :: speed, impulse
+      !> The record.
+      type(run_event_type), intent(inout) :: event
+
+      event%kind = kind
+      event%gap = gap
+      event%regime = state%regime
+      event%cycle = state%cycle
+      event%elapsed = state%elapsed
+      event%speed = speed
+      event%impulse = impulse
+      event%x = state%x
+      event%v = state%v
+   end subroutine note
+
+   !> Coordinates and velocities of a state.
+   pure subroutine state_now(run, state, q, rate)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: state
+      !> (n)
+      real(wp), intent(out) :: q(:), rate(:)
+
+      call state_of(run%regimes(state%regime), run%load%frequency*state%elapsed, state%x, state%v, &
+         q, rate)
+   end subroutine state_now
+
+   !> Time of an event.
+   pure real(wp) function time_of(run, event) result(time)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The event.
+      type(run_event_type), intent(in) :: event
+
+      time = real(event%cycle, wp)*run%period + event%elapsed
+   end function time_of
+
+end module vi_structure_run

@@ -1,0 +1,162 @@
+!> Trajectories of structures between arrays.
+module vi_structure_trajectory
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_kinds, only: wp
+   use vi_modes, only: advance
+   use vi_status, only: stat
+   use vi_structure, only: load_type, regime_type, state_of, structure_type, to_pairs
+   use vi_structure_run, only: find_regime, new_run, release_event, run_event_type, &
+      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of
+   implicit none (type, external)
+   private
+
+   public :: sample_structure_arrays, simulate_structure_arrays
+
+contains
+
+   !> Simulates a structure from a state to an end of time, or until there are too many events.
+   pure subroutine simulate_structure_arrays(structure, load, start, q, rate, last, table, labels, &
+      n, end_state, end_time, status)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As of `structure`.
+      type(load_type), intent(in) :: load
+      !> Time, coordinates (n) and velocities (n) at the start; time at the end.
+      real(wp), intent(in) :: start, q(:), rate(:), last
+      !> (3 + 2n, capacity) Out: time, approach speed and impulse of each event, and coordinates and
+      !! velocities just after it.
+      real(wp), intent(inout) :: table(:, :)
+      !> (2, capacity) Out: kind and gap of each.
+      integer, intent(inout) :: labels(:, :)
+      !> Number of events.
+      integer, intent(out) :: n
+      !> (2n) Coordinates and velocities at the end, or just after the last event if the table is
+      !! full; the time there.
+      real(wp), intent(out) :: end_state(:), end_time
+      !> `stat%ok`, or as of `start_at` and `simulate_structure`.
+      integer, intent(out) :: status
+      integer, parameter :: chunk = 256
+      type(run_type) :: run
+      type(run_state_type) :: state
+      type(run_event_type), allocatable :: events(:)
+      integer(int64) :: last_cycle
+      real(wp) :: last_elapsed
+      integer :: i, m
+
+      n = 0
+      m = size(q)
+      end_state = [q, rate]
+      end_time = start
+      call new_run(structure, load, run, status)
+      if (status /= stat%ok) return
+      call start_at(run, start, q, rate, state, status)
+      if (status /= stat%ok) return
+      last_cycle = floor(last/run%period, int64)
+      last_elapsed = max(0.0_wp, last - real(last_cycle, wp)*run%period)
+      allocate (events(chunk))
+      do
+         call simulate_structure(run, state, last_cycle, last_elapsed, &
+            events(:min(chunk, size(labels, 2) - n)), i, status)
+         call store(run, events(:i), table(:, n + 1:n + i), labels(:, n + 1:n + i))
+         n = n + i
+         if (status /= stat%more_events .or. n == size(labels, 2)) exit
+      end do
+      call state_now(run, state, end_state(:m), end_state(m + 1:))
+      end_time = real(state%cycle, wp)*run%period + state%elapsed
+      if (status == stat%ok) end_time = last
+   end subroutine simulate_structure_arrays
+
+   !> Writes events into arrays.
+   pure subroutine store(run, events, table, labels)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The events.
+      type(run_event_type), intent(in) :: events(:)
+      !> As of `simulate_structure_arrays`.
+      real(wp), intent(inout) :: table(:, :)
+      !> As of `simulate_structure_arrays`.
+      integer, intent(inout) :: labels(:, :)
+      integer :: i, n
+
+      n = (size(table, 1) - 3)/2
+      do i = 1, size(events)
+         table(:3, i) = [time_of(run, events(i)), events(i)%speed, events(i)%impulse]
+         call state_of(run%regimes(events(i)%regime), run%load%frequency*events(i)%elapsed, &
+            events(i)%x, events(i)%v, table(4:3 + n, i), table(4 + n:, i))
+         labels(:, i) = [events(i)%kind, events(i)%gap]
+      end do
+   end subroutine store
+
+   !> Coordinates and velocities of a trajectory at given times.
+   pure subroutine sample_structure_arrays(structure, load, starts, labels, times, values, status)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As of `structure`.
+      type(load_type), intent(in) :: load
+      !> (1 + 2n, segments) Time, coordinates and velocities at which segments begin: the start, and
+      !! after each event.
+      real(wp), intent(in) :: starts(:, :)
+      !> (2, segments) Kind and gap of the event; 0 of the start.
+      integer, intent(in) :: labels(:, :)
+      !> Times in ascending order, none before the first segment.
+      real(wp), intent(in) :: times(:)
+      !> (2n, times) Coordinates and velocities.
+      real(wp), intent(out) :: values(:, :)
+      !> `stat%ok`, or as of `new_regime`.
+      integer, intent(out) :: status
+      type(run_type) :: run
+      integer, allocatable :: resting(:)
+      integer :: i, j, n, number
+
+      n = size(structure%mass, 1)
+      values = 0
+      call new_run(structure, load, run, status)
+      if (status /= stat%ok) return
+      j = 1
+      allocate (resting(0))
+      number = 1
+      do i = 1, size(times)
+         do while (j < size(starts, 2))
+            if (starts(1, j + 1) > times(i)) exit
+            j = j + 1
+            if (labels(1, j) == stick_event) resting = sorted_with(resting, labels(2, j))
+            if (labels(1, j) == release_event) resting = pack(resting, resting /= labels(2, j))
+            call find_regime(run, resting, number, status)
+            if (status /= stat%ok) return
+         end do
+         call sample_one(run%regimes(number), load%frequency, starts(:, j), times(i), &
+            values(:n, i), values(n + 1:, i))
+      end do
+   end subroutine sample_structure_arrays
+
+   !> A set in ascending order with one more member, if it is new.
+   pure function sorted_with(set, one) result(larger)
+      !> The set, and the member.
+      integer, intent(in) :: set(:), one
+      integer, allocatable :: larger(:)
+
+      larger = [pack(set, set < one), one, pack(set, set > one)]
+   end function sorted_with
+
+   !> Coordinates and velocities at a time of a segment.
+   pure subroutine sample_one(regime, frequency, start, time, q, rate)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Omega of the load.
+      real(wp), intent(in) :: frequency
+      !> (1 + 2n) Time, coordinates and velocities at its start.
+      real(wp), intent(in) :: start(:)
+      !> The time.
+      real(wp), intent(in) :: time
+      !> (n)
+      real(wp), intent(out) :: q(:), rate(:)
+      real(wp), dimension(size(regime%xq, 1)) :: x, v, x_now, v_now
+      integer :: n
+
+      n = size(q)
+      call to_pairs(regime, frequency*start(1), start(2:n + 1), start(n + 2:), x, v)
+      call advance(regime%modes, time - start(1), x, v, x_now, v_now)
+      call state_of(regime, frequency*time, x_now, v_now, q, rate)
+   end subroutine sample_one
+
+end module vi_structure_trajectory
