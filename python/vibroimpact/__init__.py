@@ -26,6 +26,8 @@ from .run import RunLog, run_namelists
 from .solve import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
 from .spacing import spaced
 from .status import status_text
+from .structure import Gap, Load, Structure
+from .structure_trajectory import StructureTrajectory, simulate_structure
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
@@ -35,8 +37,6 @@ from .studies.decay import Decay, decay
 from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
-from .structure import Gap, Load, Structure
-from .structure_trajectory import StructureTrajectory, simulate_structure
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 

@@ -301,4 +301,5 @@ class Load:
 
     def __repr__(self) -> str:
         n = len(self.sine)
-        return f"<Load of {n} harmonic{'s' if n != 1 else ''} of Omega = {self.frequency:g} on {self.n} coordinates>"
+        kinds = f"{n} harmonic{'s' if n != 1 else ''}"
+        return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.n} coordinates>"

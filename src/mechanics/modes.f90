@@ -232,8 +232,8 @@ contains
 
    !> Bounds on |x| and |v| of a pair without constant terms, from now on.
    !!
-   !! v^2 + omega^2 x^2 never grows. A pair of frequency 0 is taken as a derivative of one, whose x
-   !! is the derivative before's v and does not grow either.
+   !! v^2 + omega^2 x^2 never grows. At frequency 0, x is the v of the derivative before, and does
+   !! not grow either.
    elemental subroutine bound_on(stiffness, x, v, of_x, of_v)
       !> omega^2.
       real(wp), intent(in) :: stiffness

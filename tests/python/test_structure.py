@@ -189,7 +189,7 @@ def test_grazes_are_found(overshoot):
     for side in (1, -1):
         s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1 - side * overshoot, 0.5)])
         run = vi.simulate(s, duration=2 * np.pi, state=([0.0], [1.0]))
-        assert len(run.events) == (side > 0) * 1 or (side > 0 and len(run.events) == 2)
+        assert (len(run.events) > 0) == (side > 0)
     s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1 - overshoot, 0.5)])
     run = vi.simulate(s, duration=2 * np.pi, state=([0.0], [1.0]))
     assert math.sin(run.events["time"][0]) == pytest.approx(1 - overshoot, abs=1e-15)
@@ -215,7 +215,7 @@ def random_structure(rng, coupled):
 def test_random_structures(coupled):
     """Flights of any structure, with classical and with coupling damping, two harmonics and a constant force."""
     rng = np.random.default_rng(5)
-    refused = impacts = 0
+    refusals, impacts = [], 0
     for _ in range(20):
         s = random_structure(rng, coupled)
         load = vi.Load(
@@ -225,13 +225,14 @@ def test_random_structures(coupled):
         try:
             run = vi.simulate(s, load, cycles=3, max_events=60)
         except vi.SingularError as error:
-            assert "coupled gaps" in str(error)  # while one gap is at rest, another one closes
-            refused += 1
+            refusals.append(str(error))
             continue
         impacts += len(run.events)
         check_laws(run, 1e-8)
         check_samples(run)
-    assert refused <= 5
+    # while one gap is at rest, another one closes
+    assert len(refusals) <= 5
+    assert all("coupled gaps" in text for text in refusals)
     assert impacts > 100
 
 
@@ -265,8 +266,10 @@ def test_more_events_than_at_first_expected():
     rate[0] = -20
     run = vi.simulate(s, duration=400, state=(np.zeros(10), rate))
     part = vi.simulate(s, duration=400, state=(np.zeros(10), rate), max_events=100)
-    assert run.complete and len(run.events) > 1024
-    assert not part.complete and part.end == part.events["time"][-1]
+    assert run.complete
+    assert len(run.events) > 1024
+    assert not part.complete
+    assert part.end == part.events["time"][-1]
     assert part.events.tobytes() == run.events[:100].tobytes()
 
 
