@@ -8,6 +8,7 @@ from .case import Case, read_namelist
 from .errors import (
     MissingExtraError,
     OpenBoundaryWarning,
+    OutOfMemoryError,
     ParameterError,
     ParameterTypeError,
     SingularError,
@@ -64,6 +65,7 @@ __all__ = [
     "Motions",
     "OpenBoundaryWarning",
     "Oscillator",
+    "OutOfMemoryError",
     "ParameterError",
     "ParameterTypeError",
     "Pattern",

@@ -16,7 +16,19 @@ NO_MOTION, MORE_EVENTS, NOT_COMPUTED = 7, 8, 12
 
 
 def status_text(code: int) -> str:
-    """The meaning of a status code of the core."""
+    """The meaning of a status code of the core.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If the code is not a whole number of 32 bits.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> vi.status_text(10)
+    'the iteration did not converge; a closer guess may help'
+    """
     return sentence(checks.integer(code, "code", -(2**31), 2**31 - 1))
 
 

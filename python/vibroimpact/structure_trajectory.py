@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +14,6 @@ from . import _core, checks
 from .errors import ParameterError
 from .status import MORE_EVENTS, raise_status
 from .structure import Load, Structure
-from .trajectory import simulate
 
 __all__ = ["StructureTrajectory", "simulate_structure"]
 
@@ -115,8 +116,7 @@ def _arrays(
     return matrices, directions, values, frequency, harmonics, constant
 
 
-@simulate.register  # type: ignore[arg-type]
-def simulate_structure(  # type: ignore[misc]
+def simulate_structure(
     structure: Structure,
     load: Load | None = None,
     *,
@@ -226,6 +226,22 @@ def simulate_structure(  # type: ignore[misc]
     return StructureTrajectory(
         structure, load, start, end, events, states, (q, rate), (final[:n], final[n:]), status == 0
     )
+
+
+_Arguments = ParamSpec("_Arguments")
+_Run = TypeVar("_Run")
+
+
+def or_structure(simulate: Callable[_Arguments, _Run]) -> Callable[_Arguments, _Run]:
+    """`simulate` for oscillators, which also takes structures."""
+
+    @functools.wraps(simulate)
+    def either(*args: Any, **kwargs: Any) -> Any:
+        if args and isinstance(args[0], Structure):
+            return simulate_structure(*args, **kwargs)
+        return simulate(*args, **kwargs)
+
+    return either
 
 
 def _state(state: Any, n: int) -> tuple[_Array, _Array]:

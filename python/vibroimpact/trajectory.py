@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from .noun import Noun, Savable
 from .period import MOST_CYCLES, TOLERANCE, Period, last_period
 from .states import NEEDED, Moment, State, System, as_numbers, later, moments_of, start_of, state_of
 from .status import MORE_EVENTS, raise_status
+from .structure_trajectory import or_structure
 from .tables import Result, made
 
 __all__ = ["State", "Trajectory", "simulate"]
@@ -280,7 +280,7 @@ def digits(value: float) -> str:
     return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"
 
 
-@singledispatch
+@or_structure
 def simulate(
     osc: Oscillator,
     r: float,

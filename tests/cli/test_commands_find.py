@@ -249,4 +249,4 @@ def test_numbers_are_repeated_as_typed(words, said, tool):
     system = ["--xi", "0.01", "--mu", "0.05", "--restitution", "0.75", "--clearance", "20"]
     done = tool("find", *system, *words)
     assert done.status == 2
-    assert done.faults[-1] == f"vibroimpact find: {said}"
+    assert done.faults[-1] == f"vibroimpact find: {said}; see `vibroimpact find --help`"

@@ -95,7 +95,7 @@ def test_long_names(motion, tmp_path):
 
 LIMITED = """
 import resource, sys, vibroimpact as vi
-motion = vi.equispaced(vi.Oscillator(0.005, 0.042, 0.75), r=0.94, clearance=37.0)[0]
+motion = vi.equispaced(vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), r=0.94, clearance=37.0)[0]
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 try:
     motion.save(sys.argv[1])
@@ -122,7 +122,7 @@ SLOW = """
 import os, signal, sys, threading, time, vibroimpact as vi
 from pathlib import Path
 signal.signal(signal.SIGINT, signal.default_int_handler)
-osc = vi.Oscillator(0.0114, 0.028, 0.75)
+osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 run = vi.simulate(osc, 1.04, 9.0, 200_000, state={"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9})
 folder = Path(sys.argv[1])
 

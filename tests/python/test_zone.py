@@ -266,7 +266,7 @@ def test_what_progress_raises_ends_the_search(monkeypatch):
 
 @pytest.mark.parametrize("symmetric", ["yes", 2])
 def test_symmetric_is_one_of_three(symmetric):
-    with pytest.raises(vi.errors.ParameterError, match=r"^symmetric = "):
+    with pytest.raises(vi.errors.ParameterTypeError, match=r"^symmetric = "):
         vi.zone(
             vi.Oscillator(xi=0.01, mu=0.03, restitution=0.75), vi.Pattern("RL"), (0.8, 1.2), (2, 200),
             symmetric=symmetric,
