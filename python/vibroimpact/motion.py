@@ -357,9 +357,13 @@ class Motion(Savable, study="motion"):
 
     def __repr__(self) -> str:
         single = ", single precision" if self.precision == "single" else ""
+        # a line of a terminal: what goes without saying and the kind of multiplier are for `str`
+        verdicts = (
+            self.verdicts().removeprefix("consistent, ").replace(f", {self.leading_kind})", ")")
+        )
         return (
             f"<Motion {self.pattern.sides}/{self.pattern.cycles} at r = {self.r:.6g}, "
-            f"d K/F0 = {self.clearance:.6g}{single}: {self.verdicts()}>"
+            f"d K/F0 = {self.clearance:.6g}{single}: {verdicts}>"
         )
 
     def __str__(self) -> str:

@@ -73,7 +73,7 @@ def exact(
 
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     >>> vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
-    <Motion RL*/1 at r = 0.9, d K/F0 = 6: consistent, admissible, stable (max|lambda| = 0.9189, complex)>
+    <Motion RL*/1 at r = 0.9, d K/F0 = 6: admissible, stable (max|lambda| = 0.9189)>
     """
     checks.instance(osc, "osc", Oscillator)
     r = checks.frequency_ratio(r, osc.xi)

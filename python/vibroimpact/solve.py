@@ -68,7 +68,7 @@ def periodic(
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> motion = vi.periodic(osc, r=0.94, phases=[0, 1.37 * math.pi], pattern=vi.Pattern("RL"))
     >>> motion
-    <Motion RL/1 at r = 0.94, d K/F0 = 38.221: consistent, admissible, stable (max|lambda| = 0.9347, complex)>
+    <Motion RL/1 at r = 0.94, d K/F0 = 38.221: admissible, stable (max|lambda| = 0.9347)>
     """
     checks.instance(osc, "osc", Oscillator)
     pattern = plain_pattern(pattern)

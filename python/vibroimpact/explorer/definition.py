@@ -50,7 +50,7 @@ class Definition:
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> definition = Definition.read("RL/1/phases/0.0,4.3")
     >>> definition.solve(osc, 0.94, 37.0)
-    <Motion RL/1 at r = 0.94, d K/F0 = 37: consistent, admissible, stable (max|lambda| = 0.9348, complex)>
+    <Motion RL/1 at r = 0.94, d K/F0 = 37: admissible, stable (max|lambda| = 0.9348)>
     """
 
     pattern: Pattern

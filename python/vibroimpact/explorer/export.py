@@ -125,7 +125,7 @@ def as_python(explorer: Explorer) -> str:
     >>> from vibroimpact.explorer.export import as_python
     >>> from vibroimpact.explorer.state import State
     >>> exec(as_python(Explorer(State())))  # doctest: +ELLIPSIS
-    <Motion RL/1 at r = 1.04, d K/F0 = 25: consistent, admissible, stable ...
+    <Motion RL/1 at r = 1.04, d K/F0 = 25: admissible, stable ...
     """
     state = explorer.state
     blocks = [

@@ -46,7 +46,7 @@ def load(path: str | Path) -> Any:
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "motion.json"
     >>> vi.equispaced(osc, r=0.94, clearance=37.0)[0].save(path)
     >>> vi.load(path)
-    <Motion RL/1 at r = 0.94, d K/F0 = 37: consistent, admissible, unstable (max|lambda| = 3.828, positive)>
+    <Motion RL/1 at r = 0.94, d K/F0 = 37: admissible, unstable (max|lambda| = 3.828)>
     """
     wanted = "must be a file that the save of a result wrote"
     if Path(path).suffix.lower() == ".csv":

@@ -275,7 +275,7 @@ class Zone(Noun, study="zone"):
         >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
         >>> zone = vi.zone(osc, vi.Pattern("RL"), (0.8, 1.2), (2, 200), symmetric=True)
         >>> zone.motion(1.1, 25.0)
-        <Motion RL/1 at r = 1.1, d K/F0 = 25: consistent, admissible, stable (max|lambda| = 0.9262, complex)>
+        <Motion RL/1 at r = 1.1, d K/F0 = 25: admissible, stable (max|lambda| = 0.9262)>
         """
         r, clearance = checks.number(r, "r"), checks.number(clearance, "clearance")
         if self.pattern.has_rest or not self.boundary:
