@@ -1,7 +1,7 @@
 !> An atlas: the zones of all patterns in a window.
 !!
 !! Patterns are enumerated up to a number of impacts and cycles. Those with rest come from a survey
-!! by simulation, whose attractors also are seeds of the zones, and from the simulations at the
+!! by simulation, whose attractors also serve as seeds of the zones, and from the simulations at the
 !! nodes of the lattice with which the searches for zones with rest begin. If an attractor lies in
 !! no zone of its pattern, that pattern is searched once more on a finer lattice. The outcomes of
 !! the other points of the survey are kept with the zones.
@@ -56,8 +56,8 @@ module vi_atlas
    !> A pattern with rest that simulations at nodes appear to repeat.
    type :: sight_type
       type(pattern_type) :: pattern
-      !> Number of such simulations; of the first, second, fourth, eighth and so on: its number at
-      !! the node, and the lattice lines of the node.
+      !> Number of such simulations. For the first, second, fourth, eighth and so on: the number of
+      !! the simulation at its node, and the two lattice lines of the node.
       integer :: n = 0, nodes(3, bit_size(0)) = 0
    end type sight_type
 
@@ -143,7 +143,7 @@ contains
 
    !> The limits of the motions of an atlas.
    pure type(limits_type) function limits_of(request) result(limits)
-      !> What is asked for.
+      !> The request.
       type(atlas_request_type), intent(in) :: request
 
       limits = limits_type(request%max_impacts, request%max_cycles, request%max_events)
@@ -153,9 +153,9 @@ contains
    subroutine simulate_lattice(request, finer, releases, places, progress)
       !> The request.
       type(atlas_request_type), intent(in) :: request
-      !> Factor of the number of lattice lines.
+      !> Factor of the number of lattice spacings.
       integer, intent(in) :: finer
-      !> (simulations, r, D) as of `simulate_nodes`.
+      !> (simulations, r, D) as in `simulate_nodes`.
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
       !> (2, r, D): r and D of the nodes.
       real(wp), allocatable, intent(out) :: places(:, :, :)
@@ -173,7 +173,7 @@ contains
    logical function any_rests(request, atlas, progress)
       !> The request.
       type(atlas_request_type), intent(in) :: request
-      !> Its families.
+      !> The atlas; its families are read.
       type(atlas_type), intent(in) :: atlas
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
@@ -193,15 +193,15 @@ contains
 
    !> Searches the simulations at nodes for patterns with rest that the survey has not found.
    !!
-   !! Of each pattern that simulations appear to repeat at their end, a few simulations are
-   !! continued for as long as those of the survey. The pattern counts if Newton's method confirms
-   !! the motion on which they are then.
+   !! For each pattern that simulations appear to repeat at their end, a few simulations are
+   !! continued for as long as those of the survey. The pattern is accepted if Newton's method
+   !! confirms the motion that one of them has reached by then.
    subroutine sight_rests(request, atlas, releases, progress)
       !> The request.
       type(atlas_request_type), intent(in) :: request
-      !> In: with its families. Out: with the attractors `sighted`.
+      !> In: with the families listed. Out: with the attractors `sighted`.
       type(atlas_type), intent(inout) :: atlas
-      !> (simulations, r, D) as of `simulate_nodes`.
+      !> (simulations, r, D) as in `simulate_nodes`.
       type(release_type), allocatable, intent(out) :: releases(:, :, :)
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
@@ -240,9 +240,9 @@ contains
    pure subroutine list_sights(request, atlas, releases, sights)
       !> The request.
       type(atlas_request_type), intent(in) :: request
-      !> Its families.
+      !> The atlas; its families are read.
       type(atlas_type), intent(in) :: atlas
-      !> (simulations, r, D) as of `simulate_nodes`.
+      !> (simulations, r, D) as in `simulate_nodes`.
       type(release_type), intent(in) :: releases(:, :, :)
       !> The patterns.
       type(sight_type), allocatable, intent(out) :: sights(:)
@@ -288,7 +288,7 @@ contains
       equal_walls = abs(osc%restitution(1) - osc%restitution(2)) <= 0
    end function equal_walls
 
-   !> Whether a pattern is that of one of some families.
+   !> Whether one of the families has a given pattern.
    pure logical function is_listed(families, pattern)
       !> The families.
       type(family_type), intent(in) :: families(:)
@@ -299,7 +299,7 @@ contains
       is_listed = any([(same_pattern(families(i)%pattern, pattern), i=1, size(families))])
    end function is_listed
 
-   !> Finds the zones of some families; each is a task.
+   !> Finds the zones of the wanted families; each family is one task.
    subroutine trace_families(request, atlas, wanted, finer, releases, progress)
       !> The request.
       type(atlas_request_type), intent(in) :: request
@@ -307,16 +307,16 @@ contains
       type(atlas_type), intent(inout) :: atlas
       !> (families) Whether each is to be searched.
       logical, intent(in) :: wanted(:)
-      !> Times as many lattice lines.
+      !> Factor of the number of lattice spacings.
       integer, intent(in) :: finer
-      !> (simulations, r, D) as of `simulate_nodes`, for the same number of lines.
+      !> (simulations, r, D) as in `simulate_nodes`, for the same number of lines.
       type(release_type), intent(in) :: releases(:, :, :)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(zone_type), allocatable :: zone
       integer :: j, status
 
-      ! patterns with rest and long ones take longest: they come first
+      ! patterns with rest and long patterns take longest, so they come first
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status, zone)
       do j = size(atlas%families), 1, -1
          if (.not. wanted(j)) cycle
@@ -346,7 +346,7 @@ contains
       type(atlas_request_type), intent(in) :: request
       !> The family.
       type(family_type), intent(in) :: family
-      !> Times as many lattice lines.
+      !> Factor of the number of lattice spacings.
       integer, intent(in) :: finer
       type(zone_request_type) :: one
 

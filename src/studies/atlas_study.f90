@@ -86,7 +86,7 @@ contains
       if (present(columns)) columns = atlas_columns
    end subroutine list_atlas
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_atlas(case)
       !> The case.
       type(case_type), intent(inout) :: case
@@ -111,7 +111,7 @@ contains
       end associate
    end function atlas_request
 
-   !> Bytes for the points of the survey, some hundred numbers of each.
+   !> Bytes for the points of the survey, a few hundred numbers each.
    pure real(wp) function atlas_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -157,7 +157,7 @@ contains
             sides(j)%text = starred_symbols(family%pattern%sides)
          end associate
       end do
-      ! the zones of attractors outside all zones can be among those that were not searched
+      ! if stopped, an attractor outside all zones may belong to a zone that was not searched
       lost = merge(0, count(.not. atlas%explained), stopped)
       call survey_text(atlas, outcomes)
       call result%open('families', 'family', [size(found)])

@@ -1,5 +1,5 @@
-!> The attractor to which a state goes: it is simulated until it is in a neighbourhood of a known
-!! one.
+!> The attractor that a state approaches: the state is simulated until it enters a neighbourhood of
+!! a known attractor.
 module vi_attractor_basin
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_target, only: difference, target_type
@@ -23,8 +23,8 @@ module vi_attractor_basin
 contains
 
    !> The number of the attractor of each initial state; 0 if it is not decided within the cycles,
-   !! `event_limited` if there were too many events before, and `not_reached` if the computation was
-   !! stopped before.
+   !! `event_limited` if the limit of events was reached first, and `not_reached` if the computation
+   !! was stopped first.
    subroutine decide(osc, r, load, clearance, targets, starts, cycles, max_events, threads, &
       labels, impacts, ends, progress)
       !> Oscillator.
@@ -70,7 +70,7 @@ contains
       real(wp), intent(in) :: start(5)
       !> Largest numbers of load cycles and of events simulated.
       integer, intent(in) :: cycles, max_events
-      !> Number of the target, or as of `decide`; events simulated.
+      !> Number of the target, or as in `decide`; events simulated.
       integer, intent(out) :: label, impacts
       !> t (below a load cycle), x, x', z, z' at the end of the simulation.
       real(wp), intent(out) :: finish(5)

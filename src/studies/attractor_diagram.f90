@@ -12,19 +12,20 @@ module vi_attractor_diagram
 
    public :: diagram, find_windows
 
-   !> Added to x' from value to value, over D, so that a sweep leaves unstable motions.
+   !> Added to x' from value to value, over half the clearance, so that a sweep leaves unstable
+   !! motions.
    real(wp), parameter :: kick = 1.0e-9_wp
 
-   !> A system of which one parameter varies.
+   !> A system with one varying parameter.
    type, public :: path_type
       type(oscillator_type) :: osc
-      !> One each, or one for each value.
+      !> One element each, or one for each value of the parameter.
       real(wp), allocatable :: r(:), clearance(:)
       real(wp) :: load = 1
-      !> The parameter: 1 to 6 for r, D, xi, mu, R1, R2; 5 and tied for both walls.
+      !> The parameter: 1 to 6 for r, D, xi, mu, R1, R2; 5 with `tied` set for both walls.
       integer :: place = 0
       logical :: tied = .false.
-      !> Rising.
+      !> In rising order.
       real(wp), allocatable :: values(:)
    end type path_type
 
@@ -43,7 +44,7 @@ contains
       result, progress)
       !> The system and the values of its parameter.
       type(path_type), intent(in) :: path
-      !> (runs): 1 up, -1 down, 0 anew at each value.
+      !> (runs): 1 up, -1 down, 0 with new states at each value.
       integer, intent(in) :: directions(:)
       !> (5): t, x, x', z, z' at the start of sweeps; if empty, a state with large velocities.
       real(wp), intent(in) :: start(:)
@@ -63,7 +64,7 @@ contains
 
       n = size(path%values)
       runs = size(directions)
-      ! runs that start anew at each value are chains of one link, values varying first
+      ! runs with new states at each value are chains of one link, with the values varying fastest
       links = merge(1, n, all(directions == 0))
       chains = n*runs/links
       allocate (parameters(6, n, runs), starts(5, chains), ends(5, links, chains))
@@ -94,7 +95,7 @@ contains
    pure function parameters_along(path, direction) result(c)
       !> The system and the values of its parameter.
       type(path_type), intent(in) :: path
-      !> 1 up, -1 down, 0 anew at each value.
+      !> 1 up, -1 down, 0 with new states at each value.
       integer, intent(in) :: direction
       real(wp) :: c(6, size(path%values))
       integer :: i, n
@@ -113,7 +114,7 @@ contains
    pure function start_of(path, c, start) result(state)
       !> The system.
       type(path_type), intent(in) :: path
-      !> Its first parameters.
+      !> The parameters at its first value.
       real(wp), intent(in) :: c(6)
       !> (5) As given, or empty.
       real(wp), intent(in) :: start(:)

@@ -1,5 +1,6 @@
-!> Integrity of the basins in a plane of initial states: pairs of states with different ends, and
-!! the largest disc inside a basin. The second axis of a plane is the first dimension of its labels.
+!> Integrity of the basins in a plane of initial states: pairs of states with different attractors,
+!! and the largest disc inside a basin. The second axis of a plane is the first dimension of its
+!! labels.
 module vi_attractor_integrity
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -14,7 +15,7 @@ module vi_attractor_integrity
 
 contains
 
-   !> Distances of pairs along either axis, and the share of the pairs that have different ends.
+   !> Distances of pairs along either axis, and the share of the pairs with different attractors.
    pure function uncertain_pairs(labels) result(pairs)
       !> (second axis, first axis) Number of the attractor of each state.
       integer, intent(in) :: labels(:, :)
@@ -35,7 +36,7 @@ contains
       end do
    end function uncertain_pairs
 
-   !> The exponent a with which the share of pairs with different ends grows as distance**a; NaN if
+   !> The exponent a if the share of pairs with different attractors grows as distance**a; NaN if
    !! there is no boundary.
    pure real(wp) function uncertainty_exponent(pairs) result(a)
       !> (2, distances) as from `uncertain_pairs`.
@@ -53,9 +54,10 @@ contains
    !> The largest disc inside a basin. Its radius is the distance from a state to the nearest one
    !! with another attractor, or to the edge, which is one cell beyond the last states.
    pure subroutine largest_disc(labels, label, cells, radius, place)
-      !> (second axis, first axis) Number of the attractor of each state; the one in question.
+      !> (second axis, first axis) Number of the attractor of each state; number of the attractor
+      !! whose basin is examined.
       integer, intent(in) :: labels(:, :), label
-      !> Distances of neighbours along the first and the second dimension.
+      !> Distances between neighbours along the first and the second dimension.
       real(wp), intent(in) :: cells(2)
       !> Radius of the disc, in the unit of `cells`.
       real(wp), intent(out) :: radius
@@ -85,12 +87,12 @@ contains
       radius = maxval(cells)*sqrt(squares(place(1), place(2)))
    end subroutine largest_disc
 
-   !> The least of the parabolas f(q) + (cell (p - q))**2 at each place p, all of them in one pass
+   !> The minimum over q of f(q) + (cell (p - q))**2 for each place p, for all places in one pass
    !! (Felzenszwalb and Huttenlocher, Distance transforms of sampled functions, 2012).
    pure subroutine lower_envelope(f, cell)
       !> In: the values f(q). Out: the envelope.
       real(wp), intent(inout) :: f(:)
-      !> Distance of neighbouring places.
+      !> Distance between neighbouring places.
       real(wp), intent(in) :: cell
       real(wp) :: least(size(f)), from(size(f)), crossing
       integer :: lowest(size(f)), k, p, q

@@ -1,4 +1,4 @@
-!> An attractor of a point; a periodic one is made exact as a fixed point of the simulation.
+!> An attractor at a point (r, D); a periodic one is refined to a fixed point of the simulation.
 module vi_attractor_known
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_neighbourhood, only: find_neighbourhoods
@@ -22,14 +22,14 @@ module vi_attractor_known
    integer, parameter, public :: periodic = 1, resting = 2, quasi_periodic = 3, chaotic = 4, &
       no_impacts = 5, repeating = 6
 
-   !> Events of a period at most.
+   !> Largest number of events of a period.
    integer, parameter :: capacity = 2048
 
    !> An attractor.
    type, public :: known_type
       integer :: kind = 0
-      !> Load cycles, and symbols of a period: sides, twice them where impacts accumulate, the
-      !! rotation that comes last in the alphabet.
+      !> Load cycles, and symbols of a period: sides, doubled where impacts accumulate, in the
+      !! rotation that comes last in alphabetical order.
       integer :: cycles = 0
       integer, allocatable :: symbols(:)
       !> t, x, x', z, z' of a state on it.
@@ -43,7 +43,7 @@ module vi_attractor_known
 
 contains
 
-   !> The stable periodic motion on which a state is, and its neighbourhoods.
+   !> The stable periodic motion on which a state lies, and its neighbourhoods.
    subroutine identify(system, end, cycles, threads, known, good, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -63,7 +63,7 @@ contains
          known%targets, threads, progress)
    end subroutine identify
 
-   !> The stable periodic motion on which a state is.
+   !> The stable periodic motion on which a state lies.
    pure subroutine exact_period(system, end, cycles, known, good)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -117,7 +117,7 @@ contains
       end do
    end subroutine exact_period
 
-   !> A state whose free mass is between the walls, if rounding has put it outside.
+   !> A state with its free mass moved back between the walls if rounding has put it outside.
    pure function within(state, clearance) result(inside)
       !> t, x, x', z, z'
       real(wp), intent(in) :: state(5)
@@ -129,7 +129,7 @@ contains
       inside(4) = state(2) + min(max(state(4) - state(2), -0.5_wp*clearance), 0.5_wp*clearance)
    end function within
 
-   !> An event as a fixed point of a period.
+   !> An event as a fixed point of the map over a period.
    pure subroutine start_target(event, cycles, target)
       !> The event.
       type(event_type), intent(in) :: event
@@ -179,7 +179,7 @@ contains
             if (.not. good) return
             step = difference(target, events(n))
             off = maxval(abs(step(:m)/scale(:m)))
-            ! until rounding is all that is left
+            ! until only rounding errors are left
             if (off < 1.0e-9_wp .and. off >= 0.5_wp*before) exit
             before = off
             matrix = -p
@@ -198,7 +198,7 @@ contains
       end associate
    end subroutine converge
 
-   !> Radius and contraction of the largest neighbourhood that decides; 0 and 1 if there is none.
+   !> Radius and contraction of the largest neighbourhood; 0 and 1 if there is none.
    pure function ball(known) result(numbers)
       !> A periodic motion.
       type(known_type), intent(in) :: known

@@ -1,4 +1,4 @@
-!> The attractors at a point (r, D), and the initial states that go to each.
+!> The attractors at a point (r, D), and the initial states in the basin of each.
 module vi_attractor_list
    use vi_attractor_basin, only: decide, event_limited, not_reached
    use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, within
@@ -17,7 +17,7 @@ module vi_attractor_list
    !> Largest number of attractors: without damping every state may have its own.
    integer, parameter :: most_attractors = 1000
    !> Largest number of rounds of a search for motions, and the least share of the states that a
-   !! round has to decide for another round.
+   !! round must decide for another round to follow.
    integer, parameter :: rounds = 16
    real(wp), parameter :: lively = 0.02_wp
    !> States that are described at a time, and impacts kept of each.
@@ -31,11 +31,11 @@ module vi_attractor_list
       integer :: max_cycles = 16, max_events = 10000000, threads = 1
       integer :: n = 0
       type(known_type), allocatable :: known(:)
-      !> Of attractors that are not periodic.
+      !> Cells of the attractors that are not periodic.
       type(group_type), allocatable :: groups(:)
    end type attractor_list_type
 
-   !> The motions on which some states settle: contents as of `settle_chains`, one link.
+   !> The motions on which some states settle: contents as in `settle_chains`, one link.
    type :: ends_type
       real(wp), allocatable :: values(:, :, :, :), extremes(:, :, :), ends(:, :, :)
       integer, allocatable :: labels(:, :, :, :), found(:, :), periods(:, :, :), status(:, :)
@@ -43,13 +43,14 @@ module vi_attractor_list
 
 contains
 
-   !> The attractor of each state (or its label as in `decide`), by falling share of all.
+   !> The attractor of each state (or its label as in `decide`), numbered by decreasing share of the
+   !! states.
    subroutine label_states(list, starts, cycles, probes, labels, events, progress)
       !> In: system, longest period and threads.
       type(attractor_list_type), intent(inout) :: list
       !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
-      !> Load cycles in which a state should be decided, and states simulated first.
+      !> Load cycles within which a state should be decided, and number of states simulated first.
       integer, intent(in) :: cycles, probes
       !> (m) Number of the attractor, 0, `event_limited` or `not_reached`.
       integer, intent(out) :: labels(:)
@@ -91,9 +92,9 @@ contains
       call order_by_share(list, labels)
    end subroutine label_states
 
-   !> Some of n places, spread evenly, each once.
+   !> Some of n places, spread evenly and without repetition.
    pure function some(n, wanted) result(places)
-      !> Number of places, and how many of them.
+      !> Number of places, and how many of them are wanted.
       integer, intent(in) :: n, wanted
       integer, allocatable :: places(:)
       integer :: i, m
@@ -103,7 +104,7 @@ contains
       places = [(1 + int(real(i, wp)*(n - 1)/max(1, m - 1)), i=0, m - 1)]
    end function some
 
-   !> Keeps only the states that are not decided, with their present values.
+   !> Keeps only the undecided states, with their present values.
    pure subroutine keep_open(found, after, open_ones, ends)
       !> (m) Number of the attractor of each state, or its label as in `decide`.
       integer, intent(in) :: found(:)
@@ -126,7 +127,7 @@ contains
 
    !> Simulates states until they have settled.
    subroutine find_ends(list, starts, settling, capacity, found, progress)
-      !> Drive, longest period and threads are read.
+      !> System, longest period, limit of events and threads are read.
       type(attractor_list_type), intent(in) :: list
       !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
@@ -175,7 +176,7 @@ contains
       do j = 1, size(starts, 2)
          if (found%status(1, j) /= stat%ok .or. found%periods(1, 1, j) == 0 .or. &
             found%periods(3, 1, j) == 0 .or. list%n == most_attractors) cycle
-         ! a state with the same numbers as one before is on the same motion
+         ! a state with the same numbers as an earlier one is on the same motion
          do i = 1, n
             if (all(found%periods(:2, 1, seen(i)) == found%periods(:2, 1, j)) .and. &
                maxval(abs(found%extremes(:, 1, seen(i)) - found%extremes(:, 1, j))) < &
@@ -205,7 +206,7 @@ contains
       list%known(list%n) = new
    end subroutine add
 
-   !> The known periodic motion to which each state comes near.
+   !> The known periodic motion that each state approaches.
    subroutine decide_known(list, starts, cycles, found, counts, after, progress)
       !> The attractors known so far.
       type(attractor_list_type), intent(in) :: list
@@ -244,7 +245,7 @@ contains
       found = owners(found)
    end subroutine decide_known
 
-   !> Determines the attractors of states that come near to no known motion.
+   !> Determines the attractors of states that approach no known motion.
    subroutine describe(list, starts, labels, members, progress)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list
@@ -299,7 +300,7 @@ contains
    subroutine add_described(list, new)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list
-      !> The attractor; its arrays are allocated if they are not.
+      !> The attractor; its arrays are allocated if they are not yet.
       type(known_type), intent(inout) :: new
 
       if (list%n == most_attractors) return
@@ -308,7 +309,7 @@ contains
       call add(list, new)
    end subroutine add_described
 
-   !> Renumbers the attractors by falling share; those to which no state goes are removed.
+   !> Renumbers the attractors by decreasing share; those that no state approaches are removed.
    subroutine order_by_share(list, labels)
       !> In and out: the attractors.
       type(attractor_list_type), intent(inout) :: list

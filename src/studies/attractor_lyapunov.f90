@@ -2,8 +2,8 @@
 !!
 !! Four directions are carried from event to event by the exact derivatives and orthonormalised
 !! after each. The sums of the logarithms of their lengths, over the time, are the exponents. They
-!! are those of the map from impact to impact in (x, x', z', alpha), which has no direction along
-!! the flow, and so the four exponents of the map over one load cycle.
+!! belong to the map from impact to impact in (x, x', z', alpha), which has no direction along the
+!! flow. They are therefore also the four exponents of the map over one load cycle.
 !!
 !! The contraction of volume is a check: the flux |y'| dx dx' dz' dalpha through a wall shrinks by
 !! exp(-2 xi t) over a flight, and an impact multiplies dx' dz' by R, hence
@@ -34,7 +34,7 @@ module vi_attractor_lyapunov
       logical :: begun = .false.
       type(event_type) :: event
       real(wp) :: q(4, 4) = 0
-      !> Directions that are not lost.
+      !> Number of directions that are not lost.
       integer :: rank = 4
       !> Difference between the sum of the logarithms and that from the volume, and the time so far.
       real(wp) :: difference = 0, time = 0
@@ -46,7 +46,7 @@ module vi_attractor_lyapunov
 
 contains
 
-   !> The exponents at m points, from batches of time after a first one that is not counted.
+   !> The exponents at m points, from batches of time; a batch before them is not counted.
    subroutine lyapunov_points(osc, r, load, clearance, states, contacts, discard, cycles, batches, &
       max_events, threads, exponents, deviations, dimensions, counts, errors, status, progress)
       !> Oscillator, the same at all points.
@@ -62,18 +62,18 @@ contains
       !> Batches that count, at least 2, largest number of events at a point, and number of OpenMP
       !! threads.
       integer, intent(in) :: batches, max_events, threads
-      !> (4, m): per unit of time, -inf of directions that are lost; standard errors by the scatter
-      !! of the batches.
+      !> (4, m): per unit of time, -inf for directions that are lost; standard errors from the
+      !! scatter of the batches.
       real(wp), intent(out) :: exponents(:, :), deviations(:, :)
-      !> (m): Kaplan and Yorke's.
+      !> (m): Kaplan-Yorke dimensions.
       real(wp), intent(out) :: dimensions(:)
       !> (2, m): impacts and rests.
       integer, intent(out) :: counts(:, :)
       !> (m): difference between the sum of the logarithms and that from the volume, per unit of
       !! time.
       real(wp), intent(out) :: errors(:)
-      !> (m): `stat%no_motion` if a batch has no two events, `stat%event_limit` if there are too
-      !! many, `stat%not_computed` if stopped before.
+      !> (m): `stat%no_motion` if a batch has too few events, `stat%event_limit` if there are too
+      !! many, `stat%not_computed` if stopped first.
       integer, intent(out) :: status(:)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
@@ -160,8 +160,8 @@ contains
       exponents = each(:, 0)
       exponents(rank + 1:) = ieee_value(error, ieee_negative_inf)
       deviations(rank + 1:) = 0
-      ! Kaplan and Yorke: the number of directions whose volumes grow, and the share of the next one
-      ! that makes up for the growth
+      ! Kaplan and Yorke: the number of directions whose volume does not shrink, and the fraction of
+      ! the next direction that balances the growth
       dimension = 0
       sum_before = 0
       do i = 1, 4
@@ -233,7 +233,7 @@ contains
          end do
          call add_done_work(work, progress)
          if (batch == 1) then
-            tangent%counts = 0                        ! it is not counted: the directions settle
+            tangent%counts = 0                        ! not counted: the directions still settle
             tangent%difference = 0
             tangent%time = 0
             cycle
@@ -258,7 +258,7 @@ contains
       type(event_type), intent(in) :: event
       !> Weights in the average over all batches together, and over this batch.
       real(wp), intent(in) :: weights(2)
-      !> In: at the event before. Out: at this event.
+      !> In: at the previous event. Out: at this event.
       type(tangent_type), intent(inout) :: tangent
       !> (.., average): weighted sums of the four logarithms and of the time.
       real(wp), intent(inout) :: sums(5, 2)
@@ -312,10 +312,10 @@ contains
          lapse(system, tangent%event, event) - 2*log(restitution) - log(speeds(1)/speeds(2))
    end subroutine compare
 
-   !> A weight that rises from 0 and falls to 0 smoothly over [0, 1].
+   !> A weight that rises smoothly from 0 and falls smoothly back to 0 over [0, 1].
    !!
-   !! With it averages over periodic and quasi-periodic motions converge faster than any power of
-   !! the time, those over chaotic motions as fast as without.
+   !! With this weight, averages over periodic and quasi-periodic motions converge faster than any
+   !! power of the time; those over chaotic motions converge as fast as without it.
    pure real(wp) function bump(s)
       !> Place in the interval.
       real(wp), intent(in) :: s

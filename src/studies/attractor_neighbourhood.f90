@@ -1,7 +1,7 @@
-!> Neighbourhoods of periodic motions in which all states go to the motion.
+!> Neighbourhoods of periodic motions from which all states converge to the motion.
 !!
 !! In the norm of M = sum of (P'/g)^n (P/g)^n, with g between the spectral radius of the derivative
-!! P over a period and 1, P contracts by g at least. A ball of that norm counts as a neighbourhood
+!! P over a period and 1, P contracts at least by g. A ball of that norm counts as a neighbourhood
 !! if the map itself, not only P, brings each of many states spread over it nearer to the centre,
 !! with the same number of events. Half of the largest such radius found is used.
 module vi_attractor_neighbourhood
@@ -29,7 +29,8 @@ contains
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: r, load, clearance
-      !> In: event and period of each motion. Out: with metric and radius, 0 if there is none.
+      !> In: event and period of each motion. Out: with metric and radius; radius 0 if there is no
+      !! neighbourhood.
       type(target_type), intent(inout) :: targets(:)
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
@@ -70,7 +71,7 @@ contains
       if (.not. good) return
       call find_metric(system, target, p, good)
       if (.not. good) return
-      ! from a ball that covers the whole space between the walls downwards
+      ! start with a ball that covers the whole space between the walls, and shrink it
       target%radius = sqrt(real(target%n, wp))*norm2(matmul(target%metric, &
          merge([system%clearance, 1.0_wp, 0.0_wp, 0.0_wp], &
          [system%clearance, system%clearance, system%clearance, 1.0_wp], target%release)))
@@ -110,7 +111,7 @@ contains
             sqrt(-2*log(max(u(3), tiny(1.0_wp))))*[cos(two_pi*u(4)), sin(two_pi*u(4))]]
          if (target%n == 2) pair(3:) = 0
          direction = pair/norm2(pair)
-         ! every other one on the surface
+         ! every second state lies on the surface
          distance = target%radius*merge(1.0_wp, u(5)**0.25_wp, modulo(i, 2) == 0)
          d = distance*matmul(target%inverse, direction)
          call over_period(system, target, d, events, n, good)
@@ -162,11 +163,11 @@ contains
       call factorise(m, n, scale, target, good)
    end subroutine find_metric
 
-   !> The metric from m = L L': it is L' over the scale, and its inverse the scale times (L')^-1.
+   !> The metric from m = L L': it is L' over the scale; its inverse is the scale times (L')^-1.
    pure subroutine factorise(m, n, scale, target, good)
       !> A symmetric positive matrix, and the units of the coordinates.
       real(wp), intent(in) :: m(4, 4), scale(4)
-      !> Its order: 4, or 2 of a release.
+      !> Its order: 4, or 2 for a release.
       integer, intent(in) :: n
       !> In and out: metric and inverse are set.
       type(target_type), intent(inout) :: target

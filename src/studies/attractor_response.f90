@@ -31,7 +31,7 @@ contains
       real(wp), intent(out) :: attenuation(:, :)
       !> (2, n): least and greatest over the states; inf and -inf if all failed.
       real(wp), intent(out) :: envelope(:, :)
-      !> (4, states, n): period, symbols, impacts, rests; (states, n).
+      !> (4, states, n): period, symbols, impacts, rests; (states, n): status of each simulation.
       integer, intent(out) :: periods(:, :, :), status(:, :)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)

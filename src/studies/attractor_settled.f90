@@ -1,4 +1,4 @@
-!> The motions on which simulations settle: last impacts, period if there is one, extreme positions.
+!> The motions on which simulations settle: last impacts, period if any, extreme positions.
 !!
 !! Simulations form chains. Along a chain the parameters change from link to link and the state is
 !! carried over, so that a chain is a sweep; chains of one link are independent initial states.
@@ -37,7 +37,7 @@ module vi_attractor_settled
 
 contains
 
-   !> Chains of simulations, each chain a task of its own.
+   !> Chains of simulations; each chain is a separate task.
    subroutine settle_chains(parameters, load, starts, settling, keep, kick, max_events, threads, &
       values, labels, found, periods, extremes, ends, status, progress)
       !> (6, links, chains): r, D, xi, mu, R1, R2
@@ -48,7 +48,8 @@ contains
       real(wp), intent(in) :: starts(:, :)
       !> Load cycles simulated first, and those that are kept.
       integer, intent(in) :: settling, keep
-      !> Added to x' from link to link, over D, so that a sweep leaves unstable motions.
+      !> Added to x' from link to link, over half the clearance, so that a sweep leaves unstable
+      !! motions.
       real(wp), intent(in) :: kick
       !> Largest number of events of the simulation of a link, and number of OpenMP threads.
       integer, intent(in) :: max_events, threads
@@ -64,8 +65,8 @@ contains
       real(wp), intent(inout) :: extremes(:, :, :)
       !> (5, links, chains): states at the end, as `starts`.
       real(wp), intent(inout) :: ends(:, :, :)
-      !> (links, chains): codes of vi_status; `stat%not_computed` from the link on at which it was
-      !! stopped.
+      !> (links, chains): codes of vi_status; `stat%not_computed` from the link at which the study
+      !! was stopped.
       integer, intent(inout) :: status(:, :)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
@@ -104,7 +105,7 @@ contains
       !$omp end parallel do
    end subroutine settle_chains
 
-   !> A state under new parameters: the free mass keeps its relative place between the walls.
+   !> A state with new parameters: the free mass keeps its relative position between the walls.
    pure function carried(system, state, clearance, kick) result(next)
       !> The system with the new parameters.
       type(forced_system_type), intent(in) :: system
@@ -129,7 +130,7 @@ contains
    subroutine settle_on(system, state, settling, keep, max_events, settled, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> Out: the end.
+      !> In: state at the start. Out: state at the end.
       type(state_type), intent(inout) :: state
       !> Load cycles of the transient, and those examined.
       integer, intent(in) :: settling, keep
@@ -179,22 +180,22 @@ contains
       state = last(merge(keep, 0, settled%status == stat%ok))
    end subroutine settle_on
 
-   !> Simulates some load cycles; the last events are kept if there is room.
+   !> Simulates some load cycles; the last events are kept as far as there is room.
    subroutine advance(system, state, final, cycles, events, n, left, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> Where the last flight or rest began, and the end from which the cycles count.
+      !> State at the start of the last flight or rest, and state from which the cycles are counted.
       type(state_type), intent(inout) :: state, final
-      !> Load cycles to simulate; a single one ends with the status `stat%more_events` if the room
-      !! is not enough.
+      !> Load cycles to simulate; a single one ends with the status `stat%more_events` if there is
+      !! not enough room.
       real(wp), intent(in) :: cycles
       !> Out: the last n events.
       type(event_type), intent(inout) :: events(:)
       !> Number of events kept.
       integer, intent(out) :: n
-      !> As of `simulate_on`.
+      !> As in `simulate_on`.
       integer, intent(inout) :: left
-      !> As of `simulate_on`.
+      !> As in `simulate_on`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)

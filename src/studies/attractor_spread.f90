@@ -45,8 +45,8 @@ contains
       end do
    end function spread_states
 
-   !> Random states (5, n) at t = 0, uniform in a box: x, x' and z' within the scale either way,
-   !! z - x between the walls. A state depends on the seed and its place alone.
+   !> Random states (5, n) at t = 0, uniform in a box: x, x' and z' from -scale to scale, z - x
+   !! between the walls. A state depends only on the seed and its index.
    pure function random_states(xi, r, load, clearance, n, seed) result(states)
       !> Damping ratio, frequency ratio, load amplitude f, clearance.
       real(wp), intent(in) :: xi, r, load, clearance

@@ -47,7 +47,7 @@ contains
       integer, intent(in) :: cycles
       !> (n) Events of a period; the last one ends it.
       type(event_type), intent(in) :: events(:)
-      !> (4, 4); of a release in its first two rows and columns, and 0 elsewhere.
+      !> (4, 4); for a release only the first two rows and columns are used, and the rest is 0.
       real(wp), intent(out) :: p(4, 4)
       !> False if an event has no derivative.
       logical, intent(out) :: good
@@ -98,7 +98,7 @@ contains
       time = lapse(system, before, after)
       regular = .true.
       if (after%kind == stick_event) then
-         ! the common motion begins with the last impact, as far as its derivative goes
+         ! for the derivative, the common motion begins with the last impact
          call through_stick(system, change)
          from%x_dot = (from%x_dot + system%osc%mu*from%z_dot)/(1 + system%osc%mu)
          from%z_dot = from%x_dot
@@ -129,7 +129,7 @@ contains
       lapse = (two_pi*real(after%cycle - before%cycle, wp) + (after%phase - before%phase))/system%r
    end function lapse
 
-   !> Speed at which the masses part after an event.
+   !> Speed at which the masses separate after an event.
    pure real(wp) function departure_speed(event)
       !> The event.
       type(event_type), intent(in) :: event
@@ -149,8 +149,8 @@ contains
 
    !> Gram-Schmidt orthonormalisation, applied twice.
    !!
-   !! A column that depends on those before it, to rounding, has length 0 and is replaced by some
-   !! other direction, so that the columns are always a basis.
+   !! A column that depends linearly on those before it, to rounding, gets length 0 and is replaced
+   !! by another direction, so that the columns are always a basis.
    pure subroutine orthonormalise(q, lengths)
       !> In: four columns. Out: orthonormal columns.
       real(wp), intent(inout) :: q(4, 4)

@@ -11,7 +11,7 @@ module vi_attractor_target
 
    public :: difference, over_period
 
-   !> A stable periodic motion, and a neighbourhood from which states go to it.
+   !> A stable periodic motion, and a neighbourhood from which states converge to it.
    type, public :: target_type
       !> Of the event: a release, or an impact on the wall of this side.
       logical :: release = .false.
@@ -31,7 +31,7 @@ module vi_attractor_target
 
 contains
 
-   !> The state of an event less that of the motion.
+   !> The state of an event minus that of the motion.
    pure function difference(target, event) result(d)
       !> The motion.
       type(target_type), intent(in) :: target
@@ -62,7 +62,8 @@ contains
       type(event_type), intent(inout) :: events(:)
       !> Events up to the one that ends the period.
       integer, intent(out) :: n
-      !> False if there is no departure speed, the events have no room, or no event ends the period.
+      !> False if the departure speed is not positive, the simulation fails (for example, if the
+      !! events have no room), or no event ends the period.
       logical, intent(out) :: good
       type(state_type) :: state, final
       real(wp) :: phase, nearest, off, start(4)

@@ -1,4 +1,4 @@
-!> Attractors that are not periodic, distinguished by the places of their impacts.
+!> Attractors that are not periodic, distinguished by where their impacts lie.
 module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_basin, only: event_limited
@@ -16,11 +16,13 @@ module vi_attractor_wandering
 
    !> Largest number of such attractors.
    integer, parameter :: most_groups = 30
-   !> Load cycles from which the largest Lyapunov exponent is computed, those before, and batches.
+   !> Load cycles from which the largest Lyapunov exponent is computed, load cycles discarded before
+   !! them, and number of batches.
    integer, parameter :: exponent_cycles = 4000, exponent_discard = 500, batches = 20
-   !> Least largest exponent of chaos per load cycle.
+   !> The motion is chaotic if its largest exponent per load cycle exceeds this value.
    real(wp), parameter :: least_chaos = 2.0e-3_wp
-   !> Cells of the phase, and of x over the clearance either way.
+   !> Number of cells of the phase, which is also that of x per clearance, and number of cells of x
+   !! on either side of 0.
    integer, parameter :: cells = 24, reach = 240
 
    !> Coarse cells (phase, x, wall) in which an attractor has impacts.
@@ -36,11 +38,11 @@ contains
       progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> Its last impacts as in `store_events`.
+      !> Last impacts of the trajectory, as in `store_events`.
       real(wp), intent(in) :: values(:, :)
       !> (n) Walls of these impacts: +1 right, -1 left.
       integer, intent(in) :: sides(:)
-      !> In: a state of it. Out: the attractor, if it is new.
+      !> In: a state of the trajectory. Out: the attractor, if it is new.
       type(known_type), intent(inout) :: known
       !> In: cells of the attractors known so far. Out: with those of a new one.
       type(group_type), allocatable, intent(inout) :: groups(:)
@@ -107,7 +109,7 @@ contains
       integer, intent(in) :: max_events
       !> In and out: the cells.
       type(group_type), intent(inout) :: group
-      !> As of `simulate_on`.
+      !> As in `simulate_on`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
@@ -150,8 +152,8 @@ contains
       if (allocated(known%symbols)) deallocate (known%symbols)
       call largest_exponent(system, initial_state(system, known%state), exponent_discard, &
          exponent_cycles/batches, batches, max_events, known%largest, deviation, status, progress)
-      if (status /= stat%ok) return                                     ! impacts die out
-      ! a smaller exponent: it was a transient, which has ended meanwhile
+      if (status /= stat%ok) return                        ! for example, the impacts die out
+      ! with a smaller exponent, the motion was a transient that has ended in the meantime
       if (known%largest > -least_chaos) known%kind = merge(chaotic, quasi_periodic, &
          known%largest > least_chaos)
    end subroutine find_kind

@@ -1,4 +1,4 @@
-!> The study &basins: the attractor to which each initial state goes.
+!> The study &basins: the attractor that each initial state approaches.
 module vi_basins_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use vi_attractor_basin, only: event_limited, not_reached
@@ -135,7 +135,7 @@ contains
       if (present(columns)) columns = basins_columns
    end subroutine list_basins
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_basins(case)
       !> The case; coordinates that are axes lose their values.
       type(case_type), intent(inout) :: case
@@ -213,7 +213,7 @@ contains
       end associate
    end function initial_states
 
-   !> The states (5, n m) of the plane; the second axis varies first.
+   !> The states (5, n m) of the plane; the second axis varies fastest.
    pure function plane_states(study) result(states)
       !> The group.
       type(values_type), intent(in) :: study
@@ -239,7 +239,7 @@ contains
       states(4, :) = states(4, :) + states(2, :)
    end function plane_states
 
-   !> Bytes for all states, about 60 numbers of each, and for those simulated first.
+   !> Bytes for all states, about 60 numbers each, and for those simulated first.
    pure real(wp) function basins_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -257,7 +257,7 @@ contains
       end associate
    end function basins_memory
 
-   !> Finds the attractor to which each state goes.
+   !> Finds the attractor that each state approaches.
    subroutine run_basins(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -322,7 +322,7 @@ contains
    pure subroutine open_states(study, n, result)
       !> The group.
       type(values_type), intent(in) :: study
-      !> States.
+      !> Number of states.
       integer, intent(in) :: n
       !> The result.
       type(result_type), intent(inout) :: result
@@ -393,7 +393,7 @@ contains
       call remark_safety(case, n, labels, result)
    end subroutine put_attractors
 
-   !> The share of the simulated states that go to an attractor.
+   !> The share of the simulated states that approach an attractor.
    pure real(wp) function share(labels, i)
       !> (states) Number of the attractor of each state, and the one in question.
       integer, intent(in) :: labels(:), i

@@ -127,7 +127,7 @@ contains
       if (present(columns)) columns = bifurcation_columns
    end subroutine list_bifurcation
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_bifurcation(case)
       !> The case; a state that is given in part is completed with zeros.
       type(case_type), intent(inout) :: case
@@ -157,11 +157,11 @@ contains
       end associate
    end subroutine check_bifurcation
 
-   !> Checks what is given for each value.
+   !> Checks the keys that may have one number for each value.
    subroutine check_lists(case, n)
       !> The case.
       type(case_type), intent(inout) :: case
-      !> Values of the parameter.
+      !> Number of values of the parameter.
       integer, intent(in) :: n
       character(9), parameter :: names(2) = [character(9) :: 'clearance', 'r']
       real(wp), allocatable :: values(:)
@@ -187,7 +187,7 @@ contains
    pure function clearance_values(case, n) result(clearance)
       !> The case.
       type(case_type), intent(in) :: case
-      !> Values of the parameter.
+      !> Number of values of the parameter.
       integer, intent(in) :: n
       real(wp) :: clearance(n)
 
@@ -211,7 +211,7 @@ contains
       if (case%study%has('t')) state = state_of(case%study)
    end function start_state
 
-   !> Bytes for all runs and values: the impacts kept, three times, and about 60 numbers of each.
+   !> Bytes for all runs and values: three copies of the impacts kept, and about 60 numbers each.
    pure real(wp) function bifurcation_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -223,7 +223,7 @@ contains
       end associate
    end function bifurcation_memory
 
-   !> Sweeps, or starts anew at each value, and keeps the impacts after the transient.
+   !> Sweeps, or starts from many states at each value, and keeps the impacts after the transient.
    subroutine run_bifurcation(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -321,7 +321,7 @@ contains
    pure subroutine put_windows(values, directions, found, result, windows)
       !> Values of the parameter.
       real(wp), intent(in) :: values(:)
-      !> Direction of each run: 1 up, -1 down, 0 anew at each value.
+      !> Direction of each run: 1 up, -1 down, 0 with new states at each value.
       integer, intent(in) :: directions(:)
       !> The motions on which the runs settle.
       type(diagram_type), intent(in) :: found
@@ -378,7 +378,7 @@ contains
       call parameter_place(trim(parameter_of(case)), path%place, path%tied)
    end function path_of
 
-   !> The direction of each run: 1 up, -1 down, 0 anew at each value.
+   !> The direction of each run: 1 up, -1 down, 0 with new states at each value.
    pure function directions_of(case) result(directions)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -398,7 +398,7 @@ contains
 
    !> The name of a run.
    pure function run_name(directions, j) result(text)
-      !> Of all runs, and the number of the run.
+      !> Directions of all runs, and number of the run.
       integer, intent(in) :: directions(:), j
       character(len_trim(padded_name(directions, j))) :: text
 
@@ -407,7 +407,7 @@ contains
 
    !> The name of a run, padded with blanks.
    pure function padded_name(directions, j) result(text)
-      !> Of all runs, and the number of the run.
+      !> Directions of all runs, and number of the run.
       integer, intent(in) :: directions(:), j
       character(20) :: text
 

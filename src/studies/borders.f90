@@ -37,23 +37,23 @@ module vi_borders
       logical, allocatable :: used_seeds(:)
    end type zone_type
 
-   !> Distances at which a motion counts as one that repeats itself, over the first one. Where a
-   !! fold begins at such a motion, rounding can spoil the equations at the first distance.
+   !> Distances at which a motion counts as one that repeats itself, relative to the first one.
+   !! Where a fold begins at such a motion, rounding can spoil the equations at the first distance.
    real(wp), parameter, public :: distances(4) = [1, 3, 10, 30]
 
-   !> Loops kept, and points after which no further loop is begun.
+   !> Largest number of loops, and number of points after which no further loop is begun.
    integer, parameter, public :: most_loops = 400
    integer, parameter :: capacity = 150000
 
 contains
 
-   !> Traces the boundary from a place on it, unless it is on a loop already.
+   !> Traces the boundary from a place on it, unless that place already lies on a known loop.
    subroutine trace_border(border, apart, most, keep_open, zone, closed, progress)
       !> The place on the boundary.
       type(border_type), intent(in) :: border
       !> Distance at which a motion counts as one that repeats itself.
       real(wp), intent(in) :: apart
-      !> Most points of a loop.
+      !> Largest number of points of a loop.
       integer, intent(in) :: most
       !> Whether a curve that cannot be closed is kept.
       logical, intent(in) :: keep_open
@@ -100,14 +100,14 @@ contains
          zone%untraced = zone%untraced + 1
          return
       end if
-      ! a loop that the trace has only reached from this border may be known already
+      ! the trace may have led from this border to a loop that is already known
       begin%point = loop%points(:, 1)
       begin%condition = loop%conditions(1)
       call find_border(begin, zone, loop_at)
       if (loop_at > 0 .and. closed) return
       zone%retraced = zone%retraced .or. apart > zone%surface%frame%apart
       zone%n = zone%n + 1
-      ! without the unused room
+      ! drop the unused room
       zone%loops(zone%n) = picked(loop, [(loop_at, loop_at=1, loop%n)])
       zone%inside(:, zone%n) = border%inside
    end subroutine trace_border
@@ -118,7 +118,7 @@ contains
       type(curve_type), intent(in) :: surface
       !> The place on the boundary.
       type(border_type), intent(in) :: border
-      !> Largest number of points, and the direction, as of `trace_loop`.
+      !> Largest number of points, and the direction, as in `trace_loop`.
       integer, intent(in) :: most, way
       !> The boundary.
       type(loop_type), intent(out) :: loop
@@ -152,9 +152,9 @@ contains
       good = iterations > 0
    end subroutine move_apart
 
-   !> Puts the same curve, traced in the opposite direction from the same point, before it.
+   !> Joins a curve with its continuation in the opposite direction from the same first point.
    pure subroutine add_other_way(other, loop)
-      !> The curve traced in the opposite direction.
+      !> The continuation, in the order in which it was traced.
       type(loop_type), intent(in) :: other
       !> In: the curve. Out: both, in one direction.
       type(loop_type), intent(inout) :: loop
@@ -242,8 +242,8 @@ contains
          if (share < -0.01_wp .or. share > 1.01_wp) cycle
          lies_on = norm2(offset - share*chord) < 0.1_wp*length + 1.0e-6_wp
          if (.not. lies_on) cycle
-         ! the boundary of a narrow hole or the other side of a narrow tongue is this near too. The
-         ! distance from motions that repeat themselves differs from loop to loop: no such test
+         ! the boundary of a narrow hole or the other side of a narrow tongue is also this near. A
+         ! repetition is not tested further: its distance differs from loop to loop
          if (loop%conditions(i)%kind == repetition) return
          apart = distance_from(surface, [loop%conditions(i)], loop%points(:, i) + share*chord, &
             chord/length, border%point)

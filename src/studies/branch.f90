@@ -1,7 +1,7 @@
 !> Branches: a family of motions along one parameter, with its special points.
 !!
-!! Pseudo-arclength continuation follows the branch round folds. A special point is where one of the
-!! conditions of stability or admissibility changes its sign; it is located by Newton's method with
+!! Pseudo-arclength continuation follows the branch around folds. At a special point, one of the
+!! conditions of stability or admissibility changes sign; it is located by Newton's method with
 !! that condition as a further equation. A branch ends at a motion that repeats itself within its
 !! period, or that is symmetric; such motions form a branch of their own.
 module vi_branch
@@ -22,7 +22,7 @@ module vi_branch
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
       end_full = 5, end_stopped = 6
 
-   !> A step as short as this is not repeated in search of hidden special points.
+   !> A step this short is not repeated to search for hidden special points.
    real(wp), parameter :: least_step = 1.0e-6_wp
 
    !> A branch in one direction along a family, from its start.
@@ -40,13 +40,13 @@ contains
 
    !> Follows a family in one direction from a point, until it leaves the bounds of the parameter.
    subroutine follow_branch(curve, stride, point, way, most, branch, work, reported, progress)
-      !> With one active parameter and edges at its bounds.
+      !> The curve, with one active parameter and edges at its bounds.
       type(curve_type), intent(in) :: curve
       !> Limits on steps.
       type(stride_type), intent(in) :: stride
       !> The motion at the start: unknowns, then the parameter over its range (0 to 1).
       real(wp), intent(in) :: point(:)
-      !> +1 or -1: the way the parameter changes first.
+      !> +1 or -1: the direction in which the parameter changes first.
       integer, intent(in) :: way
       !> Largest number of points.
       integer, intent(in) :: most
@@ -109,7 +109,7 @@ contains
    !> Whether a step has to be repeated with a shorter length: it may hide a special point, or goes
    !! too far beyond one of the bounds.
    pure logical function is_too_far(before, now, next, shortest)
-      !> Start of the step before, start and end of this step.
+      !> Start of the previous step, start and end of this step.
       type(place_type), intent(in) :: before, now, next
       !> Least length of a step.
       real(wp), intent(in) :: shortest
@@ -119,7 +119,7 @@ contains
          next%values, now%came, next%came, merge(0.2_wp, 0.0_wp, now%conditions%kind <= &
          neimark_sacker)))
       if (can_shorten(next, 1.0e-5_wp)) is_too_far = is_too_far .or. changes_much(now, next)
-      ! values beyond a bound are not used: they may make no sense
+      ! values beyond a bound are not used: they may be meaningless
       if (can_shorten(next, shortest)) is_too_far = is_too_far .or. leaps_over(next)
    end function is_too_far
 
@@ -156,7 +156,7 @@ contains
       do i = 1, size(order)
          kind = now%conditions(order(i))%kind
          if (kind > neimark_sacker) cycle
-         ! those that cross were outside before, or are after it
+         ! the multipliers that cross are outside either before or after the crossing
          outside = outside_circle(found(order(i))%spectrum, kind)
          beyond = outside + merge(2, 1, kind == neimark_sacker)
          reached = .false.
@@ -219,7 +219,8 @@ contains
       type(branch_type), intent(inout) :: branch
       !> Whether one of them ends the branch.
       logical, intent(out) :: done
-      !> There may be more of them, which a shorter step can tell: nothing was appended.
+      !> Whether there may be more of them, which a shorter step can reveal; nothing is appended
+      !! then.
       logical, intent(out) :: unsure
       type(condition_type) :: none(0)
       type(place_type) :: found(size(now%values))
@@ -230,17 +231,17 @@ contains
       done = .false.
       unsure = .false.
       short = .not. can_shorten(next, least_step)
-      ! a start on a bound may lie outside by rounding: to enter is no event
+      ! a start on a bound may lie outside by rounding: entering the range is not an event
       crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= edge)
       beside = nearly_repeats(now, next)
       if (beside) then
-         ! the parameter differs from that of the bifurcation by the square of the distance
+         ! the difference of the parameter from the bifurcation is of second order in the distance
          crossed(fold) = .false.
       else if (crossed(fold) .neqv. turns_back(now, next)) then
-         ! folds are where the parameter turns back, and nowhere else
+         ! the parameter turns back at folds, and nowhere else
          unsure = .not. short
          if (unsure) return
-         ! this is another curve
+         ! the end of the step is on another curve
          done = .not. (crossed(fold) .or. next%leapt)
          if (done) return
          crossed(fold) = .false.
@@ -305,7 +306,7 @@ contains
       end associate
    end function turns_back
 
-   !> Whether a grazing touch is that of an impact whose approach speed becomes zero at the same
+   !> Whether a grazing touch belongs to an impact whose approach speed becomes zero at the same
    !! point.
    !!
    !! There the flight before or after that impact ends or begins with a touch: it is one event, not

@@ -14,14 +14,14 @@ module vi_branch_of
 
    !> The points of a branch; arrays as in vi_branch_table, points on the last axis.
    type, public :: points_type
-      !> Whether the motions are their own mirror images, and whether those of the pattern could be
-      !! although these are not.
+      !> Whether the motions are their own mirror images, and whether motions of the pattern can be
+      !! symmetric although these are not.
       logical :: symmetric = .false., mirrored = .false.
       integer :: n = 0
       real(wp), allocatable :: parameters(:, :), phases(:, :), impacts(:, :, :), scalars(:, :)
       complex(wp), allocatable :: multipliers(:, :)
       integer, allocatable :: verdicts(:, :), codes(:), special(:, :)
-      !> The reasons why it ends, at its first and at its last point, as of vi_branch.
+      !> The reasons why it ends, at its first and at its last point, as in vi_branch.
       integer :: reasons(2) = 0
       integer :: status = stat%ok
    end type points_type
@@ -37,13 +37,13 @@ contains
       !> Whether R2 always equals R1.
       logical, intent(in) :: tied
       !> Lowest and highest value of the parameter (clearance, not its logarithm), and the longest
-      !! step, the bounds being 0 and 1.
+      !! step, with the bounds at 0 and 1.
       real(wp), intent(in) :: bounds(2), longest
       !> Largest number of points in each direction.
       integer, intent(in) :: most
       !> The branch.
       type(points_type), intent(out) :: points
-      !> Progress counters, see vi_progress; the caller has added the work to those known.
+      !> Progress counters, see vi_progress; the caller has already added the work.
       integer, intent(inout), optional :: progress(3)
       type(branch_request_type) :: request
       integer :: n, capacity

@@ -125,7 +125,7 @@ contains
    subroutine check_branch_start(case, line)
       !> A case with a `start`, in which a fault is recorded.
       type(case_type), intent(inout) :: case
-      !> Of the group &branch.
+      !> Line of the group &branch.
       integer, intent(in) :: line
       type(motion_request_type) :: wanted
 
@@ -146,18 +146,18 @@ contains
    pure subroutine blame(start, text, line)
       !> The group.
       type(values_type), intent(inout) :: start
-      !> What is wrong with the motion, and what must be.
+      !> What is wrong with the motion, and what is required.
       character(*), intent(in) :: text
-      !> Of the group &branch.
+      !> Line of the group &branch.
       integer, intent(in) :: line
 
       start%fault = '&branch: the &motion before it '//text
       start%fault_line = line
    end subroutine blame
 
-   !> Checks what depends on several keys, and on the motion that the branch starts from.
+   !> Checks the rules that involve several keys, and on the motion that the branch starts from.
    subroutine check_branch(case)
-      !> With `start`.
+      !> The case, with `start`.
       type(case_type), intent(inout) :: case
       real(wp) :: start(2), low, high, least, most
       character(40) :: text
@@ -190,9 +190,9 @@ contains
 
    !> The least and the greatest value of the parameter at the start.
    function start_value(case, place) result(value)
-      !> With `start`.
+      !> The case, with `start`.
       type(case_type), intent(in) :: case
-      !> Of the parameter among `parameters`.
+      !> Place of the parameter among `parameters`.
       integer, intent(in) :: place
       real(wp) :: value(2)
       type(linear_system_type) :: system
@@ -206,7 +206,7 @@ contains
          call motion_request(case%osc, case%start, wanted)
          value = wanted%clearance
          if (wanted%kind /= 'periodic') return
-         ! the clearance follows from the phases; without a motion any bounds will do
+         ! the clearance follows from the phases; without a motion any bounds are accepted
          call periodic_chain(case%osc, case%r, wanted%pattern, wanted%restitution, wanted%phases, &
             wanted%acceptance, .false., system, motion)
          value = [huge(1.0_wp), -huge(1.0_wp)]
@@ -246,7 +246,7 @@ contains
       n = 0
       call add_expected_work(branch_work*size(motions), progress)
       do i = 1, size(motions)
-         ! at least one, so that there is something to keep
+         ! at least one branch is followed, so that there is something to keep
          if (n > 0) then
             if (is_stopped(progress)) exit
          end if
@@ -255,7 +255,7 @@ contains
             call refine(start%clearance, start)
          end if
          if (start%status /= stat%ok) then
-            ! if neither of a pair exists, this is reported once
+            ! if neither motion of a pair exists, this is reported only once
             if (i == 1 .or. any(motions%status == stat%ok)) then
                call result%fail(status_text(start%status))
             end if
@@ -294,7 +294,7 @@ contains
 
    !> Puts the columns of each branch as a whole.
    pure subroutine put_starts(branches, starts, result)
-      !> With points.
+      !> The branches, with their points.
       type(points_type), intent(in) :: branches(:)
       !> The motion that each starts from.
       type(motion_type), intent(in) :: starts(:)
@@ -319,9 +319,9 @@ contains
       call result%put('branches', 'start_X', [(starts(i)%x, i=1, n)])
    end subroutine put_starts
 
-   !> Says how far each branch came that was stopped, and how many were not begun.
+   !> Describes how far each stopped branch was followed, and how many branches were not begun.
    pure subroutine describe_cut(branches, wanted, name, place, result)
-      !> With points.
+      !> The branches, with their points.
       type(points_type), intent(in) :: branches(:)
       !> Number of motions that were to be followed.
       integer, intent(in) :: wanted
@@ -351,7 +351,7 @@ contains
 
    !> Puts the points of all branches into the result, in order along each.
    pure subroutine put_points(branches, result)
-      !> With points.
+      !> The branches, with their points.
       type(points_type), intent(in) :: branches(:)
       !> The result.
       type(result_type), intent(inout) :: result
@@ -417,15 +417,15 @@ contains
       call result%put_text('points', 'detail', detail)
    end subroutine put_points
 
-   !> Which impact and which wall each special point is about; 0 where none.
+   !> The impact and the wall to which each special point belongs; 0 if none.
    pure subroutine locate_special(branch, impact, wall)
-      !> With points.
+      !> The branch, with its points.
       type(points_type), intent(in) :: branch
       !> (n) number of the impact, and 1 or 2 for the right or left wall.
       integer, intent(out) :: impact(:), wall(:)
       integer :: family
 
-      ! an index above the family's own impacts counts conditions that no impact has
+      ! an index above the number of the family's own impacts belongs to no impact
       family = size(branch%phases, 1)
       if (branch%symmetric) family = family/2
       associate (kind => branch%special(1, :branch%n), place => branch%special(2, :branch%n), &

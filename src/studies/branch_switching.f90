@@ -1,8 +1,8 @@
 !> The motions that begin at a bifurcation of another motion, each at parameters near it.
 !!
-!! At a pitchfork the two motions without the mirror symmetry begin, at a flip one of twice the
-!! period, at a grazing one in which the touch is an impact. Newton's method starts from the motion
-!! at the bifurcation, changed along the critical eigenvector of [P], or with the touch inserted.
+!! At a pitchfork, two motions without mirror symmetry begin; at a flip, one of twice the period; at
+!! a grazing, one in which the touch is an impact. Newton's method starts from the motion at the
+!! bifurcation, changed along the critical eigenvector of [P], or with the touch inserted.
 module vi_branch_switching
    use vi_assess, only: assess_exact, assess_flights
    use vi_branch_of, only: is_symmetric
@@ -24,28 +24,28 @@ module vi_branch_switching
 
    public :: switch_arrays, switch_branch
 
-   !> Kinds of bifurcations at which motions begin, and how many begin at most.
+   !> Kinds of bifurcations at which motions begin, and largest number of motions that begin at one.
    integer, parameter, public :: at_pitchfork = 1, at_flip = 2, at_grazing = 3
    integer, parameter, public :: most_switched = 2
 
-   !> Changes of the parameter, over its value, at which a motion is searched, and sizes of the
-   !! first change along the eigenvector (of positions over the clearance, of phases).
+   !> Changes of the parameter, over its value, at which a motion is sought, and sizes of the first
+   !! change along the eigenvector (of positions over the clearance, of phases).
    real(wp), parameter :: offsets(4) = [1.0e-4_wp, 1.0e-3_wp, 5.0e-3_wp, 2.0e-2_wp], &
       sizes(4) = [0.003_wp, 0.01_wp, 0.03_wp, 0.1_wp]
-   !> A multiplier farther than this from the critical one is not the critical one.
+   !> Largest distance of a multiplier from 1 or -1 at which it still counts as the critical one.
    real(wp), parameter :: critical = 1.0e-2_wp
    real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
 
-   !> `switch_branch` between arrays.
+   !> As `switch_branch`, with results in arrays.
    pure subroutine switch_arrays(motion, kind, flight, side, parameter, tied, n, lengths, cycles, &
       sides, systems, phases, impacts, scalars, multipliers, verdicts)
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       type(motion_type), intent(in) :: motion
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       integer, intent(in) :: kind, flight, side, parameter
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       logical, intent(in) :: tied
       !> Number m of motions found.
       integer, intent(out) :: n
@@ -54,7 +54,7 @@ contains
       !> r, D, xi, mu, R1, R2 of each (6, m); (capacity, m), (capacity, 6, m), (6, m) as in
       !! vi_points.
       real(wp), intent(out) :: systems(:, :), phases(:, :), impacts(:, :, :), scalars(:, :)
-      !> (4, m) By falling modulus.
+      !> (4, m) By decreasing modulus.
       complex(wp), intent(out) :: multipliers(:, :)
       !> (3, m) consistent, admissible, stable.
       integer, intent(out) :: verdicts(:, :)
@@ -82,7 +82,7 @@ contains
       type(motion_type), intent(in) :: motion
       !> One of the kinds above.
       integer, intent(in) :: kind
-      !> Of a grazing: the flight that touches a wall, and the wall (+1 or -1).
+      !> For a grazing: the flight that touches a wall, and the wall (+1 or -1).
       integer, intent(in) :: flight, side
       !> Place of the parameter in the core (`by_r` .. `by_left`).
       integer, intent(in) :: parameter
@@ -124,8 +124,8 @@ contains
       end select
    end subroutine switch_branch
 
-   !> The motion itself; over half its period if it repeats itself then, as where a branch of
-   !! doubled motions ends, at a small distance from the flip.
+   !> The motion itself, or the motion of half its period if it repeats itself after that time, as
+   !! at the end of a branch of doubled motions, a small distance from the flip.
    pure subroutine undouble(motion, once)
       !> A motion.
       type(motion_type), intent(in) :: motion
@@ -152,17 +152,17 @@ contains
       end associate
    end subroutine undouble
 
-   !> A motion that parts from another one along the eigenvector of a multiplier 1 or -1.
+   !> A motion that branches off from another one along the eigenvector of a multiplier 1 or -1.
    pure subroutine part(motion, pattern, multiplier, parameter, tied, found, good)
       !> The motion at the bifurcation.
       type(motion_type), intent(in) :: motion
-      !> Pattern of the motion that parts from it: the same, or twice the same.
+      !> Pattern of the motion that branches off: the same, or the same twice.
       type(pattern_type), intent(in) :: pattern
       !> The critical multiplier, 1 or -1: the factor of the change from period to period.
       real(wp), intent(in) :: multiplier
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       integer, intent(in) :: parameter
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       logical, intent(in) :: tied
       !> The motion.
       type(motion_type), intent(out) :: found
@@ -251,15 +251,15 @@ contains
       good = image%status == stat%ok
    end subroutine mirror
 
-   !> The motion near a grazing with one impact more in each of some flights that touch a wall.
+   !> The motion near a grazing with one more impact in each of the given flights that touch a wall.
    pure subroutine with_touches(motion, flights, walls, parameter, tied, found, good)
       !> The motion at the grazing.
       type(motion_type), intent(in) :: motion
       !> The flights in rising order, and the wall that each touches (+1 or -1).
       integer, intent(in) :: flights(:), walls(:)
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       integer, intent(in) :: parameter
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       logical, intent(in) :: tied
       !> The motion, which is admissible.
       type(motion_type), intent(out) :: found
@@ -331,15 +331,15 @@ contains
    pure subroutine move_beside(motion, parameter, tied, offset, c, allowed)
       !> The motion.
       type(motion_type), intent(in) :: motion
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       integer, intent(in) :: parameter
-      !> As of `switch_branch`.
+      !> As in `switch_branch`.
       logical, intent(in) :: tied
       !> Change of the parameter over its value (over 0.01 if that is less).
       real(wp), intent(in) :: offset
       !> r, D, xi, mu, R1, R2
       real(wp), intent(out) :: c(:)
-      !> Whether there are such systems.
+      !> Whether these parameters are allowed.
       logical, intent(out) :: allowed
 
       c = parameters_of(motion)

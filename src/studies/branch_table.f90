@@ -19,7 +19,7 @@ module vi_branch_table
    public :: branch_arrays
 
    !> Units of work of one branch in the progress counters, and the part of them for following it in
-   !! both directions; the motions at its points take the rest.
+   !! both directions; the rest is for the motions at its points.
    integer, parameter, public :: branch_work = 1000
    integer, parameter :: follow_work = 300
 
@@ -50,7 +50,7 @@ contains
       real(wp), intent(out) :: parameters(:, :)
       !> (N, capacity), (N, 6, capacity), (6, capacity) as in vi_points.
       real(wp), intent(out) :: phases(:, :), impacts(:, :, :), scalars(:, :)
-      !> (4, capacity) By falling modulus.
+      !> (4, capacity) By decreasing modulus.
       complex(wp), intent(out) :: multipliers(:, :)
       !> (3, capacity) consistent, admissible, stable; (capacity) codes of vi_status.
       integer, intent(out) :: verdicts(:, :), codes(:)
@@ -58,11 +58,11 @@ contains
       integer, intent(out) :: special(:, :)
       !> Number of points; 0 if the start is a singular point.
       integer, intent(out) :: n
-      !> The reasons why it ends, at its first and at its last point, as of vi_branch.
+      !> The reasons why it ends, at its first and at its last point, as in vi_branch.
       integer, intent(out) :: reasons(2)
       !> `stat%ok`, or `stat%no_motion` if the pattern has no such family.
       integer, intent(out) :: status
-      !> Progress counters, see vi_progress; the caller has added the work to those known.
+      !> Progress counters, see vi_progress; the caller has already added the work.
       integer, intent(inout), optional :: progress(3)
       type(curve_type) :: curve
       type(condition_type), allocatable :: conditions(:)
@@ -86,7 +86,7 @@ contains
          call follow_both(curve, stride_type(longest=request%longest, turn=0.3_wp), start, &
             size(codes)/2, points, conditions, reasons, progress)
          reported = follow_work
-         ! what was followed until it was stopped is written
+         ! the points found before a stop are written
          cut = is_stopped(progress)
          do n = 1, size(conditions)
             call write_point(request, curve, points(:, n), conditions(n), parameters(:, n), &
@@ -127,7 +127,7 @@ contains
       type(branch_type) :: half(2)
       integer :: i, n, reported, work(2)
 
-      ! each way counts as much as it has of the range
+      ! each direction gets a share of the work equal to its share of the range
       work(1) = nint(follow_work*start(size(start)))
       work(2) = follow_work - work(1)
       do i = 1, 2
@@ -161,7 +161,7 @@ contains
       type(condition_type), intent(in) :: condition
       !> (6) r, D, xi, mu, R1, R2; (N), (N, 6), (6) as in vi_points.
       real(wp), intent(out) :: parameters(:), phases(:), impacts(:, :), scalars(:)
-      !> (4) By falling modulus.
+      !> (4) By decreasing modulus.
       complex(wp), intent(out) :: multipliers(:)
       !> (3) consistent, admissible, stable; a code of vi_status.
       integer, intent(out) :: verdicts(:), code

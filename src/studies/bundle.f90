@@ -1,7 +1,7 @@
 !> Many simulations in one call: initial states or parameters spread over threads.
 !!
-!! Each simulation is one task that writes to its own place, so the answer is the same to the last
-!! bit for any number of threads.
+!! Each simulation is one task that writes to its own place, so the results are identical to the
+!! last bit for any number of threads.
 module vi_bundle
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
@@ -15,7 +15,7 @@ module vi_bundle
 
    public :: simulate_bundle
 
-   !> Events that are found at a time; only their number is kept.
+   !> Number of events found at a time; the events themselves are not kept.
    integer, parameter :: chunk = 256
 
 contains
@@ -33,7 +33,7 @@ contains
       integer, intent(in) :: most_events, threads
       !> (7, m) as in `pack_state`. In: the initial states. Out: the final ones.
       real(wp), intent(inout) :: states(:, :)
-      !> (3, m) as in `pack_state`. In: of the initial states. Out: of the final ones.
+      !> (3, m) as in `pack_state`. In: contacts of the initial states. Out: of the final ones.
       integer, intent(inout) :: contacts(:, :)
       !> (2, m): impacts and rests.
       integer, intent(out) :: counts(:, :)
@@ -55,12 +55,12 @@ contains
       !$omp end parallel do
    end subroutine simulate_bundle
 
-   !> One simulation of which only the end and the numbers of impacts and rests are kept.
+   !> One simulation; only the final state and the numbers of impacts and rests are kept.
    subroutine simulate_counting(system, state, cycles, most_events, counts, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> In: the initial state. Out: the final one; if `most_events` were reached, that after the
-      !! last event.
+      !> In: the initial state. Out: the final one; if `most_events` were reached, the state after
+      !! the last event.
       type(state_type), intent(inout) :: state
       !> Load cycles simulated.
       real(wp), intent(in) :: cycles

@@ -1,8 +1,8 @@
 !> Charts: the motions of one pattern on a grid of frequency ratios and clearances.
 !!
-!! Results have a column for each r, and in it a place for each clearance and each slot. Every
-!! column or point is one task that writes to its own place, so the results have the same bits for
-!! any number of threads.
+!! Results have a column for each r, which holds a place for each clearance and each slot. Every
+!! column or point is one task that writes to its own place, so the results are identical to the
+!! last bit for any number of threads.
 module vi_chart
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_equispaced_row, only: new_row, row_pairs, row_type, summary_type
@@ -22,7 +22,7 @@ module vi_chart
 
    public :: equispaced_chart, exact_chart
 
-   !> Newton iterations from a solution.
+   !> Largest number of Newton iterations from a solution.
    integer, parameter :: polish = 10
 
 contains
@@ -36,13 +36,13 @@ contains
       real(wp), intent(in) :: r(:), clearance(:)
       !> Load cycles k in a period, odd.
       integer, intent(in) :: cycles
-      !> Whether the multipliers are wanted, or only the verdict on them; they cost the most.
+      !> Whether the multipliers are wanted, or only the verdict on them; they take the most time.
       logical, intent(in) :: with_multipliers
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
       !> (4, 2, m, n): x_1, tau, x_min, x_max
       real(wp), intent(out) :: scalars(:, :, :, :)
-      !> (4, 2, m, n), by falling modulus
+      !> (4, 2, m, n), by decreasing modulus
       complex(wp), intent(out) :: multipliers(:, :, :, :)
       !> (3, 2, m, n): consistent, admissible, stable
       integer, intent(out) :: verdicts(:, :, :, :)
@@ -93,11 +93,10 @@ contains
       !> (N, capacity, m, n), (N, 6, capacity, m, n), (6, capacity, m, n) as in vi_points; NaN in
       !! empty slots.
       real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
-      !> (4, capacity, m, n) By falling modulus; NaN in empty slots.
+      !> (4, capacity, m, n) By decreasing modulus; NaN in empty slots.
       complex(wp), intent(out) :: multipliers(:, :, :, :)
       !> (3, capacity, m, n); (capacity, m, n) codes of vi_status, `stat%no_motion` in empty slots;
-      !! (m, n)
-      !! motions found, those without a slot included.
+      !! (m, n) number of motions found, including those without a slot.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :), found(:, :)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
@@ -151,13 +150,13 @@ contains
       !> (N, capacity, m, n), (N, 6, capacity, m, n), (6, capacity, m, n), (4, capacity, m, n): as
       !! in vi_points
       real(wp), intent(out) :: phases(:, :, :, :), impacts(:, :, :, :, :), scalars(:, :, :, :)
-      !> (4, capacity, m, n) By falling modulus; NaN in empty slots.
+      !> (4, capacity, m, n) By decreasing modulus; NaN in empty slots.
       complex(wp), intent(out) :: multipliers(:, :, :, :)
       !> (3, capacity, m, n) consistent, admissible, stable; (capacity, m, n) codes of vi_status,
       !! `stat%no_motion` in empty slots.
       integer, intent(out) :: verdicts(:, :, :, :), status(:, :, :)
-      !> Progress counters, see vi_progress. A request to stop is not followed: what the search
-      !! found would be lost.
+      !> Progress counters, see vi_progress. A request to stop is ignored here, because the results
+      !! of the search would be lost.
       integer, intent(inout), optional :: progress(3)
       integer :: slots(size(ranks, 1), size(ranks, 2), size(ranks, 3))
       type(setting_type) :: here
@@ -201,7 +200,7 @@ contains
       type(summary_type), intent(in) :: summary
       !> (4) x_1, tau, x_min, x_max; NaN if the motion does not exist.
       real(wp), intent(out) :: scalars(:)
-      !> (4) By falling modulus; NaN if the motion does not exist.
+      !> (4) By decreasing modulus; NaN if the motion does not exist.
       complex(wp), intent(out) :: multipliers(:)
       !> (3) consistent, admissible, stable; a code of vi_status.
       integer, intent(out) :: verdicts(:), status

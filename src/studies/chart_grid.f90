@@ -30,14 +30,15 @@ module vi_chart_grid
 
    !> The motions of a grid, with the axes (slot, clearance, r) last.
    type, public :: chart_type
-      !> (N, ...) phases and displacements at the impacts; (4, ...) multipliers, by falling modulus.
+      !> (N, ...) phases and displacements at the impacts; (4, ...) multipliers, by decreasing
+      !! modulus.
       real(wp), allocatable :: phases(:, :, :, :), x(:, :, :, :)
       complex(wp), allocatable :: multipliers(:, :, :, :)
       !> Phase of equation (4), and the extreme displacements.
       real(wp), allocatable :: tau(:, :, :), x_min(:, :, :), x_max(:, :, :)
       !> (3, ...) consistent, admissible, stable; and the status.
       integer, allocatable :: verdicts(:, :, :, :), status(:, :, :)
-      !> (m, n) motions found at each point, with those for which there was no slot.
+      !> (m, n) number of motions found at each point, including those without a slot.
       integer, allocatable :: found(:, :)
    end type chart_type
 
@@ -47,13 +48,14 @@ contains
    subroutine compute_chart(osc, pattern, grid, threads, chart, progress)
       !> The system.
       type(oscillator_type), intent(in) :: osc
-      !> Without rest.
+      !> The pattern, without rest.
       type(pattern_type), intent(in) :: pattern
       !> The grid.
       type(chart_grid_type), intent(in) :: grid
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> What was found; of points that a stop left out the status is `not_computed`.
+      !> The motions found; points that were not reached before a stop have the status
+      !! `not_computed`.
       type(chart_type), intent(out) :: chart
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
@@ -80,7 +82,7 @@ contains
 
    !> The equispaced pair in the first two slots.
    subroutine add_pair(osc, pattern, grid, threads, chart, progress)
-      !> With equal walls.
+      !> The system, with equal walls.
       type(oscillator_type), intent(in) :: osc
       !> RL or LR, of an odd number of cycles.
       type(pattern_type), intent(in) :: pattern
@@ -88,9 +90,9 @@ contains
       type(chart_grid_type), intent(in) :: grid
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
-      !> With all slots.
+      !> The chart, with all slots.
       type(chart_type), intent(inout) :: chart
-      !> As of vi_progress.
+      !> As in vi_progress.
       integer, intent(inout), optional :: progress(3)
       real(wp), allocatable :: scalars(:, :, :, :)
 
@@ -115,15 +117,15 @@ contains
 
    !> Exact motions, found by a continuation over the grid, in the slots after those of the pair.
    subroutine add_exact(setting, grid, pair, kind, threads, chart, progress)
-      !> The system and the pattern; r and clearance do not matter.
+      !> The system and the pattern; r and clearance are not read.
       type(setting_type), intent(in) :: setting
       !> The grid.
       type(chart_grid_type), intent(in) :: grid
-      !> Slots of the pair, the symmetry that is wanted, and threads.
+      !> Number of slots of the pair, the symmetry that is wanted, and number of OpenMP threads.
       integer, intent(in) :: pair, kind, threads
-      !> With all slots.
+      !> The chart, with all slots.
       type(chart_type), intent(inout) :: chart
-      !> As of vi_progress.
+      !> As in vi_progress.
       integer, intent(inout), optional :: progress(3)
       real(wp), allocatable :: impacts(:, :, :, :, :), scalars(:, :, :, :)
       integer, allocatable :: found(:, :), rows(:), columns(:), points(:, :)
@@ -152,7 +154,7 @@ contains
       chart%found = chart%found + found
    end subroutine add_exact
 
-   !> At most `most` indices spread evenly over 1..n, both ends included (one alone: the middle).
+   !> At most `most` indices spread evenly over 1..n, including both ends (the middle if only one).
    pure function spread_indices(n, most) result(indices)
       !> Last index, and largest number of indices.
       integer, intent(in) :: n, most

@@ -3,8 +3,8 @@
 !! A sheet is a set of motions at connected points, at most one at each point. Two motions at
 !! neighbouring points belong together if each is the nearest of all motions at its point to the
 !! other. Sheets with more admissible stable motions are placed first, then those with more
-!! admissible ones, then the larger ones. Each slot holds sheets that do not touch, as far as the
-!! room allows.
+!! admissible ones, then the larger ones. Each slot holds sheets that do not touch, as far as there
+!! is room.
 module vi_chart_slots
    use vi_grid_continuation, only: admissible, admissible_stable, solved, steps
    use vi_kinds, only: wp
@@ -32,19 +32,19 @@ module vi_chart_slots
 
 contains
 
-   !> The slots of all motions; 0 for a motion without room.
+   !> The slots of all motions; 0 for a motion for which there is no room.
    pure subroutine assign_slots(pattern, scale, unknowns, ranks, counts, capacity, slots)
       !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> (m, n): `length_scale` of each point
       real(wp), intent(in) :: scale(:, :)
-      !> (2N, keep, m, n)
+      !> (2N, keep, m, n): x_i and theta_i of the motions found
       real(wp), intent(in) :: unknowns(:, :, :, :)
-      !> (keep, m, n), and (m, n) motions a point
+      !> (keep, m, n) rank of each motion, and (m, n) number of motions at each point
       integer, intent(in) :: ranks(:, :, :), counts(:, :)
       !> Number of slots.
       integer, intent(in) :: capacity
-      !> (keep, m, n)
+      !> (keep, m, n): slot of each motion
       integer, intent(out) :: slots(:, :, :)
       type(sheets_type) :: sheets
       integer :: holder(capacity, size(counts, 1), size(counts, 2))

@@ -112,7 +112,7 @@ contains
       if (present(columns)) columns = chart_columns
    end subroutine list_chart
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_chart(case)
       !> The case.
       type(case_type), intent(inout) :: case
@@ -150,7 +150,7 @@ contains
       end if
    end subroutine check_chart
 
-   !> The numbers along an axis increase.
+   !> Checks that the numbers along an axis increase.
    pure subroutine check_axis(study, name, axis)
       !> The group.
       type(values_type), intent(inout) :: study
@@ -169,7 +169,7 @@ contains
       end do
    end subroutine check_axis
 
-   !> Points along an axis.
+   !> Number of points along an axis.
    pure integer function points_of(study, name) result(n)
       !> The group.
       type(values_type), intent(in) :: study
@@ -183,7 +183,7 @@ contains
       end if
    end function points_of
 
-   !> The key that has the points along an axis.
+   !> The key that sets the number of points along an axis.
    pure function points_key(study, name) result(key)
       !> The group.
       type(values_type), intent(in) :: study
@@ -231,7 +231,7 @@ contains
       if (study%is('symmetric', 'no')) grid%symmetry = -1
    end function chart_grid_of
 
-   !> Bytes for all points: three times the numbers of each possible motion there.
+   !> Bytes for all points: three copies of the numbers of each possible motion.
    pure real(wp) function chart_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case

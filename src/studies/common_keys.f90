@@ -1,4 +1,4 @@
-!> Keys that several studies have, and the checks that go with them.
+!> Keys that several studies share, and the checks that go with them.
 module vi_common_keys
    use vi_kinds, only: wp
    use vi_orbit, only: by_right, n_parameters
@@ -78,9 +78,10 @@ module vi_common_keys
 
 contains
 
-   !> Checks the parameter of a line of values.
+   !> Checks the parameter of a study along a range of values.
    subroutine check_parameter(case)
-      !> With `parameter`, `low`, `high`, `values` and `spacing` in its study, or a `list`.
+      !> The case, with `parameter`, `low`, `high`, `values` and `spacing` in its study, or a
+      !! `list`.
       type(case_type), intent(inout) :: case
       integer :: place
       logical :: geometric
@@ -113,7 +114,7 @@ contains
 
    !> Checks a list of values of a parameter.
    subroutine check_list(case, place)
-      !> With `list` in its study.
+      !> The case, with `list` in its study.
       type(case_type), intent(inout) :: case
       !> Place of the parameter in `parameters`.
       integer, intent(in) :: place
@@ -142,7 +143,7 @@ contains
       if (ranges(place)%below) in_range = in_range .and. value < ranges(place)%high
    end function in_range
 
-   !> The ends of the range of a parameter, and the range in words, with blanks behind it.
+   !> The ends of the range of a parameter, and the range in words, padded with blanks.
    pure subroutine parameter_range(place, low, high, text)
       !> Place of the parameter in `parameters`.
       integer, intent(in) :: place
@@ -158,7 +159,7 @@ contains
       if (ranges(place)%below) high = nearest(high, -1.0_wp)
    end subroutine parameter_range
 
-   !> Whether each number is above the one before.
+   !> Whether each number is above the previous one.
    pure logical function rise(values)
       !> Some numbers.
       real(wp), intent(in) :: values(:)
@@ -176,7 +177,7 @@ contains
 
    !> The values of the parameter.
    pure function parameter_values(case) result(values)
-      !> With `low`, `high`, `values` and `spacing` in its study, or a `list`.
+      !> The case, with `low`, `high`, `values` and `spacing` in its study, or a `list`.
       type(case_type), intent(in) :: case
       real(wp), allocatable :: values(:)
 
@@ -202,9 +203,9 @@ contains
       if (tied) place = by_right
    end subroutine parameter_place
 
-   !> Checks that a window is without the resonance of a system without damping.
+   !> Checks that a window does not contain the resonance of an undamped system.
    pure subroutine check_window(case)
-      !> With `window_keys` in its study.
+      !> The case, with `window_keys` in its study.
       type(case_type), intent(inout) :: case
 
       if (len(case%study%fault) > 0 .or. .not. at_resonance(case%osc%xi, 1.0_wp)) return
@@ -224,7 +225,7 @@ contains
 
    !> The initial state: t, x, x', z, z'.
    pure function state_of(study) result(state)
-      !> With `state_keys`, all of which have values.
+      !> The group, with a value for each of `state_keys`.
       type(values_type), intent(in) :: study
       real(wp) :: state(5)
       integer :: i
@@ -236,9 +237,9 @@ contains
 
    !> Checks that the free mass starts between the walls.
    pure subroutine check_start(study, clearance)
-      !> With `state_keys`.
+      !> The group, with `state_keys`.
       type(values_type), intent(inout) :: study
-      !> The smallest one.
+      !> The smallest clearance.
       real(wp), intent(in) :: clearance
 
       if (len(study%fault) > 0) return

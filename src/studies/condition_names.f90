@@ -1,4 +1,4 @@
-!> The field's names for the conditions that bound the motions of a branch or a zone.
+!> The standard names of the conditions that bound the motions of a branch or a zone.
 module vi_condition_names
    use vi_frame, only: edge, flip, fold, grazing, joint, neimark_sacker, repetition, &
       rest_vanishes, zero_approach
@@ -19,7 +19,7 @@ contains
 
    !> The type of a condition that is zero.
    pure function condition_name(kind, index, symmetric, mirrored) result(name)
-      !> Kind and index of the condition, as of vi_frame.
+      !> Kind and index of the condition, as in vi_frame.
       integer, intent(in) :: kind, index
       !> Whether the family consists of symmetric motions.
       logical, intent(in) :: symmetric
@@ -51,10 +51,10 @@ contains
       end select
    end function condition_name
 
-   !> The detail of a condition: which flight touches which wall, which impact has no approach,
-   !! which parameter is at a bound.
+   !> The detail of a condition: which flight touches which wall, which impact has no approach
+   !! speed, which parameter is at a bound.
    pure function condition_detail(kind, index, side) result(detail)
-      !> Kind, index and side of the condition, as of vi_frame.
+      !> Kind, index and side of the condition, as in vi_frame.
       integer, intent(in) :: kind, index, side
       character(detail_length) :: detail
 

@@ -61,7 +61,7 @@ contains
       end do
    end subroutine all_conditions
 
-   !> The value of one condition; that of grazing at the stationary point given in it.
+   !> The value of one condition; for grazing, at the stationary point given in it.
    pure real(wp) function condition_value(frame, unknowns, c, condition) result(value)
       !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
@@ -120,7 +120,7 @@ contains
       end associate
    end function simple_value
 
-   !> The relative acceleration at which the masses part after an impact with R = 0.
+   !> The relative acceleration at which the masses separate after an impact with R = 0.
    pure real(wp) function departure(o, i)
       !> The orbit.
       type(orbit_type), intent(in) :: o
@@ -134,9 +134,9 @@ contains
 
    !> det(I - Q), det(I + Q) and the product of all 1 - lambda_i lambda_j, i < j.
    !!
-   !! All three from the normalised sums of vi_spectrum. The first is divided by the squared
-   !! distances to motions that repeat themselves, since these are reached with a multiplier 1 whose
-   !! distance to 1 goes with that square.
+   !! All three are computed from the normalised sums of vi_spectrum. The first is divided by the
+   !! squared distances to motions that repeat themselves, because a multiplier approaches 1 there,
+   !! and its distance to 1 is proportional to that square.
    pure subroutine stability_values(frame, unknowns, o, values, spectrum)
       !> The family, and its repetitions.
       type(frame_type), intent(in) :: frame
@@ -165,11 +165,11 @@ contains
       end do
    end subroutine stability_values
 
-   !> Whether the remaining condition of Jury's fails.
+   !> Whether the remaining Jury condition fails.
    !!
    !! The three numbers of `stability_values` can all be positive where several multipliers have
-   !! crossed the unit circle. There this condition fails by far. On the boundary of the stable
-   !! motions it is met, barely so where three multipliers lie on the circle.
+   !! crossed the unit circle. There this condition fails by a wide margin. On the boundary of the
+   !! stable motions it is met, but only just where three multipliers lie on the circle.
    pure logical function fails_jury(spectrum)
       !> Sums of the multipliers.
       type(spectrum_type), intent(in) :: spectrum
@@ -179,8 +179,8 @@ contains
       end associate
    end function fails_jury
 
-   !> The least gap at a stationary point inside a flight, at most one half. After an impact with R
-   !! = 0 the departure counts as well.
+   !> The least gap at a stationary point inside a flight, at most one half. After an impact with
+   !! R = 0, the departure counts as well.
    pure subroutine gap_of_flight(o, touch, gap)
       !> The orbit.
       type(orbit_type), intent(in) :: o
@@ -217,7 +217,7 @@ contains
    pure subroutine polish_touch(o, touch, gap)
       !> The orbit.
       type(orbit_type), intent(in) :: o
-      !> In: flight, wall, and about which share of its duration. Out: with the exact share.
+      !> In: flight, wall, and approximate share of its duration. Out: with the exact share.
       type(condition_type), intent(inout) :: touch
       !> The gap over the clearance; negative beyond the wall.
       real(wp), intent(out) :: gap

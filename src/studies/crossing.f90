@@ -11,9 +11,9 @@ module vi_crossing
 
 contains
 
-   !> Whether a condition may have changed its sign twice within the last two steps.
+   !> Whether a condition may have changed sign twice within the last two steps.
    !!
-   !! That is so if the parabola through three successive values has its extremum inside these
+   !! This is assumed if the parabola through three successive values has its extremum inside these
    !! steps, on the other side of zero.
    pure elemental logical function hidden_zero(before, now, next, first, second, margin) &
       result(hidden)
@@ -38,7 +38,7 @@ contains
       if (present(margin)) hidden = extreme*now < margin*now**2
    end function hidden_zero
 
-   !> The point of a step where a further condition is zero: Newton's method, else bisection.
+   !> The point of a step where a further condition is zero, by Newton's method or else bisection.
    pure subroutine locate(curve, conditions, from, to, which, place, share, good)
       !> The curve.
       type(curve_type), intent(in) :: curve
@@ -78,7 +78,7 @@ contains
             norm2(place%point - from%point) < 2*to%came
          if (good) exit
          if (norm2(high%point - low%point) < 1.0e-12_wp) exit
-         ! a nearer pair of points
+         ! narrow the bracket
          place%point = low%point + near*(high%point - low%point)
          call correct(curve, conditions, place%point, iterations, from%tangent)
          if (iterations == 0) exit
@@ -112,7 +112,7 @@ contains
    !! A condition that is violated at a zero of another one was met at the inside end, so it is zero
    !! in between, even if it has the same sign at both ends: a step may pass two of its zeros.
    pure subroutine innermost_zero(curve, now, next, inside, best, which)
-      !> With one active parameter.
+      !> The curve, with one active parameter.
       type(curve_type), intent(in) :: curve
       !> Start and end of the step.
       type(place_type), intent(in) :: now, next

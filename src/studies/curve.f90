@@ -1,7 +1,7 @@
 !> Curves of motions: Newton's method and tangents.
 !!
-!! With one active parameter the motions of a family are a curve; with two active parameters the
-!! motions on which one condition is zero (a fold, say).
+!! With one active parameter, the motions of a family form a curve; with two active parameters, the
+!! motions on which one condition is zero (for example, a fold) form a curve.
 module vi_curve
    use vi_conditions, only: condition_value
    use vi_curve_point, only: curve_type, parameters_of, point_size, to_point, unknowns_of
@@ -55,7 +55,7 @@ contains
       !> The unit tangent at the point, on the side of the normal. It comes from the last iteration,
       !! whose step is negligible.
       real(wp), intent(out), optional :: tangent(:)
-      !> How the iteration went.
+      !> How the iteration converged.
       type(correction_type), intent(out), optional :: correction
       real(wp) :: a(most, most), b(2, most), start(most), moved, before, residual
       logical :: regular, done
@@ -86,11 +86,12 @@ contains
          ! the error after this step is below rounding; where a fold starts at a pitchfork the
          ! residuals are below rounding before the point is known that well
          done = moved < 1.0e-8_wp
-         ! quadratic convergence: the ratio of the next step to this one is the square of that of
-         ! this one to the last; near a singular point the next step is not negligible yet
+         ! quadratic convergence: the ratio of the next step to this one is the square of the ratio
+         ! of this one to the previous one; near a singular point the next step is not yet
+         ! negligible
          if (done .and. .not. curve%frame%resting .and. i < most_iterations) then
             done = moved*(moved/before)**2 < 1.0e-13_wp .or. moved > 0.5_wp*before
-            ! motions that repeat themselves are such points
+            ! motions that repeat themselves are such singular points
             if (i == 1 .and. size(curve%frame%repetitions) > 0) done = moved < 1.0e-11_wp
          end if
          if (done .or. (residual < rounding .and. moved < 1.0e-4_wp .and. &
@@ -109,7 +110,7 @@ contains
       type(curve_type), intent(in) :: curve
       !> Conditions that are zero along it.
       type(condition_type), intent(in) :: conditions(:)
-      !> About the place of the crossing; moved into the plane.
+      !> Approximate place of the crossing; it is moved into the plane.
       real(wp), intent(in) :: guess(:)
       !> Unit normal of the plane.
       real(wp), intent(in) :: normal(:)
@@ -144,9 +145,8 @@ contains
          < span_of(curve%frame%family)
    end function in_order
 
-   !> Residuals of the motion and of the conditions, each with its gradient; the second right sides
-   !! are
-   !! 0.
+   !> Residuals of the motion and of the conditions, each with its gradient; the second right-hand
+   !! sides are 0.
    pure subroutine equations(curve, conditions, point, b, a)
       !> The curve.
       type(curve_type), intent(in) :: curve
@@ -154,7 +154,8 @@ contains
       type(condition_type), intent(in) :: conditions(:)
       !> A guess.
       real(wp), intent(in) :: point(:)
-      !> Out: b(1, j): residual j, b(2, :): 0; a(:, j): gradient of residual j by the coordinates.
+      !> Out: b(1, j): residual j, b(2, :): 0; a(:, j): gradient of residual j with respect to the
+      !! coordinates.
       real(wp), intent(inout) :: b(2, most), a(most, most)
       type(orbit_type) :: o
       real(wp) :: c(n_parameters), slope(most)
@@ -193,7 +194,7 @@ contains
       !> A guess.
       real(wp), intent(in) :: point(:)
       !> Out: b(1, j): residual j, or huge where the symbols cannot be followed; a(:, j): its
-      !! gradient by the coordinates.
+      !! gradient with respect to the coordinates.
       real(wp), intent(inout) :: b(2, most), a(most, most)
       type(rest_period_type) :: period
       type(measure_type) :: measure
@@ -224,8 +225,8 @@ contains
       if (any(curve%active > by_clearance)) call rest_differences(curve, conditions, point, a)
    end subroutine rest_equations
 
-   !> The derivatives of the equations of motions with rest by parameters other than r and log(D),
-   !! by central differences.
+   !> The derivatives of the equations of motions with rest with respect to parameters other than r
+   !! and log(D), by central differences.
    pure subroutine rest_differences(curve, conditions, point, a)
       !> The curve.
       type(curve_type), intent(in) :: curve
@@ -276,7 +277,7 @@ contains
       end do
    end function rest_values
 
-   !> Value of a condition, and its gradient by the coordinates of a point.
+   !> Value of a condition, and its gradient with respect to the coordinates of a point.
    pure subroutine condition_slope(curve, condition, point, value, slope)
       !> The curve.
       type(curve_type), intent(in) :: curve
@@ -353,7 +354,8 @@ contains
       end if
    end subroutine orbit_slope
 
-   !> The derivatives of a condition by all coordinates from one on, by central differences.
+   !> The derivatives of a condition with respect to all coordinates from a given one on, by central
+   !! differences.
    pure subroutine differences(curve, condition, point, first, slope)
       !> The curve.
       type(curve_type), intent(in) :: curve
@@ -377,7 +379,7 @@ contains
          slope(j) = (slope(j) - at(moved))/(2*h)
       end do
    contains
-      !> The value of the condition at a point near by.
+      !> The value of the condition at a nearby point.
       pure real(wp) function at(place)
          !> The point.
          real(wp), intent(in) :: place(:)
@@ -397,9 +399,9 @@ contains
       real(wp), intent(in) :: point(:), along(:)
       !> The unit tangent, on the side of `along`; 0 if it is not defined.
       real(wp), intent(out) :: tangent(:)
-      !> False if the tangent is not defined, as where curves cross.
+      !> False if the tangent is not defined, for example where curves cross.
       logical, intent(out) :: regular
-      !> As of `correction_type`, with `along` as the direction of travel.
+      !> As in `correction_type`, with `along` as the direction of travel.
       integer, intent(out), optional :: orientation
       real(wp) :: a(most, most), b(2, most), unused
       integer :: n, sign

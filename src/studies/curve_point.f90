@@ -17,14 +17,14 @@ module vi_curve_point
       real(wp) :: c(n_parameters) = 0
       !> Whether R2 is always R1.
       logical :: tied = .false.
-      !> Which parameters are active, where their coordinate is 0, and its unit.
+      !> Which parameters are active, their values where the coordinate is 0, and its unit.
       integer, allocatable :: active(:)
       real(wp), allocatable :: origin(:), scale(:)
    end type curve_type
 
 contains
 
-   !> Numbers in a point.
+   !> Number of coordinates of a point.
    pure integer function point_size(curve)
       !> The curve.
       type(curve_type), intent(in) :: curve
@@ -60,12 +60,13 @@ contains
       unknowns = point(:size(unknowns))
    end function unknowns_of
 
-   !> Converts a gradient by all unknowns, r and log(D) to one by the coordinates of a point.
+   !> Converts a gradient with respect to all unknowns, r and log(D) to one with respect to the
+   !! coordinates of a point.
    pure subroutine to_point(curve, slope)
       !> The curve.
       type(curve_type), intent(in) :: curve
-      !> In: by the unknowns, r, log(D). Out: by the coordinates; 0 for active parameters other than
-      !! r and log(D).
+      !> In: with respect to the unknowns, r, log(D). Out: with respect to the coordinates; 0 for
+      !! active parameters other than r and log(D).
       real(wp), intent(inout) :: slope(most)
       real(wp) :: by(2)
       integer :: k, n

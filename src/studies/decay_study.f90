@@ -76,7 +76,7 @@ contains
       if (present(columns)) columns = decay_columns
    end subroutine list_decay
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_decay(case)
       !> The case.
       type(case_type), intent(inout) :: case
@@ -107,7 +107,7 @@ contains
       end if
    end function clearance_values
 
-   !> Bytes for all peaks, about 20 numbers of each.
+   !> Bytes for all peaks, about 20 numbers each.
    pure real(wp) function decay_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -168,7 +168,7 @@ contains
       call add_summary(result, most, decrement, counts(done), status(done))
    end subroutine run_decay
 
-   !> The logarithmic decrement from each peak to the next one on the same side; NaN of the last
+   !> The logarithmic decrement from each peak to the next one on the same side; NaN for the last
    !! two.
    pure function decrements(x) result(decrement)
       !> (n) Displacements at the peaks, on alternate sides.
@@ -181,11 +181,11 @@ contains
       end associate
    end function decrements
 
-   !> Says what was found, and what is missing.
+   !> Reports what was found, and what is missing.
    subroutine add_summary(result, most, decrement, counts, status)
       !> The result.
       type(result_type), intent(inout) :: result
-      !> Peaks asked for in each run.
+      !> Number of peaks requested in each run.
       integer, intent(in) :: most
       !> (peaks) The decrements of all runs.
       real(wp), intent(in) :: decrement(:)

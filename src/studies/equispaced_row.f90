@@ -1,5 +1,5 @@
-!> The equispaced pair at one frequency ratio and many clearances: what depends on r is computed
-!! once.
+!> The equispaced pair at one frequency ratio and many clearances: quantities that depend only on r
+!! are computed once.
 !!
 !! The motion is its own mirror image half a period later, so one flight, from the right wall to the
 !! left one, determines it. Where the nodes of the flight cannot decide, the motion is examined by
@@ -34,7 +34,7 @@ module vi_equispaced_row
    !> What the motions of a row of a chart have in common.
    type, public :: row_type
       type(line_type) :: line
-      !> A motion of the row, of which only the given data are set.
+      !> A motion of the row; only its given data are set.
       type(motion_type) :: motion
       !> What the lanes of a block have in common.
       type(plan_type) :: plan
@@ -63,7 +63,8 @@ module vi_equispaced_row
 
 contains
 
-   !> A row of the chart; k = `cycles` is odd and both walls have one coefficient of restitution.
+   !> A row of the chart; k = `cycles` is odd, and both walls have the same coefficient of
+   !! restitution.
    pure subroutine new_row(osc, r, cycles, row)
       !> Oscillator with equal coefficients of restitution.
       type(oscillator_type), intent(in) :: osc
@@ -260,7 +261,7 @@ contains
             half%z_dot, q, regular)
       end associate
       if (.not. regular) return
-      ! lengths in units of the clearance leave the eigenvalues and bring the entries together
+      ! lengths in units of the clearance keep the eigenvalues and make the entries similar in size
       unit = [half%clearance, half%clearance, half%clearance, 1.0_wp]
       do j = 1, 4
          q(:, j) = q(:, j)*mirror*(unit(j)/unit)

@@ -1,7 +1,7 @@
 !> Symbols of simulated events: those of a period, of a ring of events, or between two phases.
 !!
-!! An impact is a symbol of its own. The impacts that accumulate on a wall make one symbol with the
-!! rest that they end in; see vi_symbols for how symbols are written as numbers.
+!! A single impact is one symbol. The impacts that accumulate on a wall form one symbol together
+!! with the rest in which they end; see vi_symbols for how symbols are written as numbers.
 module vi_event_symbols
    use vi_forced_system, only: event_type, impact_event, release_event, stick_event, two_pi
    use vi_kinds, only: wp
@@ -18,7 +18,7 @@ module vi_event_symbols
       integer, allocatable :: symbols(:), first(:), last(:)
    end type symbol_sequence_type
 
-   !> A period with which some events end.
+   !> A period at the end of a list of events.
    type, public :: period_type
       !> Load cycles, and the number of the event with which it ends.
       integer :: cycles = 0, last = 0
@@ -27,8 +27,8 @@ module vi_event_symbols
       real(wp) :: mismatch = huge(1.0_wp)
    end type period_type
 
-   !> A longer period is another one than a shorter one if it repeats itself better by this factor,
-   !! and the shorter one is certain with a mismatch (rad) as small as rounding makes it.
+   !> A longer period is listed after a shorter one if its mismatch is less than this factor times
+   !! that of the shorter one; none is sought if that product (rad) is as small as rounding.
    real(wp), parameter :: nearer = 0.3_wp, certain = 1.0e-9_wp
 
 contains
@@ -50,12 +50,12 @@ contains
       if (last == 0) last = size(events)
    end function last_of_period
 
-   !> The periods with which events end, the shortest one first.
+   !> The periods at the end of a list of events, the shortest one first.
    !!
-   !! A period repeats the symbols of the one before it, at about the same phases. After a period
-   !! doubling the shorter period nearly repeats itself too: a longer one is listed where it does
-   !! so better. The motion is likely that of the last one; if the simulation has not settled yet,
-   !! that motion may turn out to repeat itself after a shorter one.
+   !! A period repeats the symbols of the previous one, at about the same phases. After a period
+   !! doubling, the shorter period also nearly repeats itself; a longer one is listed if it does so
+   !! better. The motion probably has the last period listed; if the simulation has not settled yet,
+   !! the motion may turn out to have a shorter one.
    pure subroutine read_periods(events, longest, most_symbols, tolerance, periods, begin)
       !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
@@ -65,7 +65,7 @@ contains
       real(wp), intent(in) :: tolerance
       !> The periods; none if the events do not repeat themselves.
       type(period_type), allocatable, intent(out) :: periods(:)
-      !> Load phase (rad) from which on all events are known; that of no event by default.
+      !> Load phase (rad) from which all events are known; by default there is no such limit.
       real(wp), intent(in), optional :: begin
       type(period_type) :: found(longest), next
       type(symbol_sequence_type) :: before
@@ -78,7 +78,8 @@ contains
       ! a motion with rest has a release in each period: an older one belongs to the transient
       n = size(events)
       if (total_phase(events(n)) - total_phase(events(next%last)) > two_pi*longest) next%last = n
-      ! a thousandth of a cycle: the event one period before belongs to the window before
+      ! a thousandth of a cycle is added, so that the event one period earlier belongs to the
+      ! earlier window
       finish = total_phase(events(next%last)) + 1.0e-3_wp*two_pi
       least = tolerance
       n = 0
@@ -101,12 +102,12 @@ contains
       periods = found(:n)
    end subroutine read_periods
 
-   !> The symbol that is complete with each event: 0 for a release, and for an impact that is part
-   !! of an accumulation.
+   !> The symbol that ends with each event: 0 for a release, and for an impact that is part of an
+   !! accumulation.
    pure function symbol_endings(events, ring) result(symbols)
       !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
-      !> Whether the first event follows on the last one, as in a period.
+      !> Whether the first event follows the last one, as in a period.
       logical, intent(in) :: ring
       integer :: symbols(size(events))
       integer :: i, side, rounds
@@ -131,7 +132,7 @@ contains
    end function symbol_endings
 
    !> The symbols of all events, one after the other. An accumulation whose first impacts are not
-   !! among the events is a symbol all the same; without its rest it is as many symbols as impacts.
+   !! among the events is still a symbol; without its rest, each of its impacts is one.
    pure subroutine read_symbols(events, reading)
       !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)

@@ -45,10 +45,10 @@ module vi_find
    type, public :: findings_type
       !> The motions, stable ones first.
       type(described_type), allocatable :: motions(:)
-      !> Patterns searched, and all there are; Newton iterations started from guesses; solutions
-      !! that would pass through a wall; releases that Newton's method was started from;
-      !! solutions that could not be confirmed, or of which rounding hides whether they are
-      !! admissible.
+      !> Number of patterns searched, and of all patterns; Newton iterations started from guesses;
+      !! solutions that would pass through a wall; releases from which Newton's method was started;
+      !! solutions that could not be confirmed, or whose admissibility cannot be decided because of
+      !! rounding.
       integer :: patterns = 0, all_patterns = 0, guesses = 0, inadmissible = 0, releases = 0, &
          lost = 0
       !> Number of states of each outcome, as in vi_settled_motion.
@@ -68,7 +68,7 @@ module vi_find
 contains
 
    !> All motions at a point; the result does not depend on the number of threads. A search that is
-   !! stopped gives what the patterns, releases and states led to that were begun.
+   !! stopped returns the motions found from the patterns, releases and states that were begun.
    subroutine find_motions(request, findings, progress)
       !> The request.
       type(find_request_type), intent(in) :: request
@@ -110,7 +110,7 @@ contains
       allocate (batches(size(patterns)), lines(size(patterns)))
       total = sum([(size(patterns(i)%sides)**2, i=1, size(patterns))])
       associate (system => request%system, osc => request%system%osc)
-         ! without load there is no clearance in units of it: so large that nothing is there
+         ! without load, the clearance over the load is set so large that there are no motions
          c = [system%r, log(system%clearance/max(system%load, system%clearance*1.0e-300_wp)), &
             osc%xi, osc%mu, osc%restitution(right), osc%restitution(left)]
       end associate
@@ -199,8 +199,7 @@ contains
       type(pattern_type), intent(in) :: pattern
       !> x_i/D and theta_i of each (2N, m).
       real(wp), intent(in) :: unknowns(:, :)
-      !> Out: the admissible motions, and the numbers of those that are not and that are not known
-      !! to be.
+      !> Out: the admissible motions, and the numbers of inadmissible and of undecided ones.
       type(batch_type), intent(inout) :: batch
       type(found_type) :: found
       integer :: i, n
@@ -221,7 +220,7 @@ contains
       end do
    end subroutine keep_admissible
 
-   !> Adds the motions with rest to which Newton's method leads from releases.
+   !> Adds the motions with rest that Newton's method finds from releases.
    subroutine from_releases(request, scale, findings, progress)
       !> The request.
       type(find_request_type), intent(in) :: request
@@ -384,9 +383,9 @@ contains
 
    !> The motions with their descriptions, in order.
    subroutine describe_all(request, findings)
-      !> Where.
+      !> The request.
       type(find_request_type), intent(in) :: request
-      !> With the motions that were gathered.
+      !> In: the motions that were gathered. Out: with their descriptions.
       type(findings_type), intent(inout) :: findings
       type(described_type), allocatable :: described(:)
       integer, allocatable :: order(:)
@@ -400,7 +399,7 @@ contains
       !$omp end parallel do
       order = pack([(i, i=1, size(described))], described%motion%status == stat%ok)
       findings%lost = findings%lost + size(described) - size(order)
-      ! by insertion: what is equal keeps its order
+      ! insertion sort: equal motions keep their order
       do i = 2, size(order)
          n = order(i)
          do j = i, 2, -1
@@ -415,7 +414,7 @@ contains
    !> Whether a motion is listed before another: stable ones first, then by load cycles, impacts,
    !! sides, and position.
    pure logical function comes_before(one, other) result(before)
-      !> Both with their impacts.
+      !> The motions, with their impacts.
       type(described_type), intent(in) :: one, other
       real(wp), parameter :: places = 1.0e6_wp
       character(:), allocatable :: symbols, others

@@ -35,7 +35,7 @@ module vi_find_study
       meaning='releases from rest, for each wall and number of load cycles, from which &
       &Newton''s method starts'), max_events_key]
 
-   !> Of the search.
+   !> Columns of the search.
    type(column_type), parameter :: search_columns(*) = [ &
       column_type('search', 'patterns', wholes, listed=.false., &
       meaning='patterns of sides, each with its load cycles, that were searched'), &
@@ -109,11 +109,11 @@ contains
    subroutine run_find(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
-      !> Threads; the answer does not depend on them.
+      !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> Started.
+      !> The result, started.
       type(result_type), intent(inout) :: result
-      !> As of vi_progress.
+      !> As in vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(find_request_type) :: request
       type(findings_type) :: findings
@@ -189,9 +189,9 @@ contains
       call result%put('events', 'side', merge(1, 2, labels(2, :) > 0))
    end subroutine put_events
 
-   !> Puts into the result how it was searched.
+   !> Puts the counts of the search into the result.
    pure subroutine put_search(findings, result)
-      !> What was found.
+      !> The motions found, and counts of the search.
       type(findings_type), intent(in) :: findings
       !> The result.
       type(result_type), intent(inout) :: result
@@ -213,11 +213,11 @@ contains
       end associate
    end subroutine put_search
 
-   !> How it was searched: what the answer can be trusted for, and what not.
+   !> Describes the search, and so how far its result can be trusted.
    pure subroutine search_text(findings, text)
-      !> What was found.
+      !> The motions found, and counts of the search.
       type(findings_type), intent(in) :: findings
-      !> In words.
+      !> The description.
       character(:), allocatable, intent(out) :: text
       integer, parameter :: others(5) = [not_stable, unconfirmed, wandering, no_impacts, unfinished]
       character(*), parameter :: reasons(5) = [character(60) :: &

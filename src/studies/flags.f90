@@ -1,7 +1,7 @@
 !> The verdicts on stability, and little else, for very many points with given phases.
 !!
-!! Points are computed side by side (vi_lane_verdicts). Where those procedures are unsure the point
-!! is computed by the reference chain, that is, with LAPACK.
+!! Points are computed side by side (vi_lane_verdicts). If those procedures are unsure about a
+!! point, it is computed by the reference chain, that is, with LAPACK.
 module vi_flags
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_chain, only: periodic_chain
@@ -33,10 +33,10 @@ contains
    !> The verdicts of `periodic_chain` on the motions with given phases (m, N) at ratios r (m).
    subroutine stability_flags(osc, r, pattern, restitution, phases, acceptance, with_radius, &
       threads, wide, consistent, stable, radius, status, referred)
-      !> Oscillator; its walls' coefficients are not read, `restitution` is.
+      !> Oscillator; `restitution` is read instead of its coefficients of restitution.
       type(oscillator_type), intent(in) :: osc
-      !> (m) Frequency ratios; (N) coefficient of restitution of each impact; (m, N) phases (rad), a
-      !! point a row, the first one 0.
+      !> (m) Frequency ratios; (N) coefficient of restitution of each impact; (m, N) phases (rad),
+      !! one row for each point, the first phase 0.
       real(wp), intent(in) :: r(:), restitution(:), phases(:, :)
       !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
@@ -46,13 +46,13 @@ contains
       logical, intent(in) :: with_radius
       !> Number of OpenMP threads, at least 1.
       integer, intent(in) :: threads
-      !> Whether wide registers may be used if the processor has them; the bits are the same.
+      !> Whether wide registers may be used if the processor has them; the results are identical.
       logical, intent(in) :: wide
       !> (m) 1, 0, or -1 for unknown; and a code of vi_status.
       integer, intent(out) :: consistent(:), stable(:), status(:)
       !> (m) Spectral radius; NaN where it is not wanted or the motion failed.
       real(wp), intent(out) :: radius(:)
-      !> Points that went through the reference chain.
+      !> Number of points computed by the reference chain.
       integer, intent(out) :: referred
       type(plan_type) :: plan
       type(workspace_type) :: workspace
@@ -124,7 +124,7 @@ contains
       if (with_radius) radius = spectral(:m)
    end subroutine block
 
-   !> The points of a block that are unsure, by the reference chain.
+   !> Computes the unsure points of a block by the reference chain.
    subroutine refer(osc, r, pattern, restitution, phases, acceptance, with_radius, workspace, &
       consistent, stable, radius, status, referred)
       !> Oscillator.

@@ -29,7 +29,7 @@ module vi_forced_system
    end type forced_system_type
 
    !> State of the system (lengths in F0/K, velocities in omega F0/K). The load phase r t is kept as
-   !! whole cycles and the rest, so that its error does not grow with time.
+   !! whole cycles and the remainder, so that its error does not grow with time.
    type, public :: state_type
       integer(int64) :: cycle = 0
       !> In [0, 2 pi).
@@ -74,7 +74,7 @@ contains
    pure real(wp) function state_time(cycle, phase, r) result(time)
       !> Whole load cycles.
       integer(int64), intent(in) :: cycle
-      !> Load phase above them (rad), and frequency ratio.
+      !> Load phase beyond them (rad), and frequency ratio.
       real(wp), intent(in) :: phase, r
 
       time = (two_pi*real(cycle, wp) + phase)/r

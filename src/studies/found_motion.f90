@@ -24,25 +24,25 @@ module vi_found_motion
 
    !> Newton iterations for a motion without rest.
    integer, parameter :: most_iterations = 50
-   !> Events that a period with rest may have: most have few.
+   !> Largest numbers of events of a period with rest, tried in turn: most periods have few events.
    integer, parameter :: rooms(2) = [200, 20000]
 
    !> A motion that a search has found.
    type, public :: found_type
-      !> Without rest the sides of the impacts; with rest no sides. And the load cycles.
+      !> The sides of the impacts (no sides with rest), and the load cycles.
       type(pattern_type) :: pattern
       !> x_i, theta_i (2n); none with rest.
       real(wp), allocatable :: unknowns(:)
       !> With rest: side, phase and velocity of the releases of a period (3, m).
       real(wp), allocatable :: releases(:, :)
-      !> As of vi_motion.
+      !> As in vi_motion.
       integer :: admissible = unknown, stable = unknown
       integer :: status = stat%no_motion
    end type found_type
 
    !> A motion with its full description.
    type, public :: described_type
-      !> Of one with rest as `find_rest_motion` gives it.
+      !> One with rest is as `find_rest_motion` returns it.
       type(motion_type) :: motion
       !> With rest: all events of a period.
       type(event_type), allocatable :: events(:)
@@ -89,7 +89,7 @@ contains
       integer, intent(in) :: side, cycles
       !> (phase, v) at the release.
       real(wp), intent(in) :: guess(2)
-      !> Events that the period may have.
+      !> Largest number of events of the period.
       integer, intent(in) :: capacity
       !> The motion with its verdicts; without its arrays unless its status is `stat%ok`, or
       !! `stat%no_convergence` because its period does not close to rounding.
@@ -121,13 +121,13 @@ contains
       found%releases(:, m) = [real(side, wp), point]
    end subroutine new_resting
 
-   !> Solves once more for a motion, with its full description.
+   !> Solves for a motion again, and describes it in full.
    pure subroutine describe_motion(system, found, described)
       !> The system.
       type(forced_system_type), intent(in) :: system
       !> The motion.
       type(found_type), intent(in) :: found
-      !> The same; its status says whether it could be confirmed.
+      !> The same motion; its status says whether it could be confirmed.
       type(described_type), intent(out) :: described
       real(wp) :: unknowns(size(found%unknowns)), none(size(found%unknowns), 0)
       integer :: n, iterations
@@ -147,7 +147,7 @@ contains
 
    !> A motion from arrays of fixed shape.
    pure function found_from(cycles, sides, unknowns, releases) result(found)
-      !> Load cycles of a period, and sides of the n impacts; one side 0 with rest.
+      !> Load cycles of a period, and sides of the n impacts; with rest, a single 0.
       integer, intent(in) :: cycles, sides(:)
       !> (2n) x_i, theta_i; and with rest (3, m) side, phase and velocity of the releases, otherwise
       !! a column of zeros.
@@ -189,11 +189,11 @@ contains
    pure subroutine find_in_form(system, found, form, changed, described)
       !> The system.
       type(forced_system_type), intent(in) :: system
-      !> The motion, about. With rest the last release is followed by the first impact described.
+      !> The approximate motion. With rest, the last release precedes the first impact described.
       type(found_type), intent(in) :: found
       !> 0 for the motion as it is given, 1 for its standard form, 2 for that of its mirror image.
       integer, intent(in) :: form
-      !> Whether it is given otherwise than in that form.
+      !> Whether the given motion is not in that form.
       logical, intent(out) :: changed
       !> The motion, or its status.
       type(described_type), intent(out) :: described
@@ -238,19 +238,19 @@ contains
       integer, intent(out) :: n, cycles
       !> Sides, 2 and -2 for accumulation and rest; coefficients of restitution; phases (rad).
       integer, intent(out) :: sides(:)
-      !> As of `sides`.
+      !> As in `sides`.
       real(wp), intent(out) :: restitution(:), phases(:)
       !> (capacity, 6), (6), (4), (3) as in vi_points.
       real(wp), intent(out) :: impacts(:, :), scalars(:)
-      !> As of `impacts`.
+      !> As in `impacts`.
       complex(wp), intent(out) :: multipliers(:)
-      !> As of `impacts`.
+      !> As in `impacts`.
       integer, intent(out) :: verdicts(:)
-      !> With rest: number of events of a period, and the events as of `store_events`.
+      !> With rest: number of events of a period, and the events as in `store_events`.
       integer, intent(out) :: n_events
-      !> As of `n_events`.
+      !> As in `n_events`.
       real(wp), intent(out) :: values(:, :)
-      !> As of `n_events`.
+      !> As in `n_events`.
       integer, intent(out) :: labels(:, :)
       !> That of the motion, or `stat%more_events` if the capacity is too small.
       integer, intent(out) :: status

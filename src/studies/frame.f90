@@ -23,7 +23,7 @@ module vi_frame
       !> Grazing: the wall and the share of the flight's duration; edge: +1 below, -1 above.
       integer :: side = 0
       real(wp) :: share = 0
-      !> Edge: the bound on the parameter; repetition: the distance that counts as none.
+      !> Edge: the bound on the parameter; repetition: the distance that counts as zero.
       real(wp) :: bound = 0
    end type condition_type
 
@@ -34,11 +34,11 @@ module vi_frame
       !> Bounds on parameters.
       type(condition_type), allocatable :: edges(:)
       !> Distance in (u, theta) at which a motion counts as one that repeats itself. The parameters
-      !! there differ from those of the bifurcation by its square; much nearer, rounding leaves too
-      !! little of the equations to find the corner of a fold that begins there.
+      !! there differ from those of the bifurcation by the order of its square. Much nearer,
+      !! rounding spoils the equations too much to find the corner of a fold that begins there.
       real(wp) :: apart = 3.0e-3_wp
-      !> Whether a Neimark-Sacker point counts where another multiplier is outside already: it does
-      !! on a branch; to a zone nothing but its edge matters.
+      !> Whether a Neimark-Sacker point counts if another multiplier is already outside the unit
+      !! circle: it does on a branch; for a zone only the boundary matters.
       logical :: every_crossing = .false.
       !> Motions with rest: another family, with unknowns of its own.
       logical :: resting = .false.

@@ -1,9 +1,9 @@
 !> Exact motions of one pattern on a grid: found at a few points, then continued to their
 !! neighbours.
 !!
-!! A sweep visits every point next to one that gained motions in the sweep before, and starts
+!! A sweep visits every point next to one that gained motions in the previous sweep, and starts
 !! Newton's method there from these. Each point reads only results from before the sweep and writes
-!! only its own, so the results have the same bits for any number of threads.
+!! only its own, so the results are identical to the last bit for any number of threads.
 !!
 !! The state of the continuation, with the clearances as rows j and the frequency ratios as columns
 !! k:
@@ -27,7 +27,7 @@ module vi_grid_continuation
 
    !> Ranks: the equations are solved; also admissible; also stable.
    integer, parameter, public :: solved = 0, admissible = 1, admissible_stable = 2
-   !> Neighbours of (j, k), and for each the number under which it has (j, k) as a neighbour.
+   !> Neighbours of (j, k), and for each the number of (j, k) among its own neighbours.
    integer, parameter, public :: steps(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
    integer, parameter :: back(4) = [2, 1, 4, 3]
    !> Largest number of Newton iterations from a neighbour, and of motions found by a search at a
@@ -92,7 +92,7 @@ contains
       integer, intent(inout) :: marks(:, :, :, :), counts(:, :, :)
       !> Motions gained in the last sweep: 0 when the continuation is complete.
       integer, intent(out) :: gained
-      !> As of vi_progress: a stop leaves the points that are not visited yet as they are.
+      !> As in vi_progress: a stop leaves the points that are not visited yet as they are.
       integer, intent(inout), optional :: progress(3)
       integer :: before(2, size(clearance), size(r)), s, j, k
 
@@ -135,7 +135,7 @@ contains
          kk = k + steps(2, side)
          if (.not. on_grid(jj, kk, before)) cycle
          do i = before(1, jj, kk) + 1, before(2, jj, kk)
-            ! the motion came from this point
+            ! skip a motion that came from this point
             if (marks(2, i, jj, kk) == back(side)) cycle
             n_old = n_here
             call extrapolate(length_scale(setting%osc, r(kk), clearance(jj)), jj, kk, steps(:, &
@@ -179,7 +179,7 @@ contains
 
    !> Whether a point belongs to the grid.
    pure logical function on_grid(j, k, counts)
-      !> The point, and (2, m, n) of the grid; only its shape is read.
+      !> The point, and the (2, m, n) counts of the grid; only their shape is read.
       integer, intent(in) :: j, k, counts(:, :, :)
 
       on_grid = j >= 1 .and. k >= 1 .and. j <= size(counts, 2) .and. k <= size(counts, 3)
@@ -219,7 +219,7 @@ contains
       rank = solved
       if (motion%admissible == yes) rank = merge(admissible_stable, admissible, &
          motion%stable == yes)
-      ! the last quarter of the room is kept for admissible stable motions, the one before it for
+      ! the last quarter of the room is kept for admissible stable motions, the third quarter for
       ! admissible ones
       if (n_here >= (size(marks, 2)*(rank + 2))/4) return
       n_here = n_here + 1

@@ -58,7 +58,7 @@ contains
 
       distance = huge(distance)
       associate (a => zone%loops(i), b => zone%loops(j))
-         ! a curve that is hardly longer than that does not enclose a zone
+         ! a curve hardly larger than the join distance does not enclose a zone
          if (i == j) then
             m = size(offset) - 2
             offset(:2) = maxval(abs(a%points(m + 1:, :a%n) - spread(a%points(m + 1:, 1), 2, &
@@ -77,7 +77,7 @@ contains
    pure subroutine join(zone, which, side)
       !> In and out: the loops.
       type(zone_type), intent(inout) :: zone
-      !> The loops and their ends, as of `between`.
+      !> The loops and their ends, as in `between`.
       integer, intent(in) :: which(2), side(2)
       type(loop_type) :: whole
       integer :: k
@@ -112,7 +112,7 @@ contains
       type(loop_type) :: second, between_them
       integer :: i
 
-      ! at a corner that could not be turned one vertex stands for both pieces
+      ! at a corner that could not be turned, one vertex stands for both pieces
       if (loop%corner(loop%n) == begins) loop = picked(loop, [(i, i=1, loop%n - 1)])
       if (present(next)) then
          second = next

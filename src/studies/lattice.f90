@@ -21,16 +21,16 @@ module vi_lattice
       type(axis_type) :: axes(2)
    end type lattice_type
 
-   !> Spacings of 17 lines: of log D; of r over its distance from 1; of r over r**2.
+   !> Spacings with 17 lines: of log D; of r, over its distance from 1; of r, over r**2.
    real(wp), parameter :: by_ratio = log(100.0_wp)/16, by_resonance = 0.27_wp, by_order = 0.5_wp
-   !> Distance from resonance below which this width counts instead of the distance.
+   !> Distance from the resonance within which the spacing hardly decreases further.
    real(wp), parameter :: width = 0.1_wp
-   !> Largest number of lines over the number asked for.
+   !> Largest number of spacings, over the number requested.
    integer, parameter :: most = 8
 
 contains
 
-   !> The lattice of a window, with at least as many lines in each direction as asked for.
+   !> The lattice of a window, with at least the requested number of lines in each direction.
    pure function new_lattice(lines, window, scale) result(lattice)
       !> Least number of lines in each direction, at least 2.
       integer, intent(in) :: lines
@@ -104,7 +104,7 @@ contains
 
    !> Evenly spaced numbers from 0 to 1.
    pure function even(lines) result(at)
-      !> How many, at least 2.
+      !> Number of lines, at least 2.
       integer, intent(in) :: lines
       real(wp) :: at(lines)
       integer :: i

@@ -97,7 +97,7 @@ contains
       if (present(columns)) columns = lyapunov_columns
    end subroutine list_lyapunov
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_lyapunov(case)
       !> The case.
       type(case_type), intent(inout) :: case
@@ -108,7 +108,7 @@ contains
          if (study%whole_number('cycles') < 2*study%whole_number('batches')) call &
             study%refuse('cycles', 'batches is '//whole(study%whole_number('batches')))
          call check_points(case)
-         ! the walls may move with the parameter: the state is between the nearest of them
+         ! the clearance may vary from point to point: the smallest one counts
          if (study%has('clearance')) then
             call check_start(study, minval(study%numbers('clearance')))
          else
@@ -153,7 +153,7 @@ contains
       end if
    end function count_points
 
-   !> The points of a line or a list, or the one of the case.
+   !> The points of a line or a list, or the single point of the case.
    pure subroutine list_points(case, r, clearance)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -176,14 +176,14 @@ contains
    pure subroutine spread_out(given, values)
       !> The numbers of the case: one, or one for each point.
       real(wp), intent(in) :: given(:)
-      !> At each point.
+      !> The number at each point.
       real(wp), intent(out) :: values(:)
 
       values = given(1)
       if (size(given) == size(values)) values = given
    end subroutine spread_out
 
-   !> Bytes for all points, about 100 numbers of each.
+   !> Bytes for all points, about 100 numbers each.
    pure real(wp) function lyapunov_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -255,7 +255,7 @@ contains
       call result%fail('no exponents at '//whole(lost)//' of '//counted(n, 'point')//': '//reason)
    end subroutine run_lyapunov
 
-   !> Opens the table of the points: of the one point, a list, or an array.
+   !> Opens the table of the points: a single point, a list, or an array.
    pure subroutine open_points(case, n, result)
       !> The case.
       type(case_type), intent(in) :: case

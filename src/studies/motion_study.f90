@@ -59,7 +59,7 @@ module vi_motion_study
       why=', which leaves no residual', &
       meaning='largest relative residual that counts as consistent')]
 
-   !> Of the motions and their impacts.
+   !> Columns of the motions and their impacts.
    type(column_type), parameter :: impact_columns(*) = [ &
       column_type('motions', 'motion', wholes, meaning='number of the motion'), &
       column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
@@ -118,7 +118,7 @@ module vi_motion_study
       meaning='load phase from which the exact motion was found, if the linear equations were &
       &solved for it first')]
 
-   !> Of events of motions with rest.
+   !> Columns of the events of motions with rest.
    type(column_type), parameter :: event_columns(*) = [ &
       column_type('events', 'time', unit='1/omega', listed=.false., &
       meaning='time since the first event of the period'), &
@@ -151,7 +151,7 @@ module vi_motion_study
       type(pattern_type) :: pattern
       !> Load phases and coefficients of restitution (n).
       real(wp), allocatable :: phases(:), restitution(:)
-      !> Of a guess that is a whole motion: displacements at the impacts (n), else (0), and tau.
+      !> If a whole motion is guessed: displacements at the impacts (n), otherwise (0), and tau.
       real(wp), allocatable :: positions(:)
       real(wp) :: tau = 0
       real(wp) :: clearance = 0, acceptance = 0
@@ -184,7 +184,7 @@ contains
       if (present(columns)) columns = motion_columns
    end subroutine list_motion
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_case(case)
       !> The case.
       type(case_type), intent(inout) :: case
@@ -192,7 +192,7 @@ contains
       call check_motion(case%osc, case%study)
    end subroutine check_case
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_motion(osc, values)
       !> The system.
       type(oscillator_type), intent(in) :: osc
@@ -238,7 +238,7 @@ contains
    subroutine check_phases(values, n)
       !> The group.
       type(values_type), intent(inout) :: values
-      !> Impacts in the period.
+      !> Number of impacts in the period.
       integer, intent(in) :: n
       real(wp), allocatable :: phases(:)
       real(wp) :: period, unit
@@ -345,7 +345,7 @@ contains
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio.
       real(wp), intent(in) :: r
-      !> With `positions`.
+      !> The data of the motion, with `positions`.
       type(motion_request_type), intent(in) :: wanted
       !> The motion, with its verdicts and status.
       type(motion_type), intent(out) :: motion
@@ -397,8 +397,8 @@ contains
       end do
    end subroutine run_motion
 
-   !> Puts motions into the result; one that failed has no impacts, and NaN for numbers. Where they
-   !! come from is put there by `put_origin`.
+   !> Puts motions into the result; one that failed has no impacts, and NaN for numbers. Their
+   !! origin is added by `put_origin`.
    pure subroutine put_motions(motions, result)
       !> The motions.
       type(motion_type), intent(in) :: motions(:)
@@ -462,13 +462,13 @@ contains
       end do
    end subroutine put_motions
 
-   !> Puts into the result where its motions come from.
+   !> Puts the origin of the motions into the result.
    pure subroutine put_origin(case, kind, single, load, result)
-      !> The case, with their system.
+      !> The case, with the system of the motions.
       type(case_type), intent(in) :: case
       !> Place of a word of the column `kind`.
       integer, intent(in) :: kind
-      !> Whether the arithmetic is that of 32 bits.
+      !> Whether the motions were computed in single precision.
       logical, intent(in) :: single
       !> Load amplitude (F0).
       real(wp), intent(in) :: load

@@ -51,7 +51,7 @@ module vi_net
       logical :: full = .false.
    end type net_type
 
-   !> Room for nodes and borders, and steps that may be made.
+   !> Room for nodes and borders, and largest number of steps.
    integer, parameter :: capacity = 40000, border_capacity = 20000, most_steps = 4000000
 
 contains
@@ -127,12 +127,12 @@ contains
       end do
    end subroutine cover
 
-   !> Follows the lines through a motion that is no node, then the lattice lines that they cross,
+   !> Follows the lines through a motion that is not a node, then the lattice lines that they cross,
    !! and covers the surface from there.
    subroutine cover_from(net, at, unknowns, progress)
       !> In and out: the net.
       type(net_type), intent(inout) :: net
-      !> Its place in the window.
+      !> Place of the motion in the window.
       real(wp), intent(in) :: at(2)
       !> Unknowns of the motion.
       real(wp), intent(in) :: unknowns(:)
@@ -221,7 +221,7 @@ contains
          left = leaving
          leaving = leaves(next, line)
          if (known .or. (leaving .and. .not. left)) return
-         ! a closed curve between the lattice lines returns to a point of its own
+         ! a closed curve between the lattice lines returns to one of its own points
          call pass(line, mark(size(mark)), now, next, point, passes)
          point = point - mark
          call wrap_phases(net%surface%frame, point)
@@ -324,7 +324,7 @@ contains
          border%condition = best%conditions(which)
          border%inside(3 - direction) = other
          border%inside(direction) = merge(now%point(n + 1), next%point(n + 1), inside)
-         ! on an edge of the window it would lie on the loop
+         ! on an edge of the window, this point would lie on the loop
          do j = 1, 2
             associate (far => net%lines%axes(j)%at(size(net%head, j)))
                border%inside(j) = max(1.0e-6_wp, min(far - 1.0e-6_wp, border%inside(j)))

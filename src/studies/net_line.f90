@@ -57,8 +57,8 @@ contains
       end associate
    end function leaves
 
-   !> Whether a step may pass through a zone: what is violated at its start is met at its end, and
-   !! something else is violated there.
+   !> Whether a step may pass through a zone: the conditions violated at its start are met at its
+   !! end, where other conditions are violated.
    pure logical function may_pass(now, next)
       !> (conditions) Values at the start and at the end of the step.
       real(wp), intent(in) :: now(:), next(:)
@@ -76,7 +76,7 @@ contains
       type(place_type), intent(in) :: now, next
       !> The point, if the level is passed.
       real(wp), intent(out) :: point(:)
-      !> Whether it is.
+      !> Whether the level is passed.
       logical, intent(out) :: passes
       type(condition_type) :: at
       real(wp) :: a, b

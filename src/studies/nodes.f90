@@ -1,7 +1,7 @@
 !> Flights of one duration: the free and the forced oscillation at fixed nodes, computed once.
 !!
 !! Every flight is a linear combination of these. A bound on its fourth derivative bounds it between
-!! the nodes; where the bound cannot decide, the caller has to use another method.
+!! the nodes; if the bound cannot decide, the caller has to use another method.
 module vi_nodes
    use vi_bernstein, only: sag, stays_within
    use vi_kinds, only: wp
@@ -32,7 +32,7 @@ contains
    pure subroutine new_nodes(xi, r, duration, nodes)
       !> Damping ratio, frequency ratio, and duration of the flights (1/omega).
       real(wp), intent(in) :: xi, r, duration
-      !> Out: the nodes; its arrays are allocated anew.
+      !> Out: the nodes; the arrays are reallocated.
       type(nodes_type), intent(inout) :: nodes
       real(wp) :: t, h, shrink, s, c, wanted
       integer :: j
@@ -66,7 +66,7 @@ contains
       real(wp), intent(in) :: parts(4), bound
       !> x and its rise at the nodes (0:n); at both ends |x| is the same.
       real(wp), intent(in) :: x(0:), x_rise(0:)
-      !> Largest |x|; means nothing unless `certain`.
+      !> Largest |x|; has no meaning unless `certain`.
       real(wp), intent(out) :: largest
       !> False where the proof failed.
       logical, intent(out) :: certain
@@ -75,7 +75,7 @@ contains
 
       n = nodes%n
       dip = sag(bound, nodes%step)
-      ! both ends have one |x|, and the flight may rise into it from either side
+      ! |x| is the same at both ends, and may be larger just after the start or just before the end
       top = n
       do j = n - 1, 1, -1
          if (abs(x(j)) > abs(x(top))) top = j
@@ -112,7 +112,7 @@ contains
       integer, intent(in) :: j
       !> Time from the node to the stationary point (1/omega), of either sign, and x there.
       real(wp), intent(out) :: shift, x
-      !> Terms of the Taylor series about the node; what is left out is below rounding.
+      !> Terms of the Taylor series about the node; the remainder is below rounding.
       integer, parameter :: terms = 11
       real(wp), parameter :: inverse_factorial(0:terms) = 1/gamma([1.0_wp, 2.0_wp, 3.0_wp, &
          4.0_wp, 5.0_wp, 6.0_wp, 7.0_wp, 8.0_wp, 9.0_wp, 10.0_wp, 11.0_wp, 12.0_wp])
@@ -130,7 +130,7 @@ contains
       c = (free + forced)*inverse_factorial
       shift = 0
       do i = 1, 8
-         ! the first steps need but few terms
+         ! the first steps need only a few terms
          last = merge(4, terms, i <= 2)
          slope = last*c(last)
          curvature = 0

@@ -12,7 +12,8 @@ module vi_outline
 
 contains
 
-   !> (5, n): r, D, the derivatives of r and log D by the length of the curve, length to the next.
+   !> (5, n): r, D, the derivatives of r and log D with respect to the length of the curve, and the
+   !! length to the next vertex.
    pure function vertices_of(surface, loop) result(vertices)
       !> The surface of motions over the window.
       type(curve_type), intent(in) :: surface

@@ -1,9 +1,9 @@
 !> The motions of one pattern at a point (r, D), from guesses there and along two lines through it.
 !!
-!! Newton's method misses motions whose neighbourhood of convergence is small. But the lines of
+!! Newton's method misses motions whose neighbourhood of convergence is small. However, the lines of
 !! constant D and of constant r through a motion, followed through their folds, often return to the
 !! point on another sheet. Each passage through the point gives a further motion, and both its lines
-!! are followed as well. Where a motion grazes a wall a line of another pattern begins, in which
+!! are followed as well. Where a motion grazes a wall, a line of another pattern begins, in which
 !! that touch is an additional impact.
 module vi_passages
    use vi_conditions, only: gap_of_flight, polish_touch
@@ -25,11 +25,11 @@ module vi_passages
    real(wp), parameter :: pi = acos(-1.0_wp)
    !> Units of length along r and log D, those of the 1983 charts, and how far a line is followed.
    real(wp), parameter :: unit(2) = [0.4_wp, log(100.0_wp)], reach = 0.3_wp
-   !> No births are searched on a motion that is farther beyond a wall (over D) than this. The lines
-   !! of such births can lead to admissible motions: that was observed from 0.38 beyond.
+   !> Births are not sought on a motion that is farther beyond a wall (over D) than this. Lines of
+   !! births beyond a wall can lead to admissible motions; this was observed from 0.38 beyond.
    real(wp), parameter :: depth = 0.5_wp
-   !> Largest number of motions and of births kept of a pattern, and of steps along its lines; a
-   !! search with few guesses makes no more steps than the square of their number.
+   !> Largest number of motions and of births kept for a pattern, and of steps along its lines; a
+   !! search with few guesses makes at most as many steps as the square of their number.
    integer, parameter :: capacity = 128, most_births = 32, most_steps = 3000
 
    !> A motion that just touches a wall, written with the touch as an impact: in standard order.
@@ -49,14 +49,15 @@ module vi_passages
       type(curve_type) :: curve
       !> Unit of x_i/D.
       real(wp) :: scale = 1
-      !> Steps made, and at most.
+      !> Steps made, and their largest number.
       integer :: steps = 0, most_steps = 0
-      !> Most impacts of a pattern that is begun, and whether the walls are alike.
+      !> Largest number of impacts of a pattern that begins at a grazing, and whether the walls are
+      !! alike.
       integer :: symbols = 0
       logical :: alike = .false.
       integer, public :: n = 0, n_births = 0
-      !> Of each motion x_i/D and theta_i (2N, capacity), and whether its lines of constant D and of
-      !> constant r have been followed (2, capacity).
+      !> For each motion: x_i/D and theta_i (2N, capacity), and whether its lines of constant D and
+      !> of constant r have been followed (2, capacity).
       real(wp), allocatable, public :: unknowns(:, :)
       logical, allocatable :: followed(:, :)
       type(birth_type), public :: births(most_births)
@@ -70,13 +71,13 @@ contains
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Guesses for Newton's method.
+      !> Number of guesses for Newton's method.
       integer, intent(in) :: guesses
-      !> Most impacts of a pattern that begins where another one grazes.
+      !> Largest number of impacts of a pattern that begins where another one grazes.
       integer, intent(in) :: symbols
       !> Out: the motions found, their lines and births.
       type(lines_type), intent(inout) :: lines
-      !> Newton iterations that were started.
+      !> Number of Newton iterations that were started.
       integer, intent(out) :: tried
 
       call new_lines(pattern, c, lines)
@@ -151,7 +152,7 @@ contains
    end subroutine new_lines
 
    !> Follows a line in one direction, until it leaves the range of the parameter, an impact loses
-   !! its approach, or a part is reached that has been followed before.
+   !! its approach speed, or the line reaches a part that has been followed before.
    pure subroutine walk(lines, direction, unknowns, place, way)
       !> In and out: motions and births of the pattern.
       type(lines_type), intent(inout) :: lines
@@ -175,7 +176,7 @@ contains
       now%point = [unknowns, place]
       looks = size(gaps) < lines%symbols
       call look(lines%curve, now%point, looks, o, right, gaps, touches)
-      ! at a birth the new approach is zero
+      ! at a birth the approach speed of the new impact is zero
       if (.not. (right .or. abs(place) > 0)) return
       along = 0
       along(n) = way
@@ -275,13 +276,13 @@ contains
       end do
    end function is_known
 
-   !> A motion that touches a wall, with the touch as one impact more, in standard order.
+   !> A motion that touches a wall, with the touch as an additional impact, in standard order.
    pure subroutine insert(lines, point, touch, birth)
       !> Pattern and line of the motion.
       type(lines_type), intent(in) :: lines
       !> A point of the line that touches a wall.
       real(wp), intent(in) :: point(:)
-      !> Flight, wall and share of the flight's duration, about.
+      !> Flight, wall and approximate share of the flight's duration.
       type(condition_type), intent(in) :: touch
       !> The motion with the touch as an impact.
       type(birth_type), intent(out) :: birth
@@ -323,7 +324,7 @@ contains
 
    !> Adds the motions where a step passes the point.
    !!
-   !! A step round a fold may pass it twice: away from its beginning and back towards its end.
+   !! A step around a fold may pass the point twice: on the way to the fold and on the way back.
    pure subroutine note_passages(lines, now, next, known)
       !> In and out: motions are added.
       type(lines_type), intent(inout) :: lines
@@ -350,7 +351,7 @@ contains
       end if
    end subroutine note_passages
 
-   !> Whether a tangent that starts at a place passed coordinate 0 within a step before it.
+   !> Whether the tangent at a place passes coordinate 0 within one step before the place.
    pure logical function passes(q, slope, step)
       !> Coordinate at the place, its derivative along the tangent, and the length of the step.
       real(wp), intent(in) :: q, slope, step
@@ -358,7 +359,7 @@ contains
       passes = q*slope > 0 .and. abs(q) < step*abs(slope)
    end function passes
 
-   !> Adds the motion at the point to which a guess leads, if that is near.
+   !> Adds the motion at the point that Newton's method finds from a guess, if it is near the guess.
    pure subroutine note(lines, guess, step, known)
       !> In and out: the motion is added, and its line marked as followed.
       type(lines_type), intent(inout) :: lines

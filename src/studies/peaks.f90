@@ -1,9 +1,9 @@
 !> The peaks of the primary mass in free vibration, from the closed form of each flight and rest.
 !!
 !! A half oscillation lasts from one zero of x to the next. Its peak is the greatest |x| in it: a
-!! stationary point of a flight or rest, or an impact that turns the primary mass back. Zeros and
+!! stationary point of a flight or rest, or an impact that reverses the primary mass. Zeros and
 !! stationary points of x = exp(-decay t) C sin(nu t + phi) are known in closed form, so that no
-!! peak is missed, and none is sampled.
+!! peak is missed and no sampling is needed.
 module vi_peaks
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_forced_system, only: forced_system_type, event_type, flight_from, impact_event, &
@@ -19,7 +19,7 @@ module vi_peaks
 
    public :: find_peaks
 
-   !> A peak. Impacts and rests are counted from the one before, or from the start.
+   !> A peak. Impacts and rests are counted from the previous peak, or from the start.
    type, public :: peak_type
       !> Time (1/omega), displacement of the primary mass, and energy of both masses and the spring,
       !! over K and the square of the unit of length; after the impact if there is one at the peak.
@@ -39,14 +39,14 @@ module vi_peaks
       integer :: impacts = 0, rests = 0, impacts_before = 0, rests_before = 0
    end type half_type
 
-   !> The clock of the simulation. With load 0 the frequency ratio has no other meaning; above 1 it
-   !! is a resonance neither of the flights nor of the rests.
+   !> The clock of the simulation. With load 0 the frequency ratio has no other meaning; a value
+   !! above 1 is at resonance with neither the flights nor the rests.
    real(wp), parameter :: clock = 2, pi = two_pi/2
    !> Load cycles of the clock that are simulated at a time: 2 pi/omega.
    integer, parameter :: chunk = 2
    !> Units of work of a run in the progress counters.
    integer, parameter :: work = 100
-   !> Relative differences of this size are rounding; so are angles (rad) beyond the end of a
+   !> Sizes that count as rounding: of relative differences, and of angles (rad) beyond the end of a
    !! segment.
    real(wp), parameter :: rounding = 8*epsilon(1.0_wp), margin = 1.0e-12_wp
 
@@ -66,7 +66,7 @@ contains
       integer, intent(in) :: max_events, threads
       !> (most, n) Out: the peaks; a run ends with its last one.
       type(peak_type), intent(inout) :: peaks(:, :)
-      !> (n) Number of peaks found, fewer than `most` if the oscillation ends before.
+      !> (n) Number of peaks found, fewer than `most` if the oscillation ends earlier.
       integer, intent(out) :: counts(:)
       !> (n) `stat%ok`, `stat%event_limit`, `stat%budget`, or
       !! `stat%not_computed` if the computation was stopped before the end of the run.
@@ -99,12 +99,13 @@ contains
       type(peak_type), intent(inout) :: peaks(:)
       !> Number of peaks found.
       integer, intent(out) :: n
-      !> As of `find_peaks`.
+      !> As in `find_peaks`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       integer, parameter :: capacity = 128
-      !> Times the slowest oscillation, that of both masses together, after which a run ends.
+      !> Number of periods of the slowest oscillation, that of both masses together, allowed for
+      !! each peak before a run ends.
       real(wp), parameter :: patience = 4
       type(event_type) :: events(capacity)
       type(state_type) :: state, begin, final
@@ -150,7 +151,7 @@ contains
       call add_done_work(work - reported, progress)
    end subroutine follow
 
-   !> Counts an event, with which the next segment begins; it may be a peak.
+   !> Counts an event, at which the next segment begins; the event may be a peak.
    pure subroutine pass(system, event, half, peaks, n, begin)
       !> The system.
       type(forced_system_type), intent(in) :: system
@@ -173,7 +174,7 @@ contains
       begin%x_dot = event%x_dot_after
       begin%z_dot = event%z_dot_after
       begin%resting = event%kind == stick_event
-      ! the primary mass is turned back
+      ! the primary mass is reversed
       if (event%x*event%x_dot_before >= 0 .and. event%x*event%x_dot_after <= 0) call take( &
          point(system, begin, half), half, peaks, n)
    end subroutine pass
@@ -222,7 +223,7 @@ contains
          end associate
          kinetic = 0.5_wp*system%osc%mu*begin%z_dot**2
       end if
-      ! the smallest numbers: the oscillation has ended
+      ! the amplitude is close to underflow: the oscillation has ended
       if (.not. hypot(o%a, o%b) > sqrt(tiny(1.0_wp))) return
       ! x and -x have the same stationary points, to the last bit
       first = atan2(o%b, o%a)
@@ -247,7 +248,7 @@ contains
       type(half_type), intent(inout) :: half
       !> (most) In and out: the peaks.
       type(peak_type), intent(inout) :: peaks(:)
-      !> In and out: their number, at most that of places.
+      !> In and out: their number, at most the size of `peaks`.
       integer, intent(inout) :: n
 
       if (abs(here%x) <= rounding*abs(half%best%x)) return           ! a zero, to rounding

@@ -4,7 +4,7 @@
 !!
 !! - `impacts` (n, 6, m): x, z, x_dot_before, x_dot_after, z_dot_before, z_dot_after of each impact;
 !! - `scalars` (6, m): clearance, A, tau, residual, x_min, x_max;
-!! - `multipliers` (4, m), by falling modulus;
+!! - `multipliers` (4, m), by decreasing modulus;
 !! - `verdicts` (3, m): consistent, admissible, stable, each 1, 0, or -1 for unknown.
 !!
 !! What could not be computed is NaN.
@@ -46,7 +46,7 @@ contains
       !> (n, 6, m), (6, m) as above; NaN at a failed point, x_min and x_max also if the flights are
       !! not examined.
       real(wp), intent(out) :: impacts(:, :, :), scalars(:, :)
-      !> (4, m), by falling modulus; NaN at a failed point.
+      !> (4, m), by decreasing modulus; NaN at a failed point.
       complex(wp), intent(out) :: multipliers(:, :)
       !> (3, m) consistent, admissible, stable: 1, 0, -1 for unknown; (m) codes of vi_status.
       integer, intent(out) :: verdicts(:, :), status(:)
@@ -82,7 +82,7 @@ contains
       logical, intent(in) :: single, flights
       !> (2, 6, 2m), (6, 2m) as above; NaN where a motion does not exist.
       real(wp), intent(out) :: impacts(:, :, :), scalars(:, :)
-      !> (4, 2m), by falling modulus; NaN where a motion does not exist.
+      !> (4, 2m), by decreasing modulus; NaN where a motion does not exist.
       complex(wp), intent(out) :: multipliers(:, :)
       !> (3, 2m) consistent, admissible, stable: 1, 0, -1 for unknown; (2m) codes of vi_status.
       integer, intent(out) :: verdicts(:, :), status(:)
@@ -117,7 +117,7 @@ contains
       !> (n) Phases alpha_i (rad), (n, 6) and (6) as above; the last two are NaN if the iteration
       !! failed.
       real(wp), intent(out) :: phases(:), impacts(:, :), scalars(:)
-      !> (4) By falling modulus; NaN if the iteration failed.
+      !> (4) By decreasing modulus; NaN if the iteration failed.
       complex(wp), intent(out) :: multipliers(:)
       !> (3) consistent, admissible, stable: 1, 0, -1 for unknown; a code of vi_status; Newton
       !! iterations made.
@@ -143,7 +143,7 @@ contains
       real(wp), intent(in) :: x(:), theta(:)
       !> (n) Phases alpha_i (rad), (n, 6) and (6) as above.
       real(wp), intent(out) :: phases(:), impacts(:, :), scalars(:)
-      !> (4) By falling modulus.
+      !> (4) By decreasing modulus.
       complex(wp), intent(out) :: multipliers(:)
       !> (3) consistent, admissible, stable: 1, 0, -1 for unknown; a code of vi_status.
       integer, intent(out) :: verdicts(:), status
@@ -164,7 +164,7 @@ contains
       logical, intent(in) :: flights
       !> (n, 6), (6) as above; NaN if the motion failed.
       real(wp), intent(out) :: impacts(:, :), scalars(:)
-      !> (4) By falling modulus; NaN if the motion failed.
+      !> (4) By decreasing modulus; NaN if the motion failed.
       complex(wp), intent(out) :: multipliers(:)
       !> (3) consistent, admissible, stable: 1, 0, -1 for unknown; a code of vi_status.
       integer, intent(out) :: verdicts(:), status

@@ -80,7 +80,7 @@ contains
       if (present(columns)) columns = response_columns
    end subroutine list_response
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_response(case)
       !> The case.
       type(case_type), intent(inout) :: case

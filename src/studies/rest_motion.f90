@@ -219,13 +219,13 @@ contains
       map(2, :) = [p(1, 2)/ends(1), p(1, 1)*ends(2)/ends(1)]
    end subroutine map_of_period
 
-   !> The eigenvalues of the map of the plane, by falling modulus.
+   !> The eigenvalues of the map of the plane, by decreasing modulus.
    pure subroutine plane_multipliers(map, pair, status)
       !> The map.
       real(wp), intent(in) :: map(2, 2)
       !> Both.
       complex(wp), intent(out) :: pair(2)
-      !> As of `eigenvalues`.
+      !> As in `eigenvalues`.
       integer, intent(out) :: status
       real(wp) :: scratch(2, 2)
 
@@ -365,7 +365,7 @@ contains
       integer, intent(out) :: n
       !> Symbols of the period.
       type(rest_family_type), intent(out) :: family
-      !> As of vi_rest_family: phase and asinh(v/D) at the release, phases of the first impacts.
+      !> As in vi_rest_family: phase and asinh(v/D) at the release, phases of the first impacts.
       real(wp), allocatable, intent(out) :: unknowns(:)
       !> `stat%ok`, `stat%no_motion`, or the status of the simulation.
       integer, intent(out) :: status
@@ -386,7 +386,7 @@ contains
       type(rest_family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> In: a guess, as of vi_rest_family. Out: the motion; not changed if the iteration does not
+      !> In: a guess, as in vi_rest_family. Out: the motion; not changed if the iteration does not
       !! converge.
       real(wp), intent(inout) :: unknowns(:)
       !> Whether it converged.
@@ -430,7 +430,7 @@ contains
       real(wp), intent(in) :: start(2)
       !> Symbols in the order of the events; not allocated if a family cannot have so many.
       type(rest_family_type), intent(out) :: family
-      !> As of vi_rest_family: the release, and the phases of the first impacts.
+      !> As in vi_rest_family: the release, and the phases of the first impacts.
       real(wp), allocatable, intent(out) :: unknowns(:)
       !> False if the last symbol is none with rest, or if a rest begins without an impact.
       logical, intent(out) :: good

@@ -103,14 +103,14 @@ contains
       !> Of the simulation: frequency ratio, load, clearance, and the time (1/omega) from which on
       !! all its events are given.
       real(wp), intent(in) :: of_simulation(4)
-      !> (7, m), (2, m) Its events as of `store_events`.
+      !> (7, m), (2, m) Its events as in `store_events`.
       real(wp), intent(in) :: values(:, :)
-      !> As of `values`.
+      !> As in `values`.
       integer, intent(in) :: labels(:, :)
       !> Longest period (load cycles), and largest difference of its phases from the period before
       !! (rad).
       integer, intent(in) :: most_cycles
-      !> As of `most_cycles`.
+      !> As in `most_cycles`.
       real(wp), intent(in) :: tolerance
       !> What else is wanted: nothing (0), the exact motion with which the trajectory ends (1), or
       !! that motion if it has the longest period, is stable and admissible and near (2).
@@ -118,7 +118,7 @@ contains
       !> Load cycles of the period, 0 if there is none; its n symbols, the number of the first event
       !! of each (m), and the difference from the period before (rad).
       integer, intent(out) :: cycles, n, symbols(:), first(:)
-      !> As of `cycles`.
+      !> As in `cycles`.
       real(wp), intent(out) :: apart
       !> The motion, or its status.
       type(described_type), intent(out) :: described

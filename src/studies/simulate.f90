@@ -77,21 +77,21 @@ contains
       progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> As of `simulate`.
+      !> As in `simulate`.
       type(state_type), intent(inout) :: state
       !> Whole load cycles at the end.
       integer(int64), intent(in) :: last_cycle
       !> Load phase above them at the end (rad).
       real(wp), intent(in) :: last_phase
-      !> Out: events 1 to n, as of `simulate`.
+      !> Out: events 1 to n, as in `simulate`.
       type(event_type), intent(inout) :: events(:)
       !> Number of events found.
       integer, intent(out) :: n
-      !> As of `simulate`.
+      !> As in `simulate`.
       type(state_type), intent(out) :: final
       !> In: events that the simulation may still have, at least 0. Out: less those found.
       integer, intent(inout) :: left
-      !> As of `simulate`; instead of `stat%more_events`, `stat%event_limit` if no more events may
+      !> As in `simulate`; instead of `stat%more_events`, `stat%event_limit` if no more events may
       !! occur, and `stat%not_computed` if the study was stopped.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
@@ -113,7 +113,7 @@ contains
       type(state_type), intent(inout) :: state
       !> Whole load cycles to simulate.
       integer, intent(in) :: cycles
-      !> As of `simulate_on`.
+      !> As in `simulate_on`.
       integer, intent(inout) :: left
       !> Scratch and out: elements 1 to n are the last events.
       type(event_type), intent(inout) :: events(:)

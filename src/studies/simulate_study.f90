@@ -97,7 +97,7 @@ contains
       if (present(columns)) columns = simulate_columns
    end subroutine list_simulate
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_simulate(case)
       !> The case.
       type(case_type), intent(inout) :: case

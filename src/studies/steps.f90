@@ -22,7 +22,7 @@ module vi_steps
       real(wp) :: came = 0, step = 0
       !> Whether that step jumped over a point where curves cross.
       logical :: leapt = .false.
-      !> As of `correction_type`; 0 if not known.
+      !> As in `correction_type`; 0 if not known.
       integer :: orientation = 0
       !> Sums of its multipliers.
       type(spectrum_type) :: spectrum

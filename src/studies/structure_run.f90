@@ -57,7 +57,7 @@ contains
       type(load_type), intent(in) :: load
       !> Out: the run.
       type(run_type), intent(out) :: run
-      !> `stat%ok`, or as of `new_regime`.
+      !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
 
       run%structure = structure
@@ -112,7 +112,7 @@ contains
       real(wp), intent(in) :: q(:), rate(:)
       !> In: time. Out: regime and pairs.
       type(run_state_type), intent(inout) :: state
-      !> `stat%ok`, or as of `new_regime`.
+      !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       integer, allocatable :: set(:)
       real(wp), allocatable :: forces(:)
@@ -151,7 +151,7 @@ contains
       integer, intent(in) :: set(:)
       !> Its number.
       integer, intent(out) :: number
-      !> `stat%ok`, or as of `new_regime`.
+      !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       type(regime_type), allocatable :: more(:)
       integer :: n
@@ -178,7 +178,7 @@ contains
       type(run_state_type), intent(inout) :: state
       !> Whole periods at the end, and the rest.
       integer(int64), intent(in) :: last_cycle
-      !> As of `last_cycle`.
+      !> As in `last_cycle`.
       real(wp), intent(in) :: last_elapsed
       !> The events, in the order of time.
       type(run_event_type), intent(inout) :: events(:)
@@ -351,7 +351,7 @@ contains
       type(run_event_type), intent(inout) :: event
       !> Whether it is completed.
       logical, intent(out) :: stuck
-      !> `stat%ok`, or as of `new_regime`.
+      !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
       type(reached_type) :: reached
@@ -451,7 +451,7 @@ contains
       type(reached_type), intent(in) :: reached
       !> The release.
       type(run_event_type), intent(inout) :: event
-      !> `stat%ok`, or as of `new_regime`.
+      !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       real(wp) :: q(size(run%structure%mass, 1)), rate(size(run%structure%mass, 1)), phase
       integer, allocatable :: set(:)

@@ -19,7 +19,7 @@ contains
       n, end_state, end_time, status)
       !> The structure and its load.
       type(structure_type), intent(in) :: structure
-      !> As of `structure`.
+      !> As in `structure`.
       type(load_type), intent(in) :: load
       !> Time, coordinates (n) and velocities (n) at the start; time at the end.
       real(wp), intent(in) :: start, q(:), rate(:), last
@@ -33,7 +33,7 @@ contains
       !> (2n) Coordinates and velocities at the end, or just after the last event if the table is
       !! full; the time there.
       real(wp), intent(out) :: end_state(:), end_time
-      !> `stat%ok`, or as of `start_at` and `simulate_structure`.
+      !> `stat%ok`, or as in `start_at` and `simulate_structure`.
       integer, intent(out) :: status
       integer, parameter :: chunk = 256
       type(run_type) :: run
@@ -72,9 +72,9 @@ contains
       type(run_type), intent(in) :: run
       !> The events.
       type(run_event_type), intent(in) :: events(:)
-      !> As of `simulate_structure_arrays`.
+      !> As in `simulate_structure_arrays`.
       real(wp), intent(inout) :: table(:, :)
-      !> As of `simulate_structure_arrays`.
+      !> As in `simulate_structure_arrays`.
       integer, intent(inout) :: labels(:, :)
       integer :: i, n
 
@@ -91,7 +91,7 @@ contains
    pure subroutine sample_structure_arrays(structure, load, starts, labels, times, values, status)
       !> The structure and its load.
       type(structure_type), intent(in) :: structure
-      !> As of `structure`.
+      !> As in `structure`.
       type(load_type), intent(in) :: load
       !> (1 + 2n, segments) Time, coordinates and velocities at which segments begin: the start, and
       !! after each event.
@@ -102,7 +102,7 @@ contains
       real(wp), intent(in) :: times(:)
       !> (2n, times) Coordinates and velocities.
       real(wp), intent(out) :: values(:, :)
-      !> `stat%ok`, or as of `new_regime`.
+      !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       type(run_type) :: run
       integer, allocatable :: resting(:)

@@ -78,7 +78,7 @@ contains
       integer, intent(in) :: threads
       !> (points) Out: the outcome of each point.
       type(attractor_type), intent(inout) :: attractors(:)
-      !> As of vi_progress, in units of `survey_work`; points after a stop are not settled.
+      !> As in vi_progress, in units of `survey_work`; points after a stop are not settled.
       integer, intent(inout), optional :: progress(3)
       real(wp) :: u(5), c(2), golden
       integer :: i, j
@@ -146,7 +146,7 @@ contains
    subroutine settle_from(osc, start, settling, limits, attractor, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
-      !> Number of the initial state, as of `state_start`.
+      !> Number of the initial state, as in `state_start`.
       integer, intent(in) :: start
       !> Load cycles of the transient.
       integer, intent(in) :: settling
@@ -230,7 +230,7 @@ contains
       type(state_type), intent(inout) :: state
       !> Load cycles to simulate.
       integer, intent(in) :: cycles
-      !> As of `simulate_on`.
+      !> As in `simulate_on`.
       integer, intent(inout) :: left
       !> Out: the last n events.
       type(event_type), intent(inout) :: events(:)

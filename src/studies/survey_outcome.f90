@@ -68,7 +68,7 @@ contains
       type(state_type), intent(in) :: state
       !> Load cycles of the period.
       integer, intent(in) :: cycles
-      !> As of vi_symbols; empty if there is no such motion.
+      !> As in vi_symbols; empty if there is no such motion.
       integer, allocatable, intent(out) :: symbols(:)
       !> Whether its period is only a part of these cycles; a simulation that approaches it slowly
       !! can look like that.

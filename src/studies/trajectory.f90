@@ -264,9 +264,9 @@ contains
 
    !> The inverse of `store_events`.
    pure subroutine read_events(values, labels, r, events)
-      !> (7, n), (2, n) as of `store_events`.
+      !> (7, n), (2, n) as in `store_events`.
       real(wp), intent(in) :: values(:, :)
-      !> As of `values`.
+      !> As in `values`.
       integer, intent(in) :: labels(:, :)
       !> Frequency ratio.
       real(wp), intent(in) :: r

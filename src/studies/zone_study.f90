@@ -72,7 +72,7 @@ contains
       if (present(columns)) columns = zone_columns
    end subroutine list_zone
 
-   !> Checks what depends on several keys.
+   !> Checks the rules that involve several keys.
    subroutine check_zone(case)
       !> The case.
       type(case_type), intent(inout) :: case
