@@ -1,4 +1,4 @@
-!> A short bounce from a wall back to it, as impacts accumulate.
+!> A short bounce from a wall back to the same wall, as in an accumulation of impacts.
 !!
 !! The gap to the wall is g(t) = t k(t), k being a Taylor series that begins with the departure
 !! speed, so that ever shorter bounces keep their relative accuracy.
@@ -10,8 +10,8 @@ module vi_bounce
 
    public :: bounce
 
-   !> Terms of the series, and the time (over the shortest time scale) it is used for: the terms
-   !! left out are below 0.1^10/10! = 3e-17 of the amplitude.
+   !> Terms of the series, and the time (over the shortest time scale) for which it is used: the
+   !! omitted terms are below 0.1^10/10! = 3e-17 of the amplitude.
    integer, parameter :: terms = 9
    real(wp), parameter :: longest = 0.1_wp
 
@@ -41,7 +41,7 @@ contains
 
       time = 0
       approach = 0
-      ! a gap that closes with constant acceleration is closed after -k(0)/k(1)
+      ! a gap with constant acceleration closes after -k(0)/k(1)
       value = -0.5_wp*side*(load*s - m%two_xi*x_dot - x)
       if (.not. longest*value > 1.5_wp*speed*max(1.0_wp, m%r)) return
       t = speed/value

@@ -1,5 +1,5 @@
 !> The first event of a flight of a structure: the first gap that closes, or the first force of a
-!! closed gap that falls to 0. None is missed.
+!! closed gap that falls to 0. No event is missed.
 !!
 !! All rows are watched together in cells of time. Over a cell a row differs from its cubic Hermite
 !! interpolant by f''''/24 t^2 (h - t)^2, so that its Bernstein coefficients, with a bound on
@@ -19,12 +19,12 @@ module vi_channels
 
    public :: first_event, row_derivatives
 
-   !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or, with
-   !! row 0, at none.
+   !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or at no
+   !! wall (row 0).
    type, public :: leaving_type
       integer :: row = 0, wall = 0
       real(wp) :: speed = 0
-      !> The gap opens from rest, its second derivative being 0.
+      !> Whether the gap opens from rest, where its second derivative is 0.
       logical :: released = .false.
    end type leaving_type
 
@@ -34,7 +34,7 @@ module vi_channels
       integer :: row = 0, wall = 0
       !> Time after the start of the flight, and approach speed.
       real(wp) :: time = 0, speed = 0
-      !> False if the search took more steps than it may.
+      !> False if the search exceeded its step budget.
       logical :: complete = .true.
    end type reached_type
 
@@ -100,7 +100,7 @@ contains
          do i = 1, size(y)
             if (high(i) < regime%upper(i) .and. low(i) > regime%lower(i)) cycle
             if (i == leaving%row .and. t <= 0) then
-               ! it begins on the limit, and leaves it
+               ! the row starts on its limit and leaves it
                if (merge(max(y(i) + 0.25_wp*h*rate(i), 0.5_wp*(y(i) + y_next(i)) &
                   + h*(rate(i) - rate_next(i))/6 + sag(bound(i), h), &
                   y_next(i) - 0.25_wp*h*rate_next(i), y_next(i)) < regime%upper(i) &
@@ -208,17 +208,17 @@ contains
       end do
    end subroutine bound_rows
 
-   !> A row and its first three derivatives, directly from the start of the flight.
+   !> A row and its first three derivatives, computed directly from the start of the flight.
    pure subroutine row_derivatives(regime, x0, v0, phase, row, t, d)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start.
       real(wp), intent(in) :: x0(:), v0(:)
-      !> Load phase at the start (rad), the row, and the time.
+      !> Load phase at the start (rad).
       real(wp), intent(in) :: phase
-      !> As of `phase`.
+      !> Number of the row.
       integer, intent(in) :: row
-      !> As of `phase`.
+      !> Time after the start of the flight.
       real(wp), intent(in) :: t
       !> The derivatives of order 0 to 3.
       real(wp), intent(out) :: d(0:3)
@@ -276,14 +276,14 @@ contains
       real(wp), intent(in) :: bound
       !> Times between which to search.
       real(wp), intent(in) :: begin, end
-      !> Longest step: the length of the cell, so that a short rest of it is not taken for a
-      !! contact.
+      !> Longest step: the length of the cell, so that a short remainder of the cell is not mistaken
+      !! for a contact.
       real(wp), intent(in) :: longest
-      !> Which limit is reached, 0 if none is; when, and how fast.
+      !> Limit that is reached: +1 upper, -1 lower; 0 if none is.
       integer, intent(out) :: wall
-      !> As of `wall`.
+      !> Time at which it is reached, and approach speed.
       real(wp), intent(out) :: time, speed
-      !> False if it took more steps than it may.
+      !> False if the search exceeded its step budget.
       logical, intent(out) :: complete
       real(wp) :: k(0:terms - 1), d(0:3), t, h, step, near, fifth
       integer :: i, side
@@ -327,7 +327,8 @@ contains
       complete = .false.
    end subroutine search
 
-   !> Taylor coefficients of k(t) = g(t)/t, the gap just left over time, and how long they hold.
+   !> Taylor coefficients of k(t) = g(t)/t, the gap to the wall just left over time, and the time up
+   !! to which they are valid.
    pure subroutine gap_series(regime, x0, v0, phase, leaving, k, near, fifth)
       !> The regime.
       type(regime_type), intent(in) :: regime
@@ -339,7 +340,7 @@ contains
       type(leaving_type), intent(in) :: leaving
       !> Coefficients.
       real(wp), intent(out) :: k(0:)
-      !> Time up to which they hold, and a bound on the fifth derivative of the gap.
+      !> Time up to which they are valid, and a bound on the fifth derivative of the gap.
       real(wp), intent(out) :: near, fifth
       real(wp) :: d(0:terms + 1), x, v, x_before, factorial, of_x, of_v, omega
       complex(wp) :: here
@@ -384,26 +385,29 @@ contains
          k(i - 1) = -leaving%wall*d(i)/factorial
       end do
       if (leaving%released) k(1) = 0
-      ! what is left out is below rounding of g = k(0) t + .., or of k(2) t^3 + .. after a release
+      ! the omitted terms are below the rounding of g = k(0) t + .., or of k(2) t^3 + .. after a
+      ! release
       near = 0.25_wp*regime%steps%length(1)
       i = merge(terms - 2, terms, leaving%released)
       x = epsilon(1.0_wp)*merge(abs(k(2)), k(0), leaving%released)*factorial*(terms + 1)
       if (d(terms + 1)*near**i > x) near = (x/d(terms + 1))**(1.0_wp/i)
    end subroutine gap_series
 
-   !> A safe step for the gap just left, from its series: |k''''| <= B/5 with B the bound on g'''''.
+   !> A safe step for the gap to the wall just left, from its series: |k''''| <= B/5 with B the
+   !! bound on g'''''.
    pure real(wp) function series_step(k, fifth, fourth, released, t, near) result(step)
       !> Coefficients of g(t)/t; bounds on the fifth and fourth derivative of g.
       real(wp), intent(in) :: k(0:), fifth, fourth
       !> Whether the gap opens from rest.
       logical, intent(in) :: released
-      !> Time after the start, and time up to which the series holds.
+      !> Time after the start, and time up to which the series is valid.
       real(wp), intent(in) :: t, near
       real(wp) :: value, slope, curvature, jerk
       integer :: n
 
       if (t <= 0 .and. released) then
-         ! k = k2 t^2 + ..: positive as long as the fourth derivative of the gap cannot undo it
+         ! k = k2 t^2 + ..: positive as long as the fourth derivative of the gap cannot outweigh
+         ! this term
          step = min(near, 23.9_wp*max(0.0_wp, k(2))/max(fourth, tiny(fourth)))
          return
       end if

@@ -24,7 +24,8 @@ module vi_contact
    type, public :: departure_type
       integer :: side = 0
       real(wp) :: speed = 0
-      !> The gap opens from rest, its second derivative being 0: the end of a rest on the wall.
+      !> Whether the gap opens from rest, where its second derivative is 0: the end of a rest on the
+      !! wall.
       logical :: released = .false.
    end type departure_type
 
@@ -34,7 +35,7 @@ module vi_contact
       integer :: side = 0
       !> Time of the contact after the start of the flight, and approach speed.
       real(wp) :: time = 0, speed = 0
-      !> x and its derivatives then. Assigned by name: flang 19 shifts an array that
+      !> x and its derivatives at the contact. Assigned by name: flang 19 shifts an array that
       !> starts at 0 when a structure constructor fills it.
       real(wp) :: d(0:5) = 0
       !> False if the step budget ran out.
@@ -42,8 +43,8 @@ module vi_contact
    end type contact_type
 
    integer, parameter :: step_budget = 10000000
-   !> Terms of the Taylor series of k, and the time (over the shortest time scale) it is used for:
-   !> the terms left out are below 0.1^10/10! = 3e-17 of the amplitude.
+   !> Terms of the Taylor series of k, and the time (over the shortest time scale) for which it is
+   !> used: the omitted terms are below 0.1^10/10! = 3e-17 of the amplitude.
    integer, parameter :: terms = 9
    real(wp), parameter :: taylor_time = 0.1_wp
 
@@ -102,7 +103,7 @@ contains
             far = max(far, out_of_reach(flight, half, t))
          end if
          d = derivatives(flight, t)
-         ! the wall that is approached first: the other one need only be as far
+         ! the wall that is approached comes first: the step for the other one need not be longer
          first = merge(1, -1, flight%z_dot >= d(1))
          step = gap_step(first, reach)
          other = gap_step(-first, min(step, reach))
@@ -139,14 +140,14 @@ contains
       end function gap_step
    end function contact_after
 
-   !> Times before which the walls (right, left) are out of the reach of the primary mass, as seen
-   !! at time t.
+   !> Times before which no contact with the right and the left wall is possible, as certain at time
+   !! t.
    pure function out_of_reach(flight, half, t) result(time)
       !> Closed-form motion of both masses.
       type(flight_type), intent(in) :: flight
       !> Half the clearance (F0/K).
       real(wp), intent(in) :: half
-      !> Time (1/omega) from which on the primary mass is bounded by its amplitude.
+      !> Time (1/omega) from which the bound on |x| holds.
       real(wp), intent(in) :: t
       real(wp) :: time(2), reserve, speed
       integer :: i, side
@@ -207,7 +208,8 @@ contains
       integer :: n
 
       if (t <= 0 .and. departure%released) then
-         ! k = k2 t^2 + ..: positive as long as the fourth derivative of the gap cannot undo it
+         ! k = k2 t^2 + ..: positive as long as the fourth derivative of the gap cannot outweigh
+         ! this term
          bound = derivative_bound(flight, 4, 0.0_wp)
          step = min(near, 23.9_wp*max(0.0_wp, k(2))/max(bound, tiny(bound)))
          return

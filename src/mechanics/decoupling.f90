@@ -1,8 +1,8 @@
-!> The pairs into which the free motion of a linear structure falls.
+!> The uncoupled pairs into which the free motion of a linear structure separates.
 !!
-!! M q'' + C q' + K q = 0 falls into bodies, the connected parts of the graph of nonzeros, and each
-!! body into modes (DSYGV). Where damping couples the modes, the complex eigenvectors of the body
-!! (DGEEV) give pairs that it does not couple.
+!! M q'' + C q' + K q = 0 separates into bodies, the connected parts of the graph of nonzeros, and
+!! each body into modes (DSYGV). Where damping couples the modes, the complex eigenvectors of the
+!! body (DGEEV) give pairs that damping does not couple.
 module vi_decoupling
    use vi_eigen_routines, only: dgesv, dsygv
    use vi_kinds, only: wp
@@ -27,11 +27,11 @@ module vi_decoupling
       logical :: classical = .true.
    end type decoupled_type
 
-   !> Share of the largest omega^2 of a body below which a frequency counts as 0.
+   !> A frequency counts as 0 if its omega^2 is below this fraction of the largest one of the body.
    real(wp), parameter :: zero_frequency = 1.0e-13_wp
    !> Largest coupling by damping, over sqrt(omega_i omega_j), of modes that count as uncoupled.
    real(wp), parameter :: no_coupling = 1.0e-12_wp
-   !> Largest condition of the complex eigenvectors.
+   !> Largest condition number of the matrix of complex eigenvectors.
    real(wp), parameter :: largest_condition = 1.0e5_wp
 
 contains
@@ -95,7 +95,7 @@ contains
       end do
    end subroutine find_bodies
 
-   !> The pairs of one body, in the places of its coordinates.
+   !> The pairs of one body, stored at the indices of its coordinates.
    pure subroutine decouple_body(at, body, mass, damping, stiffness, decoupled, status)
       !> (m) Its coordinates, and its number.
       integer, intent(in) :: at(:), body
@@ -103,7 +103,7 @@ contains
       real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :)
       !> In and out: filled in.
       type(decoupled_type), intent(inout) :: decoupled
-      !> As of `decouple`.
+      !> As in `decouple`.
       integer, intent(out) :: status
       real(wp) :: shapes(size(at), size(at)), factor(size(at), size(at)), &
          coupling(size(at), size(at)), omega_squared(size(at)), work(max(66*size(at), 8))
@@ -153,7 +153,7 @@ contains
       real(wp), intent(in) :: mass(:, :), shapes(:, :), omega_squared(:), coupling(:, :)
       !> In and out: filled in.
       type(decoupled_type), intent(inout) :: decoupled
-      !> As of `decouple`.
+      !> As in `decouple`.
       integer, intent(out) :: status
       real(wp), allocatable, dimension(:, :) :: a, vectors, back, factor
       real(wp), allocatable :: re(:), im(:), work(:)
@@ -162,7 +162,7 @@ contains
       integer :: i, j, k, m, n, info
 
       m = size(at)
-      ! a mode of frequency 0 without damping would be a defective pair: it is a pair already
+      ! an undamped mode of frequency 0 would have a defective eigenvalue: it is a pair already
       rigid = pack([(i, i=1, m)], .not. omega_squared > 0 .and. &
          maxval(abs(coupling), 1) <= no_coupling*maxval(abs(coupling)))
       others = pack([(i, i=1, m)], [(.not. any(rigid == i), i=1, m)])
@@ -178,7 +178,7 @@ contains
       call geev('N', 'V', 2*n, a, 2*n, re, im, unused, 1, vectors, 2*n, work, size(work), info)
       status = merge(stat%ok, stat%lapack_failed, info == 0)
       if (info /= 0) return
-      ! pairs of real eigenvalues: the slowest with the fastest
+      ! real eigenvalues are paired: the slowest with the fastest
       list = pack([(i, i=1, 2*n)], .not. abs(im) > 0)
       allocate (reals(0))
       do while (size(list) > 0)
@@ -241,8 +241,8 @@ contains
       decoupled%vd(at(others), at) = matmul(back(n + 1:, n + 1:), to_pairs(others, :))
    end subroutine decouple_damping
 
-   !> The condition of a matrix whose columns are scaled to length 1, in the Frobenius norm, with
-   !! the inverse given.
+   !> The condition number, in the Frobenius norm, of a matrix with its columns scaled to length 1;
+   !! the inverse is given.
    pure real(wp) function condition(a, inverse)
       !> (n, n) The matrix and its inverse.
       real(wp), intent(in) :: a(:, :), inverse(:, :)

@@ -12,7 +12,8 @@ module vi_extrema
 
    public :: relative_extrema
 
-   !> Steps after which a flight is given up (millions of oscillations between two impacts).
+   !> Steps after which the search in a flight is abandoned (millions of oscillations between two
+   !! impacts).
    integer, parameter :: step_budget = 10000000
 
 contains
@@ -20,8 +21,8 @@ contains
    !> The least and greatest stationary value of z - x strictly inside a flight.
    !!
    !! The ends of the flight are not stationary points and do not count. Where there is no
-   !! stationary point, `lowest` is +huge and `highest` is -huge. With z = z_dot = 0 the answer is
-   !! that of -x. A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest
+   !! stationary point, `lowest` is +huge and `highest` is -huge. With z = z_dot = 0 the result is
+   !! that for -x. A time of a stationary point is resolved to delta = sqrt(epsilon) of the shortest
    !! time scale, so that the error of the value, at most |x''| delta^2/2, is of the order of
    !! rounding.
    pure subroutine relative_extrema(flight, lowest, highest, complete, lowest_at, highest_at, begin)
@@ -63,7 +64,7 @@ contains
          step = 0
          if (abs(g) > 0) step = safe_step(abs(g), direction*d(2), direction*d(3), direction*d(4), &
             bound, longest)
-         ! a step may land on the zero to rounding, and so a last bit beyond it
+         ! within rounding, a step may land on the zero or one last bit beyond it
          if (step < shortest .or. direction*before < 0) then
             if (t > shortest .and. t < flight%duration - shortest) then
                relative = flight_position(flight, t) - d(0)

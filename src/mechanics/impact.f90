@@ -8,7 +8,7 @@ module vi_impact
 
 contains
 
-   !> Velocities just after an impact from those just before, from equations (11), (12).
+   !> Velocities just after an impact from those just before it, by equations (11), (12).
    elemental subroutine impact(mu, restitution, x_dot_before, z_dot_before, x_dot_after, &
       z_dot_after)
       !> Mass ratio m/M, coefficient of restitution of the wall, velocities of the primary and the

@@ -34,7 +34,7 @@ contains
 
    !> Marches from the wall just left, with a departure speed > 0, to the first contact.
    !!
-   !! Returns without a side beyond the limit, or where it cannot decide.
+   !! Returns side 0 if there is no contact within the limit, or where it cannot decide.
    pure subroutine march(m, s, c, x, x_dot, z, z_dot, half, side, speed, limit, touch)
       !> Tables of the run.
       type(transition_type), intent(in) :: m
@@ -102,7 +102,7 @@ contains
    end subroutine march
 
    !> Size of the largest first cell in which the wall just left is certainly not hit again; -1 if
-   !! that is certain for no size.
+   !! that is not certain for any size.
    !!
    !! The gap to that wall is t k(t), with k'''' at most a fifth of the bound on x'''''.
    pure integer function first_size(m, at, side, speed, bound) result(size)
@@ -162,9 +162,10 @@ contains
          .and. (left < 0 .or. min(x(1), x(2), x(3), x(4)) > -reserve)
    end function clear
 
-   !> The sign of y' if it is the same in all of a cell, otherwise 0.
+   !> The sign of y' if it is the same throughout a cell, otherwise 0.
    !!
-   !! A slope that falls to less than an eighth is left to smaller cells, so that Newton is safe.
+   !! A slope that may fall below an eighth of its maximum is left to smaller cells, so that
+   !! Newton's method is safe.
    pure real(wp) function direction(m, here, a, size, bound)
       !> Tables of the run.
       type(transition_type), intent(in) :: m
@@ -197,14 +198,14 @@ contains
          + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
    end function combined
 
-   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a state on.
+   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a given state on.
    !!
    !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
    !! part by r.
    pure function bounds_after(m, at) result(bounds)
       !> Tables of the run.
       type(transition_type), intent(in) :: m
-      !> State from which on the bounds hold.
+      !> State from which the bounds hold.
       type(moment_type), intent(in) :: at
       real(wp) :: bounds(0:2)
 
@@ -251,7 +252,7 @@ contains
                   + s2*(by_24*y(4) + s*by_120*y(5)))
                return
             end if
-            ! of a short flight all digits of the time are wanted: counted from its start
+            ! the time of a short flight needs full relative accuracy: it is counted from the start
             middle = here
             t = origin + t
             origin = 0
@@ -262,7 +263,7 @@ contains
       touch%time = centre*m%h - w
    end subroutine pinpoint
 
-   !> Distance in time at which y reaches a value, by series reversion to fifth order.
+   !> The time shift after which y reaches a value, by series reversion to fifth order.
    pure subroutine revert(y, value, shift, last)
       !> y and its first five derivatives, and the value (F0/K).
       real(wp), intent(in) :: y(0:5), value

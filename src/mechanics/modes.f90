@@ -7,7 +7,8 @@
 !! and constant p and f. With classical damping x is a modal coordinate, v its velocity, and p = 0.
 !! Other damping couples the modes of the undamped structure, but not the pairs made of its complex
 !! eigenvectors. Under-, critically and over-damped pairs and those of frequency 0 differ only in
-!! the functions u(t) (x from x = 1) and w(t) (x from v = 1).
+!! the functions u(t) (x if x = 1 and v = 0 at the start) and w(t) (x if x = 0 and v = 1 at the
+!! start).
 module vi_modes
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -26,7 +27,7 @@ module vi_modes
    !> Number of step lengths of a table.
    integer, parameter, public :: levels = 24
 
-   !> Products that advance all pairs by one of some step lengths, each half of the one before.
+   !> Coefficients that advance all pairs by one of several step lengths, each half the one before.
    type, public :: steps_type
       !> Step lengths.
       real(wp) :: length(levels) = 0
@@ -37,7 +38,7 @@ module vi_modes
 
 contains
 
-   !> The functions u and w of a pair, and their integrals against constant and growing terms:
+   !> The functions u and w of a pair, and the responses to constant and linearly growing terms:
    !! s2'' + 2 sigma s2' + omega^2 s2 = 1, and s3 the integral of s2.
    elemental subroutine step_functions(stiffness, damping, t, u, w, s2, s3)
       !> omega^2 >= 0, sigma >= 0, and the time t >= 0.
@@ -66,7 +67,7 @@ contains
             w = shrink*w
          end if
       else
-         ! over-damped, and a free mass with a drag: exponentials of a slow and of a fast rate
+         ! over-damped, and a free mass with a drag: exponentials with a slow and a fast rate
          fast = damping + rate
          slow = stiffness/fast
          shrink = exp(-slow*t)
@@ -152,7 +153,7 @@ contains
       if (t > 0) s2 = s2/t
    end subroutine short_responses
 
-   !> The pairs after a time, directly from their start.
+   !> The pairs after a given time, computed directly from their start.
    pure subroutine advance(modes, t, x, v, x_new, v_new)
       !> The pairs.
       type(modes_type), intent(in) :: modes
@@ -209,7 +210,7 @@ contains
       end do
    end subroutine new_steps
 
-   !> Derivatives of the pairs from those before: order 1 adds the constant terms.
+   !> Derivatives of the pairs from those of the order below: order 1 adds the constant terms.
    pure subroutine rates(modes, order, x, v)
       !> The pairs.
       type(modes_type), intent(in) :: modes
@@ -232,8 +233,8 @@ contains
 
    !> Bounds on |x| and |v| of a pair without constant terms, from now on.
    !!
-   !! v^2 + omega^2 x^2 never grows. At frequency 0, x is the v of the derivative before, and does
-   !! not grow either.
+   !! v^2 + omega^2 x^2 never grows. At frequency 0, x is the v of the derivative of the order
+   !! below, and does not grow either.
    elemental subroutine bound_on(stiffness, x, v, of_x, of_v)
       !> omega^2.
       real(wp), intent(in) :: stiffness
@@ -253,15 +254,15 @@ contains
       end if
    end subroutine bound_on
 
-   !> The steady response of a pair to p = Re(drift e^(i h Omega t)), f alike.
+   !> The steady response of a pair to p = Re(drift e^(i h Omega t)), and f likewise.
    elemental subroutine steady_response(stiffness, damping, frequency, drift, force, x, v, resonant)
       !> omega^2, sigma, and the circular frequency of the load.
       real(wp), intent(in) :: stiffness, damping, frequency
       !> Complex amplitudes.
       complex(wp), intent(in) :: drift, force
-      !> Complex amplitudes of x and v; 0 where there is a resonance.
+      !> Complex amplitudes of x and v; 0 at a resonance.
       complex(wp), intent(out) :: x, v
-      !> Whether there is none, because an undamped mode resonates.
+      !> Whether there is no steady response, because an undamped mode resonates.
       logical, intent(out) :: resonant
       complex(wp) :: divisor, turn
 

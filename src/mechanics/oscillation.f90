@@ -1,7 +1,7 @@
 !> A damped oscillation plus a forced one, in closed form with all derivatives.
 !!
-!! The primary mass moves like this between impacts, and, with other constants, while the free mass
-!! rests on a wall: x = exp(-decay t) (a sin(nu t) + b cos(nu t)) + A sin(r t + phase).
+!! The primary mass moves in this way between impacts, and, with other constants, while the free
+!! mass rests on a wall: x = exp(-decay t) (a sin(nu t) + b cos(nu t)) + A sin(r t + phase).
 module vi_oscillation
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -38,7 +38,7 @@ contains
       o%a = (x_dot - amplitude*r*cos(phase) + decay*o%b)/frequency                            ! (5)
    end function new_oscillation
 
-   !> x and its first five derivatives at time t: equations (2), (27) and on.
+   !> x and its first five derivatives at time t: equations (2), (27) and their derivatives.
    pure function derivatives(o, t, known) result(d)
       !> Constants of the oscillation.
       class(oscillation_type), intent(in) :: o
@@ -78,7 +78,7 @@ contains
       class(oscillation_type), intent(in) :: o
       !> Order of the derivative, 0 for x itself.
       integer, intent(in) :: n
-      !> Time (1/omega) from which on the bound holds.
+      !> Time (1/omega) from which the bound holds.
       real(wp), intent(in) :: t
 
       real(wp) :: parts(2)

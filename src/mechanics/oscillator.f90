@@ -1,4 +1,5 @@
-!> The vibrating system: a primary mass on spring and dashpot, and a free mass between two walls.
+!> The vibrating system: a primary mass on a spring and a dashpot, and a free mass between two
+!! walls.
 !!
 !! Everything is dimensionless: time in 1/omega, length in F0/K (equations (3), (4) of Popplewell,
 !! Bapat and McLachlan, J. Sound Vib. 87, 1983). Between impacts
@@ -42,9 +43,8 @@ contains
       gain = 1/hypot((1 - r)*(1 + r), 2*xi*r)
    end function gain
 
-   !> Whether the amplitude of the motion without impacts is so great that free and forced
-   !! vibration, which all but cancel then, keep no more than four digits: r = 1 with hardly any
-   !! damping.
+   !> Whether the motion without impacts has so large an amplitude that the free and the forced
+   !! vibration nearly cancel and keep no more than four digits: r near 1 with almost no damping.
    elemental logical function at_resonance(xi, r)
       !> Damping ratio, and frequency ratio Omega/omega.
       real(wp), intent(in) :: xi, r

@@ -1,8 +1,8 @@
-!> Whether two masses that leave an impact with one velocity part, or stay in contact.
+!> Whether two masses that leave an impact with the same velocity part or stay in contact.
 !!
-!! That happens with R = 0, and where the impact is too weak for its rebound to be seen. The gap
-!! between them then begins as a t^2/2 + j t^3/6: the sign of its acceleration decides, and if that
-!! is zero the sign of the next derivative.
+!! They leave with the same velocity if R = 0, or if the impact is too weak for its rebound to be
+!! resolved. The gap between them then begins as a t^2/2 + j t^3/6: the sign of its acceleration
+!! decides, and if that is zero, the sign of the next derivative does.
 module vi_parting
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
@@ -20,8 +20,8 @@ module vi_parting
 
 contains
 
-   !> Whether the masses leave the impact at the start of a flight with one velocity, as far as
-   !! rounding can tell.
+   !> Whether the masses leave the impact at the start of a flight with the same velocity, to
+   !! rounding.
    elemental logical function leaves_together(x_dot, z_dot, before)
       !> Velocities of the two masses after the impact, and the largest of those before it (omega
       !! F0/K).
@@ -55,10 +55,11 @@ contains
       if (a < -error(1)) then
          answer = in_contact
       else if (j < -error(2) .and. 6*fourth*a < j**2) then
-         ! a > 0 or not: the gap closes again at about 3 a/|j|, before the next term matters
+         ! whatever the sign of a, the gap closes again at about 3 a/|j|, before the next term
+         ! matters
          answer = in_contact
       else if (abs(a) <= error(1)) then
-         ! from what may be a contact the next term leads away
+         ! the next term opens the gap again after a possible contact
          until = max(1.5_wp*j/fourth, 0.0_wp)
       else
          answer = parted

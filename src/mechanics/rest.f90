@@ -30,7 +30,7 @@ contains
       frequency = sqrt((1 + mu - xi**2))/(1 + mu)
       elastic = 1 - (1 + mu)*r**2
       viscous = 2*xi*r
-      ! without load and damping r may be the resonance of both masses
+      ! without load and damping r may be the joint natural frequency of both masses
       forced = 0
       if (abs(load) > 0) forced = load/hypot(elastic, viscous)
       rest = new_oscillation(decay, frequency, r, forced, &
@@ -59,7 +59,7 @@ contains
       do n = 1, step_budget
          d = derivatives(rest, t)
          bound = derivative_bound(rest, 6, t)
-         if (.not. bound > 0) return                              ! both masses are at rest for good
+         if (.not. bound > 0) return                              ! both masses stay at rest
          force = -side*d(2)
          step = 0
          if (force > 0) step = safe_step(force, -side*d(3), -side*d(4), -side*d(5), &
@@ -69,7 +69,7 @@ contains
                time = t
                return
             end if
-            step = max(step, sqrt(epsilon(1.0_wp))*reach)         ! touches 0 from above: it holds
+            step = max(step, sqrt(epsilon(1.0_wp))*reach)         ! touches 0: contact holds
          end if
          t = t + step
          if (t > limit) return

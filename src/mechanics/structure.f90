@@ -1,8 +1,8 @@
 !> A linear structure with gaps under a load, and its motion while given gaps are closed.
 !!
-!! M q'' + C q' + K q = f(t) + g with q in R^n, all bodies alike. Gap j stays open:
-!! e_j - G_j.q >= 0. While a set of gaps is at rest, G_j.q = e_j for each of them, the structure has
-!! as many coordinates fewer, and each pushes back with a force p_j >= 0.
+!! M q'' + C q' + K q = f(t) + g with q in R^n; all bodies are treated alike. Gap j stays open: e_j
+!! - G_j.q >= 0. While a set of gaps is at rest, G_j.q = e_j for each of them, the structure has one
+!! coordinate fewer for each, and each pushes back with a force p_j >= 0.
 module vi_structure
    use vi_decoupling, only: decouple, decoupled_type
    use vi_eigen_routines, only: dgeqrf, dgesv, dorgqr
@@ -22,7 +22,7 @@ module vi_structure
       real(wp), allocatable :: directions(:, :)
       !> (gaps) Openings e_j, coefficients of restitution, and effective masses 1/(G_j.M^-1 G_j).
       real(wp), allocatable :: openings(:), restitution(:), effective(:)
-      !> (n, gaps) M^-1 G_j: the change of q' by an impulse -1.
+      !> (n, gaps) M^-1 G_j: the change of q' due to an impulse of -1.
       real(wp), allocatable :: mobility(:, :)
       !> (gaps) The channel of each gap, and whether it is the upper wall (+1) or the lower one
       !! (-1).
@@ -45,16 +45,15 @@ module vi_structure
    !!
    !! A row is a channel or the force of a closed gap, as a sum over the pairs (x, v), the harmonics
    !! of the load and a constant. Rows are watched: a channel must stay between its walls and a
-   !! force
-   !! above 0.
+   !! force above 0.
    type, public :: regime_type
       !> The gaps at rest, in ascending order.
       integer, allocatable :: resting(:)
       !> The pairs.
       type(modes_type) :: modes
-      !> q = offset + qx x + qv v + steady part, q' alike: (n, m).
+      !> q = offset + qx x + qv v + steady part, and q' likewise: (n, m).
       real(wp), allocatable, dimension(:, :) :: qx, qv, dx, dv
-      !> Back: (m, n).
+      !> The inverse relation: (m, n).
       real(wp), allocatable, dimension(:, :) :: xq, xd, vq, vd
       !> (n) The point about which the closed gaps hold the structure.
       real(wp), allocatable :: offset(:)
@@ -66,7 +65,8 @@ module vi_structure
       real(wp), allocatable, dimension(:) :: row_offset, rate_offset
       !> (rows, harmonics)
       complex(wp), allocatable :: ripple(:, :)
-      !> (rows) Between which a row has to stay, and the gaps that close there; 0 if none does.
+      !> (rows) Limits between which a row has to stay, and the gaps that close there; 0 if none
+      !! does.
       real(wp), allocatable, dimension(:) :: upper, lower
       integer, allocatable, dimension(:) :: upper_gap, lower_gap
       !> (m) First and last row in which a pair occurs.
@@ -158,7 +158,7 @@ contains
       integer, intent(in) :: resting(:)
       !> The motion.
       type(regime_type), intent(out) :: regime
-      !> `stat%ok`; as of `decouple`; `stat%resonance` where an undamped mode resonates.
+      !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates.
       integer, intent(out) :: status
       type(decoupled_type) :: parts
       real(wp), allocatable :: basis(:, :), pull(:, :), rows(:, :)
@@ -177,7 +177,7 @@ contains
       regime%qv = matmul(basis, parts%qv)
       regime%dx = matmul(basis, parts%dx)
       regime%dv = matmul(basis, parts%dv)
-      ! the basis is orthonormal, so its transpose finds the coordinates of what lies in it
+      ! the basis is orthonormal, so its transpose gives the coordinates of vectors in its span
       regime%xq = matmul(parts%xq, transpose(basis))
       regime%xd = matmul(parts%xd, transpose(basis))
       regime%vq = matmul(parts%vq, transpose(basis))
@@ -267,7 +267,7 @@ contains
       call dgeqrf(n, s, q, n, tau, work, size(work), info)
       if (info /= 0) status = stat%lapack_failed
       do i = 1, s
-         ! the part of this direction that the ones before it leave
+         ! the part of this direction that is independent of those before it
          if (abs(q(i, i)) <= 1.0e-10_wp*norm2(structure%directions(:, resting(i)))) then
             status = stat%singular
          end if
@@ -338,7 +338,7 @@ contains
          end if
       end do
       do k = 1, size(regime%resting)
-         ! a channel that is closed does not move
+         ! a closed channel does not move
          i = structure%channel(regime%resting(k))
          regime%upper(i) = huge(1.0_wp)
          regime%lower(i) = -huge(1.0_wp)

@@ -1,9 +1,10 @@
 !> Tables that advance the two parts of x in time, common to all flights of a run.
 !!
-!! Both are linear in the moment they start from: the free part is u(t) times its position plus v(t)
-!! times its velocity, the forced part turns by cos(r t), sin(r t). These four functions are kept at
-!! nodes, as polynomials around 0, and as cubics in cells between nodes. From the cubics and a bound
-!! on the fourth derivative vi_march proves what does not happen in a cell.
+!! Both are linear in the state from which they start: the free part is u(t) times its position plus
+!! v(t) times its velocity, the forced part rotates by cos(r t), sin(r t). These four functions are
+!! kept at nodes, as polynomials around 0, and as cubics in cells between nodes. From the cubics and
+!! a bound on the fourth derivative vi_march proves that a cell has no contact, or that y is
+!! monotone in it.
 module vi_transition
    use vi_kinds, only: wp
    use vi_oscillator, only: eta
@@ -33,7 +34,7 @@ module vi_transition
       real(wp) :: in_phase = 0, behind = 0
       !> Amplitudes of the derivatives of the forced part of orders 0, 4 and 5.
       real(wp) :: forced(0:2) = 0
-      !> Distance of the nodes, 1/8 of the shortest time scale.
+      !> Distance between the nodes, 1/8 of the shortest time scale.
       real(wp) :: h = 0
       !> The functions at t = j h.
       real(wp) :: table(4, 0:nodes)
@@ -41,13 +42,13 @@ module vi_transition
       real(wp) :: taylor(6, 0:terms - 1)
       !> (Bernstein coefficient, function, cell): cubics near the functions and their derivatives.
       real(wp) :: position(4, 4, 0:cells - 1), velocity(4, 4, 0:cells - 1)
-      !> (.., size): the same of (f(t) - f(0) - f'(0) t)/t in a cell at the start.
+      !> (.., size): the same for (f(t) - f(0) - f'(0) t)/t in a cell at the start.
       real(wp) :: departure(4, 4, 0:largest)
       !> (size): error of the cubics over the bound on the derivative of order 4.
       real(wp) :: error(0:largest)
    end type transition_type
 
-   !> A moment of a flight.
+   !> The state at one instant of a flight.
    type, public :: moment_type
       !> Free part of x and its derivative.
       real(wp) :: free = 0, free_dot = 0
@@ -200,8 +201,8 @@ contains
       to%z_dot = from%z_dot
    end function moment_after
 
-   !> How long no contact is possible: the time (1/omega) for which both walls are out of reach of
-   !! the greatest amplitude of x; 0 where that is not certain.
+   !> How long no contact is possible: the time (1/omega) for which both walls are out of reach even
+   !! at the greatest amplitude of x; 0 where that is not certain.
    pure real(wp) function idle_time(m, at, half) result(time)
       !> Tables of the run.
       type(transition_type), intent(in) :: m

@@ -1,7 +1,7 @@
 !> The verdicts on a motion: is it consistent, admissible, stable? No other module sets them.
 !!
-!! Zones and surveys ask on which side of their boundary a motion lies, by conditions that are zero
-!! there; they give no verdicts.
+!! Zones and surveys evaluate conditions that are zero on their boundary, to find on which side of
+!! it a motion lies; they give no verdicts.
 module vi_assess
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_doubt, only: modulus_doubt
@@ -22,11 +22,12 @@ module vi_assess
    !> The residual that the 1983 paper accepted for N > 2.
    real(wp), parameter, public :: paper_acceptance = 0.03_wp
 
-   !> A leading multiplier this near to the unit circle is on it, as far as rounding can tell.
+   !> A leading multiplier this near to the unit circle is on it, to rounding.
    real(wp), parameter :: neutral = 1000*epsilon(1.0_wp)
 
-   !> Of an exact motion with a leading multiplier this near to the unit circle, what rounding may
-   !! do to it is estimated, and `stable` is given where so many times it does not reach the circle.
+   !> For an exact motion with a leading multiplier this near to the unit circle, the effect of
+   !! rounding on its modulus is estimated; `stable` is given only if `reserve` times that effect
+   !! does not reach the circle.
    real(wp), parameter :: near_circle = 1.0e-3_wp, reserve = 10.0_wp
 
 contains
@@ -62,12 +63,12 @@ contains
 
    !> The verdicts on a motion with rest: a fixed point of the map from release to release.
    !!
-   !! Its period was simulated, through every contact: what comes back to its beginning is
+   !! Its period was simulated, through every contact: a motion that returns to its beginning is
    !! admissible.
    pure subroutine assess_rest(map, doubt, motion)
       !> The derivative of the map, in the plane.
       real(wp), intent(in) :: map(2, 2)
-      !> By how much the modulus of the leading multiplier may be wrong, where it is near the unit
+      !> Possible error of the modulus of the leading multiplier, where that is near the unit
       !! circle.
       real(wp), intent(in) :: doubt
       !> With its residual and its multipliers.
@@ -81,18 +82,17 @@ contains
       if (is_near_circle(motion%multipliers(1))) call doubt_stability(doubt, motion)
    end subroutine assess_rest
 
-   !> Whether rounding may have to do with the side of the unit circle on which a multiplier lies.
+   !> Whether rounding may decide on which side of the unit circle a multiplier lies.
    elemental logical function is_near_circle(multiplier)
-      !> The leading one.
+      !> The leading multiplier.
       complex(wp), intent(in) :: multiplier
 
       is_near_circle = abs(abs(multiplier) - 1) <= near_circle
    end function is_near_circle
 
-   !> Leaves open whether a motion is stable where rounding may bring its leading multiplier to the
-   !! unit circle.
+   !> Sets `stable` to `unknown` where rounding may move the leading multiplier to the unit circle.
    pure subroutine doubt_stability(doubt, motion)
-      !> By how much its modulus may be wrong.
+      !> Possible error of the modulus of the leading multiplier.
       real(wp), intent(in) :: doubt
       !> With its multipliers, and `stable` from them.
       type(motion_type), intent(inout) :: motion
@@ -104,8 +104,8 @@ contains
    !!
    !! Admissible: at every impact the masses approach each other, s (z' - x') > 0 just before it,
    !! and inside every flight the free mass stays strictly between the walls, |y| < d/2. Masses that
-   !! leave an impact together (R = 0) must part: the gap's acceleration tells, and where rounding
-   !! hides its sign the verdict is `unknown`.
+   !! leave an impact together (R = 0) must part: the sign of the gap's acceleration decides, and
+   !! where rounding hides it the verdict is `unknown`.
    pure subroutine assess_flights(motion)
       !> In: a complete motion. Out: with `admissible`, x_min and x_max.
       type(motion_type), intent(inout) :: motion
@@ -160,11 +160,11 @@ contains
       if (abs(largest - 1) > neutral) stability = verdict(largest < 1)
    end function stability
 
-   !> `stable` from the derivative of a map of the plane: of a motion with rest.
+   !> `stable` of a motion with rest, from the derivative of its map of the plane.
    !!
    !! Both eigenvalues lie inside the unit circle if all three of Jury's conditions hold. An
-   !! accumulation of many impacts costs digits: the entries are right to about 1e-10 of the
-   !! largest.
+   !! accumulation of many impacts costs digits: the entries are accurate to about 1e-10 of the
+   !! largest one.
    pure integer function plane_stability(j) result(stable)
       !> Derivative of the map of the plane.
       real(wp), intent(in) :: j(2, 2)

@@ -14,7 +14,7 @@ module vi_chain
 
    public :: periodic_chain, equispaced_chain, exact_chain, refine
 
-   !> Newton iterations.
+   !> Most Newton iterations.
    integer, parameter :: most_iterations = 50
 
 contains

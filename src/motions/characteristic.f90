@@ -36,10 +36,10 @@ contains
       e(4) = m12*n34 - m13*n24 + m14*n23 + m23*n14 - m24*n13 + m34*n12
    end function characteristic
 
-   !> The derivative of a weighted sum of these functions by the entries of the matrix.
+   !> The derivative of a weighted sum of these functions with respect to the entries of the matrix.
    !!
-   !! It is differentiated through the minors; powers of the matrix would lose digits where it is
-   !! large.
+   !! It is differentiated through the minors; powers of the matrix would lose digits where its
+   !! entries are large.
    pure function characteristic_slope(p, weights) result(w)
       !> The matrix, and the weights of e_1 .. e_4.
       real(wp), intent(in) :: p(4, 4), weights(4)
@@ -56,7 +56,7 @@ contains
       top = p(1, 1) + p(2, 2)
       low = p(3, 3) + p(4, 4)
       associate (a => weights, a3 => weights(3))
-         ! e(4) pairs each minor with that of the other columns
+         ! e(4) pairs each minor with the minor of the other columns
          of_m = antisymmetric(a(4)*[n(3, 4), -n(2, 4), n(2, 3), n(1, 4), -n(1, 3), n(1, 2)] &
             + [a(2) + a3*low, -a3*p(3, 2), -a3*p(4, 2), a3*p(3, 1), a3*p(4, 1), 0.0_wp])
          of_n = antisymmetric(a(4)*[m(3, 4), -m(2, 4), m(2, 3), m(1, 4), -m(1, 3), m(1, 2)] &

@@ -15,7 +15,7 @@ module vi_compound
    type, public :: minors_type
       real(wp) :: scale
       real(wp) :: one(4, 4)
-      !> Rows and columns 12, 13, 14, 23, 24, 34.
+      !> Minors of the rows and columns 12, 13, 14, 23, 24, 34.
       real(wp) :: two(6, 6)
       !> All rows and columns but one: number i leaves out row or column i.
       real(wp) :: three(4, 4)
@@ -29,9 +29,10 @@ module vi_compound
 
 contains
 
-   !> The minors of a matrix whose rows are base + column(i) last, the fourth one last itself.
+   !> The minors of a matrix whose rows 1 to 3 are base + column(i)*last, and whose fourth row is
+   !! `last`.
    pure function minors_of_split(base, column, last, scale) result(m)
-      !> Rows 1 to 3 without their parts of the last one.
+      !> Rows 1 to 3 without their multiples of the last row.
       real(wp), intent(in) :: base(3, 4)
       !> Factors of the fourth row in rows 1 to 3, and the fourth row.
       real(wp), intent(in) :: column(3), last(4)
@@ -56,7 +57,7 @@ contains
          else
             own = minors_of_rows(base(a, :), base(c, :))
             m%two(i, :) = scale*own + column(c)*with(:, a) - column(a)*with(:, c)
-            ! rows a, c and 4, in the place of the one that is left out
+            ! rows a, c and 4, stored under the number of the row that is left out
             m%three(6 - a - c, :) = bordered(own, row)
             if (i == 1) m%three(4, :) = scale*bordered(own, base(3, :))
          end if
@@ -123,14 +124,14 @@ contains
       end do
    end function trace
 
-   !> The derivative of a weighted sum of these three numbers by the entries of each factor, the
-   !! scales of the minors being fixed.
+   !> The derivative of a weighted sum of these three numbers with respect to the entries of each
+   !! factor, with the scales of the minors fixed.
    pure subroutine factor_weights(factors, weights, slopes)
       !> Minors of each factor, the first factor (applied first) first.
       type(minors_type), intent(in) :: factors(:)
       !> Weights of the three sums of `product_sums`.
       real(wp), intent(in) :: weights(3)
-      !> (4, 4, factors) Derivative by each entry of each factor.
+      !> (4, 4, factors) Derivative with respect to each entry of each factor.
       real(wp), intent(out) :: slopes(:, :, :)
       type(minors_type) :: before(size(factors)), after, rest
       integer :: i, n
@@ -169,7 +170,7 @@ contains
       end do
    end function unit_minors
 
-   !> The derivative of a weighted sum of the minors of two rows by the entries.
+   !> The derivative of a weighted sum of the minors of two rows with respect to the entries.
    pure function by_pairs(p, w) result(slope)
       !> The matrix, and the weights of its minors of two rows (rows, columns).
       real(wp), intent(in) :: p(4, 4), w(6, 6)
@@ -189,7 +190,7 @@ contains
       end do
    end function by_pairs
 
-   !> The derivative of a weighted sum of the minors of three rows by the entries.
+   !> The derivative of a weighted sum of the minors of three rows with respect to the entries.
    pure function by_threes(two, w) result(slope)
       !> Minors of two rows of the matrix, and the weights of its minors of three rows (rows,
       !! columns).
@@ -204,7 +205,7 @@ contains
                column = number_of_pair(others(mod(k, 3) + 1, j), others(mod(k + 1, 3) + 1, j))
                do a = 1, 3
                   row = number_of_pair(others(mod(a, 3) + 1, i), others(mod(a + 1, 3) + 1, i))
-                  ! the middle one of three goes with the first and the last
+                  ! the cofactor of entry (a, k), with its sign
                   slope(others(a, i), others(k, j)) = slope(others(a, i), others(k, j)) &
                      + merge(w(i, j), -w(i, j), mod(a + k, 2) == 0)*two(row, column)
                end do

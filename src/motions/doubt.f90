@@ -1,8 +1,8 @@
 !> The error that rounding may cause in the leading multiplier of an exact motion.
 !!
 !! The unknowns x_i, theta_i solve the equations to rounding. Near a fold or a pitchfork the
-!! Jacobian of the equations is nearly singular, so that the unknowns, and with them the
-!! multipliers, are uncertain by far more than rounding.
+!! Jacobian of the equations is nearly singular, so that the errors of the unknowns, and of the
+!! multipliers, are far larger than rounding.
 module vi_doubt
    use vi_exact, only: member, newton_equations, setting_type
    use vi_impact_map, only: impact_maps
@@ -23,12 +23,12 @@ module vi_doubt
 
 contains
 
-   !> By how much the modulus of the leading multiplier may be wrong; huge where nothing is certain.
+   !> Possible error of the modulus of the leading multiplier; huge where nothing is certain.
    !!
-   !! Of all changes of the unknowns that rounding of the residuals may bring about, the one that
-   !! changes an unknown most is taken, forward and backward. Near a singular Jacobian all large
-   !! changes have its direction. To that comes the rounding of the multipliers themselves: the
-   !! product of the [P_i] may begin with any impact, and each order is rounded in another way.
+   !! Of all changes of the unknowns that rounding of the residuals can cause, the largest is
+   !! applied, forward and backward. Near a singular Jacobian all large changes have the same
+   !! direction. The rounding of the multipliers themselves is added: the product of the [P_i] may
+   !! begin with any impact, and each order is rounded differently.
    pure real(wp) function modulus_doubt(motion) result(doubt)
       !> An exact motion with its multipliers.
       type(motion_type), intent(in) :: motion
@@ -70,7 +70,7 @@ contains
       real(wp), intent(in) :: unknowns(:), amplitude
       !> (2N) Change of x_i and theta_i.
       real(wp), intent(out) :: change(:)
-      !> False if the Jacobian is singular as far as rounding can tell.
+      !> False if the Jacobian is singular to rounding.
       logical, intent(out) :: regular
       real(wp) :: jacobian(size(unknowns), size(unknowns))
       real(wp), dimension(size(unknowns)) :: residual, rounding, units
@@ -87,15 +87,15 @@ contains
       call worst_change(jacobian, rounding, units, change, regular)
    end subroutine change_of_unknowns
 
-   !> The change of the unknowns, by rounding of the residuals, in which one unknown changes most.
+   !> The largest change of the unknowns that rounding of the residuals can cause.
    pure subroutine worst_change(jacobian, rounding, units, change, regular)
-      !> Derivatives of the residuals (n) by the unknowns (n).
+      !> Derivatives of the residuals (n) with respect to the unknowns (n).
       real(wp), intent(in) :: jacobian(:, :)
-      !> What each residual may be wrong by (n), and in which units the unknowns are compared (n).
+      !> Possible error of each residual (n), and the units in which the unknowns are compared (n).
       real(wp), intent(in) :: rounding(:), units(:)
       !> (n)
       real(wp), intent(out) :: change(:)
-      !> False if the Jacobian is singular as far as rounding can tell.
+      !> False if the Jacobian is singular to rounding.
       logical, intent(out) :: regular
       real(wp), dimension(size(rounding), size(rounding)) :: factors, answers
       real(wp) :: total(size(rounding))
@@ -122,7 +122,8 @@ contains
       regular = .true.
    end subroutine worst_change
 
-   !> By how much the modulus differs between the products of the [P_i] that begin with each impact.
+   !> Largest difference of the modulus between the products of the [P_i] that begin with each
+   !! impact.
    pure real(wp) function spread_of_orders(motion, modulus) result(spread)
       !> An exact motion.
       type(motion_type), intent(in) :: motion

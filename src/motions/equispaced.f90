@@ -1,8 +1,9 @@
 !> The symmetric pair: two equally spaced impacts in k load cycles (k odd), equal restitution.
 !!
 !! The phases 0, k pi leave the equations (26), (30) with rank 3: any amplitude A is possible. With
-!! x_2 = -x_1 they are two equations in x_1, A cos(tau), A sin(tau). Given the clearance, and so A,
-!! they say that (A cos(tau), A sin(tau)) lies on a line and on a circle: 0, 1 or 2 motions.
+!! x_2 = -x_1 they reduce to two equations in x_1, A cos(tau), A sin(tau). For a given clearance,
+!! and hence A, these mean that (A cos(tau), A sin(tau)) lies on a line and on a circle: 0, 1 or 2
+!! motions.
 module vi_equispaced
    use vi_kinds, only: wp
    use vi_motion, only: complete_motion, motion_type, start_motion, worst_rounding
@@ -22,7 +23,7 @@ module vi_equispaced
       real(wp) :: normal(2) = 0, distance = 0, amplitude = 0
       !> x_1 = x_forced . (A cos(tau), A sin(tau)) + x_walls * clearance
       real(wp) :: x_forced(2) = 0, x_walls = 0
-      !> `stat%ok`; `stat%singular`, `stat%lost_digits` at, near a resonance without damping.
+      !> `stat%ok`; `stat%singular` at and `stat%lost_digits` near a resonance without damping.
       integer :: status = stat%ok
    end type line_type
 
@@ -33,7 +34,7 @@ contains
    !! A motion that does not exist has the status `stat%no_motion`. Where the two coincide, the
    !! second one does not exist.
    pure subroutine solve_equispaced(osc, r, clearance, cycles, system, motions)
-      !> Its two coefficients of restitution are equal.
+      !> Oscillator; its two coefficients of restitution are equal.
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio, and clearance d K/F0.
       real(wp), intent(in) :: r, clearance
@@ -60,7 +61,7 @@ contains
          if (status(i) /= stat%ok) cycle
          motions(i)%residual = 0
          call complete_motion(motions(i), [x(i), -x(i)], forced(1, i), forced(2, i), clearance)
-         motions(i)%clearance = clearance           ! the given one, not what rounding left of it
+         motions(i)%clearance = clearance           ! exactly as given, without rounding errors
       end do
    end subroutine solve_equispaced
 
@@ -82,7 +83,7 @@ contains
          length = norm2(normal)
          line%amplitude = gain(motion%osc%xi, motion%r)
          ! the coefficients are sums of terms of about 1 and r; at a resonance without damping the
-         ! terms cancel, and the line is what is left of their rounding
+         ! terms cancel, and only their rounding errors are left of the line
          noise = epsilon(1.0_wp)*((1 + sum(abs(w)))*norm2([x_row(2), v(3:4)]) &
             + (motion%r + sum(abs(v)))*norm2([x_row(1), w(3:4)]))
          if (.not. line%amplitude <= huge(1.0_wp)) line%status = stat%singular

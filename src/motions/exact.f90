@@ -1,8 +1,9 @@
 !> Exact motions: Newton's method on the 2N unknowns x_i, alpha_i at a given clearance.
 !!
 !! The equations (26), (30) with A known and the phases unknown (the footnote on the paper's page
-!! 45). They say that every flight ends where and as fast as the next impact starts. The unknown
-!! phases are theta_i = alpha_i + tau, the arguments of the forced motion A sin(theta).
+!! 45). They require that every flight ends with the position and velocity with which the next
+!! impact begins. The unknown phases are theta_i = alpha_i + tau, the arguments of the forced motion
+!! A sin(theta).
 module vi_exact
    use vi_flight, only: flight_type, new_flight
    use vi_impact, only: primary_velocities
@@ -20,8 +21,8 @@ module vi_exact
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
-   !> Size of a Newton step (of positions over the clearance, of phases) below which rounding may be
-   !! reached, size of a step that is negligible, and relative residuals that are due to rounding.
+   !> Newton step (positions over the clearance, and phases) below which rounding may be reached, a
+   !! step that is negligible, and relative residuals that are due to rounding.
    real(wp), parameter :: small = max(1.0e-7_wp, 100*epsilon(1.0_wp)), &
       negligible = 4000*epsilon(1.0_wp), at_rounding = 200*epsilon(1.0_wp)
 
@@ -40,9 +41,10 @@ contains
 
    !> Newton's method from a guess; the motion is without verdicts.
    !!
-   !! It ends at rounding: with a step that is negligible, or, once the steps or the residuals are
-   !! small, with one that is no shorter than the one before. Near a singular Jacobian, near a
-   !! fold or a pitchfork, steps shrink slowly at first, and rounding moves the unknowns far.
+   !! It ends at rounding: after a negligible step, or, once the steps or the residuals are small,
+   !! after a step that is no shorter than the one before. Near a singular Jacobian, that is near a
+   !! fold or a pitchfork, the steps shrink slowly at first, and rounding has a large effect on the
+   !! unknowns.
    pure subroutine solve_exact(setting, x, theta, most, known, motion, iterations)
       !> Given data of the motion.
       type(setting_type), intent(in) :: setting
@@ -100,7 +102,7 @@ contains
          end if
       end do
       if (iterations > most) then
-         ! near a singular Jacobian a last step may lead away
+         ! near a singular Jacobian the last step may lead away from the solution
          if (.not. (worse .and. least < at_rounding)) return
          x = best(:n)
          theta = best(n + 1:)
@@ -168,15 +170,15 @@ contains
       end do
    end subroutine newton_equations
 
-   !> Derivatives of x and x' after a time: by x and x' at the start (S_1..S_4 of (A6)), and by the
-   !> phase of the forced motion.
+   !> Derivatives of x and x' after a given time with respect to x and x' at the start (S_1..S_4 of
+   !> (A6)), and to the phase of the forced motion.
    pure subroutine transfer(flight, t, s, forced)
       !> The flight.
       type(flight_type), intent(in) :: flight
       !> Time after its start (1/omega).
       real(wp), intent(in) :: t
-      !> S_1 .. S_4: derivatives of x, x by x, x', of x', x' by x, x' at the start; derivatives of x
-      !! and x' by the phase (rad).
+      !> S_1 .. S_4: derivatives of x with respect to x and x' at the start, then those of x'; and
+      !! the derivatives of x and x' with respect to the phase (rad).
       real(wp), intent(out) :: s(4), forced(2)
       real(wp) :: h, c1, c2, start(2), finish(2)
 
@@ -191,7 +193,7 @@ contains
       forced = finish - [s(1)*start(1) + s(2)*start(2), s(3)*start(1) + s(4)*start(2)]
    end subroutine transfer
 
-   !> The share of a Newton step that leaves every flight at least half its duration.
+   !> The fraction of a Newton step that leaves every flight at least half its duration.
    pure real(wp) function step_share(cycles, unknowns, step) result(share)
       !> Load cycles k of the period.
       integer, intent(in) :: cycles
@@ -208,10 +210,11 @@ contains
       if (any(-change > 0.5_wp*length)) share = minval(0.5_wp*length/(-change), -change > 0)
    end function step_share
 
-   !> The factor of a Newton step by which known motions repel it.
+   !> The factor on a Newton step that makes known motions repel it.
    !!
-   !! For the equations multiplied by m(u) = prod (1/|u - u_j|^2 + 1) Newton's step is the plain one
-   !! over 1 - step . grad(log m) (Farrell, Birkisson and Funke, SIAM J. Sci. Comput. 37, 2015).
+   !! For the equations multiplied by m(u) = prod (1/|u - u_j|^2 + 1) the Newton step is the plain
+   !! step divided by 1 - step . grad(log m) (Farrell, Birkisson and Funke, SIAM J. Sci. Comput. 37,
+   !! 2015).
    pure real(wp) function deflation(unknowns, step, known, scale) result(factor)
       !> x_i, theta_i, and the plain step in them (2N); motions already known (2N, m).
       real(wp), intent(in) :: unknowns(:), step(:), known(:, :)
@@ -234,7 +237,7 @@ contains
       factor = 1/merge(factor, sign(1.0e-3_wp, factor), abs(factor) > 1.0e-3_wp)
    end function deflation
 
-   !> The motion, without verdicts, of unknowns that solve the equations.
+   !> The motion, without verdicts, given unknowns that solve the equations.
    pure subroutine member(setting, x, theta, motion)
       !> Given data of the motion.
       type(setting_type), intent(in) :: setting

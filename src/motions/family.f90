@@ -11,7 +11,8 @@ module vi_family
 
    !> A way in which a motion can repeat itself within its period.
    type, public :: repetition_type
-      !> Impacts after which it does, the sign of positions then, and the load phase gone by.
+      !> Number of impacts after which it repeats, the sign of positions there, and the load phase
+      !! that has passed.
       integer :: shift = 0
       real(wp) :: sign = 1, phase = 0
    end type repetition_type
@@ -22,8 +23,8 @@ contains
 
    !> The family of a pattern, and the ways in which its members could repeat themselves.
    !!
-   !! A motion that does is not one of the family but of one with a shorter pattern, or with the
-   !! mirror symmetry: the pattern's own motions begin where they differ from it.
+   !! A motion that repeats itself belongs not to this family but to one with a shorter pattern, or
+   !! to one with the mirror symmetry: the motions of this pattern branch off from those.
    pure subroutine new_family(pattern, symmetric, equal_walls, family, repetitions, possible)
       !> Sides of the impacts, and the load cycles k of the whole period.
       type(pattern_type), intent(in) :: pattern
@@ -121,8 +122,8 @@ contains
       type(repetition_type), intent(in) :: repetition
       !> (2n) u_i and theta_i of the orbit, and the factor of the gradient.
       real(wp), intent(in) :: unknowns(:), weight
-      !> (at least 2n) In and out: a gradient by u_i and theta_i, to which the term is added;
-      !! unchanged where the distance is 0.
+      !> (at least 2n) In and out: a gradient with respect to u_i and theta_i, to which the term is
+      !! added; unchanged where the distance is 0.
       real(wp), intent(inout) :: slope(:)
       real(wp) :: away(size(unknowns)), length, sign
       integer :: i, j, n, turns
@@ -143,7 +144,8 @@ contains
       end do
    end subroutine add_distance_slope
 
-   !> The unknowns of the motion that a repetition makes of another: later impacts first, mirrored.
+   !> The unknowns of the image of a motion under a repetition: it begins at a later impact,
+   !! mirrored if the repetition is.
    pure function image_of(family, repetition, unknowns) result(image)
       !> The family of the orbit.
       type(family_type), intent(in) :: family
@@ -171,7 +173,7 @@ contains
    pure function whole_unknowns(family, unknowns) result(whole)
       !> The family of the orbit.
       type(family_type), intent(in) :: family
-      !> (2n) u_i and theta_i; of a symmetric family those of the first half period.
+      !> (2n) u_i and theta_i; for a symmetric family those of the first half period.
       real(wp), intent(in) :: unknowns(:)
       real(wp), allocatable :: whole(:)
       integer :: n

@@ -1,7 +1,7 @@
-!> Motions that are their own mirror image half a period later, many at a time: one a lane.
+!> Motions that are their own mirror image half a period later, many at a time: one per lane.
 !!
 !! One frequency ratio, many clearances: the flights have one duration and common nodes (vi_nodes).
-!! A lane answers only where its answer is certain.
+!! A lane gives a verdict only where that is certain.
 module vi_lane_half
    use vi_kinds, only: wp
    use vi_lane_motion, only: rows
@@ -22,14 +22,14 @@ contains
       type(plan_type), intent(in) :: plan
       !> Frequency ratio, duration of a flight (1/omega), A (F0/K), and C_1, C_2 of (9), (10).
       real(wp), intent(in) :: r, duration, amplitude, c(2)
-      !> Nodes 0..n, the time between them, and the tables of vi_nodes.
+      !> Number n of the last node; the first one is 0.
       integer, intent(in) :: n
       !> Time between the nodes (1/omega), and the tables of vi_nodes: the four functions at the
       !! nodes, and their derivatives times `step`.
       real(wp), intent(in) :: step, position(4, 0:n), rise(4, 0:n)
       !> block(lane, :): clearance, x_1, A cos(tau), A sin(tau) (F0/K).
       real(wp), intent(in) :: block(lanes, 4)
-      !> 1, 0 or `unsure`; where `admissible` is unsure, so is `largest`.
+      !> 1, 0 or `unsure`; where `admissible` is `unsure`, `largest` is not certain either.
       integer, intent(out) :: stable(lanes), admissible(lanes)
       !> Largest |x| of each lane (F0/K).
       real(wp), intent(out) :: largest(lanes)
@@ -107,7 +107,7 @@ contains
    !> Whether the flight stays between the walls, and the largest |x|, as in vi_equispaced_row.
    pure subroutine lane_extremes(n, step, xi, r, position, rise, bound, clearance, x_first, z_dot, &
       approaches, parts, admissible, largest)
-      !> Nodes 0..n and the time between them.
+      !> Number n of the last node; the first one is 0.
       integer, intent(in) :: n
       !> Time between the nodes (1/omega), damping ratio, frequency ratio, and the tables of
       !! vi_nodes.
@@ -120,7 +120,7 @@ contains
       logical, intent(in) :: approaches(lanes)
       !> parts(lane, :): coefficients of the four functions.
       real(wp), intent(in) :: parts(lanes, 4)
-      !> 1, 0 or `unsure`; then `largest` is not certain either.
+      !> 1, 0 or `unsure`; in the last case `largest` is not certain either.
       integer, intent(out) :: admissible(lanes)
       !> Largest |x| of each lane (F0/K).
       real(wp), intent(out) :: largest(lanes)
@@ -140,7 +140,7 @@ contains
             y_rise(l, j) = z_dot(l)*step - x_rise(l, j)
          end do
       end do
-      ! at the ends the masses touch
+      ! at both ends of the flight the masses touch
       x(:, 0) = x_first
       x(:, n) = -x_first
       y(:, 0) = 0.5_wp*clearance

@@ -1,4 +1,4 @@
-!> Motions whose impact phases are given, many at a time: one point a lane.
+!> Motions whose impact phases are given, many at a time: one point per lane.
 !!
 !! The same equations as in vi_periodic and vi_impact_map, with d = 1 throughout, since no
 !! multiplier depends on the unit of length. Every step is a loop over the lanes.
@@ -30,8 +30,8 @@ contains
       real(wp), intent(out) :: p(lanes, 4, 4)
       !> Square of the relative residual of (26), (30).
       real(wp), intent(out) :: residual(lanes)
-      !> Estimated relative error of [P] is epsilon/quality of its largest entry; 0: no digit is
-      !! certain.
+      !> The estimated error of [P], relative to its largest entry, is epsilon/quality; 0 if no
+      !! digit is certain.
       real(wp), intent(out) :: quality(lanes)
       real(wp) :: total(lanes), clear(lanes), worst(lanes)
       integer :: i
@@ -51,7 +51,7 @@ contains
       quality = quality*worst
    end subroutine lane_chain
 
-   !> Fills what depends on the phases alone: entries 1 to 6 of each flight.
+   !> Sets the quantities that depend on the phases alone: entries 1 to 6 of each flight.
    pure subroutine flights(plan, n, r, phases, flight, clear)
       !> Data that all points share.
       type(plan_type), intent(in) :: plan
@@ -198,7 +198,7 @@ contains
       real(wp), intent(in) :: x(lanes, n + 2)
       !> In: entry 6, 1/duration. Out: entry 7, z', is set.
       real(wp), intent(inout) :: flight(lanes, 7, n)
-      !> 1, or 0 where the load is negligible or exceeds the motion by far.
+      !> 1, or 0 where the load is negligible or far exceeds the motion.
       real(wp), intent(out) :: clear(lanes)
       real(wp), parameter :: disparity = 1.0e6_wp
       real(wp), dimension(lanes) :: largest, amplitude
@@ -224,7 +224,7 @@ contains
       integer, intent(in) :: n, i
       !> Frequency ratio, solution, and all flights.
       real(wp), intent(in) :: r(lanes), x(lanes, n + 2), flight(lanes, 7, n)
-      !> In: the product of the maps of flights 1 to i - 1. Out: times [P_i].
+      !> In: the product of the maps of flights 1 to i - 1. Out: that of flights 1 to i.
       real(wp), intent(inout) :: p(lanes, 4, 4)
       !> Approach speed over the size of its terms: small where digits cancel.
       real(wp), intent(out) :: clear(lanes)
@@ -275,7 +275,8 @@ contains
       !! the impact that ends it; x' just after impact i.
       real(wp), intent(in) :: r(lanes), x(lanes), forced(lanes, 2), flight(lanes, 7), &
          ahead(lanes, 2), x_dot(lanes)
-      !> Derivatives of the next phase, of x and of x' there by (x, x', z', alpha) of impact i.
+      !> Derivatives of the next phase, and of x and x' there, with respect to (x, x', z', alpha) of
+      !! impact i.
       real(wp), intent(out), dimension(lanes, 4) :: t, u, v
       !> Approach speed over the size of its terms: small where digits cancel.
       real(wp), intent(out) :: clear(lanes)

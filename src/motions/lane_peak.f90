@@ -1,4 +1,4 @@
-!> The largest |x| of many flights over the same nodes, one flight a lane, as in vi_nodes.
+!> The largest |x| of many flights over the same nodes, one flight per lane, as in vi_nodes.
 module vi_lane_peak
    use vi_kinds, only: wp
    use vi_plan, only: lanes
@@ -7,7 +7,7 @@ module vi_lane_peak
 
    public :: find_largest, raise
 
-   !> Terms of a Taylor series about a node; what is left out is below rounding.
+   !> Terms of a Taylor series about a node; the omitted terms are below rounding.
    integer, parameter :: terms = 11
    real(wp), parameter :: sixth = 1/6.0_wp
 
@@ -26,13 +26,13 @@ contains
          parts(lanes, 4), x(lanes, 0:n), x_rise(lanes, 0:n)
       !> Largest |x| of each lane (F0/K).
       real(wp), intent(out) :: largest(lanes)
-      !> False where the proof failed; then `largest` means nothing.
+      !> False where the proof failed; `largest` is then meaningless.
       logical, intent(out) :: certain(lanes)
       real(wp), dimension(lanes) :: shift, peak, highest, best
       real(wp) :: node(lanes, 4)
       integer :: top(lanes), segment(lanes), j, l
 
-      ! both ends have one |x|, and the flight may rise into it from either side
+      ! both ends have the same |x|, which may rise further inside the flight at either end
       top = merge(n, 0, x(:, n)*x_rise(:, n) < 0)
       best = abs(x(:, n))
       do j = n - 1, 1, -1
@@ -69,7 +69,7 @@ contains
       !> Time between the nodes (1/omega); bound on the fourth derivative of x; x at the nodes
       !! (F0/K), and its derivative there times `step`.
       real(wp), intent(in) :: step, bound(lanes), x(lanes, 0:n), x_rise(lanes, 0:n)
-      !> The stationary point lies at time `shift` after this node; n: it is a node.
+      !> The stationary point lies at time `shift` after this node; n if it is a node itself.
       integer, intent(in) :: segment(lanes)
       !> Time from that node to the stationary point (1/omega), and x there (F0/K).
       real(wp), intent(in) :: shift(lanes), peak(lanes)
@@ -93,7 +93,7 @@ contains
             ends(l, 4) = merge(x_rise(l, j + 1), ends(l, 4), segment(l) == j)
          end do
       end do
-      ! both parts of the segment; without one they are not there
+      ! both parts of the segment; without a stationary point in it there are none
       none = 0
       top = merge(0.0_wp, peak, segment == n)
       before = merge(0.0_wp, shift, segment == n)
@@ -106,11 +106,11 @@ contains
       call raise(highest, top, none, ends(:, 3), ends(:, 4), dip)
    end subroutine prove
 
-   !> `highest` becomes at least the largest |f| between two nodes, as in vi_bernstein.
+   !> Raises `highest` to at least the largest |f| between two nodes, as in vi_bernstein.
    pure subroutine raise(highest, f, rise, f_next, rise_next, dip)
-      !> In: any bound. Out: raised where it is less than the largest |f| of the segment may be.
+      !> In: any bound. Out: raised where |f| may be larger in the segment.
       real(wp), intent(inout) :: highest(lanes)
-      !> f at both nodes and its derivative there times their distance; `dip`: as `sag` of
+      !> f at both nodes, and its derivative there times the distance between them; `dip`: `sag` of
       !! vi_bernstein for that distance.
       real(wp), intent(in), dimension(lanes) :: f, rise, f_next, rise_next, dip
 
@@ -119,7 +119,7 @@ contains
          abs(f_next - 0.25_wp*rise_next), abs(f_next))
    end subroutine raise
 
-   !> The free and the forced part of x at a node, and their rises.
+   !> The free and the forced part of x at a node, and their derivatives times `step`.
    pure subroutine at_node(n, position, rise, parts, top, node)
       !> Number of the last node, and the node wanted in each lane.
       integer, intent(in) :: n, top(lanes)
@@ -167,7 +167,7 @@ contains
       end do
       shift = 0
       do i = 1, 4
-         ! the first steps need but few terms
+         ! the first steps need only a few terms
          last = merge(4, terms, i <= 2)
          do l = 1, lanes
             slope(l) = last*c(l, last)

@@ -1,6 +1,6 @@
 !> From phases to the verdicts `consistent` and `stable`, many points at a time.
 !!
-!! A lane answers only where rounding cannot change the answer; otherwise it says `unsure`.
+!! A lane gives a verdict only where rounding cannot change it; otherwise the verdict is `unsure`.
 module vi_lane_verdicts
    use vi_kinds, only: wp
    use vi_lane_motion, only: lane_chain
@@ -11,9 +11,9 @@ module vi_lane_verdicts
 
    public :: lane_verdicts
 
-   !> Largest estimated relative error of a spectral radius that is given.
+   !> Largest estimated relative error of a spectral radius that is returned.
    real(wp), parameter :: radius_error = 4.0e-12_wp
-   !> A residual this near to the accepted one is judged by the reference chain.
+   !> A residual this near to the acceptance limit is left to the reference chain.
    real(wp), parameter :: residual_margin = 1.0e-9_wp
 
 contains
@@ -59,7 +59,7 @@ contains
       do l = 1, lanes
          ! errors of the coefficients, and of [P], in the zero of the polynomial
          associate (q => max(largest(l), radius(l)), s => radius(l))
-            ! times the slope, s and the quality, which may be 0: then nothing is sure
+            ! times the slope, s and the quality, which may be 0: then nothing is certain
             noise = (q*s**3 + q**2*s**2 + q**3*(s + 1))*quality(l) + (q*s**2 + slope(l))*s
             if (.not. noise*epsilon(1.0_wp) < radius_error*slope(l)*s*quality(l)) stable(l) = unsure
          end associate

@@ -11,7 +11,7 @@ module vi_likeness
 
    public :: distance, is_repeated, is_symmetric, length_scale, shortest_repetition
 
-   !> Motions with a smaller distance than this are the same.
+   !> Motions closer than this distance are the same.
    real(wp), parameter, public :: same = 1.0e-6_wp
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -27,8 +27,8 @@ contains
       length_scale = max(clearance, min(gain(osc%xi, r), huge(1.0_wp)))
    end function length_scale
 
-   !> The least distance over all sets of unknowns of the other motion: the largest difference of
-   !! any x_i, over a scale, or of any theta_i (rad).
+   !> The least distance over all sets of unknowns of the other motion. A distance is the largest
+   !! difference of any x_i, over a scale, or of any theta_i (rad).
    pure real(wp) function distance(pattern, scale, one, other)
       !> Pattern of both.
       type(pattern_type), intent(in) :: pattern

@@ -11,7 +11,7 @@ module vi_member
 
    public :: set_orbit, span_of
 
-   !> Most impacts of an orbit.
+   !> Largest number of impacts of an orbit.
    integer, parameter, public :: most_impacts = 24
    !> Places of the parameters.
    integer, parameter, public :: by_r = 1, by_clearance = 2, by_xi = 3, by_mu = 4, by_right = 5, &
@@ -26,17 +26,18 @@ module vi_member
       integer, allocatable :: sides(:)
       !> Load cycles k of the whole period.
       integer :: cycles = 1
-      !> The impacts given are followed by their mirror images half a period later; k is odd then.
+      !> Whether the given impacts are followed by their mirror images half a period later; k is
+      !! then odd.
       logical :: mirror = .false.
    end type family_type
 
    !> One member: everything at its impacts and flights. Entries 0 and n+1 continue the list.
    type, public :: orbit_type
       integer :: n = 0
-      !> -1 if the impacts repeat mirrored, and the phase after which they do.
+      !> -1 if the impacts repeat mirrored, else 1; and the phase after which they repeat.
       real(wp) :: sign = 1, span = 0
       real(wp) :: xi = 0, mu = 0, r = 1, amplitude = 0
-      !> Derivative of log(A) by r, and 1/r.
+      !> Derivative of log(A) with respect to r, and 1/r.
       real(wp) :: growth = 0, per_r = 1
       real(wp), dimension(0:most_impacts + 1) :: u, theta, z, restitution
       !> Forced motion A sin(theta) and its velocity A r cos(theta).
@@ -45,9 +46,10 @@ module vi_member
       !> S_1..S_4 of (A6).
       real(wp), dimension(0:most_impacts + 1) :: time, rate, speed, c1, c2
       real(wp) :: s(4, most_impacts)
-      !> Velocity of the primary mass around impact i.
+      !> Velocity of the primary mass before and after impact i.
       real(wp), dimension(0:most_impacts + 1) :: before, after
-      !> Their parts: derivatives by the velocities of the free mass before and after the impact.
+      !> Derivatives of these velocities with respect to those of the free mass before and after the
+      !! impact.
       real(wp), dimension(2, most_impacts) :: of_before, of_after
       integer, dimension(0:most_impacts + 1) :: side
    end type orbit_type

@@ -14,7 +14,8 @@ module vi_motion
    !> Values of the three verdicts of a motion.
    integer, parameter, public :: no = 0, yes = 1, unknown = -1
 
-   !> Lengths in F0/K, velocities in omega F0/K, angles in radians; arrays have one entry an impact.
+   !> Lengths in F0/K, velocities in omega F0/K, angles in radians; arrays have one entry per
+   !! impact.
    type, public :: motion_type
       type(oscillator_type) :: osc
       type(pattern_type) :: pattern
@@ -32,28 +33,28 @@ module vi_motion
       real(wp) :: amplitude = 0, tau = 0
       !> Relative 2-norm of (26), (30): |left - right|/|right|.
       real(wp) :: residual = 0
-      !> Eigenvalues of [P], by falling modulus.
+      !> Eigenvalues of [P], in order of decreasing modulus.
       complex(wp) :: multipliers(4) = 0
       !> Extreme positions of the primary mass over the period.
       real(wp) :: x_min = 0, x_max = 0
       !> Set by `assess` alone: `yes`, `no` or `unknown`.
       integer :: consistent = unknown, admissible = unknown, stable = unknown
-      !> A code of vi_status; unless `stat%ok` the fields after `phases` mean nothing.
+      !> A code of vi_status; unless it is `stat%ok`, the fields after `phases` are meaningless.
       integer :: status = stat%ok
    end type motion_type
 
-   !> Largest relative error by rounding that a motion may have: six digits are left, three in
-   !! single precision.
+   !> Largest relative rounding error that a motion may have: six digits are left, three in single
+   !! precision.
    real(wp), parameter, public :: worst_rounding = max(1.0e-6_wp, 1.0e4_wp*epsilon(1.0_wp))
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 
-   !> Puts the given data into a motion and makes room for the rest; the room is kept between calls.
+   !> Puts the given data into a motion and allocates the rest; the arrays are kept between calls.
    pure subroutine start_motion(motion, osc, r, pattern, restitution, phases)
-      !> Out: with the given data, room for the rest, and all verdicts `unknown`. In: its arrays are
-      !! reused where their sizes fit.
+      !> Out: with the given data, arrays for the rest, and all verdicts `unknown`. In: its arrays
+      !! are reused where their sizes fit.
       type(motion_type), intent(inout) :: motion
       !> Oscillator without its load.
       type(oscillator_type), intent(in) :: osc
@@ -130,8 +131,8 @@ contains
    !!
    !! The unknowns may come in any unit of length; `unit_clearance` is the clearance in that unit.
    pure subroutine complete_motion(motion, x, a_cos_tau, a_sin_tau, unit_clearance)
-      !> In: with the given data. Out: positions, velocities, amplitude, tau and clearance are set,
-      !! or only its status.
+      !> In: with the given data. Out: positions, velocities, amplitude, tau and clearance are set;
+      !! on failure only the status is.
       type(motion_type), intent(inout) :: motion
       !> x_i (N), A cos(tau), A sin(tau), and the clearance, all in one unit of length.
       real(wp), intent(in) :: x(:), a_cos_tau, a_sin_tau, unit_clearance
@@ -140,12 +141,12 @@ contains
 
       n = size(x)
       amplitude = hypot(a_cos_tau, a_sin_tau)
-      ! A below the rounding of the solution is no amplitude at all
+      ! A below the rounding of the solution counts as 0
       if (.not. amplitude > n*epsilon(1.0_wp)*max(maxval(abs(x)), unit_clearance)) then
          motion%status = stat%no_load
          return
       end if
-      ! x is what is left where a free vibration all but cancels a forced one of this amplitude
+      ! x is a small remainder: the free vibration nearly cancels a forced one of this amplitude
       if (amplitude*epsilon(1.0_wp) > worst_rounding*max(maxval(abs(x)), unit_clearance)) then
          motion%status = stat%lost_digits
          return

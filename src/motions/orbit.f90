@@ -1,9 +1,9 @@
 !> A periodic motion as a root of equations in its positions, phases and parameters.
 !!
-!! The equations say that every flight ends where and as fast as the next impact starts: (26) and
-!! (30) with A known. For motions that are their own mirror image half a period later, a fold and
-!! the pitchfork, where the symmetry is lost, are two different multipliers (+1 and -1) of the
-!! half-period map.
+!! The equations require that every flight ends with the position and velocity with which the next
+!! impact begins: (26) and (30) with A known. For motions that are their own mirror image half a
+!! period later, a fold has the multiplier +1 of the half-period map, and the pitchfork, where the
+!! symmetry is lost, has -1.
 module vi_orbit
    use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
@@ -47,7 +47,7 @@ contains
       end associate
    end function free_end
 
-   !> The residuals again, and the gradient of each: by u_i, theta_i, r and log(D).
+   !> The residuals, and the gradient of each with respect to u_i, theta_i, r and log(D).
    pure subroutine orbit_slopes(o, slopes, residual)
       !> The orbit.
       type(orbit_type), intent(in) :: o
@@ -92,9 +92,9 @@ contains
       type(orbit_type), intent(in) :: o
       !> Number of the flight, 1 to n.
       integer, intent(in) :: i
-      !> Derivative of the quantity by that duration.
+      !> Derivative of the quantity with respect to that duration.
       real(wp), intent(in) :: weight
-      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
+      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w
       integer :: n, next
@@ -111,11 +111,12 @@ contains
    pure subroutine by_speed(o, i, weight, slope)
       !> The orbit.
       type(orbit_type), intent(in) :: o
-      !> Number of the flight, 0 to n + 1; those beyond the ends are periodic or mirrored.
+      !> Number of the flight, 0 to n + 1; those beyond the ends are continued periodically or
+      !! mirrored.
       integer, intent(in) :: i
-      !> Derivative of the quantity by that velocity.
+      !> Derivative of the quantity with respect to that velocity.
       real(wp), intent(in) :: weight
-      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
+      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w
       integer :: n, j, next
@@ -126,7 +127,7 @@ contains
       next = merge(1, j + 1, j == n)
       slope(j) = slope(j) - w
       slope(next) = slope(next) + merge(o%sign, 1.0_wp, j == n)*w
-      ! through the duration: speed goes with its inverse
+      ! through the duration: the speed is proportional to its inverse
       w = w*o%speed(j)*o%per_r
       slope(n + j) = slope(n + j) + w
       slope(n + next) = slope(n + next) - w
@@ -140,9 +141,9 @@ contains
       type(orbit_type), intent(in) :: o
       !> Number of the impact, 1 to n + 1.
       integer, intent(in) :: i
-      !> Derivatives of the quantity by the forced motion and by its velocity.
+      !> Derivatives of the quantity with respect to the forced motion and its velocity.
       real(wp), intent(in) :: weight, weight_dot
-      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
+      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: cosine, grown
       integer :: n, j
@@ -156,7 +157,7 @@ contains
       slope(2*n + by_clearance) = slope(2*n + by_clearance) - grown
    end subroutine by_forced
 
-   !> Derivative of the residual by one parameter (2n).
+   !> Derivative of the residual with respect to one parameter (2n).
    pure function orbit_by_parameter(family, unknowns, c, o, which) result(slope)
       !> Family of the orbit.
       type(family_type), intent(in) :: family
@@ -186,8 +187,8 @@ contains
       end select
    end function orbit_by_parameter
 
-   !> All [P_i], and the derivative of the map of the period, [P] = P_n .. P_1, or of the half
-   !! period Q.
+   !> All [P_i], and the derivative of the map of the period, [P] = P_n .. P_1, or of that of the
+   !! half period, [Q].
    pure subroutine period_parts(o, parts, p, regular)
       !> The orbit.
       type(orbit_type), intent(in) :: o
@@ -213,14 +214,14 @@ contains
       p(:3, :) = o%sign*p(:3, :)
    end subroutine period_parts
 
-   !> [P_i] less its part that is large where the impact at its end has hardly any approach: rows 1
-   !! to 3 are base + column times row 4. The mirror at the end of a half period is included.
+   !> [P_i] without the part that grows as the approach speed at its end goes to 0: rows 1 to 3 are
+   !! base + column times row 4. The mirror at the end of a half period is included.
    pure subroutine split_part(o, i, base, column)
       !> The orbit.
       type(orbit_type), intent(in) :: o
       !> Number of the flight, 1 to n.
       integer, intent(in) :: i
-      !> Rows 1 to 3 without their parts of row 4, and the factors of row 4 in them.
+      !> Rows 1 to 3 without their multiples of row 4, and the factors of row 4 in them.
       real(wp), intent(out) :: base(3, 4), column(3)
       real(wp) :: free(2), sine(2), cosine(2), s13, rest
 

@@ -51,9 +51,10 @@ contains
       end do
    end function side_symbols
 
-   !> The pattern of symbols R and L, a star after one for accumulation and rest (2, -2).
+   !> The pattern of symbols R and L; a star after a symbol stands for accumulation and rest (2,
+   !! -2).
    pure function starred_pattern(symbols, cycles) result(pattern)
-      !> Symbols R and L in order, each followed by a star for accumulation and rest.
+      !> Symbols R and L in order, each followed by a star if it stands for accumulation and rest.
       character(*), intent(in) :: symbols
       !> Load cycles k in one period.
       integer, intent(in) :: cycles
@@ -92,7 +93,7 @@ contains
       end do
    end function starred_symbols
 
-   !> The coefficient of restitution of each impact where the wall alone decides it.
+   !> The coefficient of restitution of each impact if it depends on the wall alone.
    elemental real(wp) function default_restitution(side, right_value, &
       left_value) result(restitution)
       !> +1 right, -1 left.

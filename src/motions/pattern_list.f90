@@ -9,12 +9,12 @@ module vi_pattern_list
 
 contains
 
-   !> All patterns with impacts on both walls, with each number of load cycles, the shortest first.
+   !> All patterns with impacts on both walls, with each number of load cycles, shortest first.
    !! Patterns that are rotations of each other are listed once, and so are mirror images where the
-   !! walls are alike.
+   !! walls are equal.
    !!
-   !! A pattern that repeats a shorter one is listed too: it belongs to motions of a multiple
-   !! period.
+   !! A pattern that repeats a shorter one is listed too: it describes motions with a multiple of
+   !! the period.
    pure function side_patterns(max_impacts, max_cycles, alike) result(patterns)
       !> Largest number of impacts, and of load cycles k in a period.
       integer, intent(in) :: max_impacts, max_cycles
@@ -50,7 +50,7 @@ contains
       end subroutine list
    end function side_patterns
 
-   !> Whether a pattern is written in the standard way.
+   !> Whether a pattern is in standard form.
    pure logical function is_standard(sides, alike)
       !> +1 right, -1 left.
       integer, intent(in) :: sides(:)

@@ -1,8 +1,8 @@
 !> The gradient of a number that depends on the multipliers, without difference quotients.
 !!
-!! The derivatives of the number by the entries of the map of the period are called weights here.
-!! The chain rule is applied backwards: from the weights of the whole product to those of each
-!! [P_i], and from these through (A5)-(A7) to the unknowns and parameters.
+!! The derivatives of the number with respect to the entries of the map of the period are called
+!! weights here. The chain rule is applied backwards: from the weights of the whole product to those
+!! of each [P_i], and from these through (A5)-(A7) to the unknowns and parameters.
 module vi_period_slope
    use vi_kinds, only: wp
    use vi_orbit, only: by_forced, by_r, by_speed, by_time, most_impacts, orbit_type
@@ -13,15 +13,16 @@ module vi_period_slope
 
 contains
 
-   !> Adds the effect of the map of the period to a gradient (by u_i, theta_i, r, log D).
+   !> Adds the effect of the map of the period to a gradient with respect to u_i, theta_i, r,
+   !! log(D).
    pure subroutine add_period_slope(o, parts, weights, slope)
       !> The orbit.
       type(orbit_type), intent(in) :: o
       !> All [P_i].
       real(wp), intent(in) :: parts(4, 4, most_impacts)
-      !> Derivatives of the number by the entries of the map of the period.
+      !> Derivatives of the number with respect to the entries of the map of the period.
       real(wp), intent(in) :: weights(4, 4)
-      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
+      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w(4, 4), before(4, 4, most_impacts)
       integer :: i
@@ -53,7 +54,7 @@ contains
       integer, intent(in) :: i
       !> [P_i] and the weights of its entries.
       real(wp), intent(in) :: p(4, 4), w(4, 4)
-      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D).
+      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp), dimension(4) :: v, last, row, w_s
       real(wp), dimension(2) :: f, g, m, w_f, w_g
@@ -93,7 +94,7 @@ contains
          w_s(4) = w_s(4) + (v_free*w6 - x*w13)/r
          w15 = v_free*w13/r
          w_r = w_r + (f(1)*w_f(1) - s6*w6 - s13*w13 - o%speed(i)*w_speed - dot_product(g, w_g))/r
-         ! the derivatives of S_1 to S_4 by time
+         ! the derivatives of S_1 to S_4 with respect to time
          w_time = w_time + w_s(1)*s(3) + w_s(2)*s(4) - w_s(3)*(s(1) + 2*o%xi*s(3)) &
             + (w_s(4) - 2*o%xi*w15)*s15 - w15*s(4)
          ! the free part of x and x'

@@ -1,7 +1,7 @@
 !> Motions whose impact phases are given: the linear equations (26) and (30).
 !!
-!! N impacts in k load cycles give 2N equations in the N + 2 unknowns x_1 .. x_N, A cos(tau),
-!! A sin(tau). They are proportional to the clearance, so they are solved with d = 1 and read in
+!! N impacts in k load cycles give 2N equations in the N + 2 unknowns x_1 .. x_N, A cos(tau), A
+!! sin(tau). They are proportional to the clearance, so they are solved with d = 1 and converted to
 !! units of F0/K afterwards. N = 2 is a square system (DGESV); N > 2 is overdetermined (DGELS) and
 !! consistent only if the phases are those of a motion.
 module vi_periodic
@@ -86,7 +86,7 @@ contains
    !> Builds the equations (26) and (30) with the coefficients (A1)-(A4), omega = 1, Omega = r, d
    !! = 1.
    pure subroutine assemble(motion, system)
-      !> Of this motion the given data count: oscillator, r, pattern, restitution, phases.
+      !> Only the given data of this motion are read: oscillator, r, pattern, restitution, phases.
       type(motion_type), intent(in) :: motion
       !> Out: coefficients and right side for d = 1; its arrays are reused between calls.
       type(linear_system_type), intent(inout) :: system
@@ -167,7 +167,7 @@ contains
 
    !> Allocates the arrays of a system for n impacts, unless they have that size already.
    pure subroutine enlarge(system, n)
-      !> In and out: the system; the contents of its arrays mean nothing afterwards.
+      !> In and out: the system; the contents of its arrays are undefined afterwards.
       type(linear_system_type), intent(inout) :: system
       !> Number of impacts.
       integer, intent(in) :: n

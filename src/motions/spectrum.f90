@@ -2,8 +2,8 @@
 !! functions, and how many lie outside the unit circle.
 !!
 !! A multiplier grows like the inverse of an approach speed. The functions e_0 = 1, e_1 .. e_4 are
-!! therefore taken times a common factor, so that the squares of the first four sum up to 1: they
-!! stay smooth, and e_0 passes zero, where an impact loses its approach.
+!! therefore multiplied by a common factor so that the squares of the first four sum to 1: where an
+!! approach speed passes zero, they stay smooth and e_0 passes zero.
 module vi_spectrum
    use vi_characteristic, only: characteristic, characteristic_slope
    use vi_compound, only: factor_weights, minors_of_split, minors_type, product_sums
@@ -25,8 +25,8 @@ module vi_spectrum
       logical :: regular = .false.
    end type spectrum_type
 
-   !> Entries of [P] from which on its minors are products of those of the [P_i]: rounding changes
-   !! a minor of three rows by the square of the largest entry.
+   !> Size of the entries of [P] above which its minors are computed from those of the [P_i]:
+   !! rounding changes a minor of three rows by the square of the largest entry.
    real(wp), parameter :: large = 1.0e3_wp
 
 contains
@@ -35,7 +35,7 @@ contains
    pure subroutine multiplier_sums(o, spectrum)
       !> The orbit.
       type(orbit_type), intent(in) :: o
-      !> The normalised sums; they mean nothing where `regular` is false.
+      !> The normalised sums; undefined where `regular` is false.
       type(spectrum_type), intent(out) :: spectrum
       type(minors_type) :: factors(o%n)
       real(wp) :: parts(4, 4, most_impacts), p(4, 4), length
@@ -55,7 +55,7 @@ contains
       type(spectrum_type), intent(inout) :: spectrum
       !> 2-norm of the sums before they are normalised.
       real(wp), intent(out) :: length
-      !> The minors of all factors, where the product is large.
+      !> The minors of all factors, if the entries of the product are large.
       type(minors_type), intent(out) :: factors(o%n)
       integer :: i
 
@@ -98,8 +98,8 @@ contains
    end function approach
 
    !> det[P] = exp(-4 pi xi k/r) times the squares of all R_i. The map of a half period, with the
-   !! mirror, has one of the same form and the same sign: its impacts change sides an odd number of
-   !! times.
+   !! mirror, has a determinant of the same form and the same sign: its impacts change sides an odd
+   !! number of times.
    pure real(wp) function closed_product(o)
       !> The orbit.
       type(orbit_type), intent(in) :: o
@@ -134,8 +134,8 @@ contains
       type(spectrum_type), intent(out) :: spectrum
       !> The number; 0 where the sums are not regular.
       real(wp), intent(out) :: value
-      !> (at least 2n + 2) In and out: gradient by u_i, theta_i, r, log(D), to which that of `value`
-      !! is added.
+      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D), to which
+      !! that of `value` is added.
       real(wp), contiguous, intent(inout) :: slope(:)
       type(minors_type) :: factors(o%n)
       real(wp), dimension(4, 4, most_impacts) :: parts, by_entry
@@ -148,7 +148,7 @@ contains
       call sums_of_parts(o, parts, p, spectrum, length, factors)
       if (.not. spectrum%regular) return
       call weights_of(kind, spectrum, value, w, by_product)
-      ! the length goes with the sums
+      ! the length depends on the sums too
       w = (w - dot_product(w, spectrum%e(:3))*spectrum%e(:3))/length
       if (is_large(p)) then
          call factor_weights(factors, w(1:3), by_entry(:, :, :o%n))
@@ -164,7 +164,7 @@ contains
          *spectrum%product
    end subroutine sums_with_slope
 
-   !> One of the three numbers that tell stability, with its derivatives.
+   !> One of the three numbers that decide stability, with its derivatives.
    pure subroutine weights_of(kind, spectrum, value, by_sums, by_product)
       !> As in `sums_with_slope`.
       integer, intent(in) :: kind
@@ -172,7 +172,8 @@ contains
       type(spectrum_type), intent(in) :: spectrum
       !> The number.
       real(wp), intent(out) :: value
-      !> By e_0 .. e_3, e_4 being the product times e_0, and by the product.
+      !> Derivatives with respect to e_0 .. e_3, where e_4 is the product times e_0, and to the
+      !! product.
       real(wp), intent(out) :: by_sums(0:3), by_product
 
       associate (e => spectrum%e, q => spectrum%product)
@@ -227,13 +228,13 @@ contains
       c = spectrum%e*[1, -1, 1, -1, 1]
       select case (kind)
       case (1, 2)
-         ! over lambda - 1 or lambda + 1
+         ! divided by lambda - 1 or lambda + 1
          do i = 1, 3
             c(i) = c(i) + merge(1, -1, kind == 1)*c(i - 1)
          end do
          n = 3
       case (3)
-         ! over lambda^2 - t lambda + 1
+         ! divided by lambda^2 - t lambda + 1
          t = -(c(1) - c(3))/(c(0) - c(4))
          c(1) = c(1) + t*c(0)
          c(2) = c(4)
@@ -244,7 +245,7 @@ contains
       outside = zeros_outside(c(0:n))
    end function outside_circle
 
-   !> Number of zeros of a polynomial outside the unit circle, by Schur and Cohn's recursion.
+   !> Number of zeros of a polynomial outside the unit circle, by the Schur-Cohn recursion.
    pure integer function zeros_outside(coefficients) result(outside)
       !> Highest power first.
       real(wp), intent(in) :: coefficients(:)
@@ -260,7 +261,7 @@ contains
             reversed(i) = c(n + 1 - i)
          end do
          if (abs(c(n)) > abs(c(1))) then
-            ! the reversed polynomial has the inverses of its zeros
+            ! the zeros of the reversed polynomial are the inverses
             c(:n) = reversed(:n)
             do i = 1, n
                reversed(i) = c(n + 1 - i)
@@ -269,7 +270,7 @@ contains
          end if
          if (inverted) outside = outside + 1
          if (.not. abs(c(1)) > 0) return
-         ! one zero inside the circle less
+         ! one zero fewer inside the circle
          share = c(n)/c(1)
          c(:n - 1) = c(:n - 1) - share*reversed(:n - 1)
       end do

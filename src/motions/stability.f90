@@ -36,13 +36,13 @@ contains
       status = merge(stat%ok, stat%not_finite, all(abs(p) <= huge(1.0_wp)))
    end subroutine stability_matrix
 
-   !> The four multipliers, by falling modulus.
+   !> The four multipliers, in order of decreasing modulus.
    pure subroutine multipliers(motion, lambda, status)
       !> A complete motion.
       type(motion_type), intent(in) :: motion
-      !> By falling modulus; 0 unless the status is `stat%ok` or `stat%lapack_failed`.
+      !> In order of decreasing modulus; 0 unless the status is `stat%ok` or `stat%lapack_failed`.
       complex(wp), intent(out) :: lambda(4)
-      !> As of `stability_matrix`, or `stat%lapack_failed`.
+      !> As in `stability_matrix`, or `stat%lapack_failed`.
       integer, intent(out) :: status
       real(wp) :: p(4, 4)
 
@@ -59,7 +59,7 @@ contains
    pure subroutine multipliers_of_half(q, lambda, status)
       !> In: [Q]. Out: overwritten.
       real(wp), intent(inout), contiguous :: q(:, :)
-      !> By falling modulus; 0 if [Q] is not finite.
+      !> In order of decreasing modulus; 0 if [Q] is not finite.
       complex(wp), intent(out) :: lambda(4)
       !> `stat%ok`, `stat%not_finite` or `stat%lapack_failed`.
       integer, intent(out) :: status
@@ -74,9 +74,10 @@ contains
 
    !> Where the leading multiplier lies: 'positive', 'negative' or 'complex'.
    !!
-   !! Crossing the unit circle there is a fold or pitchfork, a flip, a Neimark-Sacker bifurcation.
+   !! If it crosses the unit circle there, the bifurcation is a fold or pitchfork, a flip, or a
+   !! Neimark-Sacker bifurcation, respectively.
    pure function leading_kind(lambda) result(kind)
-      !> (4) The multipliers by falling modulus.
+      !> (4) The multipliers in order of decreasing modulus.
       complex(wp), intent(in) :: lambda(:)
       character(8) :: kind
 
@@ -91,7 +92,7 @@ contains
 
    !> Insertion sort; equal moduli keep their order, so that conjugates stay together.
    pure subroutine sort_by_modulus(lambda)
-      !> In and out: the numbers, sorted by falling modulus.
+      !> In and out: the numbers; sorted by decreasing modulus on return.
       complex(wp), intent(inout) :: lambda(:)
       real(wp) :: square(size(lambda)), item_square
       complex(wp) :: item

@@ -1,4 +1,5 @@
-!> Symbols of a pattern with rest: an impact, or the impacts that accumulate on a wall and the rest.
+!> Symbols of a pattern with rest: an impact, or impacts that accumulate on a wall and the rest that
+!! follows.
 !!
 !! As numbers: +1 and -1 for an impact on the right and the left wall, +2 and -2 for accumulation
 !! and rest there. As text: R, L, R* and L*.
@@ -11,8 +12,8 @@ module vi_symbols
 
 contains
 
-   !> The same pattern from the symbol on, and mirrored if that is the same, whose text is last in
-   !> the alphabet: the one name that all turns of a pattern share.
+   !> The standard form of a pattern: of all its rotations, and of their mirror images if those are
+   !> equivalent, the one whose text is last in alphabetical order.
    pure subroutine standard_symbols(symbols, may_mirror, standard, shift, mirrored)
       !> +1, -1 for an impact on the right, left wall; +2, -2 for accumulation and rest there.
       integer, intent(in) :: symbols(:)
@@ -20,7 +21,7 @@ contains
       logical, intent(in) :: may_mirror
       !> (as `symbols`) The pattern in standard form.
       integer, intent(out) :: standard(:)
-      !> Number of symbols left of the new first one.
+      !> Number of symbols before the new first one.
       integer, intent(out) :: shift
       !> Whether all symbols are mirrored.
       logical, intent(out) :: mirrored

@@ -11,12 +11,12 @@ contains
    !> Whether |f| <= level is certain from the first node to the last one.
    !!
    !! f differs from its cubic Hermite interpolant by f''''/24 t^2 (h - t)^2. With a bound on f''''
-   !! it lies between two quartics, and a polynomial lies between the least and the greatest of its
-   !! Bernstein coefficients, which are written here. False means: not certain.
+   !! it lies between two quartics, and each quartic lies between its least and its greatest
+   !! Bernstein coefficient, which are evaluated here. False means that it is not certain.
    pure logical function stays_within(level, f, rise, dip)
       !> Bound >= 0 on |f| that is to be proved.
       real(wp), intent(in) :: level
-      !> At the nodes (n): f, and its derivative times the distance of the nodes.
+      !> At the nodes (n): f, and its derivative times the distance between the nodes.
       real(wp), intent(in) :: f(:), rise(:)
       !> `sag` for that distance.
       real(wp), intent(in) :: dip
@@ -36,7 +36,7 @@ contains
    !> Largest error of the middle Bernstein coefficient that the interpolation over a distance h can
    !! cause.
    elemental real(wp) function sag(bound, h)
-      !> Bound on the absolute fourth derivative, and the distance of the nodes.
+      !> Bound on the absolute fourth derivative, and the distance between the nodes.
       real(wp), intent(in) :: bound, h
 
       sag = bound*(h*h)**2/144

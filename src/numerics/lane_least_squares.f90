@@ -1,4 +1,4 @@
-!> Least squares for many small systems at a time, one system a lane: Householder's QR.
+!> Least squares for many small systems at a time, one system per lane, by Householder QR.
 module vi_lane_least_squares
    use vi_kinds, only: wp
    use vi_plan, only: lanes
@@ -19,14 +19,14 @@ contains
       real(wp), intent(out) :: x(lanes, n)
       !> Squares of the 2-norms of a x - b and of b.
       real(wp), intent(out) :: residual(lanes), total(lanes)
-      !> The least over the largest diagonal entry of R; 0 without full rank.
+      !> Ratio of the smallest to the largest diagonal entry of R in modulus; 0 without full rank.
       real(wp), intent(out) :: quality(lanes)
       real(wp), dimension(lanes) :: largest, inverse, diagonal
       integer :: i, j
 
       quality = huge(1.0_wp)
       largest = 0
-      ! the column of R from the diagonal on is not needed again: it keeps 1/diagonal
+      ! the diagonal entry of the column is not needed again: 1/diagonal is stored there
       do j = 1, n
          if (j < m) then
             call reflect(j, m, n + 1 - j, a(1, 1, j), diagonal, inverse)
@@ -56,7 +56,7 @@ contains
       end do
    end subroutine lane_least_squares
 
-   !> A number kept apart from 0, so that a lane without full rank raises no exception.
+   !> A number bounded away from 0, so that a lane without full rank raises no exception.
    elemental real(wp) function apart(x)
       !> Any number, 0 included.
       real(wp), intent(in) :: x
@@ -70,7 +70,7 @@ contains
       integer, intent(in) :: top, m, k
       !> In: the columns 0 to k of each lane. Out: reflected; column 0 holds the Householder vector.
       real(wp), intent(inout) :: a(lanes, m, 0:k)
-      !> The entry after the reflection, and one over it.
+      !> The entry after the reflection, and its reciprocal.
       real(wp), intent(out) :: diagonal(lanes), inverse(lanes)
       real(wp) :: share(lanes), sum(lanes)
       integer :: i, j

@@ -1,4 +1,5 @@
-!> The spectra of 4 x 4 matrices, one matrix a lane: inside the unit circle or not, and the radius.
+!> The spectra of 4 x 4 matrices, one matrix per lane: whether it lies inside the unit circle, and
+!! the spectral radius.
 module vi_lane_spectrum
    use vi_kinds, only: wp
    use vi_plan, only: lanes
@@ -9,16 +10,16 @@ module vi_lane_spectrum
 
    public :: lane_circle, lane_polynomial, lane_radius
 
-   !> Estimates of rounding errors are multiplied by it before a verdict is given.
+   !> Safety factor on estimates of rounding errors before a verdict is given.
    real(wp), parameter :: caution = 100.0_wp
 
 contains
 
-   !> The elementary symmetric functions of the eigenvalues, as `characteristic`, and the largest
-   !! entry of each matrix in that unit of the last variable which brings its row and its column
-   !! together; no eigenvalue depends on units.
+   !> The elementary symmetric functions of the eigenvalues, as in `characteristic`, and the largest
+   !! entry of each matrix, with the last variable scaled so that its row and its column have equal
+   !! largest entries; the eigenvalues do not depend on this scaling.
    pure subroutine lane_polynomial(p, e, largest)
-      !> One matrix a lane, p(lane, row, column).
+      !> One matrix per lane, p(lane, row, column).
       real(wp), intent(in) :: p(lanes, 4, 4)
       !> e(lane, i): e_1 to e_4; largest(lane): largest absolute entry, row and column 4 scaled as
       !! described.
@@ -68,8 +69,8 @@ contains
    pure subroutine lane_circle(e, largest, least, noise)
       !> As from `lane_polynomial`.
       real(wp), intent(in) :: e(lanes, 4), largest(lanes)
-      !> Least condition of each lane, and the error that rounding may cause in it where the digits
-      !! of the matrix are good.
+      !> Least condition of each lane, and the error that rounding may cause in it if the entries of
+      !! the matrix are accurate to rounding.
       real(wp), intent(out) :: least(lanes), noise(lanes)
       real(wp) :: a1, a2, a3, a4, d
       integer :: l
@@ -88,8 +89,8 @@ contains
       end do
    end subroutine lane_circle
 
-   !> The largest modulus of the zeros of x^4 - e1 x^3 + e2 x^2 - e3 x + e4, by its factors
-   !! x^2 + a x + b and x^2 + c x + d.
+   !> The largest modulus of the zeros of x^4 - e1 x^3 + e2 x^2 - e3 x + e4, from its factors x^2 +
+   !! a x + b and x^2 + c x + d.
    pure subroutine lane_radius(e, radius, slope)
       !> e(lane, i): e_1 to e_4 from `lane_polynomial`.
       real(wp), intent(in) :: e(lanes, 4)
@@ -99,7 +100,7 @@ contains
       !> and 0 where the iteration has not settled.
       real(wp), intent(out) :: slope(lanes)
       real(wp), dimension(lanes) :: a, b, sum
-      !> A further iteration may change the factor by this share.
+      !> Largest relative change of the factor by a further iteration.
       real(wp), parameter :: settled = 1.0e-13_wp
       real(wp) :: c, d, g, h, r0, r1, rest(2), determinant, first, second, other, spread, apart
       integer :: l, turn
@@ -143,7 +144,7 @@ contains
             other = -sign(first, a(l))
             other = other*(other + c) + d
          end if
-         ! at a complex pair the other factor is as large at both
+         ! the other factor has the same modulus at both zeros of a complex pair
          other = merge(other*other, determinant, spread > 0)
          slope(l) = 2*sqrt(abs(spread*other))
          if (.not. rest(1)*radius(l) + rest(2) < settled*abs(determinant)*radius(l)**2) slope(l) = 0
@@ -156,7 +157,7 @@ contains
       real(wp), intent(in) :: e(lanes, 4)
       !> b + d of each lane.
       real(wp), intent(out) :: sum(lanes)
-      !> Halley's iterations from outside; each one trebles the digits.
+      !> Number of Halley iterations from outside; each triples the number of correct digits.
       integer, parameter :: iterations = 5
       real(wp), parameter :: third = 1/3.0_wp
       real(wp), dimension(lanes) :: p, q
@@ -169,12 +170,12 @@ contains
          p(l) = f - third*e(l, 2)**2
          q(l) = third*e(l, 2)*(f - 2*third*third*e(l, 2)**2) - (e(l, 1)**2*e(l, 4) &
             - 4*e(l, 2)*e(l, 4) + e(l, 3)**2)
-         ! a third of the exponent: the cube root, at most 6 % too small
+         ! a third of the exponent gives the cube root, at most 6 % too small
          bits = transfer(abs(q(l)), bits)/3 + 3071306043645493248_long
          sum(l) = sqrt(abs(p(l))) + 1.07_wp*transfer(bits, t)
       end do
       do l = 1, lanes
-         ! where there is but one zero, its sign is that of -q
+         ! where there is only one real zero, its sign is that of -q
          if (4*p(l)**3 + 27*q(l)**2 > 0 .and. q(l) > 0) sum(l) = -sum(l)
       end do
       do i = 1, iterations

@@ -1,7 +1,7 @@
-!> Sines, cosines and exponentials of many numbers at a time, one number a lane.
+!> Sines, cosines and exponentials of many numbers at a time, one number per lane.
 !!
 !! Plain loops over `lanes` numbers, which compilers turn into vector instructions. Nothing here
-!! calls a library, so a lane's result has the same bits whatever its neighbours are.
+!! calls a library, so a lane's result has the same bits whatever the other lanes hold.
 module vi_lanes
    use vi_kinds, only: wp
    use vi_plan, only: lanes
@@ -10,14 +10,15 @@ module vi_lanes
 
    public :: sine_cosine, shrinkage
 
-   !> Largest angle whose sine is as good as a library's; beyond it a caller must go another way.
+   !> Largest angle whose sine is as good as a library's; callers must treat larger angles
+   !! differently.
    real(wp), parameter, public :: largest_angle = 1.0e5_wp
    !> Largest exponent of `shrinkage`.
    real(wp), parameter, public :: largest_exponent = 600.0_wp
 
-   !> Adding and subtracting it rounds to a whole number.
+   !> Adding it and then subtracting it rounds to an integer.
    real(wp), parameter :: rounder = 1.5_wp*2.0_wp**52
-   !> pi and ln 2 in parts; small multiples of the first ones are exact.
+   !> pi and ln 2 in parts; small multiples of the leading parts are exact.
    real(wp), parameter :: pi_parts(3) = [3.14159265346825122833_wp, 1.21542010126079319532e-10_wp, &
       4.04453249759190126308e-21_wp]
    real(wp), parameter :: inverse_pi = 0.318309886183790671538_wp
@@ -27,14 +28,15 @@ module vi_lanes
 
 contains
 
-   !> Sines and cosines: x less the nearest multiple of pi, and a Taylor series about 0.
+   !> Sines and cosines: the nearest multiple of pi is subtracted from x, and a Taylor series about
+   !! 0 is summed.
    pure subroutine sine_cosine(x, sine, cosine)
-      !> Angles (rad), one a lane; |x| <= `largest_angle`.
+      !> Angles (rad), one per lane; |x| <= `largest_angle`.
       real(wp), intent(in) :: x(lanes)
       !> Their sines and cosines.
       real(wp), intent(out) :: sine(lanes), cosine(lanes)
       integer :: k
-      !> The series of sin(y)/y and cos(y) in y^2, to pi/2.
+      !> The series of sin(y)/y and cos(y) in powers of y^2, for |y| up to pi/2.
       real(wp), parameter :: s(10) = [((-1)**k/gamma(2*k + 2.0_wp), k=1, 10)]
       real(wp), parameter :: c(11) = [((-1)**k/gamma(2*k + 1.0_wp), k=1, 11)]
       real(wp) :: turns, y, q, flip
@@ -54,7 +56,7 @@ contains
 
    !> exp(-x) for 0 <= x <= `largest_exponent`.
    pure subroutine shrinkage(x, y)
-      !> Exponents, one a lane, 0 <= x <= `largest_exponent`.
+      !> Exponents, one per lane, 0 <= x <= `largest_exponent`.
       real(wp), intent(in) :: x(lanes)
       !> exp(-x) of each lane.
       real(wp), intent(out) :: y(lanes)
@@ -68,7 +70,7 @@ contains
          shifted = rounder - x(l)*inverse_ln2
          halvings = shifted - rounder
          f = (-x(l) - halvings*ln2_parts(1)) - halvings*ln2_parts(2)
-         ! the last bits of `shifted` are the whole number itself: the exponent of 2**halvings
+         ! the last bits of `shifted` hold the integer itself, the exponent in 2**halvings
          bits = ishft(transfer(shifted, bits) + 1023, 52)
          y(l) = transfer(bits, f)*(1 + f*(e(1) + f*(e(2) + f*(e(3) + f*(e(4) + f*(e(5) + f*(e(6) &
             + f*(e(7) + f*(e(8) + f*(e(9) + f*(e(10) + f*(e(11) + f*(e(12) + f*e(13))))))))))))))

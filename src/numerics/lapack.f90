@@ -2,7 +2,7 @@
 !!
 !! For a small system that needs no scaling most of the time of xGELS and xGEEV goes into checks.
 !! The routines that they call are therefore called here directly, in the same order. The results
-!! have the same bits and take a tenth less time.
+!! are the same bit for bit and take a tenth less time.
 !!
 !! The 1983 computations used IMSL: LEQT1F (Gaussian elimination) is DGESV here, LLSQF (least
 !! squares) is DGELS and EIGRF (Hessenberg and QR) is DGEEV.
@@ -16,9 +16,10 @@ module vi_lapack
 
    public :: solve, least_squares, least_squares_work, eigenvalues, eigenvector
 
-   !> A diagonal of the triangular factor below this share of its largest counts as zero.
+   !> A diagonal entry of the triangular factor below this fraction of the largest one counts as
+   !! zero.
    real(wp), parameter :: rank_tolerance = 16*epsilon(1.0_wp)
-   !> Unknowns of a small system, and entries that need no scaling.
+   !> Most unknowns of a small system, and limits on entries that need no scaling.
    integer, parameter :: small = 24
    real(wp), parameter :: largest_entry = sqrt(huge(1.0_wp))*epsilon(1.0_wp), &
       smallest_entry = 1/largest_entry
@@ -31,7 +32,7 @@ contains
       real(wp), intent(inout), contiguous :: a(:, :)
       !> In: the right side (n). Out: the solution.
       real(wp), intent(inout), contiguous :: b(:)
-      !> `stat%ok`, or `stat%singular` where the matrix has no full rank.
+      !> `stat%ok`, or `stat%singular` where the matrix does not have full rank.
       integer, intent(out) :: status
       integer :: n, info, pivot(small)
       integer, allocatable :: long_pivot(:)
@@ -67,7 +68,7 @@ contains
       real(wp), intent(inout), contiguous :: work(:)
       !> The 2-norm of a x - b.
       real(wp), intent(out) :: residual
-      !> `stat%ok`, or `stat%singular` where the matrix has no full rank.
+      !> `stat%ok`, or `stat%singular` where the matrix does not have full rank.
       integer, intent(out) :: status
       real(wp) :: tau(small)
       integer :: m, n, info
@@ -120,7 +121,7 @@ contains
    pure subroutine eigenvalues(a, lambda, status)
       !> In: the matrix (n, n). Out: overwritten.
       real(wp), intent(inout), contiguous :: a(:, :)
-      !> (n) In the order in which LAPACK finds them.
+      !> (n) The eigenvalues, in the order in which LAPACK finds them.
       complex(wp), intent(out) :: lambda(:)
       !> `stat%ok`, or `stat%lapack_failed` where the iteration did not converge.
       integer, intent(out) :: status
@@ -137,7 +138,7 @@ contains
          call gebal('B', n, h, most, first, last, scale, info)
          call gehd2(n, first, last, h, most, scale, work, info)
          do i = 1, n
-            ! balancing may have isolated some
+            ! balancing may have isolated some eigenvalues
             real_part(i) = h(i, i)
             imaginary_part(i) = 0
          end do
@@ -156,11 +157,11 @@ contains
    pure subroutine eigenvector(a, near, lambda, vector, status)
       !> In: the matrix (n, n). Out: overwritten.
       real(wp), intent(inout), contiguous :: a(:, :)
-      !> The number.
+      !> Number to which the eigenvalue is nearest.
       real(wp), intent(in) :: near
       !> The eigenvalue.
       complex(wp), intent(out) :: lambda
-      !> (n) Its eigenvector, of length 1; the real part of that if the eigenvalue is complex.
+      !> (n) Its eigenvector, of length 1; its real part if the eigenvalue is complex.
       real(wp), intent(out) :: vector(:)
       !> `stat%ok`, or `stat%lapack_failed` where the iteration did not converge.
       integer, intent(out) :: status
@@ -173,7 +174,7 @@ contains
       n = size(vector)
       call geev('N', 'V', n, a, n, real_part, imaginary_part, unused, 1, vectors, most, work, &
          size(work), info)
-      ! of a conjugate pair the first column holds the real part
+      ! for a conjugate pair the first column holds the real part
       i = minloc(hypot(real_part(:n) - near, imaginary_part(:n)), 1)
       lambda = cmplx(real_part(i), imaginary_part(i), wp)
       vector = vectors(:n, i)

@@ -1,4 +1,4 @@
-!> Small systems of linear equations, for which the calls of a library would take most of the time.
+!> Small systems of linear equations, for which the overhead of library calls would dominate.
 module vi_linear
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -6,7 +6,7 @@ module vi_linear
 
    public :: eliminate
 
-   !> Most unknowns: of a motion with 24 impacts and two parameters.
+   !> Most unknowns: those of a motion with 24 impacts, and two parameters.
    integer, parameter, public :: most = 50
 
 contains
@@ -19,12 +19,13 @@ contains
       real(wp), intent(inout) :: a(most, most)
       !> In: both right sides, b(k, i) for equation i. Out: both solutions, b(k, j) for unknown j.
       real(wp), intent(inout) :: b(2, most)
-      !> False if the matrix is singular as far as rounding can tell; then b is no solution. A NaN
-      !! in the equations can give a regular matrix, and is then in the solution too.
+      !> False if the matrix is singular to rounding; b is then not a solution. If the equations
+      !! contain a NaN, this may be true, and the solution then contains a NaN too.
       logical, intent(out) :: regular
-      !> The greatest first right side, relative to the greatest coefficient of its equation.
+      !> Largest entry of the first right side, each relative to the largest coefficient of its
+      !! equation.
       real(wp), intent(out) :: residual
-      !> The sign of the determinant, +1 or -1; 0 of a singular matrix.
+      !> The sign of the determinant, +1 or -1; 0 for a singular matrix.
       integer, intent(out), optional :: orientation
       real(wp) :: swap, factor, largest
       integer :: i, j, k, parity

@@ -1,5 +1,5 @@
-!> Random words by counting: Philox4x32-10 of Salmon, Moraes, Dror and Shaw, Parallel random
-!! numbers: as easy as 1, 2, 3 (SC11, 2011). Any word can be had without those before it.
+!> Counter-based random numbers: Philox4x32-10 of Salmon, Moraes, Dror and Shaw, Parallel random
+!! numbers: as easy as 1, 2, 3 (SC11, 2011). Any word can be computed without those before it.
 module vi_philox
    use, intrinsic :: iso_fortran_env, only: int64
    implicit none (type, external)
@@ -32,7 +32,8 @@ contains
       end do
    end function philox
 
-   !> High and low word of a product, half a word at a time: no step leaves the signed 64 bits.
+   !> High and low word of a product, half a word at a time, so that no step overflows a signed
+   !! 64-bit integer.
    pure function product_of(a, b) result(words)
       !> Factors, words of 32 bits.
       integer(int64), intent(in) :: a, b

@@ -1,18 +1,18 @@
-!> The data that all points of a batch have in common, for the procedures that compute them side by
-!! side.
+!> The data that all points of a batch have in common, for the procedures that compute them in
+!! lanes.
 module vi_plan
    use vi_kinds, only: wp
    implicit none (type, external)
    private
 
-   !> Points that are computed side by side, one a lane.
+   !> Number of points that are computed together, one per lane.
    integer, parameter, public :: lanes = 32
    !> Most impacts of a motion that is computed in lanes.
    integer, parameter, public :: most_impacts = 16
    !> A verdict that is left to the reference chain.
    integer, parameter, public :: unsure = -2
 
-   !> Columns belong to the impacts.
+   !> Columns correspond to impacts.
    type, public :: plan_type
       integer :: n = 0
       !> Damping ratio, eta of (3), and 2 pi k.

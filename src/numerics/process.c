@@ -1,7 +1,7 @@
-/* What the process that runs the core allows: threads, room on the stack, memory. Fortran can ask for none of it.
+/* What the process that runs the core allows: threads, stack space, memory. Fortran cannot query any of these.
 
-   A child of fork() has none of its parent's threads, but OpenMP does not know that: it would wait for them for
-   ever. There each computation takes one thread. */
+   A child of fork() has none of its parent's threads, but OpenMP does not know that and would wait for them
+   forever. In such a child each computation uses one thread. */
 #if !defined(_WIN32)
 #define _GNU_SOURCE
 #include <ctype.h>
@@ -11,10 +11,10 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* Bytes of stack that a computation may take; the deepest that was seen took half of it. */
+/* Bytes of stack that a computation may take; the largest use observed is half of this. */
 static const size_t enough = 512 * 1024;
 
-/* Whether so many bytes can be allocated now: 1 or 0. They are not kept. */
+/* Whether this many bytes can be allocated now: 1 or 0. They are freed again. */
 int vibroimpact_has_memory(double bytes)
 {
     if (bytes >= (double)(SIZE_MAX / 4))
@@ -51,7 +51,7 @@ __attribute__((constructor)) static void watch_forks(void)
     pthread_atfork(NULL, NULL, note_fork);
 }
 
-/* Bytes that OMP_STACKSIZE or GOMP_STACKSIZE gives to each thread of OpenMP; 0 if neither is set. */
+/* Bytes that OMP_STACKSIZE or GOMP_STACKSIZE gives to each OpenMP thread; 0 if neither is set. */
 static size_t stack_of_environment(void)
 {
     const char *names[] = {"OMP_STACKSIZE", "GOMP_STACKSIZE"};
@@ -91,7 +91,7 @@ int vibroimpact_thread_limit(void)
     return size < enough ? 1 : INT_MAX;
 }
 
-/* Bytes of the stack of this thread that are left; a large number where that is not known. */
+/* Bytes left on the stack of this thread; a large number if that is not known. */
 double vibroimpact_stack_size(void)
 {
     double left = 1e9;

@@ -1,4 +1,4 @@
-!> What processor and process allow: wide registers, threads, room on the stack, memory.
+!> What the processor and the process allow: wide registers, threads, stack space, memory.
 module vi_processor
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    !$ use omp_lib, only: omp_get_max_threads, omp_get_num_procs
@@ -8,7 +8,7 @@ module vi_processor
 
    public :: available_threads, has_memory, runs_wide, stack_left, stack_needed, usable_threads
 
-   !> Threads that a caller gets for the asking, even if there are fewer processors.
+   !> Number of threads that a caller may always request, even if there are fewer processors.
    integer, parameter :: few = 8
 
    interface
@@ -25,7 +25,7 @@ module vi_processor
          implicit none (type, external)
       end function thread_limit
 
-      !> Bytes of the stack of this thread that are left; a large number where that is not known.
+      !> Bytes left on the stack of this thread; a large number if that is not known.
       real(c_double) function stack_left() bind(c, name='vibroimpact_stack_size')
          import :: c_double
          implicit none (type, external)
@@ -55,9 +55,9 @@ contains
       threads = usable_threads(threads)
    end function available_threads
 
-   !> Number of OpenMP threads that a computation takes.
+   !> Number of OpenMP threads that a computation uses.
    integer function usable_threads(wanted) result(threads)
-      !> Number that the caller asks for.
+      !> Number that the caller requests.
       integer, intent(in) :: wanted
 
       threads = few

@@ -1,7 +1,7 @@
 !> Status codes of computations: one integer and one text for each kind of failure.
 !!
 !! The core never prints and never stops. A procedure that can fail returns one of these codes; a
-!! point of a chart that failed keeps its code and NaN, and the rest of the chart is computed.
+!! point of a chart that fails gets its code and NaN, and the rest of the chart is still computed.
 module vi_status
    implicit none (type, external)
    private
@@ -12,7 +12,8 @@ module vi_status
       integer :: ok = 0
       !> The linear equations (26), (30) have no unique solution.
       integer :: singular = 1
-      !> Equal durations and equal restitution: A is free (rank 3), the clearance has to be given.
+      !> Equal durations and equal restitution: A is free (rank 3), so the clearance has to be
+      !! given.
       integer :: free_amplitude = 2
       !> The solution needs no load (A = 0).
       integer :: no_load = 3
@@ -26,7 +27,7 @@ module vi_status
       integer :: no_motion = 7
       !> The list of events is full; another call continues.
       integer :: more_events = 8
-      !> A search for the next event took more steps than it may.
+      !> A search for the next event exceeded its step budget.
       integer :: budget = 9
       !> Newton's method did not converge.
       integer :: no_convergence = 10
@@ -34,7 +35,7 @@ module vi_status
       integer :: lost_digits = 11
       !> The computation was stopped before it reached this point.
       integer :: not_computed = 12
-      !> A simulation had more events than it may have.
+      !> A simulation exceeded its limit on the number of events.
       integer :: event_limit = 13
       !> There is not enough memory.
       integer :: no_memory = 14
@@ -48,16 +49,16 @@ module vi_status
       integer :: resonance = 18
       !> Gaps that are coupled close at one instant.
       integer :: coupled_impacts = 19
-      !> A gap is less than closed in the initial state.
+      !> A gap is negative in the initial state.
       integer :: gap_closed = 20
    end type status_codes
 
-   !> The codes by name, as stat%no_motion.
+   !> The codes by name, for example stat%no_motion.
    type(status_codes), parameter, public :: stat = status_codes()
 
 contains
 
-   !> The sentence for a status code.
+   !> The text of a status code.
    pure function status_text(code) result(text)
       !> A status code, as in `stat`.
       integer, intent(in) :: code
@@ -66,7 +67,7 @@ contains
       text = sentence(code)
    end function status_text
 
-   !> The sentence for a status code, padded with blanks.
+   !> The text of a status code, padded with blanks.
    pure function sentence(code) result(text)
       !> A status code, as in `stat`.
       integer, intent(in) :: code

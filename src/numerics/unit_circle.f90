@@ -10,12 +10,12 @@ module vi_unit_circle
    integer, parameter, public :: all_inside = 1, some_outside = 0, near_circle = -1
 
    !> With entries below `large`, rounding changes a coefficient of the polynomial by far less than
-   !! the margin; with entries below `huge_entry` it changes the trace by less.
+   !! the margin; with entries below `huge_entry` it changes the trace by less than the margin.
    real(wp), parameter :: large = 50, huge_entry = 1.0e8_wp, margin = 1.0e-6_wp
 
 contains
 
-   !> Schur and Cohn's test of the characteristic polynomial; `near_circle`: it cannot tell.
+   !> Schur-Cohn test of the characteristic polynomial; `near_circle` where it cannot decide.
    pure integer function locate_spectrum(a) result(place)
       !> The matrix.
       real(wp), intent(in) :: a(4, 4)
@@ -36,14 +36,14 @@ contains
             place = some_outside
             return
          end if
-         ! the next one has as many zeros inside the circle, less one
+         ! the next polynomial has one zero fewer inside the circle
          c(0:n - 1) = (c(1:n) - k*c(n - 1:0:-1))/((1 - k)*(1 + k))
       end do
       place = all_inside
    end function locate_spectrum
 
-   !> Coefficients of det(lambda - a), constant term first, from the minors of the first and last
-   !! two rows.
+   !> Coefficients of det(lambda - a), constant term first, from the minors of the first two and the
+   !! last two rows.
    pure function characteristic_polynomial(a) result(c)
       !> The matrix.
       real(wp), intent(in) :: a(4, 4)
