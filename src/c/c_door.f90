@@ -1,5 +1,5 @@
-!> The interface for C: converts arguments of C to those of vi_door, and back. vibroimpact.h
-!! documents each procedure.
+!> The interface for C: converts C arguments to those of vi_door, and back. vibroimpact.h documents
+!! each procedure.
 module vi_c_door
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
       c_int32_t, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
@@ -55,7 +55,7 @@ module vi_c_door
    end type c_column_type
 
    interface
-      !> Number of characters of a text of C.
+      !> Number of characters of a C string.
       pure integer(c_size_t) function strlen(text) bind(c)
          import :: c_ptr, c_size_t
          implicit none (type, external)
@@ -336,7 +336,7 @@ contains
       integer(c_int64_t), value, intent(in) :: handle
       !> Name of the table.
       type(c_ptr), value, intent(in) :: name
-      !> Names of dimensions with blanks between.
+      !> Names of the dimensions, separated by blanks.
       type(c_ptr), value, intent(in) :: dims
       !> Number of dimensions.
       integer(c_int), value, intent(in) :: n_dims
@@ -346,7 +346,7 @@ contains
       type(c_ptr), value, intent(in) :: parent
       !> Number of owners.
       integer(c_int), value, intent(in) :: n_owners
-      !> Row of the parent, from 1, of each row.
+      !> Row of the parent, from 1, to which each row belongs.
       type(c_ptr), value, intent(in) :: owners
       character(:), allocatable :: table_name, dim_names, parent_name
       integer(c_int), pointer :: all_sizes(:), all_owners(:)
@@ -423,7 +423,7 @@ contains
       integer(c_int), value, intent(in) :: n
       !> Place of the word of each row, from 1; 0 for none.
       integer(c_int), intent(in), optional :: codes(n)
-      !> The words with line feeds between.
+      !> The words, separated by line feeds.
       type(c_ptr), value, intent(in) :: list
       character(:), allocatable :: table_name, column_name, characters
       logical :: good
@@ -441,12 +441,12 @@ contains
       status = merge(done, wrong, good)
    end function c_put_words
 
-   !> Sets the remarks of a result that was filled by the caller, and how far it got.
+   !> Sets the remarks of a result that the caller has filled, and how far the study got.
    integer(c_int) function c_say(handle, cut, remarks) result(status) &
       bind(c, name='vibroimpact_say')
       !> The result.
       integer(c_int64_t), value, intent(in) :: handle
-      !> How far it got, or null.
+      !> How far the study got, or null.
       type(c_ptr), value, intent(in) :: cut
       !> Lines, each ended by a line feed, or null.
       type(c_ptr), value, intent(in) :: remarks
@@ -502,7 +502,7 @@ contains
       if (is_open_for(handle)) result => result_of(handle)
    end subroutine find_result
 
-   !> Whole numbers of C; of a null pointer an empty array, which the caller has to free.
+   !> A C array of whole numbers; for a null pointer an empty array, which the caller has to free.
    subroutine wholes_at(address, n, values)
       !> Address of the first number.
       type(c_ptr), intent(in) :: address
@@ -518,7 +518,7 @@ contains
       end if
    end subroutine wholes_at
 
-   !> A text of C; empty of a null pointer.
+   !> A C string; empty for a null pointer.
    subroutine take(pointer, text)
       !> A text that ends with a null character, or a null pointer.
       type(c_ptr), intent(in) :: pointer
@@ -537,7 +537,7 @@ contains
       end do
    end subroutine take
 
-   !> Copies a text to C: as much of it as there is room for, followed by a null character.
+   !> Copies a text to a C buffer: as much of it as fits, followed by a null character.
    subroutine give(text, out, capacity, n)
       !> The text.
       character(*), intent(in) :: text

@@ -6,7 +6,7 @@ module vi_buffer
    public :: add, add_quoted
 
    type, public :: buffer_type
-      !> The text, followed by free room.
+      !> The text, followed by unused space.
       character(:), allocatable :: text
       !> Number of characters of the text.
       integer :: n = 0
@@ -42,7 +42,7 @@ contains
       integer :: code, i, first
 
       call add(buffer, '"')
-      first = 1                               ! of what needs no change and is not yet added
+      first = 1                               ! start of the unchanged text not yet added
       do i = 1, len(text)
          code = iachar(text(i:i))
          if (code >= 32 .and. text(i:i) /= '"' .and. text(i:i) /= '\') cycle

@@ -13,16 +13,16 @@ module vi_case
 
    !> A case with the values of its groups, defaults included.
    type, public :: case_type
-      !> Of the result, and where it was given, for messages.
+      !> Name of the result, and the place where it was given, for messages.
       character(:), allocatable :: name
       integer :: line = 0
-      !> The system; the frequency ratio is 0 where the study has its own.
+      !> The system; its frequency ratio is 0 if the study has its own.
       type(oscillator_type) :: osc
       real(wp) :: r = 0
       type(values_type) :: system, output
       !> The group that asks for the result; its name is that of the study.
       type(values_type) :: study
-      !> The &motion that a &branch starts from.
+      !> The group that the study starts from, such as the &motion of a &branch.
       type(values_type) :: start
    end type case_type
 
@@ -43,7 +43,8 @@ module vi_case
       key_type('format', a_word, default='''csv''', words='csv table both', &
       meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
 
-   !> The start of the first line of a result; its end says whether the file is an input.
+   !> The start of the first line of a result; the end of that line tells whether the file is an
+   !! input.
    character(*), parameter, public :: first_line = '# ! vibroimpact '//version// &
       '; lengths in F0/K, time in 1/omega, angles in radians; '
    !> Largest number of bytes of the name of a result.
@@ -53,13 +54,13 @@ module vi_case
 
 contains
 
-   !> Checks conditions of &system that depend on several keys, or on the studies that follow.
+   !> Checks conditions on &system that depend on several keys, or on the studies that follow.
    pure subroutine check_system(system, needs_r, why)
       !> The group.
       type(values_type), intent(inout) :: system
       !> Whether a study that follows has no frequency ratio of its own.
       logical, intent(in) :: needs_r
-      !> Why none needs it, for the message.
+      !> Why no study needs one, for the message.
       character(*), intent(in) :: why
 
       if (len(system%fault) > 0) return
@@ -94,8 +95,8 @@ contains
    end subroutine check_output
 
    !> Number of bytes of the first character of a text, if the name of a result may hold it, else 0.
-   !! It may hold those of `name_letters` and all of UTF-8 beyond ASCII except blanks, marks of
-   !! direction and other punctuation of U+2000 to U+206F.
+   !! It may hold those of `name_letters` and all UTF-8 characters beyond ASCII except blanks,
+   !! direction marks and other punctuation in U+2000 to U+206F.
    pure integer function name_part(text) result(n)
       !> At least one byte.
       character(*), intent(in) :: text
@@ -106,7 +107,7 @@ contains
       n = 1
       if (scan(text(1:1), name_letters) > 0) return
       n = letter_length(text(:min(4, len(text))))
-      if (n == 1) n = 0                                 ! other characters of ASCII, and Latin-1
+      if (n == 1) n = 0                                 ! other ASCII characters, and Latin-1
       if (text(:n) == no_break_space .or. text(:n) == ideographic_space) n = 0
       if (text(:n) == byte_order_mark) n = 0
       if (n /= 3) return

@@ -61,9 +61,9 @@ contains
       is_modulus = index(filled%column%label, 'modulus') > 0
    end function is_modulus
 
-   !> A name with the place within the row.
+   !> A name with the place within the row inserted.
    pure function numbered(label, j) result(text)
-      !> The name, with # where the place is to be put.
+      !> The name, with # where the place is inserted.
       character(*), intent(in) :: label
       !> The place.
       integer, intent(in) :: j
@@ -87,7 +87,7 @@ contains
    end function row_count
 
    !> Whether each cell of the rows has a value. This is always so for the result of a study; a
-   !! result that was filled by a caller has to be checked.
+   !! result that a caller has filled has to be checked.
    pure logical function has_rows(result)
       !> The result.
       type(result_type), intent(in) :: result
@@ -143,8 +143,8 @@ contains
       if (buffer%n > 0) text = buffer%text(:buffer%n)
    end subroutine csv_rows
 
-   !> The row of each table that a row of one belongs to: by its parent, or by one of its
-   !! dimensions.
+   !> The row of each table to which a row of one table belongs, through its parent or through one
+   !! of its dimensions.
    pure recursive subroutine find_rows(tables, place, row, rows)
       !> Tables of the result.
       type(table_type), intent(in) :: tables(:)

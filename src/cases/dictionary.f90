@@ -1,5 +1,4 @@
-!> A list of different texts, in which a text is found in a time that does not depend on their
-!! number.
+!> A list of different texts, in which the time to find a text does not depend on their number.
 module vi_dictionary
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_text, only: lengthen, line_type
@@ -9,7 +8,7 @@ module vi_dictionary
    public :: find_text, include_text
 
    type, public :: dictionary_type
-      !> The texts, in the order in which they came, followed by free room.
+      !> The texts in the order in which they were added, followed by unused entries.
       type(line_type), allocatable :: texts(:)
       !> Number of texts.
       integer :: n = 0
@@ -23,7 +22,7 @@ contains
    pure subroutine find_text(dictionary, text, place)
       !> The list.
       type(dictionary_type), intent(in) :: dictionary
-      !> The text; blanks at its end count.
+      !> The text; trailing blanks count.
       character(*), intent(in) :: text
       !> Its place in the list; 0 if it is not there.
       integer, intent(out) :: place
@@ -36,7 +35,7 @@ contains
    pure subroutine include_text(dictionary, text, place)
       !> In and out: the list.
       type(dictionary_type), intent(inout) :: dictionary
-      !> The text; blanks at its end count.
+      !> The text; trailing blanks count.
       character(*), intent(in) :: text
       !> Its place in the list.
       integer, intent(out) :: place
@@ -65,13 +64,13 @@ contains
       dictionary%slots(slot) = place
    end subroutine include_text
 
-   !> The slot of a text, or the free slot in which it is to be put.
+   !> The slot of a text, or the free slot for it.
    pure integer function slot_of(dictionary, text) result(slot)
       !> The list; at least half of its slots are free.
       type(dictionary_type), intent(in) :: dictionary
       !> The text.
       character(*), intent(in) :: text
-      ! the hash function of Fowler, Noll and Vo
+      ! the Fowler-Noll-Vo hash function
       integer(int64), parameter :: start = 2166136261_int64, factor = 16777619_int64, &
          mask = 4294967295_int64
       integer(int64) :: hash

@@ -1,7 +1,8 @@
-!> A key of a namelist group: what it takes, how it depends on other keys, and what it means.
+!> A key of a namelist group: which values it takes, how it depends on other keys, and what it
+!! means.
 !!
-!! The keys of a group stand in one constant table. The reader, its checks and messages, the echo in
-!! the header of a result and the description of the language all come from it.
+!! The keys of a group are in one constant table. The reader, its checks and messages, the echo in
+!! the header of a result and the description of the language all use this table.
 module vi_key
    use vi_kinds, only: wp
    use vi_text, only: number_text
@@ -14,40 +15,40 @@ module vi_key
    integer, parameter, public :: a_number = 1, a_whole = 2, a_word = 3
    !> No bound on one side.
    real(wp), parameter, public :: unbounded = huge(1.0_wp)
-   !> Largest number of characters of a description of what a key takes.
+   !> Largest number of characters of a description of the values of a key.
    integer, parameter :: longest = 240
 
    type, public :: key_type
-      !> As it is written in a file, in lower case.
+      !> Name as written in a file, in lower case.
       character(24) :: name = ''
       integer :: kind = a_number
-      !> Values in its list, at least and at most.
+      !> Smallest and largest number of values in its list.
       integer :: least = 1, most = 1
       !> The default as a user writes it; empty if there is none: the key must then be given, unless
-      !! it `may_miss` or another key is given in its place.
+      !! it `may_miss` or another key is given instead.
       character(40) :: default = ''
       logical :: may_miss = .false.
-      !> The range of a number, or of each in a list; `above` and `below` leave out its ends.
+      !> The range of a number, or of each number in a list; `above` and `below` exclude its ends.
       real(wp) :: low = -unbounded, high = unbounded
       logical :: above = .false., below = .false.
-      !> The words that it takes, separated by blanks; empty if the study checks the word.
+      !> The words that it accepts, separated by blanks; empty if the study checks the word.
       character(60) :: words = ''
-      !> Description of what it takes, if type, range and words are not enough.
+      !> Description of its values, if kind, range and words are not enough.
       character(longest) :: takes = ''
       !> Another key that may be given instead, but not together with it.
       character(24) :: or = ''
       !> A key whose value must be below this one's.
       character(24) :: over = ''
       !> A key, or 'key=word', without which this key must be left out; and keys, separated by
-      !! blanks, with which it must be left out.
+      !! blanks, together with which it must be left out.
       character(32) :: only = '', never = ''
-      !> Text that the message adds to that, or, after an =, that replaces it.
+      !> Text that is added to that message, or, after an =, that replaces it.
       character(80) :: why = ''
-      !> The key that this one gives in another unit: values are multiplied by `factor`.
+      !> The key that this one specifies in another unit: values are multiplied by `factor`.
       character(24) :: is = ''
       real(wp) :: factor = 1
-      !> The option of a command that gives it, if it is not named as the key is; one that several
-      !! keys have takes a value for each. A dash: there is none.
+      !> The command-line option for it, if its name differs from that of the key; an option that
+      !! several keys share takes one value for each. A dash means that there is none.
       character(16) :: option = ''
       !> Its unit, and what it means.
       character(16) :: unit = ''

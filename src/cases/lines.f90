@@ -1,4 +1,4 @@
-!> The line ends of a text as files hold it.
+!> The line ends of a text as stored in a file.
 module vi_lines
    implicit none (type, external)
    private

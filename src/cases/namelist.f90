@@ -1,8 +1,8 @@
 !> Splits the text of a namelist into groups and assignments that remember their lines.
 !!
 !! Values are not interpreted here. A text that starts with `#` is a result of this program: only
-!! the lines with a leading `#` are read, without it, so that every table is an input that
-!! reproduces it. The time is proportional to the length of the text.
+!! the lines with a leading `#` are read, without the `#`, so that every result file is an input
+!! that reproduces it. The time is proportional to the length of the text.
 module vi_namelist
    use vi_text, only: lower, whole
    implicit none (type, external)
@@ -10,9 +10,9 @@ module vi_namelist
 
    public :: scan_namelist
 
-   !> `key = value` as it stands in the file.
+   !> `key = value` as written in the file.
    type, public :: assignment_type
-      !> Lower case, with its subscript if it has one, and without.
+      !> Name in lower case: `target` with its subscript, if it has one, and `key` without.
       character(:), allocatable :: target, key
       character(:), allocatable :: value
       integer :: line = 0
@@ -36,13 +36,13 @@ module vi_namelist
 
 contains
 
-   !> All groups of a text in order; `message` and `line` describe the first fault of its form.
+   !> All groups of a text in order; `message` and `line` describe the first syntax error.
    pure subroutine scan_namelist(source, groups, line, message)
       !> The text, its lines separated by line feeds.
       character(*), intent(in) :: source
       !> The groups.
       type(group_type), allocatable, intent(out) :: groups(:)
-      !> Line of the fault, 0 if it has none.
+      !> Line of the fault; 0 if there is none.
       integer, intent(out) :: line
       !> Empty if there is no fault.
       character(:), allocatable, intent(out) :: message
@@ -54,7 +54,7 @@ contains
       line = 0
       message = ''
       call clean(source, text)
-      plain = text                             ! in it blanks replace comments and the ends of lines
+      plain = text                             ! with comments and line ends replaced by blanks
       allocate (groups(1))
       n = 0
       at = 1
@@ -92,7 +92,7 @@ contains
    pure subroutine clean(source, text)
       !> The text, its lines separated by line feeds.
       character(*), intent(in) :: source
-      !> The text to be read, with as many lines.
+      !> The text to be read, with the same number of lines.
       character(:), allocatable, intent(out) :: text
       character(:), allocatable :: room
       logical :: is_result, starts, kept
@@ -115,11 +115,11 @@ contains
    end subroutine clean
 
    !> Position of the first character at or after `from` that is neither blank nor part of a comment
-   !! outside a group; behind the text if there is none.
+   !! outside a group; after the end of the text if there is none.
    pure integer function next_text(text, from) result(at)
       !> The text.
       character(*), intent(in) :: text
-      !> A position; may be behind the text.
+      !> A position; may be after the end of the text.
       integer, intent(in) :: from
 
       at = from
@@ -145,11 +145,11 @@ contains
       last = merge(from + last - 2, len(text), last > 0)
    end function line_end
 
-   !> Moves a place on to a later position.
+   !> Moves a place forward to a later position.
    pure subroutine advance(text, at, place)
       !> The text.
       character(*), intent(in) :: text
-      !> The position; nothing is done if the place is there or behind it.
+      !> The position; nothing is done if the place is already there or beyond.
       integer, intent(in) :: at
       !> In and out.
       type(place_type), intent(inout) :: place
@@ -186,7 +186,7 @@ contains
       message = ''
       quote = ' '
       here = begin
-      start = first                                     ! of the line, or of what follows `&name`
+      start = first                                     ! of the line, or of the text after `&name`
       last = first - 1
       at = first
       do while (at <= len(text))
@@ -228,13 +228,13 @@ contains
       end if
    end subroutine close_group
 
-   !> Adds a group to a growing list, and leaves it empty.
+   !> Moves a group into a growing list.
    pure subroutine keep(group, n, groups)
       !> In: the group. Out: without its texts.
       type(group_type), intent(inout) :: group
-      !> In and out: groups in the list.
+      !> In and out: number of groups in the list.
       integer, intent(inout) :: n
-      !> In and out: the list, with free room.
+      !> In and out: the list, with unused entries at its end.
       type(group_type), allocatable, intent(inout) :: groups(:)
       type(group_type), allocatable :: longer(:)
       integer :: i
@@ -277,7 +277,7 @@ contains
       text = text(:n)
    end subroutine squeeze
 
-   !> Removes blanks outside quotes that follow another one, and those at the ends.
+   !> Reduces each run of blanks outside quotes to one blank, and removes those at the ends.
    pure subroutine tidy(text)
       !> In and out.
       character(:), allocatable, intent(inout) :: text
@@ -314,7 +314,7 @@ contains
       type(place_type), intent(inout) :: begin
       !> In: with its name. Out: with its assignments.
       type(group_type), intent(inout) :: group
-      !> Out: line of the fault; otherwise of the last assignment.
+      !> Out: line of the fault, or of the last assignment if there is none.
       integer, intent(inout) :: line
       !> The fault; empty if there is none.
       character(:), allocatable, intent(out) :: message

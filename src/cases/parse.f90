@@ -1,4 +1,4 @@
-!> Values of a namelist: numbers and words as they are written.
+!> Values of a namelist: conversion of numbers and words as written in the file.
 !!
 !! The compiler's own namelist input accepts text that is certainly a mistake (`1+2`, half a list, a
 !! list that ends with the name of a variable). Here only the documented forms are accepted.
@@ -20,7 +20,7 @@ contains
       character(*), intent(in) :: text
       !> Whether whole numbers are wanted.
       logical, intent(in) :: whole
-      !> Numbers at most.
+      !> Largest number of values.
       integer, intent(in) :: most
       !> The numbers; those that were read before the fault, if there is one.
       real(wp), allocatable, intent(out) :: values(:)
@@ -69,11 +69,11 @@ contains
    pure subroutine parse_number(text, whole, value, good)
       !> Without blanks.
       character(*), intent(in) :: text
-      !> Whether only digits and a sign may stand there.
+      !> Whether only digits and a sign are allowed.
       logical, intent(in) :: whole
       !> The number, rounded to nearest.
       real(wp), intent(out) :: value
-      !> Whether the text is one, below 1e308, and not rounded to 0.
+      !> Whether the text is a number, below 1e308, and not rounded to 0.
       logical, intent(out) :: good
       integer :: i, j, n_digits, status, first, point, power
 
@@ -104,7 +104,8 @@ contains
       end if
       good = good .and. i > len(text) .and. len(text) <= 400
       if (.not. good) return
-      ! the place of the first significant digit gives the size, so that reading cannot overflow
+      ! the place of the first significant digit gives the magnitude, so that reading cannot
+      ! overflow
       first = scan(text, '123456789')
       if (scan(text(:max(0, first)), 'eEdD') > 0) first = 0
       if (first == 0) then
@@ -118,19 +119,19 @@ contains
       good = status == 0 .and. abs(value) > 0
    end subroutine parse_number
 
-   !> Position of the first character at or after `from` that is not blank; behind the text if there
-   !! is none.
+   !> Position of the first character at or after `from` that is not blank; after the end of the
+   !! text if there is none.
    pure integer function next_text(text, from) result(i)
       !> A text.
       character(*), intent(in) :: text
-      !> A position; may be behind the text.
+      !> A position; may be after the end of the text.
       integer, intent(in) :: from
 
       i = verify(text(from:), ' ')
       i = merge(from + i - 1, len(text) + 1, i > 0)
    end function next_text
 
-   !> The place behind the digits that start at a place.
+   !> The position after the digits that start at a given position.
    pure integer function skip(text, from) result(i)
       !> A text.
       character(*), intent(in) :: text
@@ -144,13 +145,13 @@ contains
       end do
    end function skip
 
-   !> Words in quotes, with commas or blanks between them; a doubled quote stands for one.
+   !> Words in quotes, with commas or blanks between them; a doubled quote stands for a single one.
    pure subroutine parse_words(text, most, words, good)
       !> The text as written in the file.
       character(*), intent(in) :: text
-      !> Words at most.
+      !> Largest number of words.
       integer, intent(in) :: most
-      !> The words, without blanks behind them.
+      !> The words, without trailing blanks.
       type(line_type), allocatable, intent(out) :: words(:)
       !> False if the text contains anything else, or too many values.
       logical, intent(out) :: good
@@ -200,15 +201,15 @@ contains
       end do
    end subroutine parse_words
 
-   !> The part of a list that a subscript means: (2) is one place, (2:5) and (2:) are several.
+   !> The part of a list to which a subscript refers: (2) is one place, (2:5) and (2:) are several.
    pure subroutine parse_subscript(text, most, first, last, good)
       !> The text after the name of the key, without blanks; empty for the whole list.
       character(*), intent(in) :: text
-      !> Values that the list may have.
+      !> Largest number of values in the list.
       integer, intent(in) :: most
       !> First and last place.
       integer, intent(out) :: first, last
-      !> False if the subscript is none, or leads out of the list.
+      !> False if this is not a subscript, or if it is outside the list.
       logical, intent(out) :: good
       real(wp) :: low, high
       integer :: colon
@@ -225,7 +226,7 @@ contains
          high = most
          if (colon == 0) then
             call parse_number(inside, .true., low, good)
-            ! as in any namelist, more values go to the places behind it
+            ! as in any namelist, further values go to the places after it
          else
             if (colon > 1) call parse_number(inside(:colon - 1), .true., low, good)
             if (good .and. colon < len(inside)) call parse_number(inside(colon + 1:), .true., &

@@ -1,9 +1,9 @@
 !> A result: named tables of columns, remarks, and notes on what was found and what failed.
 !!
 !! A study declares its columns as a constant table, opens the tables that it fills, and puts the
-!! columns into them. All formats are written from these by code that is independent of the study.
-!! Tables are relational: a row of a child table gives the row of its parent, and a column that
-!! depends on one dimension alone is in a table of that dimension.
+!! columns into them. All file formats are written from these by code that is independent of the
+!! study. Tables are relational: each row of a child table names its row of the parent table, and a
+!! column that depends on one dimension alone is in a table of that dimension.
 module vi_result
    use vi_dictionary, only: dictionary_type, include_text
    use vi_kinds, only: wp
@@ -14,7 +14,7 @@ module vi_result
    public :: rows_of, start_result
 
    !> Kinds of values: a number, a whole number, a word (its place in a list of words), a verdict as
-   !! in vi_motion, 1 for true and 0 for false, or a complex number.
+   !! in vi_motion, a truth (1 for true, 0 for false), or a complex number.
    integer, parameter, public :: reals = 1, wholes = 2, words = 3, verdicts = 4, truths = 5, &
       complexes = 6
 
@@ -33,9 +33,9 @@ module vi_result
       character(160) :: meaning = ''
       !> The words of a column of words, separated by commas; empty if the study sets them later.
       character(160) :: words = ''
-      !> Whether it is in the CSV, and its name there, if another: = is that of the dimension of its
-      !! table, # is the place within the row, and a complex number has two columns, the real and
-      !! the imaginary part, unless the name ends with modulus.
+      !> Whether it is in the CSV, and its name there, if that differs: = stands for the name of the
+      !! dimension of its table, # for the place within the row. A complex number has two columns,
+      !! the real and the imaginary part, unless the name ends with modulus.
       logical :: listed = .true.
       character(28) :: label = ''
       !> A row with one of these values is not in the CSV.
@@ -45,31 +45,32 @@ module vi_result
    !> A table: the size of its rows.
    type, public :: table_type
       character(16) :: name = ''
-      !> Dimensions, the first varies first; a table without any has one row.
+      !> Names of its dimensions, the one that varies fastest first; a table without dimensions has
+      !! one row.
       character(16) :: dims(3) = ''
       integer :: n_dims = 0, sizes(3) = 1
-      !> Place of its parent table, and the row of the parent of each row.
+      !> Place of its parent table, and the row of the parent to which each row belongs.
       integer :: parent = 0
       integer, allocatable :: owners(:)
    end type table_type
 
    !> A column with its values: rows of the table, and within a row the places of `each`.
    type, public :: filled_type
-      !> Allocated, since gfortran 12 warns of its default values otherwise.
+      !> Allocatable, since gfortran 12 otherwise warns about its default values.
       type(column_type), allocatable :: column
-      !> Place of its table; 0 as long as it has no values.
+      !> Place of its table; 0 while it has no values.
       integer :: table = 0
       !> Values in a row.
       integer :: inner = 1
-      !> Numbers; of complex ones real and imaginary parts, one after the other.
+      !> Numbers; for complex numbers the real and the imaginary part in turn.
       real(wp), allocatable :: x(:)
-      !> All else.
+      !> Values of all other kinds.
       integer, allocatable :: k(:)
       !> The words, by their places.
       type(line_type), allocatable :: words(:)
    end type filled_type
 
-   !> A line for the user: a fault, or a finding.
+   !> A line for the user: a fault, or something found.
    type, public :: note_type
       logical :: fault = .false.
       character(:), allocatable :: text
@@ -85,7 +86,7 @@ module vi_result
       type(filled_type), allocatable :: columns(:)
       !> Name of the table whose rows are those of the CSV.
       character(16) :: row = ''
-      !> Whether there is nothing to write to a file, and whether that is for lack of memory.
+      !> Whether there is nothing to write to a file, and whether this is due to lack of memory.
       logical :: empty = .false., no_memory = .false.
       !> How far the study got, if it was stopped before its end; otherwise empty.
       character(:), allocatable :: cut
@@ -105,7 +106,7 @@ contains
       type(column_type), intent(in) :: columns(:)
       !> The table whose rows are those of the CSV.
       character(*), intent(in) :: row
-      !> Without values.
+      !> The result, without values.
       type(result_type), intent(out) :: result
       integer :: i
 
@@ -126,7 +127,7 @@ contains
       character(*), intent(in) :: text
       !> The character between two words.
       character, intent(in) :: separator
-      !> Each.
+      !> The words, one per line.
       type(line_type), allocatable, intent(out) :: list(:)
 
       if (len_trim(text) > 0) then
@@ -148,7 +149,7 @@ contains
       integer, intent(in) :: sizes(:)
       !> The parent table, which is open already.
       character(*), intent(in), optional :: parent
-      !> The row of the parent of each row.
+      !> The row of the parent to which each row belongs.
       integer, intent(in), optional :: owners(:)
       type(table_type), allocatable :: longer(:)
       type(line_type), allocatable :: list(:)
@@ -171,7 +172,7 @@ contains
       call move_alloc(longer, result%tables)
    end subroutine open
 
-   !> Place of a column, which may be filled from now on.
+   !> Place of a column that is about to be filled.
    pure subroutine find(result, table, name, values, i)
       !> The result.
       type(result_type), intent(inout) :: result
@@ -203,7 +204,7 @@ contains
       end do
    end function place
 
-   !> Rows of a table.
+   !> Number of rows of a table.
    pure integer function rows_of(table) result(rows)
       !> A table.
       type(table_type), intent(in) :: table
@@ -296,7 +297,7 @@ contains
       class(result_type), intent(in) :: result
       !> Names of the table and of the column.
       character(*), intent(in) :: table, name
-      !> A copy of them; of complex ones real and imaginary parts one after the other.
+      !> A copy of them; for complex numbers the real and the imaginary part in turn.
       real(wp), allocatable, intent(out) :: values(:)
 
       values = result%columns(result%place(table, name))%x

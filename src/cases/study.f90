@@ -1,7 +1,8 @@
-!> The declaration of a study: what it is, its keys and columns, and what checks and runs its cases.
+!> The declaration of a study: its meaning, its keys and columns, and the procedures that check and
+!! run its cases.
 !!
-!! Each study fills one in; `vi_study_list` collects them, and all else looks there. A study needs
-!! no other module of this folder, but for texts.
+!! Each study provides one; `vi_study_list` collects them, and all other code finds them there. A
+!! study needs no other module of this folder, except for texts.
 module vi_study
    use vi_case, only: case_type
    use vi_key, only: a_whole, a_word, key_type
@@ -22,13 +23,13 @@ module vi_study
 
    !> The declaration of a study.
    type, public :: study_type
-      !> Of the group that asks for it.
+      !> Name of the group that requests it.
       character(name_length) :: name = ''
       !> What it does, as a request: 'find the zones ...'.
       character(72) :: meaning = ''
-      !> Without a load there is no frequency ratio.
+      !> Whether there is a load; without one there is no frequency ratio.
       logical :: has_load = .true.
-      !> The group before it from which it starts; empty if it starts from none.
+      !> The group before it from which it starts; empty if there is none.
       character(name_length) :: starts_from = ''
       !> Lists the keys of its group and the columns of its result.
       procedure(list_interface), pointer, nopass :: list => null()
@@ -36,21 +37,21 @@ module vi_study
       character(16) :: row = ''
       !> Checks what depends on several keys; null if nothing does.
       procedure(check_interface), pointer, nopass :: check => null()
-      !> Checks the group that it starts from; null if it starts from none.
+      !> Checks the group that it starts from; null if there is none.
       procedure(check_start_interface), pointer, nopass :: check_start => null()
-      !> Bytes that a case asks for, results included; null if they are few for all cases.
+      !> Bytes of memory that a case needs, results included; null if they are few for all cases.
       procedure(memory_interface), pointer, nopass :: memory => null()
       procedure(run_interface), pointer, nopass :: run => null()
    end type study_type
 
-   !> What fills in a declaration; for lists of them.
+   !> A procedure that fills in a declaration, as an element of lists.
    type, public :: declare_type
       procedure(declare_interface), pointer, nopass :: declare => null()
    end type declare_type
 
    abstract interface
-      !> Lists keys in the order of the echo, and columns in that of the CSV. A declaration holds
-      !! neither, since most callers need those of one study alone.
+      !> Lists keys in the order of the echo, and columns in that of the CSV. A declaration does not
+      !! store them, since most callers need those of one study only.
       pure subroutine list_interface(keys, columns)
          import :: column_type, key_type
          implicit none (type, external)
@@ -79,11 +80,11 @@ module vi_study
       end subroutine check_start_interface
 
       !> An upper estimate of the memory that a case takes. A failed allocation would end the
-      !! program, so it is asked for before the study starts.
+      !! program, so the estimate is checked before the study starts.
       pure real(wp) function memory_interface(case)
          import :: case_type, wp
          implicit none (type, external)
-         !> Checked.
+         !> The case, checked.
          type(case_type), intent(in) :: case
       end function memory_interface
 
@@ -91,7 +92,7 @@ module vi_study
       subroutine run_interface(case, threads, result, progress)
          import :: case_type, result_type
          implicit none (type, external)
-         !> Checked.
+         !> The case, checked.
          type(case_type), intent(in) :: case
          !> Number of OpenMP threads; the result does not depend on it.
          integer, intent(in) :: threads

@@ -1,7 +1,8 @@
-!> Text: lines, numbers as text, what a terminal can show.
+!> Text: lines, numbers as text, and text that is safe for a terminal.
 !!
-!! The length of each result follows from the arguments: gfortran keeps the length of a result that
-!! is `character(:), allocatable` in a static variable of the caller, which threads share.
+!! The length of each function result follows from the arguments: gfortran keeps the length of a
+!! result that is `character(:), allocatable` in a static variable of the caller, which threads
+!! share.
 module vi_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use vi_kinds, only: wp
@@ -32,7 +33,7 @@ contains
       lines(size(lines))%text = text
    end subroutine append
 
-   !> Adds room for more lines.
+   !> Adds empty lines to a list.
    pure subroutine lengthen(lines, more)
       !> In and out: the list, which need not be allocated; the new lines have no text.
       type(line_type), allocatable, intent(inout) :: lines(:)
@@ -41,7 +42,7 @@ contains
       type(line_type), allocatable :: longer(:)
       integer :: i, n
 
-      ! not [lines, line_type(text)]: gfortran 12 loses the memory of such a constructor
+      ! not [lines, line_type(text)]: gfortran 12 leaks the memory of such a constructor
       n = 0
       if (allocated(lines)) n = size(lines)
       allocate (longer(n + more))
@@ -80,13 +81,13 @@ contains
       i = 2 + count(bytes(1) >= [224, 240])
       if (i > len(text)) return
       if (any(bytes(2:i) < 128 .or. bytes(2:i) > 191)) return
-      ! longer forms of shorter characters, surrogates, and numbers above the last character
+      ! overlong encodings, surrogates, and numbers above the last character
       if (any(bytes(1) == [224, 237, 240, 244] .and. ([bytes(2) < 160, bytes(2) > 159, &
          bytes(2) < 144, bytes(2) > 143]))) return
       n = merge(0, i, bytes(1) == 194 .and. bytes(2) < 160)
    end function letter_length
 
-   !> A message shortened in the middle, if it is so long that it would fill screens.
+   !> A message, shortened in the middle if it is very long.
    pure function brief(text) result(short)
       !> The message.
       character(*), intent(in) :: text
@@ -188,7 +189,7 @@ contains
       real(wp), intent(in) :: value
       !> Whether it is a whole number, which never gets an exponent.
       logical, intent(in) :: is_whole
-      !> Digits at most; without it as many as are needed.
+      !> Largest number of digits; by default as many as are needed.
       integer, intent(in), optional :: most
       character(24) :: text
       character(24) :: buffer
@@ -255,7 +256,7 @@ contains
    pure function split(text, separator) result(parts)
       !> The text.
       character(*), intent(in) :: text
-      !> A single character; two in succession have an empty part between them.
+      !> A single character; two in succession enclose an empty part.
       character, intent(in) :: separator
       type(line_type), allocatable :: parts(:)
       integer :: i, first, last
@@ -272,7 +273,7 @@ contains
 
    !> The lines as one text with a separator between them, the inverse of `split`.
    pure function join(lines, separator) result(text)
-      !> The lines, all with a text.
+      !> The lines, all allocated.
       type(line_type), intent(in) :: lines(:)
       !> A single character.
       character, intent(in) :: separator
@@ -304,7 +305,7 @@ contains
       character(*), intent(in) :: thing
       character(whole_width(number) + len(thing) + merge(1, 2, number == 1)) :: text
 
-      text = whole(number)//' '//thing//'s'                        ! of one thing the s is cut off
+      text = whole(number)//' '//thing//'s'                        ! for one thing the s is cut off
    end function counted
 
    !> A message of the runtime library without the path at its beginning.

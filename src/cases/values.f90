@@ -1,7 +1,7 @@
-!> The values of one namelist group: read by the table of its keys, checked, complete.
+!> The values of one namelist group, read with the table of its keys, checked and completed.
 !!
 !! The first fault is kept, with its line. The reader does not read the text after it. A study may
-!! still make its checks; their faults do not replace the first one.
+!! still run its own checks; their faults do not replace the first one.
 module vi_values
    use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, place_of
    use vi_kinds, only: wp
@@ -15,12 +15,12 @@ module vi_values
 
    !> The value of a key.
    type :: value_type
-      !> Whether it has a value, which may be the default; and whether it is given in the file.
+      !> Whether it has a value, which may be the default, and whether it is given in the file.
       logical :: there = .false., given = .false.
-      !> Numbers, or words.
+      !> Its numbers, or its words.
       real(wp), allocatable :: numbers(:)
       type(line_type), allocatable :: words(:)
-      !> The assignment that each came from.
+      !> The assignment from which each value came.
       integer, allocatable :: origin(:)
    end type value_type
 
@@ -42,7 +42,7 @@ module vi_values
 
 contains
 
-   !> Reads a group; without one, all keys have their defaults.
+   !> Reads a group; without a group, all keys get their defaults.
    pure subroutine read_values(name, keys, group, values)
       !> Name of the group.
       character(*), intent(in) :: name
@@ -83,9 +83,9 @@ contains
       if (len(values%fault) == 0) call resolve_units(values)
    end subroutine read_values
 
-   !> Puts one assignment into its key.
+   !> Stores one assignment in its key.
    pure subroutine assign(values, i)
-      !> The group, read up to there.
+      !> The group, read up to this assignment.
       type(values_type), intent(inout) :: values
       !> The assignment.
       integer, intent(in) :: i
@@ -142,7 +142,7 @@ contains
    pure subroutine enlarge(value, n, kind)
       !> In and out: the value of the key so far.
       type(value_type), intent(inout) :: value
-      !> Length that the list is about to have, at least.
+      !> Smallest new length of the list.
       integer, intent(in) :: n
       !> Kind of the value of the key.
       integer, intent(in) :: kind
@@ -172,9 +172,9 @@ contains
       character(*), intent(in) :: text
       !> The value of a number or list of numbers.
       real(wp), allocatable, intent(out) :: numbers(:)
-      !> The value of a word or list of words, spelled as the key has them.
+      !> The value of a word or list of words, spelled as in the table of keys.
       type(line_type), allocatable, intent(out) :: words(:)
-      !> Whether the key takes it.
+      !> Whether the key accepts it.
       logical, intent(out) :: good
       integer :: i
 
@@ -191,13 +191,13 @@ contains
       end if
    end subroutine interpret
 
-   !> Finds a word among those that a key takes, whatever its case.
+   !> Finds a word among those that a key accepts, ignoring case.
    pure subroutine match_word(words, text, good)
       !> Words separated by blanks.
       character(*), intent(in) :: words
       !> The word; spelled as in `words` if it is one of them.
       character(:), allocatable, intent(inout) :: text
-      !> Whether it is.
+      !> Whether it is one of them.
       logical, intent(out) :: good
       integer :: at
 
@@ -228,7 +228,7 @@ contains
       end associate
    end subroutine check_list
 
-   !> Checks that a key is given if it has to be, and only if it may be.
+   !> Checks that a key is given if it is required, and only if it is allowed.
    pure subroutine check_company(values, place)
       !> The group.
       type(values_type), intent(inout) :: values
@@ -290,7 +290,7 @@ contains
       end if
    end subroutine find_reason
 
-   !> Whether a key has a word, or is given at all.
+   !> Whether a key has a certain word, or is given at all.
    pure logical function holds(values, text)
       !> The group.
       type(values_type), intent(in) :: values
@@ -306,7 +306,7 @@ contains
       end if
    end function holds
 
-   !> A condition in the form of a file: key = 'word', or key.
+   !> A condition as written in a file: key = 'word', or key.
    pure function condition(text) result(words)
       !> 'key=word' or 'key'.
       character(*), intent(in) :: text
@@ -318,7 +318,7 @@ contains
       if (equals > 0) words = text(:equals - 1)//' = '''//trim(text(equals + 1:))//''''
    end function condition
 
-   !> Converts keys in another unit to the keys that they give.
+   !> Converts keys in another unit to the keys that they specify.
    pure subroutine resolve_units(values)
       !> The group.
       type(values_type), intent(inout) :: values
@@ -414,7 +414,7 @@ contains
       end do
    end subroutine forbid
 
-   !> Place of the key, or of the one in another unit that is given for it.
+   !> Place of the key, or of the key in another unit that is given for it.
    pure integer function written_as(values, name) result(place)
       !> The group.
       type(values_type), intent(in) :: values
@@ -456,7 +456,7 @@ contains
    pure logical function has(values, name)
       !> The group.
       class(values_type), intent(in) :: values
-      !> The key; the group may be without such a key.
+      !> The key; the group may have no such key.
       character(*), intent(in) :: name
       integer :: place
 
@@ -469,9 +469,9 @@ contains
    pure logical function is(values, name, word)
       !> The group.
       class(values_type), intent(in) :: values
-      !> The key; the group may be without such a key.
+      !> The key; the group may have no such key.
       character(*), intent(in) :: name
-      !> The word, as the table has it.
+      !> The word, as spelled in the table.
       character(*), intent(in) :: word
 
       is = values%has(name)
@@ -482,7 +482,7 @@ contains
    pure real(wp) function number(values, name)
       !> The group.
       class(values_type), intent(in) :: values
-      !> The key, which has one.
+      !> The key, which has a value.
       character(*), intent(in) :: name
 
       number = values%values(place_of(values%keys, name))%numbers(1)
@@ -492,7 +492,7 @@ contains
    pure function numbers(values, name)
       !> The group.
       class(values_type), intent(in) :: values
-      !> The key, which has some.
+      !> The key, which has values.
       character(*), intent(in) :: name
       real(wp), allocatable :: numbers(:)
 
@@ -503,7 +503,7 @@ contains
    pure integer function whole_number(values, name)
       !> The group.
       class(values_type), intent(in) :: values
-      !> The key, which has one.
+      !> The key, which has a value.
       character(*), intent(in) :: name
 
       whole_number = nint(values%number(name))
@@ -513,7 +513,7 @@ contains
    pure function whole_numbers(values, name)
       !> The group.
       class(values_type), intent(in) :: values
-      !> The key, which has some.
+      !> The key, which has values.
       character(*), intent(in) :: name
       integer, allocatable :: whole_numbers(:)
 
@@ -541,7 +541,7 @@ contains
    pure subroutine text(values, name, words)
       !> The group.
       class(values_type), intent(in) :: values
-      !> The key, which has one.
+      !> The key, which has a value.
       character(*), intent(in) :: name
       !> The word.
       character(:), allocatable, intent(out) :: words
@@ -549,7 +549,7 @@ contains
       words = values%values(place_of(values%keys, name))%words(1)%text
    end subroutine text
 
-   !> Sets the numbers of a key; a study completes keys that were left out by this.
+   !> Sets the numbers of a key; studies use it to complete keys that were left out.
    pure subroutine set(values, name, numbers)
       !> The group.
       class(values_type), intent(inout) :: values

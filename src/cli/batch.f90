@@ -24,11 +24,11 @@ contains
    subroutine run_file(path, folder, log, only, progress)
       !> The namelist file.
       character(*), intent(in) :: path
-      !> Folder of the results; made if it does not exist.
+      !> Folder of the results; created if it does not exist.
       character(*), intent(in) :: folder
       !> In and out: messages, names of results, and the worst status so far.
       type(log_type), intent(inout) :: log
-      !> The one kind of cases that is run; without it, or if it is empty, all are.
+      !> The only study whose cases are run; if absent or empty, all cases are run.
       character(*), intent(in), optional :: only
       !> Progress counters, see vi_progress; studies of single motions do not use them.
       integer, intent(inout), optional :: progress(3)
@@ -59,13 +59,13 @@ contains
             cycle
          end if
          call run_case(cases(i), folder, log, written, progress)
-         if (.not. written) return                     ! the next one would not be written either
+         if (.not. written) return                     ! the next result could not be written either
       end do
    end subroutine run_file
 
    !> Runs one case, writes its result and logs what was found.
    subroutine run_case(case, folder, log, written, progress)
-      !> Checked.
+      !> The case, checked.
       type(case_type), intent(in) :: case
       !> Folder of the results.
       character(*), intent(in) :: folder
@@ -114,7 +114,7 @@ contains
       call add_message(log, done, case%name//': '//table)
    end subroutine run_case
 
-   !> Keeps the cases of one kind, of which there has to be at least one.
+   !> Keeps the cases of one study; there must be at least one.
    subroutine keep(path, only, cases, message)
       !> The file, for the message; name of the study, or empty for all.
       character(*), intent(in) :: path, only
@@ -163,7 +163,7 @@ contains
                ''': is already the name of the case at '//path//':'//whole(cases(j)%line)// &
                '; must be another'
             result = folder//'/'//name
-            ! a result may be run into its own file: it writes the same bytes again
+            ! a result may be run and written to its own file: the same bytes are written again
             overwrites = same_file(path, result//'.txt')
             if (.not. overwrites) overwrites = same_file(path, result//'.csv')
             if (overwrites) overwrites = .not. is_result(path)

@@ -30,7 +30,7 @@ module vi_command
 
 contains
 
-   !> Runs what the arguments ask for and returns the exit status.
+   !> Does what the arguments request and returns the exit status.
    subroutine run_command(progress, status)
       !> Progress counters, see vi_progress.
       integer, intent(inout) :: progress(3)
@@ -123,7 +123,7 @@ contains
       end do
    end subroutine describe_use
 
-   !> An argument of the command line; empty if there are fewer.
+   !> A command-line argument; empty if there are fewer.
    subroutine get_argument(i, text)
       !> Number of the argument, from 1.
       integer, intent(in) :: i
@@ -155,7 +155,7 @@ contains
 
    !> Describes the keys of a group.
    subroutine print_keys(name, status)
-      !> The group, with its & or without.
+      !> The group, with or without its &.
       character(*), intent(in) :: name
       !> Exit status of the program.
       integer, intent(out) :: status
@@ -190,7 +190,7 @@ contains
       logical :: there
 
       inquire (file=folder, exist=there)                ! a file of this name is refused later on
-      if (.not. there) there = is_folder(folder)        ! not all compilers inquire of folders
+      if (.not. there) there = is_folder(folder)    ! not all compilers inquire about folders
       name = lower(folder(index(folder, '/', back=.true.) + 1:))
       suffix = name(index(name, '.', back=.true.) + 1:)
       if (len(folder) == 0) then
@@ -205,7 +205,7 @@ contains
       end if
    end subroutine check_folder
 
-   !> Prints a fault of the command line.
+   !> Prints an error in the command line.
    subroutine refuse(message, status)
       !> The fault.
       character(*), intent(in) :: message

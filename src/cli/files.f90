@@ -51,7 +51,7 @@ module vi_files
          implicit none (type, external)
          type(c_ptr), value :: text
       end function c_strlen
-      ! its result has the size of a pointer, as c_size_t has, with a sign
+      ! its result is a signed integer of the size of c_size_t
       integer(c_size_t) function c_write(channel, text, length) bind(c, name='write')
          import :: c_char, c_int, c_size_t
          implicit none (type, external)
@@ -63,7 +63,7 @@ module vi_files
       subroutine c_perror(text) bind(c, name='perror')
          import :: c_char
          implicit none (type, external)
-         !> What the message begins with, ended by a null character.
+         !> Beginning of the message, ended by a null character.
          character(kind=c_char), intent(in) :: text(*)
       end subroutine c_perror
       subroutine c_free(address) bind(c, name='free')
@@ -175,7 +175,7 @@ contains
 
    !> Opens a new file under a temporary name.
    subroutine open_file(path, file)
-      !> The name that it gets when it is complete.
+      !> The final name of the file.
       character(*), intent(in) :: path
       !> The file; errors are reported when it is closed.
       type(new_file_type), intent(out) :: file

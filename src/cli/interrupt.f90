@@ -41,7 +41,7 @@ contains
       call ignore_size_signal()
       do i = 1, size(signals)
          before = c_signal(signals(i), c_funloc(stop_study))
-         ! a signal that the caller told this program to ignore, as nohup does, stays ignored
+         ! a signal that the caller has set to be ignored, as nohup does, stays ignored
          if (transfer(before, ignored) == ignored) before = c_signal(signals(i), before)
       end do
    end subroutine catch_signals

@@ -1,4 +1,4 @@
-/* Why the last call of the C library failed, as text of at most `room` bytes with the null behind it. Fortran
+/* Why the last call of the C library failed, as text of at most `room` bytes with its terminating null. Fortran
    cannot read errno, which is a macro. */
 #define _POSIX_C_SOURCE 200112L
 #include <errno.h>

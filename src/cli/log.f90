@@ -13,13 +13,13 @@ module vi_log
 
    !> The messages while files run, and the names taken so far.
    type, public :: log_type
-      !> Lines, each ended by a null character. The first character of a line tells what it is: '-'
-      !! news, '!' a fault, '>' the path of a table (CSV) that was written.
+      !> Lines, each ended by a null character. The first character of a line gives its kind: '-'
+      !! information, '!' a fault, '>' the path of a table (CSV) that was written.
       type(buffer_type) :: said
-      !> File names of results, in lower case, with the place that took each.
+      !> File names of results, in lower case, with the place of the case that uses each.
       type(dictionary_type) :: names
       type(line_type), allocatable :: places(:)
-      !> The worst so far: `done`, `failed` or `wrong`.
+      !> The worst status so far: `done`, `failed` or `wrong`.
       integer :: status = done
    end type log_type
 

@@ -8,7 +8,7 @@ program vibroimpact_batch
    implicit none (type, external)
    integer :: status
 
-   ! before anything is read: the reader needs room too
+   ! before anything is read: the reader needs stack space too
    if (stack_left() < stack_needed()) then
       write (error_unit, '(a, i0, a)') 'the stack is too small: must be at least ', &
          int(stack_needed()/1024), ' kB (ulimit -s)'

@@ -10,7 +10,7 @@ module vi_write_csv
 
    public :: write_csv
 
-   !> Rows that are formatted at a time.
+   !> Number of rows that are formatted at a time.
    integer, parameter :: block = 4096
 
 contains
@@ -23,9 +23,9 @@ contains
       character(*), intent(in) :: path
       !> Empty if it was written; otherwise the reason.
       character(:), allocatable, intent(out) :: message
-      !> Progress counters, see vi_progress; without them it is written to its end.
+      !> Progress counters, see vi_progress; without them the file is always completed.
       integer, intent(inout), optional :: progress(3)
-      !> The echo of the case, if it is not that of the result.
+      !> The echo of the case, if it differs from that of the result.
       type(line_type), intent(in), optional :: case(:)
       type(new_file_type) :: file
       type(line_type), allocatable :: head(:)

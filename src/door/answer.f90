@@ -12,8 +12,8 @@ module vi_answer
    public :: answer, answer_word
 
    !> Kinds of texts: the fault of the case; the complete case as a namelist; lines on what was
-   !! found; lines on what failed or does not exist; remarks of the header of files; how far it got
-   !! if it was stopped; the CSV; the result without its values as JSON.
+   !! found; lines on what failed or does not exist; remarks for the header of files; how far the
+   !! study got if it was stopped; the CSV; the result without its values as JSON.
    integer, parameter, public :: answer_message = 0, answer_case = 1, tell_notes = 2, &
       answer_faults = 3, answer_remarks = 4, answer_cut = 5, answer_csv = 6, answer_json = 7
 

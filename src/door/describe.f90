@@ -1,4 +1,4 @@
-!> The language of namelists, described from the tables of keys: for people and for programs.
+!> The language of namelists, described from the tables of keys: for users and for programs.
 module vi_describe
    use vi_case, only: output_keys, system_keys
    use vi_key, only: a_whole, a_word, describe_key, key_type, unbounded
@@ -24,7 +24,7 @@ contains
       names = [character(name_length) :: 'system', studies%name, 'output']
    end subroutine list_groups
 
-   !> The keys of a group for people: name, what it takes, default, meaning.
+   !> The keys of a group for users: name, values, default, meaning.
    subroutine describe_group(name, lines)
       !> One of `list_groups`.
       character(*), intent(in) :: name
@@ -50,8 +50,9 @@ contains
 
    !> The keys of all groups and the columns of all results for programs, as JSON.
    subroutine describe_all(lines)
-      !> An object with two members: `groups` holds a list of keys for each group, `results` for
-      !! each study its meaning, the table whose rows are those of the CSV, and a list of columns.
+      !> An object with two members: `groups` holds a list of keys for each group; `results` holds,
+      !! for each study, its meaning, the table whose rows are those of the CSV, and a list of
+      !! columns.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(key_type), allocatable :: keys(:)
       type(column_type), allocatable :: columns(:)
@@ -160,7 +161,7 @@ contains
       string = '"'//trim(text)//'"'
    end function quoted
 
-   !> An end of a range, with blanks behind it; null if there is none.
+   !> An end of a range, with trailing blanks; null if there is none.
    pure function bound(value, key) result(text)
       !> The end.
       real(wp), intent(in) :: value
@@ -172,7 +173,7 @@ contains
       if (abs(value) < unbounded) text = number_text(value, key%kind == a_whole)
    end function bound
 
-   !> A logical value as JSON has it.
+   !> A logical value in JSON.
    pure function truth(value) result(word)
       !> A logical value.
       logical, intent(in) :: value

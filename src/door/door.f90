@@ -25,8 +25,8 @@ module vi_door
 
    !> Status of a result: done; ran, but something failed or does not exist; the case is wrong.
    integer, parameter, public :: done = 0, failed = 1, wrong = 2
-   !> Status of an invalid handle: 0, or one that was freed; and of a case for which memory or stack
-   !! are too small.
+   !> Status of an invalid handle (0, or one that was freed), and of a case for which memory or
+   !! stack are insufficient.
    integer, parameter, public :: no_result = 3, no_memory = 4
    !> The number at the start of a holder's memory, by which most freed handles are detected.
    integer(c_int64_t), parameter :: mark = 8387236825288893542_c_int64_t
@@ -35,7 +35,7 @@ module vi_door
       integer(c_int64_t) :: mark = 0
       !> The fault of the case; empty if there is none.
       character(:), allocatable :: message
-      !> Line of the text where that is; 0 if it has none.
+      !> Line of the text with the fault; 0 if it has none.
       integer :: line = 0
       !> `done`, `failed` or `wrong`.
       integer :: status = wrong
@@ -58,7 +58,7 @@ contains
       character(*), intent(in) :: text
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> To be freed by `free_result`; there is one whatever the status.
+      !> The result, to be freed with `free_result`; it exists whatever the status.
       integer(c_int64_t), intent(out) :: handle
       !> `done`, `failed` or `wrong`.
       integer, intent(out) :: status
@@ -82,7 +82,7 @@ contains
    subroutine list_cases(text, handle, status)
       !> The namelist.
       character(*), intent(in) :: text
-      !> To be freed by `free_result`; there is one whatever the status.
+      !> The result, to be freed with `free_result`; it exists whatever the status.
       integer(c_int64_t), intent(out) :: handle
       !> `done` or `wrong`.
       integer, intent(out) :: status
@@ -119,7 +119,7 @@ contains
    subroutine new_holder(text, holder, cases)
       !> The namelist.
       character(*), intent(in) :: text
-      !> Without a result.
+      !> The new holder, without a result.
       type(holder_type), pointer, intent(out) :: holder
       !> The cases of the text.
       type(case_type), allocatable, intent(out) :: cases(:)
@@ -131,9 +131,9 @@ contains
       call parse_cases(clean, '', cases, holder%message, holder%line)
    end subroutine new_holder
 
-   !> Sets a fault if the text does not hold exactly one case.
+   !> Sets a fault if the text does not contain exactly one case.
    subroutine take_one(holder, cases)
-      !> In: the holder of the text. Out: with a fault if it does not hold one case.
+      !> In: the holder of the text. Out: with a fault unless the text contains exactly one case.
       type(holder_type), intent(inout) :: holder
       !> The cases of the text.
       type(case_type), intent(in) :: cases(:)
@@ -142,11 +142,12 @@ contains
          'the text holds '//whole(size(cases))//' cases; must hold one'
    end subroutine take_one
 
-   !> A case without the leading `#` of its lines, and without text that is no part of the namelist.
+   !> A case without the leading `#` of its lines, and without text that is not part of the
+   !! namelist.
    pure subroutine bare_text(lines, text)
       !> The case, as from `echo`.
       type(line_type), intent(in) :: lines(:)
-      !> A namelist, with a line feed behind each line.
+      !> A namelist, with a line feed after each line.
       character(:), allocatable, intent(out) :: text
       type(buffer_type) :: buffer
       integer :: i
@@ -163,7 +164,7 @@ contains
    subroutine new_result(text, handle, status)
       !> The namelist of its case.
       character(*), intent(in) :: text
-      !> To be freed by `free_result`; there is one whatever the status.
+      !> The result, to be freed with `free_result`; it exists whatever the status.
       integer(c_int64_t), intent(out) :: handle
       !> `done` or `wrong`.
       integer, intent(out) :: status
@@ -185,11 +186,11 @@ contains
       call start_result(lines, columns, study%row, holder%result)
    end subroutine new_result
 
-   !> A text without a result, which `describe_result` gives as the message.
+   !> A holder of a text without a result; `describe_result` returns the text as the message.
    subroutine new_text(text, handle)
       !> The text.
       character(*), intent(in) :: text
-      !> To be freed by `free_result`.
+      !> The result, to be freed with `free_result`.
       integer(c_int64_t), intent(out) :: handle
       type(holder_type), pointer :: holder
 
@@ -200,11 +201,11 @@ contains
       handle = address_of(c_loc(holder))
    end subroutine new_text
 
-   !> A result without a case, since no namelist gives it; without tables, to be filled.
+   !> A result without a case, since no namelist produces it; it has no tables and is to be filled.
    subroutine new_bare_result(name, handle)
       !> Name of the study that declares its columns.
       character(*), intent(in) :: name
-      !> To be freed by `free_result`.
+      !> The result, to be freed with `free_result`.
       integer(c_int64_t), intent(out) :: handle
       type(holder_type), pointer :: holder
       type(study_type) :: study
@@ -225,13 +226,14 @@ contains
    subroutine open_table(handle, name, dims, sizes, parent, owners)
       !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
-      !> Of the table, and its dimensions with blanks between, the one that varies first at first.
+      !> Name of the table, and its dimensions separated by blanks, the one that varies fastest
+      !! first.
       character(*), intent(in) :: name, dims
       !> Sizes of the dimensions.
       integer, intent(in) :: sizes(:)
-      !> The table that it is a child of; empty if of none.
+      !> The parent table; empty if there is none.
       character(*), intent(in) :: parent
-      !> The row there of each row here.
+      !> The row of the parent to which each row belongs.
       integer, intent(in) :: owners(:)
       type(result_type), pointer :: result
 
@@ -244,13 +246,13 @@ contains
       end if
    end subroutine open_table
 
-   !> Fills a column of numbers; one that is not declared is left out.
+   !> Fills a column of numbers; an undeclared column is ignored.
    subroutine fill_reals(handle, table, name, values)
       !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
       !> Names of the table and of the column.
       character(*), intent(in) :: table, name
-      !> Row by row; of complex ones real and imaginary parts one after the other.
+      !> Row by row; for complex numbers the real and the imaginary part in turn.
       real(wp), intent(in) :: values(:)
       type(result_type), pointer :: result
       integer :: i
@@ -266,13 +268,13 @@ contains
       end if
    end subroutine fill_reals
 
-   !> Fills a column of all else; one that is not declared is left out.
+   !> Fills a column of any other kind; an undeclared column is ignored.
    subroutine fill_wholes(handle, table, name, values, words)
       !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
       !> Names of the table and of the column.
       character(*), intent(in) :: table, name
-      !> Row by row; of words their places.
+      !> Row by row; for words their places.
       integer, intent(in) :: values(:)
       !> Words separated by line feeds; empty if the column has none.
       character(*), intent(in) :: words
@@ -329,9 +331,9 @@ contains
       end do
    end subroutine name_after
 
-   !> The address that a pointer of C holds.
+   !> The address in a C pointer.
    pure integer(c_int64_t) function address_of(pointer) result(address)
-      !> A pointer of C.
+      !> A C pointer.
       type(c_ptr), intent(in) :: pointer
 
       address = 0
@@ -370,7 +372,7 @@ contains
       integer, intent(out) :: status
       !> Empty if nothing is wrong.
       character(:), allocatable, intent(out) :: message
-      !> Line of the text where that is; 0 if there is none.
+      !> Line of the text with the fault; 0 if there is none.
       integer, intent(out) :: line
       type(holder_type), pointer :: holder
 
@@ -384,11 +386,11 @@ contains
       message = holder%message
    end subroutine fault_of
 
-   !> Records a fault of the values with which a result was to be filled.
+   !> Records a fault of the values that a caller passed to fill a result.
    subroutine set_fault(handle, message)
       !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
-      !> Out: the fault.
+      !> The fault.
       character(*), intent(in) :: message
       type(holder_type), pointer :: holder
 
@@ -503,7 +505,7 @@ contains
       call add(buffer, '}')
    end subroutine add_table
 
-   !> Adds a column as an object with the items that are not in its declaration.
+   !> Adds a column as an object with the items that its declaration does not contain.
    subroutine add_column(buffer, filled)
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
@@ -530,7 +532,7 @@ contains
    pure subroutine add_address(buffer, pointer)
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
-      !> Null of an array without values.
+      !> Its address; null for an array without values.
       type(c_ptr), intent(in) :: pointer
       character(20) :: digits
 

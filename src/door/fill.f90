@@ -1,4 +1,4 @@
-!> Fills a result with values of a caller, after checking them: the values of a study always fit,
+!> Fills a result with values from a caller after checking them: the values of a study always fit,
 !! those of a program in another language may not.
 module vi_fill
    use, intrinsic :: iso_c_binding, only: c_int64_t
@@ -28,13 +28,14 @@ contains
    subroutine put_table(handle, name, dims, sizes, parent, owners, good)
       !> Handle of a result that can be filled.
       integer(c_int64_t), intent(in) :: handle
-      !> Of the table, and its dimensions with blanks between, the one that varies first at first.
+      !> Name of the table, and its dimensions separated by blanks, the one that varies fastest
+      !! first.
       character(*), intent(in) :: name, dims
       !> Sizes of the dimensions.
       integer, intent(in) :: sizes(:)
-      !> The table that it is a child of; empty if of none.
+      !> The parent table; empty if there is none.
       character(*), intent(in) :: parent
-      !> The row there of each row here, from 1.
+      !> The row of the parent, from 1, to which each row belongs.
       integer, intent(in) :: owners(:)
       !> Whether it was opened.
       logical, intent(out) :: good
@@ -74,7 +75,7 @@ contains
       end if
    end subroutine put_table
 
-   !> Rows of a table of these sizes; -1 if there is none.
+   !> Number of rows of a table of these sizes; -1 if no table can have them.
    pure integer function rows_in(sizes) result(rows)
       !> Sizes of its dimensions.
       integer, intent(in) :: sizes(:)
@@ -100,7 +101,7 @@ contains
       integer(c_int64_t), intent(in) :: handle
       !> Names of the table and of the column.
       character(*), intent(in) :: table, name
-      !> Row by row; of complex ones real and imaginary parts one after the other.
+      !> Row by row; for complex numbers the real and the imaginary part in turn.
       real(wp), intent(in) :: values(:)
       !> Whether it was filled.
       logical, intent(out) :: good
@@ -115,9 +116,9 @@ contains
       integer(c_int64_t), intent(in) :: handle
       !> Names of the table and of the column.
       character(*), intent(in) :: table, name
-      !> Row by row; of words their places, 0 for none.
+      !> Row by row; for words their places, 0 for none.
       integer, intent(in) :: values(:)
-      !> Words with line feeds between; empty if the column has none, or if they are declared.
+      !> Words separated by line feeds; empty if the column has none, or if they are declared.
       character(*), intent(in) :: list
       !> Whether it was filled.
       logical, intent(out) :: good
@@ -147,7 +148,7 @@ contains
       end if
    end subroutine put_wholes
 
-   !> Whether a column exists, takes such values, and gets complete rows.
+   !> Whether a column exists, accepts such values, and gets complete rows.
    subroutine check(handle, table, name, n, are_reals, good)
       !> Handle of a result that can be filled.
       integer(c_int64_t), intent(in) :: handle

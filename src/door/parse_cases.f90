@@ -2,7 +2,7 @@
 !!
 !! Each group except `&system` and `&output` makes a case. It uses the `&system` before it, and the
 !! `&output` after it, if there is one. A study can start from a group before it, as a `&branch`
-!! does from a `&motion`; a group directly before that study is only its start and no case of its
+!! does from a `&motion`; a group directly before that study is only its start and not a case of its
 !! own.
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
@@ -101,7 +101,7 @@ contains
       end do
    end subroutine check_names
 
-   !> Reads and checks &system, which needs a case after it.
+   !> Reads and checks &system, which must be followed by a case.
    pure subroutine take_system(studies, groups, system, line, message)
       !> All studies.
       type(study_type), intent(in) :: studies(:)
@@ -133,7 +133,7 @@ contains
    pure logical function needs_r(studies, groups)
       !> All studies.
       type(study_type), intent(in) :: studies(:)
-      !> All that follows the system.
+      !> All groups after the system.
       type(group_type), intent(in) :: groups(:)
       integer :: i, place
 
@@ -146,11 +146,11 @@ contains
       end do
    end function needs_r
 
-   !> Why studies need no frequency ratio of &system, for messages.
+   !> Why studies do not need the frequency ratio of &system, for messages.
    pure subroutine explain_own_r(studies, text)
       !> All studies.
       type(study_type), intent(in) :: studies(:)
-      !> The groups that have a window of their own, or no load.
+      !> The groups that have their own window, or no load.
       character(:), allocatable, intent(out) :: text
       character(:), allocatable :: names
       integer :: i
@@ -180,7 +180,7 @@ contains
       integer :: i
 
       has_own_r = has_window(study) .or. .not. study%has_load
-      ! r can be the parameter of a study that starts from a group: it starts at that of &system
+      ! a study that starts from a group may have r as its parameter: it starts at the r of &system
       if (has_own_r .or. study%starts_from /= '') return
       do i = 1, size(group%items)
          associate (value => group%items(i)%value)
@@ -197,7 +197,7 @@ contains
       type(study_type), intent(in) :: studies(:)
       !> All groups of the file.
       type(group_type), intent(in) :: groups(:)
-      !> Place of the group that asks for the result.
+      !> Place of the group that requests the result.
       integer, intent(in) :: i
       !> The system before it.
       type(values_type), intent(in) :: system
@@ -318,7 +318,7 @@ contains
    pure function place(path, line) result(text)
       !> The file.
       character(*), intent(in) :: path
-      !> 0 if it is none in particular.
+      !> Line of the fault; 0 if it is not in one particular line.
       integer, intent(in) :: line
       character(len(path) + 2 + merge(1 + whole_width(line), 0, line > 0)) :: text
 

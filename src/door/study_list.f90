@@ -1,4 +1,4 @@
-!> The studies: the only file that knows them all.
+!> The studies: the only file that lists all of them.
 module vi_study_list
    use vi_atlas_study, only: declare_atlas
    use vi_basins_study, only: declare_basins
@@ -24,7 +24,7 @@ module vi_study_list
 
    public :: find_study, list_studies, run_study
 
-   !> Bytes that are there wherever the program runs; a case that asks for less is not examined.
+   !> Bytes that are available wherever the program runs; a case that needs less is not checked.
    real(wp), parameter :: little = 16.0e6_wp
 
 contains
@@ -51,7 +51,7 @@ contains
 
    !> The declarations of some studies.
    subroutine collect(each, studies)
-      !> What fills in each of them.
+      !> The procedures that fill them in.
       type(declare_type), intent(in) :: each(:)
       !> The declarations.
       type(study_type), allocatable, intent(out) :: studies(:)
@@ -63,7 +63,7 @@ contains
       end do
    end subroutine collect
 
-   !> The study of a name.
+   !> The study with a given name.
    subroutine find_study(name, study)
       !> The name of a study.
       character(*), intent(in) :: name
@@ -80,7 +80,7 @@ contains
 
    !> Runs a case.
    subroutine run_study(case, threads, result, progress)
-      !> Checked.
+      !> The case, checked.
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
@@ -101,13 +101,13 @@ contains
       call study%run(case, usable_threads(threads), result, progress)
    end subroutine run_study
 
-   !> Checks that memory and stack are enough for a case.
+   !> Checks that memory and stack are sufficient for a case.
    subroutine check_room(study, case, result)
       !> The study.
       type(study_type), intent(in) :: study
       !> Its case.
       type(case_type), intent(in) :: case
-      !> The result; empty, with a fault, if there is too little.
+      !> The result; empty, with a fault, if they are not.
       type(result_type), intent(inout) :: result
       real(wp) :: bytes
 
