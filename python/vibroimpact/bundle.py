@@ -16,8 +16,8 @@ from .states import TWO_PI
 
 __all__ = ["Bundle", "simulate_bundle"]
 
-#: Load cycles in all that take a moment, unless there are very many impacts; they are simulated without a look at
-#: Ctrl-C.
+#: Total number of load cycles that take only a moment unless there are very many impacts; they are simulated
+#: without checks for Ctrl-C.
 LITTLE = 2000
 
 

@@ -138,7 +138,7 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     if status:
         raise ParameterError(echo)
     cases: list[dict[str, Any]] = []
-    # the reader gives each case as the header of its result has it: one `# key = value` a line
+    # the reader returns each case as in the header of its result: one `# key = value` per line
     for line in echo.split("\n"):
         if line.startswith("# &system"):
             cases.append({"text": ""})

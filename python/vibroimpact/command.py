@@ -30,7 +30,7 @@ UNITS = (
     "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega"
 )
 WITHOUT_UNITS = ("explore", "reproduce", "init", "doctor", "bench", "completion")
-#: Commands that compute nothing that is kept.
+#: Commands that compute nothing that is saved.
 WITHOUT_FILES = ("explore", "init", "doctor", "bench", "completion")
 
 
@@ -170,7 +170,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         try:
             parser.in_json = "--json" in words
             if name not in NAMES:
-                parser.parse_args(words)  # help, version or a fault
+                parser.parse_args(words)  # help, version or an error
                 parser.error(f"{name}: must be a command")
             # files and names may come before and after an option
             options = parser.parse_intermixed_args(_separated(words[1:]))
@@ -222,7 +222,7 @@ def outcome(name: str, options: argparse.Namespace) -> int:
 def _separated(words: list[str]) -> list[str]:
     """The arguments with the value of --plot made explicit; otherwise the option would take a file as its value.
 
-    A word after it that is no file is taken as a format, which may be an unknown one.
+    A word after it that is not a file is taken as a format, even if that is unknown.
     """
     plain = [*words]
     for i, word in enumerate(words):

@@ -18,7 +18,7 @@ from .model import Oscillator
 from .spacing import spacing_of
 from .tables import Handle, Result, from_core, language, message_of
 
-#: What the core returns for a case that takes more memory or stack than there is.
+#: The status that the core returns for a case that needs more memory or stack than is available.
 NO_MEMORY = 4
 
 Progress = Callable[[float, str], None]
@@ -114,7 +114,7 @@ def plain(study: str, key: str, value: Any, name: str) -> Any:
     declared = next(item for item in language()["groups"][study] if item["name"] == key)
     wanted = declared["takes"]
     if value is None:
-        # None stands for a default nowhere, also where the core has one
+        # None never stands for a default, even where the core has one
         if declared["default"]:
             raise ParameterTypeError(f"{name} = None: must be {wanted}")
         return None

@@ -1,4 +1,4 @@
-"""Exceptions of the package. Each also is the builtin exception that a caller would expect."""
+"""Exceptions of the package. Each is also the built-in exception that a caller would expect."""
 
 from __future__ import annotations
 

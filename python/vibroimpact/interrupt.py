@@ -1,4 +1,4 @@
-"""Long calls of the core that Ctrl-C interrupts."""
+"""Long calls of the core that can be interrupted by Ctrl-C."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-#: Seconds between two checks whether the call is done; an interrupt in between takes effect at once.
+#: Seconds between two checks of whether the call is done; an interrupt in between takes effect at once.
 INTERVAL = 0.05
 #: Bytes of the stack of a thread that runs the core, whatever `ulimit -s` and `threading.stack_size` are.
 STACK = 8 * 2**20
@@ -20,13 +20,13 @@ _HERE = threading.local()
 
 
 class _Call(NamedTuple):
-    """A call in a thread of its own."""
+    """A call in its own thread."""
 
     #: Set when it has ended, with a result or an exception in these lists.
     done: threading.Event
     answer: list[Any]
     fault: list[BaseException]
-    #: Set when nobody waits for it any more.
+    #: Set when no caller waits for it any longer.
     abandoned: threading.Event
 
 
@@ -99,7 +99,7 @@ def new_counters() -> NDArray[np.int32]:
 
 
 class _Worker:
-    """A thread that runs one call after another: in a new one OpenMP would start all its threads again."""
+    """A thread that runs one call after another: in a new thread OpenMP would start all its threads again."""
 
     idle: ClassVar[list[_Worker]] = []
 
@@ -116,12 +116,12 @@ class _Worker:
             self.calls.get()()
 
 
-if hasattr(os, "register_at_fork"):  # a child has none of these threads
+if hasattr(os, "register_at_fork"):  # a child process has none of these threads
     os.register_at_fork(after_in_child=_Worker.idle.clear)
 
 
 def _started(function: Callable[..., Any], *arguments: Any) -> _Call:
-    """Starts a call in a thread of its own."""
+    """Starts a call in its own thread."""
     answer: list[Any] = []
     fault: list[BaseException] = []
     try:
@@ -151,7 +151,7 @@ def _finished(call: _Call, watch: Callable[[], None] | None) -> Any:
         if watch is not None:
             watch()
     if watch is not None:
-        watch()  # the last state of the counters, which was reached between two checks
+        watch()  # the final state of the counters, reached after the last check
     if call.fault:
         raise call.fault[0]
     return call.answer[0]

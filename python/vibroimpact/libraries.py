@@ -1,4 +1,4 @@
-"""Libraries of the extras, which need not be installed."""
+"""Libraries of the extras, which may not be installed."""
 
 from __future__ import annotations
 

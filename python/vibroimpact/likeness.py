@@ -1,4 +1,4 @@
-"""Comparison of motions, which may be given over several periods, from any impact on, or as a mirror image.
+"""Comparison of motions, which may be given over several periods, starting at any impact, or as a mirror image.
 
 The core compares them, with the same tolerance for all studies.
 """
@@ -86,7 +86,7 @@ def _images(motion: Motion) -> Iterator[Motion]:
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
         try:
             image = standard_motion(motion, mirrored=True)
-        except SingularError:  # on the limit of convergence, as the motion itself is
+        except SingularError:  # at the limit of convergence, as is the motion itself
             return
         yield image
 

@@ -166,7 +166,7 @@ class Oscillator:
         """
         M, K = _positive(M, "M"), _positive(K, "K")
         C, m = _positive(C, "C", zero=True), _positive(m, "m", zero=True)
-        # in 50 digits, so that the result is the nearest float: a xi of 0.05 gives exactly 0.05
+        # with 50 digits, so that the result is the nearest float: a xi of 0.05 gives exactly 0.05
         with localcontext() as context:
             context.prec = 50
             critical = 2 * (Decimal(K) * Decimal(M)).sqrt()

@@ -20,7 +20,7 @@ from .tables import Result, Table, made, runs
 
 __all__ = ["Motion", "Motions", "Sample"]
 
-#: Columns of the core's tables of motions and impacts, the latter by the names here.
+#: Columns of the core's tables of motions and impacts; those of impacts by their names here.
 OF_MOTION = (
     "r", "clearance", "A", "tau", "residual", "x_min", "x_max", "load", "kind", "precision",
 )  # fmt: skip
@@ -31,7 +31,7 @@ OF_IMPACTS = {
 }  # fmt: skip
 #: The codes of the verdicts in tables.
 CODES = {True: 1, False: 0, None: -1}
-#: Largest residual of a consistent motion, if &motion names no other.
+#: Largest residual of a consistent motion, unless &motion specifies another.
 ACCEPTANCE = 0.03
 
 #: The leading arguments of the core's procedures on a finished motion.
@@ -272,7 +272,7 @@ class Motion(Savable, study="motion"):
         return namelist.case(self.osc, self.r, motion=self._keys())
 
     def _keys(self) -> dict[str, Any]:
-        """The group &motion that gives it."""
+        """The group &motion that produces it."""
         if self.pattern.has_rest or self.load != 1.0:
             what = "rest" if self.pattern.has_rest else f"load = {self.load!r}"
             raise ParameterError(f"motion with {what}: has no namelist; a &simulate comes to it")
@@ -290,7 +290,7 @@ class Motion(Savable, study="motion"):
                 keys |= {"positions": self.X.tolist(), "tau": self.tau}
             return keys
         if self.consistent != (self.residual <= ACCEPTANCE):
-            # the acceptance was another one, just enough or just not
+            # the acceptance was different: set it just above the residual, or just below
             kind = np.float32 if self.precision == "single" else np.float64
             limit = kind(self.residual)
             limit = limit if self.consistent else np.nextafter(limit, kind(0))
@@ -357,7 +357,7 @@ class Motion(Savable, study="motion"):
 
     def __repr__(self) -> str:
         single = ", single precision" if self.precision == "single" else ""
-        # a line of a terminal: what goes without saying and the kind of multiplier are for `str`
+        # one line on a terminal: "consistent" and the kind of multiplier are only in `str`
         verdicts = (
             self.verdicts().removeprefix("consistent, ").replace(f", {self.leading_kind})", ")")
         )
@@ -534,7 +534,7 @@ class Motions:
     @overload
     def __getitem__(self, index: slice) -> list[Motion]: ...
     def __getitem__(self, index: Any) -> Any:
-        """One motion, SingularError where that point failed; a list of them for a slice."""
+        """One motion, or a list of them for a slice; raises SingularError if that point failed."""
         places = checks.place(index, len(self), "motion")
         if isinstance(places, range):
             return [self[j] for j in places]

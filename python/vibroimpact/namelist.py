@@ -12,7 +12,7 @@ from .model import Oscillator
 
 #: Namelist groups with their keys; those with the value None are left out.
 Groups = Mapping[str, Mapping[str, Any]]
-#: How namelists spell which motions are meant.
+#: How namelists select symmetric motions, all others, or both.
 SYMMETRIC = {True: "yes", False: "no", None: "both"}
 
 

@@ -20,7 +20,7 @@ from .trajectory import Trajectory
 __all__ = ["exact"]
 
 MOST_ITERATIONS = 50
-#: Impacts and rests that a period of a motion with rest may have: most have few.
+#: Limits on the impacts and rests in a period of a motion with rest, tried in turn: most motions have few.
 REST_EVENTS = (200, 20_000)
 
 
@@ -83,7 +83,7 @@ def exact(
     if isinstance(guess, Motion):
         pattern = guess.pattern
         if pattern.has_rest:
-            # the velocity at a release follows the load, and the clearance little
+            # the velocity at a release scales with the load and depends little on the clearance
             releases = of_releases(guess, load / guess.load)
             return release_motion(osc, r, clearance, load, pattern.cycles, releases)
         each = None if guess.osc.restitution != osc.restitution else guess.restitution

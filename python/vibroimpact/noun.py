@@ -18,7 +18,7 @@ from .namelist import keys_of
 from .tables import Result
 
 Self = TypeVar("Self", bound="Savable")
-#: The classes by their names, for results that are read from files.
+#: The classes by name, for results that are read from files.
 NOUNS: dict[str, type[Savable]] = {}
 #: The classes by the studies whose whole result they are.
 RESULTS: dict[str, type[Noun]] = {}
@@ -56,7 +56,7 @@ class Savable:
     study: ClassVar[str] = ""
     #: Whether there is something to draw.
     drawable: bool = True
-    #: What is said where there is nothing to draw.
+    #: The message if there is nothing to draw.
     undrawable: ClassVar[str] = ""
     #: Whether the vertical axis of its small picture is logarithmic.
     _log_clearance: ClassVar[bool] = False
@@ -64,7 +64,7 @@ class Savable:
 
     def __init_subclass__(cls, study: str = "") -> None:
         super().__init_subclass__()
-        if study:  # a dataclass with slots is made a second time, without these arguments
+        if study:  # a dataclass with slots is created a second time, without these arguments
             cls.study = study
         if cls.study:
             NOUNS[cls.__name__] = cls
@@ -88,7 +88,7 @@ class Savable:
         self.plot(ax=ax)
 
     def _draw(self, *options: Any) -> Any:
-        """The picture of this class; its function in `plot` has these options."""
+        """The picture of this class, with the options of its function in `plot`."""
         from .plot.pictures import PICTURES
 
         return PICTURES[type(self).__name__](self, *options)
@@ -184,9 +184,9 @@ class Noun(Savable):
     """
 
     __slots__ = ("_result",)
-    #: The options of a command that makes one, for studies whose command has no module of its own.
+    #: The options of an example command, for studies whose command has no module of its own.
     example: ClassVar[str] = ""
-    #: Whether the core has a printout of it.
+    #: Whether the core provides a printout of it.
     printable: ClassVar[bool] = False
     _result: Result
 

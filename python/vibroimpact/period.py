@@ -82,7 +82,7 @@ def without_impacts(trajectory: Trajectory, begin: float) -> ParameterError:
     """The error for a trajectory that has no impacts from some time on."""
     osc, r, half = trajectory.osc, trajectory.r, 0.5 * trajectory.clearance
     when = f"since t = {begin:.6g}" if len(trajectory.events) else "in it"
-    # the steady amplitude of the primary mass alone; at resonance without damping it grows without bound
+    # the steady amplitude of the primary mass alone; at resonance without damping it is unbounded
     squared = (1 - r * r) ** 2 + (2 * osc.xi * r) ** 2
     amplitude = trajectory.load / math.sqrt(squared) if squared > 0 else math.inf
     if amplitude < half:

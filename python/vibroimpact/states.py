@@ -72,7 +72,7 @@ def moments_of(state: State) -> tuple[tuple[list[Any], list[int]], tuple[list[An
 
 
 def _belongs(system: System, state: Mapping[str, Any]) -> tuple[float, ...]:
-    """The numbers by which a state is recognised: those of its system, then those of the state."""
+    """The numbers that identify a state: those of its system, then those of the state."""
     xi, mu, walls, *rest = system
     return (xi, mu, *walls, *rest, *(state[name] for name in NEEDED + EXTRA))
 
@@ -164,7 +164,7 @@ def _resume(
     labels = [int(given[name]) for name in ("side", "resting", "released")]
     y = given["z"] - given["x"]
     if labels[0] and abs(y - 0.5 * labels[0] * clearance) > 1e-9 * clearance:
-        labels, numbers[6] = [0, 0, 0], 0.0  # the wall is at another place now
+        labels, numbers[6] = [0, 0, 0], 0.0  # the position of the wall has changed
     moment = (np.array(numbers), np.array(labels, dtype=np.int32))
     if known and tuple(since[:n]) == belongs:
         return moment, (np.array(since[n : n + 7]), np.array(since[n + 7 :], dtype=np.int32))

@@ -15,7 +15,7 @@ from .errors import ParameterError
 __all__ = ["Gap", "Load", "Structure"]
 
 _Array = NDArray[np.float64]
-#: Most coordinates of a structure, and most gaps.
+#: Largest number of coordinates of a structure, and of gaps.
 MOST = 500
 
 
@@ -186,7 +186,7 @@ class Structure:
     def _arrays(self) -> tuple[_Array, _Array, _Array]:
         """Matrices (n, n, 3), directions (n, gaps), and openings with restitution (2, gaps)."""
         matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
-        # f2py refuses arrays of two rows and no column: a gap that never closes stands for none
+        # f2py refuses arrays with two rows and no column: a gap that never closes is used in place of none
         gaps = self.gaps or (Gap(np.eye(self.n)[0], 1e300),)
         directions = np.array([gap.direction for gap in gaps]).T
         values = np.array([[gap.opening, gap.restitution] for gap in gaps]).T
@@ -198,7 +198,7 @@ class Structure:
 
 
 def _matrix(values: Any, name: str) -> _Array:
-    """A symmetric matrix, of which a vector is the diagonal."""
+    """A symmetric matrix; a vector is taken as its diagonal."""
     wanted = "a symmetric matrix (n, n), or its diagonal (n,)"
     array = checks.real_array(values, name, wanted)
     array = _numbers(np.diag(array) if array.ndim == 1 else array, name, wanted, (-1, -1))

@@ -1,4 +1,4 @@
-"""Event by event simulation of linear structures with gaps."""
+"""Event-by-event simulation of linear structures with gaps."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from .structure import Load, Structure
 __all__ = ["StructureTrajectory", "simulate_structure"]
 
 _Array = NDArray[np.float64]
-#: Words of the kinds of events 1, 2, 3.
+#: Names of the kinds of events 1, 2, 3.
 KINDS = np.array(["impact", "stick", "release"])
-#: Events for which there is room at first.
+#: Number of events for which space is allocated at first.
 ROOM = 1024
 
 

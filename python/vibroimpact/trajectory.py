@@ -27,7 +27,7 @@ __all__ = ["State", "Trajectory", "simulate"]
 #: The moments of a trajectory in the core's table, and the keys of a &simulate.
 MOMENTS = ("initial", "initial flight", "final", "final flight")
 REQUEST = ("clearance", "cycles", "discard", "load", *NEEDED, "max_events")
-#: How far a trajectory got that has as many events as it may have.
+#: The note on a trajectory that reached the limit on events.
 FULL = "max_events was reached"
 #: Largest numbers of events and of load cycles in a call of the core; Ctrl-C takes effect between calls.
 CHUNK, SPAN = 65_536, 1_000_000

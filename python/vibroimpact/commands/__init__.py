@@ -1,6 +1,6 @@
 """The subcommands of `vibroimpact`, one module each.
 
-A module has HELP (one line; of a study the core says what it does), DESCRIPTION, EXAMPLE (works as pasted, in
+A module has HELP (one line; for a study the core provides it), DESCRIPTION, EXAMPLE (works as pasted, in
 the folder of the project), `arguments(parser)`, which adds its arguments, and `run(options)`, which gives the
 exit status. A study whose command needs no text or option of its own needs no module, see `study.py`.
 """
@@ -30,13 +30,13 @@ NAMES = (
     "run", *STUDIES, "explore", "plot", "reproduce", "init", "doctor", "bench", "completion",
 )  # fmt: skip
 
-#: Forms of results, with what their names end with; the first one if none is named.
+#: Formats of results, with the extensions of their names; the first one is the default.
 FORMATS = {"csv": "csv", "netcdf": "nc", "json": "json", "matlab": "mat"}
-#: Formats of pictures, the first one if none is named.
+#: Formats of pictures; the first one is the default.
 PICTURES = ("png", "svg", "pdf")
 #: Formats of animations.
 ANIMATIONS = ("gif", "mp4")
-#: What the name of a folder may end with.
+#: Characters with which the name of a folder may end.
 SEPARATORS = tuple(filter(None, (os.sep, os.altsep)))
 
 

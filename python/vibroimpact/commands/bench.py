@@ -27,7 +27,7 @@ work among all threads. For comparisons with other programs see the benchmarks o
 project."""
 EXAMPLE = "vibroimpact bench"
 
-#: Seconds of the processor spent on each line.
+#: Processor time in seconds spent on each line.
 BUDGET = 1.0
 OSC = Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 
@@ -68,7 +68,7 @@ def machine() -> str:
 
 def best(work: Callable[[], int]) -> float:
     """Seconds for one of the things of which `work` does as many as it says, in its fastest run."""
-    work()  # pages of memory are there from now on
+    work()  # memory pages are allocated from now on
     fastest, end = math.inf, time.process_time() + BUDGET
     while fastest == math.inf or time.process_time() < end:
         begin = time.process_time()

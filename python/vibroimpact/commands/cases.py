@@ -1,4 +1,4 @@
-"""Cases of namelist files, or the one that options name: run, written in any form, and drawn, once."""
+"""Cases of namelist files, or the one that the options define: run, written in any format, and drawn, once."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from ..run import RunLog, run_namelists
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .request import Request, read_cases
 
-#: What writes the figure of some axes to a file, if that is wanted.
+#: Writes the figure of some axes to a file, if a picture is wanted.
 Save = Callable[[Any, Path], Path] | None
-#: What a command tells of a result beside what the compiled program says.
+#: The lines that a command prints on a result in addition to those of the compiled program.
 Details = Callable[[Any], list[str]]
 
 
@@ -76,7 +76,7 @@ def print_log(log: RunLog) -> None:
     """Print what was said while namelist files ran, faults to standard error."""
     for fault, line in log.lines:
         stream = sys.stderr if fault else sys.stdout
-        # a path need not be text: its bytes are printed as they are
+        # a path need not be valid text: its bytes are printed unchanged
         buffer = getattr(stream, "buffer", None)
         if buffer is None:
             print(line, file=stream)
@@ -99,7 +99,7 @@ def results_of(files: Sequence[str], folder: Path) -> list[Path]:
 
 def renamed(options: argparse.Namespace, cases: list[Case]) -> list[Case]:
     """The cases; the only one with the name of the file that -o names."""
-    if not options.stem or not cases:  # of files with faults alone nothing more is said
+    if not options.stem or not cases:  # nothing more is printed for files that only have faults
         return cases
     if len(cases) != 1:
         raise ParameterError(
@@ -133,7 +133,7 @@ def finish(
             found = case.compute(bar.show)
         except StudyInterrupted as stop:
             found, stopped = stop.result, True
-    if stopped:  # a large table takes its time
+    if stopped:  # writing a large table takes time
         message = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
         print(message, file=sys.stderr, flush=True)
     try:

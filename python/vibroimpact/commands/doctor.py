@@ -26,7 +26,7 @@ for each missing one, its purpose and how to install it. Missing optional librar
 an error: the exit status is 0 if the package computes correctly."""
 EXAMPLE = "vibroimpact doctor"
 
-#: What each extra is for; those for developers are not looked at.
+#: The purpose of each extra; those for developers are not checked.
 PURPOSES = {
     "completion": "completion in a shell (`vibroimpact completion`)",
     "data": "labelled tables (chart, to_xarray, to_pandas) and netCDF files",

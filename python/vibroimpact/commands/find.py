@@ -28,7 +28,7 @@ EXAMPLE = (
     "vibroimpact find --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --max-impacts 3 "
     "--plot -o results"
 )
-#: Keys of a search beside its point.
+#: Keys of a search other than those of its point.
 LIMITS = ("max_impacts", "max_cycles", "guesses", "states", "settling", "releases", "max_events")
 
 
@@ -138,7 +138,7 @@ def table(found: list[Motion]) -> str:
 
 
 def _points(options: argparse.Namespace) -> tuple[dict[Point, str], int]:
-    """The points that are asked for, each with the name of its result; status 1 where one cannot be told."""
+    """The requested points, each with the name of its result; status 1 if one cannot be determined."""
     if not options.files:
         ((case,), _) = read_cases(options, request(options))
         return {point_of(case): case.name}, 0
@@ -157,7 +157,7 @@ def point_of(case: Case) -> Point:
 
 
 def _add_points(file: str, points: dict[Point, str], record: Record) -> int:
-    """The points of the cases of a file; phases that are given have a clearance of their own."""
+    """The points of the cases of a file; given phases determine their own clearance."""
     status = 0
     for case in read_namelist(file):
         if case.r is None or (case.kind != "branch" and "parameter" in case.keys):

@@ -22,7 +22,7 @@ DESCRIPTION = """Write NAME.nml, a namelist of one kind of case in which every k
 be run unchanged. An existing file is not overwritten."""
 EXAMPLE = "vibroimpact init zone"
 
-#: Of each &motion, what it is and the keys to start from; of studies the commands have both.
+#: For each &motion its meaning and the keys to start from; for studies the commands have both.
 SYSTEM = {"xi": 0.005, "mu": 0.042, "restitution": 0.75, "r": 0.94}
 PHASES = {"sides": "RL", "phases_over_pi": [0, 1.37]}
 MOTIONS: Mapping[str, tuple[str, Mapping[str, Any]]] = {

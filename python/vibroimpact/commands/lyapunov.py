@@ -20,7 +20,7 @@ by volume, or in another format; --plot also writes a picture. NAME is "lyapunov
 case of the options."""
 EXAMPLE = "vibroimpact lyapunov --xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 10 30 5 -o results"
 
-#: The options of which one may be a line of points, and what is said of them.
+#: The options of which one may be a line of points, and their text in the help.
 LINES = {
     "r": "frequency ratio: a number, or LOW HIGH N for N of them",
     "clearance": "clearance d K/F0 (d is the whole travel of m): a number, or LOW HIGH N for N of them",

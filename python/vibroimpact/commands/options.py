@@ -12,9 +12,9 @@ from .. import checks
 from ..errors import ParameterError
 from ..tables import language
 
-#: What stands in the help for a value, by the end of the name of its key.
+#: The placeholder of a value in the help, by the end of the name of its key.
 ENDS = {"min": "LOW", "max": "HIGH", "points": "N", "axes": "NAME"}
-#: What the help says of an option in place of the meanings of its keys.
+#: The help text of an option, in place of the meanings of its keys.
 TEXTS = {"state": "displacement and velocity of the primary mass, then of the free mass"}
 #: The type of a value, by the kind of its key.
 TYPES: Mapping[str, Callable[[str], Any]] = {"number": float, "whole": int, "word": str}

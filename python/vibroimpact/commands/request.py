@@ -1,6 +1,6 @@
-"""The cases that a command is asked for: those of files, or the one that its options make.
+"""The cases that a command has to run: those of files, or the one that its options define.
 
-That one is written as a namelist and read like any other.
+The case of the options is written as a namelist and read like any other.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ..errors import ParameterError
 from ..namelist import Groups
 from .options import Option, shown
 
-#: What is said of an option that is missing.
+#: The message on a missing option.
 MISSING = "must be given, or a namelist file instead of the options"
 
 
@@ -92,7 +92,7 @@ def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case
 
 
 def _cases_of(file: str, kind: str | None, others: Mapping[str, Case]) -> list[Case]:
-    """The cases of one kind of a file (or all), whose names are those of no others."""
+    """The cases of one kind (or all) of a file; their names must differ from those of all other cases."""
     found = [case for case in read_namelist(file) if kind in (None, case.kind)]
     if not found:
         raise ParameterError(f"{file}: must hold a group &{kind}; there is none")

@@ -1,8 +1,8 @@
 """The live explorer: a page on this machine on which zones, motions and simulations follow the pointer.
 
-Three layers, each of which uses only those above it:
+Three layers, each of which uses only those listed above it:
 
-- the model, without a page: `state` (everything follows from it; share links), `definition` (how to recompute a
+- the model, without a page: `state` (which determines everything; share links), `definition` (how to recompute a
   motion with the same bits), `motions`, `zones`, `explorer` (the state and the results), `export` (namelist and
   Python);
 - the messages: `shapes` (the zones as a chart shows them), `pictures` and `sketches` (changes of the figures,

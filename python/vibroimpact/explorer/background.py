@@ -20,17 +20,17 @@ from .zones import COARSE, FINE, Family, compute, families
 
 __all__ = ["Background"]
 
-#: Seconds that the pointer has to rest before a fuller search is made at its place.
+#: Seconds for which the pointer has to rest before a fuller search starts at its position.
 REST = 0.3
-#: Seconds that the browser has for drawing the coarse zones before finer work takes the processors.
+#: Seconds that the browser has to draw the coarse zones before finer computations occupy the processors.
 PAUSE = 0.1
 #: Seconds after which the search begins even if the zones are not finished.
 PATIENCE = 10
 #: Seconds after which coarse zones are replaced by newer ones; while a slider moves they are drawn until then.
 GRACE = 2.0
-#: Seconds after which all coarse zones, or one fine zone, are given up.
+#: Seconds after which the computation of all coarse zones, or of one fine zone, is abandoned.
 LIMITS = {COARSE: 30.0, FINE: 120.0}
-#: Seconds after which a fuller search or a diagram is given up.
+#: Seconds after which a fuller search or a diagram is abandoned.
 LONGEST = 120.0
 
 
@@ -92,7 +92,7 @@ class Background:
                 zones = {family: zone for family, zone in every.items() if zone is not None}
                 shapes = zone_shapes(zones)
                 lacking = given_up(every.keys() - zones.keys(), COARSE)
-                # zones for a slider that still moves are shown too
+                # zones are shown even while a slider still moves
                 self._later("zones", lambda: True, lambda: show(zones, shapes, False, lacking))
                 threading.Event().wait(PAUSE)
             finally:

@@ -24,9 +24,9 @@ __all__ = ["Definition", "definition_of", "start_of"]
 
 #: The numbers of a state.
 NEEDED = ("t", "x", "x_dot", "z", "z_dot")
-#: How a motion is computed, and the number of numbers needed for it (None: one for each impact).
+#: How a motion is computed, and how many numbers this needs (None: one per impact).
 KINDS = {"equispaced": 1, "phases": None, "state": len(NEEDED)}
-#: Most symbols and load cycles of a motion, and most events of the simulation from which one is found.
+#: Largest numbers of symbols and load cycles of a motion, and of events of the simulation that finds one.
 MOST_SYMBOLS, MOST_CYCLES, MOST_EVENTS = 24, 16, 100_000
 
 

@@ -27,9 +27,9 @@ from .zones import Family
 
 __all__ = ["Explorer", "settles_on"]
 
-#: Values along the line of a bifurcation diagram.
+#: Number of values along the line of a bifurcation diagram.
 VALUES = 161
-#: Most events that a simulation may show.
+#: Largest number of events that a simulation may show.
 MOST_EVENTS = 200_000
 #: A line closer to an axis than this, as a share of the window, is made parallel to it.
 SNAP = 0.02
@@ -255,7 +255,7 @@ def simulate_run(state: State, progress: Progress | None = None) -> Trajectory:
         before = simulate(
             state.osc, state.r, state.clearance, 0, start, discard=run.discard, progress=progress
         )
-        start = before.final_state  # goes on bit for bit
+        start = before.final_state  # continues bit for bit
     trajectory = simulate(
         state.osc, state.r, state.clearance, run.cycles, start, max_events=MOST_EVENTS,
         progress=progress,
@@ -296,7 +296,7 @@ def along(state: State) -> tuple[str, Any, Any]:
     assert state.line is not None
     a, b, c, d = state.line
     if a == c:
-        # evenly spaced, as on the diagram's axis and in a namelist
+        # equally spaced, as on the diagram's axis and in a namelist
         return "clearance", np.linspace(min(b, d), max(b, d), VALUES), a
     if a > c:
         a, b, c, d = c, d, a, b

@@ -58,7 +58,7 @@ def as_namelist(explorer: Explorer) -> str:
 
 
 def _diagram_lines(state: State) -> list[str]:
-    """The diagram, as the last group: a line at another r than that of the point needs a &system of its own."""
+    """The diagram, as the last group: a line at an r other than that of the point needs its own &system."""
     if state.line is None:
         return []
     parameter, values, other = along(state)
@@ -99,7 +99,7 @@ def _motion_keys(shown: Shown, clearance: float) -> tuple[str, str]:
             f"kind = 'exact', sides = '{definition.pattern.sides}', {cycles}, phases = {phases}, "
             f"clearance = {clearance!r}"
         )
-    # no &motion starts from a state: its events over the same time
+    # a &motion cannot start from a state: the events over the same time are computed instead
     state = ", ".join(f"{name} = {v!r}" for name, v in zip(NEEDED, definition.numbers, strict=True))
     return "simulate", (
         f"clearance = {clearance!r}, cycles = {3 * definition.pattern.cycles}, {state}"

@@ -1,6 +1,6 @@
-"""The chart and the diagram (Bokeh), in the look of the other pictures, before anything is drawn.
+"""The chart and the diagram (Bokeh), in the style of the other pictures, before anything is drawn.
 
-The data of `pictures` go directly into the models of these names in the browser, not into Python's copies of them.
+The data of `pictures` go directly into the models with these names in the browser, not into their Python copies.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def zone_chart() -> Any:
     plot.text(
         "x", "y", "text", source=source("zones.labels", "x", "y", "text"), text_align="center",
         text_baseline="middle", text_font_size="12px", text_color="#222222", padding=2,
-        background_fill_color="#FFFFFF", background_fill_alpha=0.75,  # names may lie on lines
+        background_fill_color="#FFFFFF", background_fill_alpha=0.75,  # names may overlap lines
     )  # fmt: skip
     line = source("zones.line", "x", "y")
     plot.line("x", "y", source=line, line_color="#222222", line_width=2, line_dash="2 3")

@@ -10,11 +10,12 @@ from functools import partial
 
 __all__ = ["Current", "Latest", "Stale", "ending"]
 
-#: Argument of a job, so that it can end early: whether it is still the newest and the interpreter goes on.
+#: Argument of a job, so that it can end early: whether it is still the newest job and the interpreter is still
+#: running.
 Current = Callable[[], bool]
 
 
-class Stale(Exception):  # noqa: N818 (no error)
+class Stale(Exception):  # noqa: N818 (not an error)
     """Raised by a job that ends early because a newer one waits."""
 
 
@@ -59,7 +60,8 @@ class Latest:
             if self.running:
                 return
             self.running = True
-        # no daemon: if the ending interpreter stops one within C++ code, as in numpy, the process aborts
+        # no daemon: if the interpreter, at its end, stops a daemon within C++ code, as in numpy, the process
+        # aborts
         threading.Thread(target=self._run).start()
 
     def drop(self) -> None:

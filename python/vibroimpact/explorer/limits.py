@@ -1,4 +1,4 @@
-"""Limits of what a page may ask for: computations in threads that are given up after some seconds."""
+"""Limits on the requests of a page: computations in threads that are abandoned after some seconds."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ __all__ = ["Limit", "Progress", "TooLong", "shown", "watched"]
 Found = TypeVar("Found")
 Progress = Callable[..., None]
 
-#: Seconds after which a computation that a page waits for is given up.
+#: Seconds after which a computation for which a page waits is abandoned.
 SECONDS = 5.0
 #: Characters of a text in a link that a message repeats.
 MOST_SHOWN = 80
 
 
-class TooLong(VibroimpactError):  # noqa: N818 (a limit, no error)
+class TooLong(VibroimpactError):  # noqa: N818 (a limit, not an error)
     """A computation for a page was given up after some seconds."""
 
 

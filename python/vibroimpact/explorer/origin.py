@@ -1,4 +1,4 @@
-"""Requests that the server refuses: those by other names than its own, and those of pages of other sites."""
+"""Requests that the server refuses: those under a foreign host name, and those of pages of other sites."""
 
 from __future__ import annotations
 
@@ -51,7 +51,8 @@ class Foreign(Matcher):  # type: ignore[misc]
             return {}
         if any(not self.own(origin) for origin in headers.get_list("Origin")):
             return {}
-        # browsers tell whose page has asked; a link to the page, which opens it, may stand anywhere
+        # browsers report the site of the page that sends the request; a link that opens this page may be on any
+        # site
         site = headers.get("Sec-Fetch-Site", "none")
         opened = (headers.get("Sec-Fetch-Mode"), headers.get("Sec-Fetch-Dest")) == (
             "navigate", "document",
@@ -76,7 +77,7 @@ class Refusal(RequestHandler):  # type: ignore[misc]
         self.finish("403: the explorer answers only its own page, at the address that it printed\n")
 
     def _log(self) -> None:
-        """Nothing on the terminal: another site could fill it."""
+        """Print nothing: another site could flood the terminal."""
 
 
 class Headers(OutputTransform):  # type: ignore[misc]

@@ -24,7 +24,7 @@ from .turns import Turns
 
 __all__ = ["page"]
 
-#: Sliders: name, what it is, symbol, greatest value, step.
+#: Sliders: name, meaning, symbol, largest value, step.
 SLIDERS = (
     ("xi", "damping ratio", "ξ", 0.1, 0.0001),
     ("mu", "mass ratio", "μ", 0.2, 0.001),
@@ -49,7 +49,7 @@ class Bridge(JSComponent):  # type: ignore[misc]
     heard: Callable[[dict[str, Any]], None]
 
     def _process_bokeh_event(self, document: Any, event: Any) -> None:
-        # as panel does, but without its busy indicator, which takes a quarter of the time of a pointer move
+        # as in panel, but without its busy indicator, which takes a quarter of the time of a pointer move
         with set_curdoc(document):
             self._process_event(event)
 
@@ -91,7 +91,7 @@ def page() -> Any:
     turns = Turns()
 
     def tell(text: str, numbers: Any) -> None:
-        if document.session_context is not None:  # else the page has been closed
+        if document.session_context is not None:  # otherwise the page has been closed
             document.add_next_tick_callback(lambda: bridge.tell(text, numbers))
 
     # the first messages wait until the session has been made: a link may ask for long computations

@@ -46,7 +46,7 @@ def zones(shapes: dict[str, Any], window: Window) -> Changes:
     """Zones in a window."""
     (left, right), (low, high) = window
     return {
-        # a little more than the window: the last tick may exceed it by rounding
+        # slightly more than the window: by rounding the last tick may exceed it
         "zones.x": {"start": left, "end": right + 1e-9 * (right - left)},
         "zones.y": {"start": low, "end": high},
         "zones.ticks": {"ticks": decades(low, high)},

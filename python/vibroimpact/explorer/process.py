@@ -1,4 +1,4 @@
-"""The explorer in a process of its own, for tests, benchmarks and pictures of it."""
+"""The explorer in its own process, for tests, benchmarks and pictures of it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 
 __all__ = ["SETTLED", "start", "visited"]
 
-#: A condition for the page's script: every request is answered and every thread is done.
+#: A condition in the page's script: every request is answered and every thread has finished.
 SETTLED = "window.vibroimpact?.settled()"
 COMMAND = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
 

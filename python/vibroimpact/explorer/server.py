@@ -81,7 +81,7 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
     # handled by the event loop, so that an interrupt never occurs within a message
     for number_of in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_of, lambda *_: loop.add_callback_from_signal(loop.stop))
-    # it is no error if a page is closed while a message is being sent to it
+    # it is not an error if a page is closed while a message is being sent to it
     logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
     loop.asyncio_loop.set_exception_handler(_unless_closed)
     # computing threads release the interpreter to the page after a millisecond
@@ -107,7 +107,7 @@ def _unless_closed(loop: Any, context: dict[str, Any]) -> None:
 
 
 def _free(address: str, port: int) -> int:
-    """The port, or any free one for 0; an error if it is not available."""
+    """The port, or any free one for 0; raises an error if it is not available."""
     family = socket.AF_INET6 if ":" in address else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

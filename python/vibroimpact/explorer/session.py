@@ -70,7 +70,7 @@ class Session:
         self.marked: Any = None
         self.drawn: Any = None
 
-    # -- messages of the page
+    # -- messages from the page
 
     def heard(self, message: dict[str, Any]) -> None:
         """Answer a message, also if it fails."""
@@ -227,7 +227,7 @@ class Session:
         write = {"namelist": as_namelist, "python": as_python}[message["form"]]
         return {"export": write(self.explorer), "form": message["form"]}
 
-    # -- what follows
+    # -- consequences
 
     def update(self) -> dict[str, Any]:
         """After a change of the state: start the computations in threads, and send what is known at once."""

@@ -1,4 +1,4 @@
-"""The zones as a chart shows them: thinned polygons, boundary lines by type, and the places of their names."""
+"""The zones as drawn in a chart: thinned polygons, boundary lines by type, and the positions of their names."""
 
 from __future__ import annotations
 

@@ -190,7 +190,7 @@ class State:
         try:
             return replace(state, **good), faults
         except VibroimpactError:
-            pass  # some fields do not fit together: set them one by one, the ends of a window together
+            pass  # some fields contradict each other: set them one by one, but both ends of a window together
         groups = [WINDOW[:2], WINDOW[2:], *((name,) for name in good if name not in WINDOW)]
         for group in groups:
             some = {name: good[name] for name in group if name in good}

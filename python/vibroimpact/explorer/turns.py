@@ -62,6 +62,6 @@ class Turns:
             try:
                 work()
             except Stale:
-                pass  # the page has been closed meanwhile
+                pass  # the page has been closed in the meantime
             except Exception as error:
                 logging.getLogger(__name__).error("a fault of the explorer's own", exc_info=error)

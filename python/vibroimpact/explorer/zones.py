@@ -1,4 +1,4 @@
-"""The zones of the chart: the families of motions, and their zones, coarse first and then fine."""
+"""The zones of the chart: the families of motions, and their zones, first coarse and then fine."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ __all__ = ["COARSE", "FINE", "Family", "compute", "families"]
 
 #: Lowest and highest r, lowest and highest clearance.
 Window = tuple[tuple[float, float], tuple[float, float]]
-#: Lattice lines, and with them the guesses at a node, as of `zone`: few find nearly all in a sixth of the time.
+#: Numbers of lattice lines, and the guesses at a node for each, as in `zone`: the coarse ones find nearly all
+#: motions in a sixth of the time.
 COARSE, FINE = 5, 17
 GUESSES = {COARSE: 4, FINE: 12}
 

@@ -19,7 +19,7 @@ READERS: dict[str, Callable[[Path], str]] = {
     ".mat": read_matlab,
 }
 
-#: Characters of a reason at most.
+#: Largest number of characters of a reason.
 LONGEST = 400
 
 

@@ -62,15 +62,15 @@ def read_matlab(path: Path) -> str:
     loadmat = scipy_io().loadmat
     path.open(
         "rb"
-    ).close()  # an OSError that says why; scipy would also try the name with .mat behind it
+    ).close()  # an OSError with the reason; scipy would also try the name with .mat appended
     try:
         data = loadmat(path)
-    except Exception as error:  # whatever scipy stumbles on in a file that is broken
+    except Exception as error:  # any exception that scipy raises on a broken file
         raise ParameterError(str(error)) from None
     for name, struct in data.items():
         if name.startswith("__") or not struct.dtype.names or "record" not in struct.dtype.names:
             continue
-        # savemat makes a struct of 1 x 1, with a text of one row
+        # savemat writes a 1 x 1 struct, and a text as one row
         record = struct["record"].ravel()[0] if struct.size else None
         if not isinstance(record, np.ndarray) or record.dtype.kind != "U" or record.size != 1:
             raise ParameterError("its field 'record' is not a text")

@@ -1,4 +1,4 @@
-"""Results as netCDF files: their dataset, and the record from which they are made again."""
+"""Results as netCDF files: their dataset, and the record from which they are restored."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..errors import MissingExtraError, ParameterError
 from ..files import write_bytes
 from ..libraries import xarray
 
-#: Bytes that one byte of deflated data can stand for at most.
+#: Largest number of bytes to which one byte of deflated data can expand.
 DEFLATED = 1032
 
 
@@ -49,8 +49,8 @@ def save_dataset(data: Any, path: Path) -> None:
         name: {"zlib": True} for name, item in data.variables.items()
         if item.dtype.kind in "fiu" and item.size > 100
     }  # fmt: skip
-    # in memory first: HDF5 ends the interpreter some time after a disk was full; by the store, as
-    # to_netcdf does so only from xarray 2025.9 on, which Python 3.10 does not get
+    # in memory first: after a full disk HDF5 later ends the interpreter. The store is used because to_netcdf
+    # writes to memory only from xarray 2025.9 on, which does not support Python 3.10
     content = BytesIO()
     store = import_module("xarray.backends").H5NetCDFStore(
         import_module("h5netcdf").File(content, "w")
@@ -66,7 +66,7 @@ def read_netcdf(path: Path) -> str:
     Only the record is read, and only if it is not larger than what a file of this size can hold.
     """
     size = path.stat().st_size
-    path.open("rb").close()  # an OSError that says why, rather than what h5py makes of it
+    path.open("rb").close()  # an OSError with the reason, rather than the exception of h5py
     h5py = need("h5py")
     try:
         with h5py.File(path, "r") as data:
@@ -82,5 +82,5 @@ def read_netcdf(path: Path) -> str:
             return bytes(record[:].astype(np.uint8)).decode()
     except ParameterError:
         raise
-    except Exception:  # whatever h5py stumbles on in a file that is broken
+    except Exception:  # any exception that h5py raises on a broken file
         raise ParameterError("it is no netCDF file") from None

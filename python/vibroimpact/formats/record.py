@@ -105,7 +105,7 @@ def from_dict(kind: Any, data: Any) -> Any:
         check_rows(result, study["columns"])
     try:
         noun = kind.of_result(result)
-        repr(noun)  # which needs what its tables have in common
+        repr(noun)  # which needs the columns that all its tables share
     except VibroimpactError:
         raise
     except Exception as error:

@@ -70,7 +70,7 @@ def animate(
         try:
             scene = _Scene(thing, h, axes)
             figure.draw_without_rendering()
-            figure.set_layout_engine("none")  # laid out once, which makes each frame faster
+            figure.set_layout_engine("none")  # one layout makes each frame faster
             # the end is left out: after a whole number of periods it equals the beginning
             times = h.first + (h.last - h.first) * np.arange(n) / n
             if target is None:

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from ..studies.lyapunov import Lyapunov
     from ..studies.response import Response
 
-#: Colour of each wall, and the marks of its impacts. Those of a sweep down are larger and open, and lie under
-#: those of the sweep up: a dot in a ring is an impact of both sweeps, a dot or ring alone one of one sweep
-#: only.
+#: Colour of each wall, and the marks of its impacts. Those of a sweep down are larger and open, and are drawn
+#: under those of the sweep up: a dot in a ring is an impact of both sweeps, a dot or ring alone is an impact of
+#: one sweep only.
 WALLS = {"R": style.PRIMARY, "L": style.FREE}
 MARKS = {
     ("R", False): {"marker": ".", "ms": 1.5}, ("L", False): {"marker": "x", "ms": 1.5},

@@ -67,7 +67,7 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
         seen.add(point.type)
     ax.set_xlabel(SYMBOLS[branch.parameter])
     ax.set_ylabel(SYMBOLS[y])
-    # each kind once, also of several branches in the same axes
+    # each kind once, even for several branches in the same axes
     once = dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
     style.add_legend(ax, once.values(), once.keys(), **style.ABOVE)
     return ax

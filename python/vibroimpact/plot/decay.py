@@ -14,7 +14,7 @@ from .attractor import AREAS
 if TYPE_CHECKING:
     from ..studies.decay import Decay
 
-#: Colours and marks of a few runs. More runs have a colour by their clearance.
+#: Colours and marks of a few runs. If there are more runs, their colour depends on the clearance.
 COLORS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, style.LOAD, AREAS[4])
 MARKS = "osD^vP"
 #: Damping ratios up to this are on a linear scale.
@@ -46,7 +46,7 @@ def draw_decay(decay: Decay, ax: Any = None, kind: str | None = None) -> Any:
 
 
 def _runs(decay: Decay) -> Iterator[tuple[float, Any, dict[str, Any]]]:
-    """Clearance, place of the peaks and look of each run."""
+    """Clearance, position of the peaks and style of each run."""
     few = decay.clearance.size <= len(COLORS)
     for i, clearance in enumerate(decay.clearance.tolist()):
         color = COLORS[i] if few else colors_of(decay.clearance).to_rgba(clearance)
@@ -80,7 +80,7 @@ def _draw_damping(ax: Any, decay: Decay) -> None:
         x = np.abs(decay.x[own])
         ax.plot(x, decay.damping[own], ls="", label=f"{clearance:.6g}", **look)
     style.log_scale(ax, "x")
-    # logarithmic for loss and for gain, and linear for small ones between them
+    # logarithmic for losses and for gains, and linear for small values between them
     ax.set_yscale("symlog", linthresh=SMALL, linscale=0.5)
     ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "\N{MINUS SIGN}"))
     ax.margins(y=0.08)

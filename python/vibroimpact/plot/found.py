@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 #: Panels in a row; largest number of motions drawn.
 COLUMNS, MOST = 3, 23
-#: Distance below which the numbers of two multipliers stand together.
+#: Distance below which the labels of two multipliers are placed together.
 NEAR = 0.1
 #: Name, colour and mark of the multipliers of a motion that is not stable, and of one that is.
 STABILITY = (
@@ -33,7 +33,7 @@ def draw_found(found: Findings, ax: Any = None) -> Any:
     if ax is not None:
         draw_multipliers(motions, ax)
         return ax
-    # the multipliers take the rest of the last row, if that is wide enough for a round circle
+    # the multipliers take the rest of the last row if that is wide enough for a circle
     last, column = divmod(len(motions), COLUMNS)
     if COLUMNS - column < 2:
         last, column = last + 1, 0
@@ -99,7 +99,7 @@ def draw_multipliers(motions: list[Motion], ax: Any) -> None:
                 near[0].append(number)
             else:
                 leading.append((first, [number]))
-    # above the circle, each number in the lowest row where it has room, with a line to its point
+    # above the circle, each label in the lowest row with enough room, with a line to its point
     ends: list[float] = []
     for point, numbers in sorted(leading, key=lambda item: item[0].real):
         text = ", ".join(map(str, sorted(numbers)))

@@ -203,7 +203,7 @@ def _draw_acceleration(ax: Any, h: History) -> None:
             lw=0.9,
             label=rf"impact: $\Delta\dot X$ (longest: {largest:.3g} $\omega F_0/K$)",
         )
-        # above the axes, where it covers no curve
+        # above the axes, where it does not cover any curve
         add_legend(
             ax, **ABOVE | {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1.4}
         )

@@ -13,7 +13,7 @@ from .found import draw_found
 from .history import draw
 from .zone import draw_atlas, draw_zone
 
-#: What draws a result, by its class; the options are those of the `plot` of the class, in order.
+#: The function that draws a result, by class; its options are those of the `plot` of the class, in order.
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
     "Chart": draw_chart, "Decay": draw_decay, "Findings": draw_found, "Lyapunov": draw_lyapunov, "Motion": draw,

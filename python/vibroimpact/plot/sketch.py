@@ -70,7 +70,7 @@ def _draw_support(ax: Any) -> None:
     height = np.r_[0, np.tile([0.22, -0.22], 5), 0]
     ax.plot([0, *zigzag, left], 2.3 + np.r_[0, height, 0], color="k", lw=1.1)
     ax.text(left / 2, 2.66, "$K$", ha="center", va="bottom", fontsize=10)
-    # dashpot: a cup on the side of the wall, and a piston
+    # dashpot: a cylinder on the side of the wall, and a piston
     cup, piston = (0.9, 1.7), 1.35
     ax.plot([0, cup[0]], [0.8, 0.8], "k", lw=1.1)
     ax.plot([cup[1], cup[0], cup[0], cup[1]], [1.1, 1.1, 0.5, 0.5], "k", lw=1.1)

@@ -42,7 +42,7 @@ SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
-#: A legend above the axes, where it covers nothing, in the font size of SETTINGS.
+#: A legend above the axes, where it does not cover anything, in the font size of SETTINGS.
 ABOVE = {
     "loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3, "fontsize": 7, "frameon": False,
     "borderaxespad": 0.2, "columnspacing": 1.2, "handlelength": 2.6,
@@ -65,7 +65,7 @@ def add_legend(ax: Any, *entries: Any, **options: Any) -> Any:
         if laid_out and not beside and box.width > 0.6 * room.width:
             with (
                 warnings.catch_warnings()
-            ):  # of a layout engine that has no room for so many columns
+            ):  # from a layout engine that has no room for so many columns
                 warnings.simplefilter("ignore", UserWarning)
                 figure.draw_without_rendering()  # which moves the axes
             box = legend.get_window_extent()

@@ -29,7 +29,8 @@ MARKS = {
 }  # fmt: skip
 
 
-#: Colours of the fills of zones in the same axes, in order, and the label of a fill, which no legend shows.
+#: Colours of the fills of zones in the same axes, in order, and the label of a fill, which is not shown in a
+#: legend.
 FILLS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, "#E69F00", "#56B4E9", "#F0E442")
 FILL = "_zone"
 

@@ -132,7 +132,7 @@ def axes_of_zones(ax: Any, *, inverse: bool = True) -> None:
 def save(figure: Any, folder: Path, name: str) -> None:
     """Write a figure as PNG, for print, and as SVG."""
     plt = style.pyplot()
-    # nothing in the file may change from run to run
+    # the file must be identical from run to run
     with plt.rc_context({**style.SETTINGS, "svg.hashsalt": name}):
         for kind, date in (("png", {}), ("svg", {"metadata": {"Date": None}})):
             buffer = io.BytesIO()
@@ -170,7 +170,7 @@ def strip_rows(zones: Mapping[str, Sequence[Strip]]) -> list[tuple[Any, ...]]:
 STRIP_HEADER = ("zone", "piece", "r", "clearance_low", "clearance_high")
 
 
-#: Colour, line style and mark of the curves of one figure, in order: no two neighbours are alike in any of them.
+#: Colour, line style and mark of the curves of one figure, in order: neighbours differ in all of them.
 LOOKS = (
     ("#000000", "-", "o"), ("#56B4E9", (0, (5, 1.5)), "s"), ("#D55E00", "-", "^"),
     ("#009E73", (0, (5, 1.5, 1, 1.5)), "D"), ("#CC79A7", "-", "v"), ("#0072B2", (0, (2, 1)), "P"),

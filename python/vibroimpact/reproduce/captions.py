@@ -27,7 +27,7 @@ PHASE_ERRORS = (
     "motion. A fiftieth of a division of the paper's records is 0.33 ms.</p>"
 )
 
-#: Title, caption, and whether the picture takes the whole width.
+#: Title, caption, and whether the picture uses the full width.
 CAPTIONS: dict[str, tuple[str, str, bool]] = {
     "figure3": (
         "Figure 3: two and three impacts a cycle",

@@ -1,8 +1,8 @@
 """The upper boundary of Figure 6a to 40 digits, by an independent method (extra `reproduce`: mpmath).
 
 There the equispaced motion loses its symmetry: two unequispaced motions, mirror images of each other, branch
-off. So the boundary is the limit of the linear problem of two impacts as their durations become equal. It is an
-even function of the difference from pi, so that a difference of 1e-15 gives an error of about 1e-30.
+off. The boundary is therefore the limit of the linear problem of two impacts as their durations become equal. It
+is an even function of the difference from pi, so that a difference of 1e-15 gives an error of about 1e-30.
 """
 
 from __future__ import annotations

@@ -10,6 +10,6 @@ from .paper import DAMPER
 
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure10b.png and .svg, write figure10b.csv; True if there are motions at every r."""
-    # the rig has its walls exchanged: a mirror image, with the same max|X|
+    # the walls of the rig are exchanged: this is the mirror image, with the same max|X|
     found = draw(DAMPER, folder, "figure10b", "unequal", resolution)
     return all(one.load.size for one in found)

@@ -14,7 +14,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     found = curves(resolution)
     figure, ax = canvas.sheet(height=3.8)
     draw(ax, found, "clearance")
-    mark(ax, "clearance", ("$B'$", "$B$"), -5.0)  # on the left no other curve is near
+    mark(ax, "clearance", ("$B'$", "$B$"), -5.0)  # no other curve is near on the left
     style.log_scale(ax, "x")
     ax.set_xlabel(canvas.GAP)
     canvas.legend(ax, loc="upper left")

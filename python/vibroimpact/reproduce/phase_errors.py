@@ -1,4 +1,4 @@
-"""The paper's method for more than two impacts: phases read off a record, least squares, 3 % of residual.
+"""The paper's method for more than two impacts: phases read from a record, least squares, a residual of 3 %.
 
 The phases of exact motions are misread by known amounts and the overdetermined equations are solved. The study
 counts how often the solution is accepted, and how often its verdict on stability is wrong.

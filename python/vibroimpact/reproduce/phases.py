@@ -11,7 +11,7 @@ from .. import Pattern, periodic_batch
 from . import canvas
 from .paper import SADEK
 
-#: Frequency ratios of the curves; the text speaks of 0.999.
+#: Frequency ratios of the curves; the paper's text discusses 0.999.
 CURVES = (0.90, 0.95, 0.98, 0.999, 1.02, 1.05, 1.10)
 #: Ratios of durations of the points B and B' (and A, A') drawn on the curve r = 0.999.
 POINTS = (0.40, 0.85)
@@ -45,7 +45,7 @@ def draw(ax: Any, found: list[Curve], column: str) -> None:
     for one, (colour, _, mark) in zip(found, canvas.LOOKS, strict=True):
         values = getattr(one, column)
         ax.plot(values, one.ratio, color=colour, lw=0.5, ls=(0, (2, 2)))
-        # the marks at the upper end tell the curves apart without colour
+        # the marks at the upper end distinguish the curves without colour
         ax.plot(np.where(one.admissible, values, np.nan), one.ratio, color=colour, lw=1.2, marker=mark,
                 ms=4, mew=0, markevery=[-1], clip_on=False, label=f"$r$ = {one.r:g}")  # fmt: skip
     ax.set_ylabel("ratio of durations")

@@ -114,7 +114,7 @@ def reproduce(
 def _perform_all(
     missing: dict[str, str], folder: Path, resolution: float, workers: int, bar: Bar
 ) -> Iterator[tuple[str, Done | str]]:
-    """Perform tasks as soon as those they depend on are done; a failure affects only the tasks that depend on
+    """Perform tasks as soon as their dependencies are done; a failure affects only the tasks that depend on
     it."""
     waiting = dict(missing)
     failed: set[str] = set()
@@ -199,7 +199,7 @@ def _interrupt_waits() -> Iterator[None]:
 
 
 def _start_worker() -> None:
-    """Ignore Ctrl-C, and end with the process that gives out the tasks, even if that is killed."""
+    """Ignore Ctrl-C, and end with the process that distributes the tasks, even if that is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

@@ -214,7 +214,7 @@ def runs(good: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def join(r: Array, rows: NDArray[np.intp], low: Array, high: Array) -> list[Strip]:
     """Strips of intervals at successive r that overlap, each with at most one."""
-    # in these units the zones are about horizontal
+    # in these units the zones are roughly horizontal
     floor, roof = np.log(low * scale(r[rows])), np.log(high * scale(r[rows]))
     strips: list[list[int]] = []  # numbers of intervals
 

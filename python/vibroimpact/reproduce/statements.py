@@ -23,11 +23,12 @@ from .scan import Array, Strip, clearance, equispaced_verdict, equispaced_zone, 
 from .sweeps import read_sweeps
 
 AGREES, DIFFERS, UNCHECKED = "agrees", "differs", "cannot be checked"
-#: The verdicts on measurements that the text does not give: only a simulation is compared with the computed zone.
+#: The verdicts on measurements that the text does not report: only a simulation is compared with the computed
+#: zone.
 SIMULATED, CONTRADICTED = "simulation agrees", "simulation differs"
 #: Share of the simulated holds that must lie in the computed zone.
 MOST_HOLDS = 0.9
-#: Distances from r = 1 at which a spike is searched.
+#: Distances from r = 1 at which a spike is sought.
 NEAR = (1e-3, 1e-5, 1e-7, 1e-9)
 
 

@@ -19,7 +19,7 @@ from .zone import NAMES, Zone, window
 __all__ = ["Atlas", "Attractor", "Survey", "WithoutImpacts", "atlas"]
 
 _Array = NDArray[np.float64]
-#: The possible outcomes of a point of a survey, in the order of their codes, which begin with 1.
+#: The possible outcomes of a point of a survey, in the order of their codes, which start at 1.
 OUTCOMES = (
     "periodic", "beyond the limits", "without impacts", "chaotic", "not settled", "not confirmed",
     "event limit reached",
@@ -267,7 +267,7 @@ class Atlas(Noun, study="atlas"):
         self.plot(ax=ax)
         legend = ax.get_legend()
         if legend:
-            legend.remove()  # it would be larger than so small a picture
+            legend.remove()  # it would not fit into such a small picture
 
     def plot(self, ax: Any = None, inverse: bool = False) -> Any:
         """Draw all zones, each with its name, and the points of the survey that no zone explains.

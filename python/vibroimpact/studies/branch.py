@@ -151,7 +151,7 @@ class Branch(Noun, study="branch", part=True):
         return str(self._one("first_end")), str(self._one("last_end"))
 
     def _one(self, name: str) -> Any:
-        """What is known of the whole branch."""
+        """A value that describes the whole branch."""
         return self._result.tables["branches"].columns[name].decoded()[0]
 
     @property
@@ -372,7 +372,7 @@ def branch(
         ) from None
     start = motion._keys()
     if start["kind"] == "equispaced" or motion.precision == "single":
-        # as &motion has them they come in pairs
+        # in the form of &motion, where they come in pairs
         start = guess_of(motion.pattern, motion.clearance, motion.phases, motion.X, motion.tau)
     keys = {
         "parameter": parameter, "low": low, "high": high, "longest_step": longest_step,

@@ -18,7 +18,7 @@ from ..status import status_text
 
 __all__ = ["Chart", "chart"]
 
-#: What the caller calls the words of the core.
+#: The caller's names for the words of the core.
 WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 

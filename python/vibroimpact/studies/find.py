@@ -18,11 +18,11 @@ from ..noun import Noun
 
 __all__ = ["Findings", "FoundMotions", "Search", "find"]
 
-#: Work (impacts squared times guesses, load cycles simulated) that is done in a moment.
+#: Work (impacts squared times guesses, load cycles simulated) that takes only a moment.
 LITTLE = 10_000
-#: Patterns of the largest search, with room to spare.
+#: More patterns than the largest search has.
 ROOM = 10_000
-#: The share of the work that the patterns count.
+#: The share of the work that is assigned to the patterns.
 PATTERNS = 0.9
 
 
@@ -309,12 +309,12 @@ def find(
 def _is_little(
     max_impacts: int, max_cycles: int, guesses: int, states: int, settling: int, releases: int
 ) -> bool:
-    """Whether a search takes a moment; each pattern takes about as long as the square of its impacts."""
+    """Whether a search is short; the time for a pattern is proportional to the square of its number of impacts."""
     try:
         # there are about 2^n/n patterns of n impacts
         work = max_cycles * sum(n * 2**n for n in range(2, min(max_impacts, 12) + 1))
         return bool(guesses * work + 20 * max_cycles * releases + states * settling < LITTLE)
-    except TypeError:  # which the door tells
+    except TypeError:  # which the door reports
         return False
 
 
@@ -329,7 +329,7 @@ class _PatternProgress:
         self.of = (max_impacts, max_cycles, osc.restitution[0] == osc.restitution[1])
 
     def __call__(self, share: float, note: str) -> None:
-        if share <= 0:  # the core has not begun, or refused the case
+        if share <= 0:  # the core has not started, or has refused the case
             return
         if self.ahead is None:
             self.ahead = shares_of(*self.of)

@@ -8,7 +8,7 @@ from ..motion import Motion
 from ..newton import impact_motion
 from ..solve import impact_restitution
 
-#: Bifurcations at which other motions begin, and the parameters, with the numbers that the core has for them.
+#: Bifurcations at which other motions begin, and the parameters, with their codes in the core.
 KINDS = {"pitchfork": 1, "flip": 2, "grazing": 3}
 PARAMETERS = {"r": 1, "clearance": 2, "xi": 3, "mu": 4, "R1": 5, "R2": 6, "restitution": 5}
 
