@@ -42,7 +42,7 @@ module vi_key
       !> A key, or 'key=word', without which this key must be left out; and keys, separated by
       !! blanks, together with which it must be left out.
       character(32) :: only = '', never = ''
-      !> Text that is added to that message, or, after an =, that replaces it.
+      !> Text that is added to the message on these two, or, after an =, that replaces it.
       character(80) :: why = ''
       !> The key that this one specifies in another unit: values are multiplied by `factor`.
       character(24) :: is = ''

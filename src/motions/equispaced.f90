@@ -83,7 +83,7 @@ contains
          length = norm2(normal)
          line%amplitude = gain(motion%osc%xi, motion%r)
          ! the coefficients are sums of terms of about 1 and r; at a resonance without damping the
-         ! terms cancel, and only their rounding errors are left of the line
+         ! terms cancel, and the line consists of their rounding errors only
          noise = epsilon(1.0_wp)*((1 + sum(abs(w)))*norm2([x_row(2), v(3:4)]) &
             + (motion%r + sum(abs(v)))*norm2([x_row(1), w(3:4)]))
          if (.not. line%amplitude <= huge(1.0_wp)) line%status = stat%singular

@@ -144,7 +144,7 @@ contains
       end do
    end subroutine add_distance_slope
 
-   !> The unknowns of the image of a motion under a repetition: it begins at a later impact,
+   !> The unknowns of the image of a motion under a repetition: it begins at a later impact, and is
    !! mirrored if the repetition is.
    pure function image_of(family, repetition, unknowns) result(image)
       !> The family of the orbit.

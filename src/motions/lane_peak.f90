@@ -121,7 +121,7 @@ contains
 
    !> The free and the forced part of x at a node, and their derivatives times `step`.
    pure subroutine at_node(n, position, rise, parts, top, node)
-      !> Number of the last node, and the node wanted in each lane.
+      !> Number of the last node, and the required node of each lane.
       integer, intent(in) :: n, top(lanes)
       !> The tables of vi_nodes, and the coefficients of the four functions.
       real(wp), intent(in) :: position(4, 0:n), rise(4, 0:n), parts(lanes, 4)

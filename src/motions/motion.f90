@@ -129,7 +129,7 @@ contains
 
    !> Fills positions and velocities from the unknowns of (26), (30), scaled to F0/K = 1.
    !!
-   !! The unknowns may come in any unit of length; `unit_clearance` is the clearance in that unit.
+   !! The unknowns may be in any unit of length; `unit_clearance` is the clearance in that unit.
    pure subroutine complete_motion(motion, x, a_cos_tau, a_sin_tau, unit_clearance)
       !> In: with the given data. Out: positions, velocities, amplitude, tau and clearance are set;
       !! on failure only the status is.

@@ -148,7 +148,7 @@ contains
       call sums_of_parts(o, parts, p, spectrum, length, factors)
       if (.not. spectrum%regular) return
       call weights_of(kind, spectrum, value, w, by_product)
-      ! the length depends on the sums too
+      ! the length depends on the sums as well
       w = (w - dot_product(w, spectrum%e(:3))*spectrum%e(:3))/length
       if (is_large(p)) then
          call factor_weights(factors, w(1:3), by_entry(:, :, :o%n))

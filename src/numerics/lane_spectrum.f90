@@ -1,5 +1,5 @@
-!> The spectra of 4 x 4 matrices, one matrix per lane: whether it lies inside the unit circle, and
-!! the spectral radius.
+!> The spectra of 4 x 4 matrices, one matrix per lane: whether they lie inside the unit circle, and
+!! the spectral radii.
 module vi_lane_spectrum
    use vi_kinds, only: wp
    use vi_plan, only: lanes

@@ -64,13 +64,13 @@ module vi_lapack_routines
       pure subroutine sgeev(jobvl, jobvr, n, a, lda, wr, wi, vl, ldvl, vr, ldvr, work, lwork, info)
          import :: real32
          implicit none (type, external)
-         !> 'V' if left, right eigenvectors are wanted, otherwise 'N'.
+         !> 'V' if the left (right) eigenvectors are wanted, otherwise 'N'.
          character, intent(in) :: jobvl, jobvr
          !> Order, leading dimensions of a, vl and vr, length of `work`.
          integer, intent(in) :: n, lda, ldvl, ldvr, lwork
          !> In: the matrix. Out: overwritten. `work` is scratch.
          real(real32), intent(inout) :: a(lda, *), work(*)
-         !> Real and imaginary parts of the eigenvalues (n); conjugate pairs stand together.
+         !> Real and imaginary parts of the eigenvalues (n); conjugate pairs are adjacent.
          real(real32), intent(out) :: wr(*), wi(*)
          !> Left and right eigenvectors; not referenced where they are not wanted.
          real(real32), intent(inout) :: vl(ldvl, *), vr(ldvr, *)
@@ -80,13 +80,13 @@ module vi_lapack_routines
       pure subroutine dgeev(jobvl, jobvr, n, a, lda, wr, wi, vl, ldvl, vr, ldvr, work, lwork, info)
          import :: real64
          implicit none (type, external)
-         !> 'V' if left, right eigenvectors are wanted, otherwise 'N'.
+         !> 'V' if the left (right) eigenvectors are wanted, otherwise 'N'.
          character, intent(in) :: jobvl, jobvr
          !> Order, leading dimensions of a, vl and vr, length of `work`.
          integer, intent(in) :: n, lda, ldvl, ldvr, lwork
          !> In: the matrix. Out: overwritten. `work` is scratch.
          real(real64), intent(inout) :: a(lda, *), work(*)
-         !> Real and imaginary parts of the eigenvalues (n); conjugate pairs stand together.
+         !> Real and imaginary parts of the eigenvalues (n); conjugate pairs are adjacent.
          real(real64), intent(out) :: wr(*), wi(*)
          !> Left and right eigenvectors; not referenced where they are not wanted.
          real(real64), intent(inout) :: vl(ldvl, *), vr(ldvr, *)
@@ -310,7 +310,7 @@ module vi_lapack_routines
       pure subroutine slahqr(wantt, wantz, n, ilo, ihi, h, ldh, wr, wi, iloz, ihiz, z, ldz, info)
          import :: real32
          implicit none (type, external)
-         !> Whether the Schur form, the Schur vectors are wanted.
+         !> Whether the Schur form and the Schur vectors are wanted.
          logical, intent(in) :: wantt, wantz
          !> Order, range that is not yet triangular, leading dimension of h, rows of z that are
          !! transformed, leading dimension of z.
@@ -325,7 +325,7 @@ module vi_lapack_routines
       pure subroutine dlahqr(wantt, wantz, n, ilo, ihi, h, ldh, wr, wi, iloz, ihiz, z, ldz, info)
          import :: real64
          implicit none (type, external)
-         !> Whether the Schur form, the Schur vectors are wanted.
+         !> Whether the Schur form and the Schur vectors are wanted.
          logical, intent(in) :: wantt, wantz
          !> Order, range that is not yet triangular, leading dimension of h, rows of z that are
          !! transformed, leading dimension of z.

@@ -12,8 +12,7 @@ module vi_status
       integer :: ok = 0
       !> The linear equations (26), (30) have no unique solution.
       integer :: singular = 1
-      !> Equal durations and equal restitution: A is free (rank 3), so the clearance has to be
-      !! given.
+      !> Equal durations and equal restitution: A is free (rank 3); the clearance must be given.
       integer :: free_amplitude = 2
       !> The solution needs no load (A = 0).
       integer :: no_load = 3
