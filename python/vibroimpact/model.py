@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Oscillator", "Pattern", "Units"]
 
-#: Characters of a text that a message repeats.
+#: Largest number of characters of a text that a message repeats.
 MOST_SHOWN = 80
 Names = ParamSpec("Names")
 Found = TypeVar("Found")

@@ -191,7 +191,7 @@ class Noun(Savable):
     _result: Result
 
     def __init_subclass__(cls, study: str = "", part: bool = False, example: str = "") -> None:
-        """`part`: whether the result of a case has several of these, rather than being one."""
+        """`part`: whether the result of a case contains several objects of this class, rather than being one."""
         super().__init_subclass__(study)
         cls.example = example
         if not part:

@@ -266,7 +266,7 @@ def from_core(study: str, number: int) -> Result:
     described = json.loads(text_of(_core.describe_result, number))
     tables = {}
     for item in described["tables"]:
-        # the core counts rows from 1, and its first dimension varies first
+        # the core counts rows from 1, and its first dimension varies fastest
         dims = dict(reversed(item["dims"]))
         owners = None
         if item["parent"]:

@@ -81,7 +81,7 @@ contains
       i = 2 + count(bytes(1) >= [224, 240])
       if (i > len(text)) return
       if (any(bytes(2:i) < 128 .or. bytes(2:i) > 191)) return
-      ! overlong encodings, surrogates, and numbers above the last character
+      ! characters in more bytes than needed, surrogates, and numbers above the last character
       if (any(bytes(1) == [224, 237, 240, 244] .and. ([bytes(2) < 160, bytes(2) > 159, &
          bytes(2) < 144, bytes(2) > 143]))) return
       n = merge(0, i, bytes(1) == 194 .and. bytes(2) < 160)

@@ -246,7 +246,7 @@ contains
       end if
    end subroutine open_table
 
-   !> Fills a column of numbers; an undeclared column is ignored.
+   !> Fills a column of numbers; one that is not declared is ignored.
    subroutine fill_reals(handle, table, name, values)
       !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle
@@ -268,7 +268,7 @@ contains
       end if
    end subroutine fill_reals
 
-   !> Fills a column of any other kind; an undeclared column is ignored.
+   !> Fills a column of any other kind; one that is not declared is ignored.
    subroutine fill_wholes(handle, table, name, values, words)
       !> Handle from `new_result`.
       integer(c_int64_t), intent(in) :: handle

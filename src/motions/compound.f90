@@ -205,7 +205,7 @@ contains
                column = number_of_pair(others(mod(k, 3) + 1, j), others(mod(k + 1, 3) + 1, j))
                do a = 1, 3
                   row = number_of_pair(others(mod(a, 3) + 1, i), others(mod(a + 1, 3) + 1, i))
-                  ! the cofactor of entry (a, k), with its sign
+                  ! the complementary minor of entry (a, k), with its sign
                   slope(others(a, i), others(k, j)) = slope(others(a, i), others(k, j)) &
                      + merge(w(i, j), -w(i, j), mod(a + k, 2) == 0)*two(row, column)
                end do

@@ -27,8 +27,8 @@ contains
    !!
    !! Of all changes of the unknowns that rounding of the residuals can cause, the largest is
    !! applied, forward and backward. Near a singular Jacobian all large changes have the same
-   !! direction. The rounding of the multipliers themselves is added: the product of the [P_i] may
-   !! begin with any impact, and each order is rounded differently.
+   !! direction. The rounding of the multipliers themselves is included: the product of the [P_i]
+   !! may begin with any impact, and each order is rounded differently.
    pure real(wp) function modulus_doubt(motion) result(doubt)
       !> An exact motion with its multipliers.
       type(motion_type), intent(in) :: motion

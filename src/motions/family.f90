@@ -81,7 +81,7 @@ contains
       can_be_symmetric = abs(walls(1) - walls(2)) <= 0 .and. mirrors_itself(pattern)
    end function can_be_symmetric
 
-   !> Whether half a period later the walls are the opposite ones.
+   !> Whether the impacts half a period later are on the opposite walls.
    pure logical function mirrors_itself(pattern)
       !> Sides of the impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern

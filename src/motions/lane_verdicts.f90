@@ -57,9 +57,9 @@ contains
       if (.not. with_radius) return
       call lane_radius(e, radius, slope)
       do l = 1, lanes
-         ! errors of the coefficients, and of [P], in the zero of the polynomial
+         ! error of the zero of the polynomial due to errors of its coefficients and of [P]
          associate (q => max(largest(l), radius(l)), s => radius(l))
-            ! times the slope, s and the quality, which may be 0: then nothing is certain
+            ! times the slope, s and the quality; if the quality is 0, nothing is certain
             noise = (q*s**3 + q**2*s**2 + q**3*(s + 1))*quality(l) + (q*s**2 + slope(l))*s
             if (.not. noise*epsilon(1.0_wp) < radius_error*slope(l)*s*quality(l)) stable(l) = unsure
          end associate

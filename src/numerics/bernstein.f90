@@ -11,8 +11,8 @@ contains
    !> Whether |f| <= level is certain from the first node to the last one.
    !!
    !! f differs from its cubic Hermite interpolant by f''''/24 t^2 (h - t)^2. With a bound on f''''
-   !! it lies between two quartics, and each quartic lies between its least and its greatest
-   !! Bernstein coefficient, which are evaluated here. False means that it is not certain.
+   !! it lies between two quartics. Each of these lies between its least and its greatest Bernstein
+   !! coefficient, which are evaluated here. False means that it is not certain.
    pure logical function stays_within(level, f, rise, dip)
       !> Bound >= 0 on |f| that is to be proved.
       real(wp), intent(in) :: level

@@ -40,7 +40,7 @@ module vi_lapack_routines
          !> Rows, columns, right sides, leading dimensions of a and b, length of `work`.
          integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
          !> In: the matrix and the right sides. Out: its QR factors, the solutions in rows 1..n of b
-         !! and the residuals in the other rows. `work` is scratch.
+         !! and the transformed residuals in the other rows. `work` is scratch.
          real(real32), intent(inout) :: a(lda, *), b(*), work(*)
          !> 0, or the number of a zero diagonal entry, or minus the number of an illegal argument.
          integer, intent(out) :: info
@@ -53,7 +53,7 @@ module vi_lapack_routines
          !> Rows, columns, right sides, leading dimensions of a and b, length of `work`.
          integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
          !> In: the matrix and the right sides. Out: its QR factors, the solutions in rows 1..n of b
-         !! and the residuals in the other rows. `work` is scratch.
+         !! and the transformed residuals in the other rows. `work` is scratch.
          real(real64), intent(inout) :: a(lda, *), b(*), work(*)
          !> 0, or the number of a zero diagonal entry, or minus the number of an illegal argument.
          integer, intent(out) :: info

@@ -181,7 +181,7 @@ def _zone_call(zone: Zone) -> str:
 
 
 def _diagram_call(line: tuple[float, float, float, float]) -> str:
-    """As `diagram_of` computes it."""
+    """The call that computes the diagram as `diagram_of` does."""
     a, b, c, d = line
     if a == c:
         values = f"np.linspace({min(b, d)!r}, {max(b, d)!r}, {VALUES})"

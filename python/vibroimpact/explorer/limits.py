@@ -19,7 +19,7 @@ Progress = Callable[..., None]
 
 #: Seconds after which a computation for which a page waits is abandoned.
 SECONDS = 5.0
-#: Characters of a text in a link that a message repeats.
+#: Largest number of characters of a text in a link that a message repeats.
 MOST_SHOWN = 80
 
 

@@ -33,8 +33,7 @@ def motions() -> dict[str, Motion]:
     """The motions of the three printed columns, and the exact motion that corresponds to the third."""
     first, second = equispaced(OSCILLATOR, R, CLEARANCE)
     third = periodic(OSCILLATOR, R, [0, 1.37 * math.pi], PAIR)
-    # the paper kept alpha_2 = 1.37 pi, which needs d K/F0 = 38.22; d K/F0 falls with alpha_2, to
-    # 37 here
+    # the paper kept alpha_2 = 1.37 pi, which needs d K/F0 = 38.22; d K/F0 decreases with alpha_2, to 37 here
     low, high = 1.37 * math.pi, 1.40 * math.pi
     while high - low > 4 * math.ulp(high):
         middle = 0.5 * (low + high)

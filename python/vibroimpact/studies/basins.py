@@ -160,7 +160,7 @@ class Basins(Noun, study="basins"):
         return self._result.tables["run"].columns[name].values
 
     def _need_plane(self, name: str) -> None:
-        """An error if there is no plane, or only a part of it: states that were not reached would count as
+        """Raise an error if there is no plane, or only a part of it: states that were not reached would count as
         going elsewhere."""
         if "first" not in self._result.tables:
             raise ParameterError(
