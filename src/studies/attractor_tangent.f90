@@ -27,7 +27,8 @@ contains
       type(event_type), intent(in) :: before, after
       !> (new, old) Derivative of (x, x', z', alpha); undefined where `regular` is false.
       real(wp), intent(out) :: p(4, 4)
-      !> False if there is no derivative: an impact or a release at which nothing approaches.
+      !> False if there is no derivative: an impact without approach speed, or a release where the
+      !! contact force does not pass through 0.
       logical, intent(out) :: regular
 
       if (after%kind == impact_event) then

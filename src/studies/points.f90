@@ -1,4 +1,4 @@
-!> The reference chain at many points: plain arrays in, plain arrays out, one status code a point.
+!> The reference chain at many points: plain arrays in and out, one status code for each point.
 !!
 !! Points are on the last axis (m). The rows of the results are
 !!
@@ -30,7 +30,7 @@ contains
    !> Motions with given phases (n, m) at frequency ratios r (m).
    pure subroutine periodic_points(osc, r, pattern, restitution, phases, acceptance, single, &
       flights, impacts, scalars, multipliers, verdicts, status)
-      !> Oscillator; its walls' coefficients are not read, `restitution` is.
+      !> Oscillator; `restitution` is read instead of its coefficients of restitution.
       type(oscillator_type), intent(in) :: osc
       !> (m) Frequency ratios Omega/omega.
       real(wp), intent(in) :: r(:)
@@ -67,7 +67,7 @@ contains
       end do
    end subroutine periodic_points
 
-   !> Both equispaced motions at each (r, clearance); the results have 2m columns, two a point.
+   !> Both equispaced motions at each (r, clearance); the results have 2m columns, two per point.
    pure subroutine equispaced_points(osc, r, clearance, cycles, acceptance, single, flights, &
          impacts, scalars, multipliers, verdicts, status)
       !> Oscillator; its two coefficients of restitution are equal.
@@ -134,7 +134,7 @@ contains
       call store_motion(motion, .true., impacts, scalars, multipliers, verdicts, status)
    end subroutine exact_point
 
-   !> The motion of unknowns that solve the equations.
+   !> The motion given by unknowns that solve the equations.
    pure subroutine member_point(setting, x, theta, phases, impacts, scalars, multipliers, &
       verdicts, status)
       !> Given data: oscillator, r, load, clearance, pattern, restitution.
@@ -191,7 +191,7 @@ contains
       multipliers = motion%multipliers
    end subroutine store_motion
 
-   !> The motion whose rows `store_motion` wrote: all that its flights need, without verdicts.
+   !> The motion whose rows `store_motion` wrote: everything its flights need, without verdicts.
    pure function recall(osc, r, pattern, restitution, phases, impacts, amplitude, &
       tau) result(motion)
       !> Oscillator without its load.

@@ -1,4 +1,4 @@
-!> Progress counters of a computation. The caller reads them while it runs, and sets one to stop it.
+!> Progress counters of a computation. The caller reads them during it, and sets one to stop it.
 !!
 !! The three numbers are the work done, the work known so far, and a flag to stop (not 0). Threads
 !! add to the first two. Results do not depend on them, unless the computation is stopped.

@@ -16,7 +16,7 @@ module vi_repetition_vertices
 
    public :: move_to_repetition
 
-   !> A motion that is farther than this from the vertex is another one.
+   !> A motion that is farther than this from the vertex counts as another one.
    real(wp), parameter :: reach = 0.3_wp
 
 contains
@@ -213,7 +213,7 @@ contains
       type(repetition_type), intent(in) :: way
       !> The first half of the impacts, and the parameters; 1 for a motion, 0 for a derivative.
       real(wp), intent(in) :: half(:), affine
-      !> With all impacts.
+      !> The motion or derivative, with all impacts.
       real(wp), intent(out) :: point(:)
 
       associate (n => way%shift)
@@ -222,12 +222,12 @@ contains
       end associate
    end subroutine make_whole
 
-   !> Extrapolates a vertex to distance 0 from its places at some distances, each twice the one
-   !! before.
+   !> Extrapolates a vertex to distance 0 from its places at some distances, each twice the previous
+   !! one.
    !!
    !! The unknowns are a smooth function of the distance, and the parameters are one of its square.
-   !! The shorter the distance, the more rounding affects the equations. Each three successive
-   !! distances give one estimate; that with the least change from the one before is taken.
+   !! The shorter the distance, the more rounding affects the equations. Every three successive
+   !! distances give one estimate; the one that differs least from the previous estimate is taken.
    pure subroutine extrapolate(surface, loop, vertex, twin, point, good)
       !> The surface of the pattern.
       type(curve_type), intent(in) :: surface

@@ -128,7 +128,7 @@ contains
    pure function clearance_values(case, n) result(clearance)
       !> The case.
       type(case_type), intent(in) :: case
-      !> Frequency ratios.
+      !> Number of frequency ratios.
       integer, intent(in) :: n
       real(wp) :: clearance(n)
 
@@ -139,7 +139,7 @@ contains
       if (case%study%has('inverse_clearance')) clearance = 1/clearance
    end function clearance_values
 
-   !> Bytes for all simulations: about 120 numbers of each.
+   !> Bytes for all simulations: about 120 numbers each.
    pure real(wp) function response_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case

@@ -1,4 +1,4 @@
-!> The conditions of motions with rest, with their gradients by the unknowns, r and log D.
+!> The conditions of motions with rest, with their gradients with respect to the unknowns, r, log D.
 module vi_rest_conditions
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &

@@ -9,10 +9,10 @@
 !! that the state at the end of the period is that at its start.
 !!
 !! The equations stay smooth where the free mass touches a wall during a flight and where an
-!! approach speed falls to zero. An accumulation that just fails to complete is completed all the
-!! same. The ends of the family are zeros of smooth measures: the gap of a flight, an approach
-!! speed, and the duration of the rest after an accumulation. Derivatives by the unknowns, r and
-!! log D are computed along with them (vi_variation).
+!! approach speed falls to zero. An accumulation that just fails to complete is still treated as
+!! complete. The ends of the family are zeros of smooth measures: the gap of a flight, an approach
+!! speed, and the duration of the rest after an accumulation. Derivatives with respect to the
+!! unknowns, r and log D are computed along with them (vi_variation).
 module vi_rest_family
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_forced_system, only: forced_system_type, event_type, new_forced_system, release_event, &
@@ -33,38 +33,38 @@ module vi_rest_family
    public :: follow_symbols, last_release, new_rest_family, plane_map, rest_period, &
       rest_stability, rest_unknowns
 
-   !> Impacts of one accumulation that are followed.
+   !> Largest number of impacts followed in one accumulation.
    integer, parameter :: most_hops = 20000
 
    !> What the motions of one family with rest have in common.
    type, public :: rest_family_type
-      !> +1, -1 for an impact, +2, -2 for accumulation and rest; the last symbol is one of these.
+      !> +1, -1 for an impact, +2, -2 for accumulation and rest; the last symbol is +2 or -2.
       integer, allocatable :: symbols(:)
       integer :: cycles = 1
       !> Number of symbols by which the given pattern was rotated to get this order.
       integer :: turned = 0
    end type rest_family_type
 
-   !> A number and its derivatives by the unknowns, r and log D.
+   !> A number and its derivatives with respect to the unknowns, r and log D.
    type, public :: measure_type
       real(wp) :: value = 0, by(columns) = 0
    end type measure_type
 
    !> The equations and measures of one period.
    type, public :: rest_period_type
-      !> Residuals: phase (less 2 pi k) and asinh(v/D) at the next release, less those at the start;
-      !! then the distance, over D, of the free mass beyond its wall at the first impact of each
-      !! symbol.
+      !> Residuals: phase (minus 2 pi k) and asinh(v/D) at the next release, minus those at the
+      !! start; then the distance, over D, of the free mass beyond its wall at the first impact of
+      !! each symbol.
       type(measure_type), allocatable :: equations(:)
-      !> Of each symbol: approach speed of its first impact over D; a measure of the duration of the
-      !! rest, negative where the accumulation is not completed (1 for an impact); least gap over D
-      !! at a stationary point of its flights, to either wall.
+      !> For each symbol: approach speed of its first impact over D; a measure of the duration of
+      !! the rest, negative where the accumulation is not completed (1 for an impact); least gap
+      !! over D at a stationary point of its flights, to either wall.
       type(measure_type), allocatable :: approach(:), rest(:), gap(:)
       !> Where that gap is: the wall, and the flight (0 after the last event of the symbol, 1, 2 ..
       !! after its impacts) plus the share of its duration.
       integer, allocatable :: touched(:)
       real(wp), allocatable :: touched_at(:)
-      !> Whether all accumulations are completed, so that the rest of this type is defined.
+      !> Whether all accumulations are completed, so that the other components are defined.
       logical :: right = .false.
    end type rest_period_type
 
@@ -73,7 +73,7 @@ module vi_rest_family
    type :: place_type
       type(moment_type) :: at
       type(variation_type) :: change
-      !> Relative speed at which the masses part.
+      !> Relative speed at which the masses separate.
       real(wp) :: speed = 0
       !> Whether a rest has just ended.
       logical :: released = .false.
@@ -81,7 +81,7 @@ module vi_rest_family
 
 contains
 
-   !> The family of a pattern: its symbols turned so that a rest is last.
+   !> The family of a pattern: its symbols rotated so that a rest is last.
    pure function new_rest_family(symbols, cycles) result(family)
       !> +1, -1, +2, -2
       integer, intent(in) :: symbols(:)
@@ -110,7 +110,7 @@ contains
       real(wp), intent(in) :: unknowns(:)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Equations and measures; `right` is false, and they mean nothing, where the symbols cannot
+      !> Equations and measures; `right` is false, and they are undefined, where the symbols cannot
       !! be followed.
       type(rest_period_type), intent(out) :: period
       type(forced_system_type) :: system
@@ -155,14 +155,15 @@ contains
 
    !> The derivative of the map from release to release, the phases of the impacts eliminated.
    pure function plane_map(period) result(j)
-      !> Equations and measures of the period, `right` being true.
+      !> Equations and measures of the period, with `right` true.
       type(rest_period_type), intent(in) :: period
       real(wp) :: j(2, 2)
       real(wp) :: by(2, size(period%equations)), last(2, size(period%equations))
       integer :: i, k, m
 
       m = size(period%equations)
-      ! each phase by the release, from the equation that fixes it and the phases before
+      ! derivative of each phase with respect to the release, from the equation that fixes the phase
+      ! and from the earlier phases
       by = 0
       do i = 3, m
          associate (e => period%equations(i)%by)
@@ -186,7 +187,7 @@ contains
    !> det(I - J), det(I + J) and 1 - det J of the map of the plane of releases, each times the
    !! approach speeds: a multiplier grows like the inverse of such a speed.
    pure function rest_stability(period) result(values)
-      !> Equations and measures of the period, `right` being true.
+      !> Equations and measures of the period, with `right` true.
       type(rest_period_type), intent(in) :: period
       real(wp) :: values(3)
       real(wp), dimension(size(period%equations), size(period%equations)) :: a, b
@@ -197,7 +198,8 @@ contains
       do i = 1, m
          a(i, :) = period%equations(i)%by(:m)
       end do
-      ! the determinant of the equations of the phases alone: approach speeds, each by r
+      ! the equations of the phases alone have the product of a(i, i) as their determinant, each an
+      ! approach speed over r
       phases = 1
       do i = 3, m
          phases = phases*(period%approach(i - 2)%value/a(i, i))
@@ -259,7 +261,7 @@ contains
       integer, intent(in) :: side
       !> Phase and asinh(v/D).
       real(wp), intent(in) :: unknowns(:)
-      !> Unknowns in all.
+      !> Total number of unknowns.
       integer, intent(in) :: m
       type(place_type) :: start
 
@@ -333,8 +335,8 @@ contains
       here%released = .false.
    end subroutine fly
 
-   !> All unknowns from those of a release: the first impacts of the symbols are searched from
-   !! there.
+   !> All unknowns from those of a release: the motion is followed from there to the first impacts
+   !! of the symbols.
    pure subroutine follow_symbols(family, release, c, unknowns, good)
       !> The family.
       type(rest_family_type), intent(in) :: family
@@ -396,7 +398,7 @@ contains
       type(departure_type) :: departure
       real(wp) :: beyond
 
-      ! the other wall is put so far away that a motion that reaches it is none
+      ! the other wall is moved so far away that a motion that reaches it does not count
       beyond = 2*system%clearance
       moved = flight
       moved%z = moved%z + side*beyond
@@ -456,7 +458,7 @@ contains
       real(wp), intent(inout) :: touched_at
       !> False if the accumulation does not come near to completion, or the rest does not end.
       logical, intent(out) :: good
-      !> Largest relative error by cutting off: for a motion, and beyond the end of the family.
+      !> Largest relative error of cutting off: for a motion, and beyond the end of the family.
       real(wp), parameter :: fine = 1.0e-17_wp, coarse = 1.0e-6_wp
       type(place_type) :: best
       real(wp) :: restitution, cost, least, time, x, x_dot, speed, scale, closing, highest
@@ -541,9 +543,9 @@ contains
       end associate
    end subroutine next_hop
 
-   !> The rest from the last impact that is computed to the release.
+   !> The rest, from the last impact that is computed to the release.
    !!
-   !! The measure of its duration passes zero about linearly where the accumulation just fails to
+   !! The measure of its duration passes zero almost linearly where the accumulation just fails to
    !! complete (see `critical`).
    pure subroutine rest_on(system, restitution, last, here, rest, good)
       !> The forced system.
@@ -595,14 +597,14 @@ contains
    end subroutine rest_on
 
    !> The limit between accumulations that are and are not completed before the gap's acceleration a
-   !! changes its sign.
+   !! changes sign.
    !!
-   !! With a = j s, s being the time until it does, the next impact follows after t = 3/2 s (1 -
-   !! sqrt(1 - 8/3 w)), w = u/(j s**2) = u/(a s). The step from w to the next one has a fixed
-   !! point, tau = t/s with (3 - tau) (1 - tau)**2 = R (3 - 2 tau): below it impacts accumulate
-   !! while there is time left, above it they do not. A distance from it grows by L from impact to
-   !! impact while s shrinks by 1 - tau, so that (1 - w/w_c) s**power with (1 - tau)**power = 1/L
-   !! is the same number at each of them.
+   !! With a = j s, where s is the time until a changes sign, the next impact follows after
+   !! t = 3/2 s (1 - sqrt(1 - 8/3 w)), w = u/(j s**2) = u/(a s). The step from w to the next one has
+   !! a fixed point, tau = t/s with (3 - tau) (1 - tau)**2 = R (3 - 2 tau): below it the
+   !! accumulation is completed in time, above it it is not. A distance from the fixed point grows
+   !! by the factor L from impact to impact while s shrinks by the factor 1 - tau, so that (1 -
+   !! w/w_c) s**power with (1 - tau)**power = 1/L has the same value at each impact.
    pure subroutine critical(restitution, limit, power)
       !> Coefficient of restitution of the wall.
       real(wp), intent(in) :: restitution
@@ -667,7 +669,7 @@ contains
       flight = flight_from(system, here%at, duration)
       begin = 0
       if (here%released .and. duration > 2*early) then
-         ! a release is a stationary point itself, and not one that touches the wall anew
+         ! a release is itself a stationary point, but not another touch of the wall
          begin = early
          call flight_state(flight, early, x, x_dot, x_ddot)
          flight = new_flight(system%osc%xi, system%r, system%amplitude, flight%phase &

@@ -1,10 +1,10 @@
 !> Periodic motions in which impacts accumulate and the free mass rests on a wall.
 !!
 !! A motion is a fixed point of the map from one release to the release k load cycles later, a map
-!! of the plane (phase, v). Its two eigenvalues and two zeros, which the accumulation brings, are
-!! the multipliers. What a simulation does in a period gives the symbols; the map along these
-!! symbols (vi_rest_family) is smooth where the simulated one is not, and its derivative is known
-!! in closed form. A solution counts if the simulation from it comes back to it.
+!! of the plane (phase, v). The multipliers are its two eigenvalues and two zeros, which come from
+!! the accumulation. The events of a simulated period give the symbols; the map along these symbols
+!! (vi_rest_family) is smooth where the simulated one is not, and its derivative is known in closed
+!! form. A solution is accepted if the simulation that starts from it returns to it.
 module vi_rest_motion
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -41,7 +41,7 @@ contains
       integer, intent(in) :: side, cycles
       !> (phase, v) at the first release.
       real(wp), intent(in) :: start(2)
-      !> (phase less 2 pi k, v) at that release.
+      !> (phase minus 2 pi k, v) at that release.
       real(wp), intent(out) :: finish(2)
       !> Events of the period, the last one the release; room for one more period is needed.
       type(event_type), intent(inout) :: events(:)
@@ -106,15 +106,15 @@ contains
       real(wp), intent(inout) :: point(2)
       !> Its multipliers, the last two 0, its residual, the greatest change of phase and v/D over a
       !! simulated period, its verdicts, and its status: `stat%ok`, `stat%no_motion`,
-      !! `stat%no_convergence`, or what the simulation says. No impacts.
+      !! `stat%no_convergence`, or that of the simulation. No impacts.
       type(motion_type), intent(out) :: motion
       !> Events of the period (n of them), the last one the release.
       type(event_type), intent(inout) :: events(:)
       !> Number of events of the period.
       integer, intent(out) :: n
-      !> Newton steps in all, and times that symbols are held.
+      !> Largest number of Newton steps, and of solutions with fixed symbols.
       integer, parameter :: most = 40, most_rounds = 4
-      !> A simulated period that changes the state by less holds the symbols of the motion.
+      !> A simulated period that changes the state by less than this has the symbols of the motion.
       real(wp), parameter :: close_by = 0.02_wp
       type(rest_family_type) :: family
       type(rest_period_type) :: period
@@ -135,7 +135,7 @@ contains
          call simulate_period(system, side, cycles, point, image, motion%residual, events, n, &
             family, unknowns, motion%status)
          if (motion%status /= stat%ok) return
-         ! the symbols of a long period are never held
+         ! there is no solution with fixed symbols for a long period
          if ((rounds > 0 .or. is_long(family)) .and. motion%residual < 1.0e-11_wp) exit
          if (motion%residual < close_by .and. rounds < most_rounds .and. .not. is_long(family)) then
             rounds = rounds + 1
@@ -178,13 +178,13 @@ contains
 
    !> Whether a period has more symbols than a family can have.
    pure logical function is_long(family)
-      !> As `read_period` gives it.
+      !> The family, as `read_period` returns it.
       type(rest_family_type), intent(in) :: family
 
       is_long = .not. allocated(family%symbols)
    end function is_long
 
-   !> The derivative of the return map, by phase and asinh(v/D) at the release.
+   !> The derivative of the return map with respect to phase and asinh(v/D) at the release.
    pure subroutine map_of_period(system, cycles, family, unknowns, c, events, period, map, good)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -192,7 +192,7 @@ contains
       integer, intent(in) :: cycles
       !> The symbols.
       type(rest_family_type), intent(in) :: family
-      !> Those of vi_rest_family (m), and r, log(D), xi, mu, R1, R2.
+      !> Unknowns (m) as in vi_rest_family, and r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       !> (n) Events of the period.
       type(event_type), intent(in) :: events(:)
@@ -223,7 +223,7 @@ contains
    pure subroutine plane_multipliers(map, pair, status)
       !> The map.
       real(wp), intent(in) :: map(2, 2)
-      !> Both.
+      !> Both eigenvalues.
       complex(wp), intent(out) :: pair(2)
       !> As in `eigenvalues`.
       integer, intent(out) :: status
@@ -234,12 +234,12 @@ contains
       if (abs(pair(2)) > abs(pair(1))) pair = pair([2, 1])
    end subroutine plane_multipliers
 
-   !> Largest error of the modulus of the leading multiplier by rounding of the unknowns. As in
+   !> Largest error of the modulus of the leading multiplier due to rounding of the unknowns. As in
    !! vi_doubt, their worst change is applied forward and backward; huge where nothing is certain.
    pure real(wp) function modulus_doubt(family, unknowns, c, period, leading) result(doubt)
       !> The symbols.
       type(rest_family_type), intent(in) :: family
-      !> Those of vi_rest_family (m), and r, log(D), xi, mu, R1, R2.
+      !> Unknowns (m) as in vi_rest_family, and r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
       !> The period of these.
       type(rest_period_type), intent(in) :: period
@@ -281,7 +281,7 @@ contains
       integer, intent(in) :: side, cycles
       !> (phase, v) at the release.
       real(wp), intent(in) :: guess(2)
-      !> Events that the period may have.
+      !> Largest number of events of the period.
       integer, intent(in) :: capacity
       !> Its impacts are the first ones of the symbols, counted from the first symbol after the
       !! release; +2 and -2 among the sides are accumulation and rest.
@@ -355,7 +355,7 @@ contains
       integer, intent(in) :: side, cycles
       !> (phase, v) at the release.
       real(wp), intent(in) :: point(2)
-      !> (phase less 2 pi k, v) at the release k load cycles later.
+      !> (phase minus 2 pi k, v) at the release k load cycles later.
       real(wp), intent(out) :: image(2)
       !> Greatest change of phase and v/D.
       real(wp), intent(out) :: residual
@@ -413,7 +413,7 @@ contains
          moved = maxval(abs(step))
          if (.not. moved < 0.3_wp) return
          here = here + step
-         ! the steps are at rounding
+         ! the steps are down to rounding
          good = moved < 1.0e-14_wp .or. (moved < 1.0e-9_wp .and. moved > 0.3_wp*before)
          if (good) exit
       end do
@@ -432,7 +432,7 @@ contains
       type(rest_family_type), intent(out) :: family
       !> As in vi_rest_family: the release, and the phases of the first impacts.
       real(wp), allocatable, intent(out) :: unknowns(:)
-      !> False if the last symbol is none with rest, or if a rest begins without an impact.
+      !> False if the last symbol has no rest, or if a rest begins without an impact.
       logical, intent(out) :: good
       type(symbol_sequence_type) :: reading
 

@@ -8,7 +8,7 @@ module vi_rings
 
    public :: dense_ring, passes, winding
 
-   !> Largest distance of a polygon from its curve, the window being the unit square.
+   !> Largest distance of a polygon from its curve, with the window as the unit square.
    real(wp), parameter :: sag = 1.0e-7_wp
    !> A vertex this near to an edge of the window lies on it.
    real(wp), parameter :: on_edge = 1.0e-10_wp
@@ -19,7 +19,7 @@ contains
    !!
    !! Between two vertices the curve is the cubic that has their derivatives.
    pure subroutine dense_ring(vertices, r, clearance, inside, ring)
-      !> (5, m): r, D, derivatives of r and log D by length, length to the next.
+      !> (5, m): r, D, derivatives of r and log D with respect to length, length to the next vertex.
       real(wp), intent(in) :: vertices(:, :)
       !> The window: lowest and highest r, lowest and highest D.
       real(wp), intent(in) :: r(2), clearance(2)
@@ -54,11 +54,11 @@ contains
 
    contains
 
-      !> Of the part from a vertex on: its place, its derivatives at both ends, and its chord.
+      !> The cubic from a vertex to the next one.
       pure subroutine cubic(i, here, a, b, chord)
          !> Number of the vertex.
          integer, intent(in) :: i
-         !> Place of the vertex, derivatives at both ends, and chord, the window being the unit
+         !> Place of the vertex, derivatives at both ends, and chord, with the window as the unit
          !! square.
          real(wp), dimension(2), intent(out) :: here, a, b, chord
          integer :: j
@@ -85,12 +85,13 @@ contains
       edges = left_of_edges(vertices, r, clearance)
       left = edges > 0
       if (abs(edges) > 0) return
-      ! a zone can be thinner than the polygon is sharp; a point so near a hole would be an accident
+      ! a zone can be thinner than the polygon is accurate; a point of it is unlikely to be this
+      ! near a hole
       around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. passes(ring, inside, r, clearance)
       left = (area(ring) > 0) .eqv. around(1)
    end function zone_on_left
 
-   !> The length of the pieces on edges of the window that have the window on their left, less that
+   !> The length of the pieces on edges of the window that have the window on their left, minus that
    !! of those that have it on their right.
    pure real(wp) function left_of_edges(vertices, r, clearance) result(left)
       !> As in `dense_ring`.

@@ -1,8 +1,8 @@
-!> All exact motions of one pattern that a spread of guesses leads to.
+!> The exact motions of one pattern that Newton's method finds from a spread of guesses.
 !!
 !! A guess is a set of phases from a low-discrepancy sequence, with positions and tau from the
-!! paper's linear problem for these phases. Newton's method is repelled by the motions found before,
-!! so that each further success is another motion.
+!! paper's linear problem for these phases. Newton's method is repelled by the motions already
+!! found, so that each further success is another motion.
 module vi_search
    use vi_exact, only: deflation, exact_acceptance, step_share
    use vi_kinds, only: wp
@@ -21,7 +21,7 @@ module vi_search
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
    integer, parameter :: most_iterations = 40
-   !> Load phase of a flight so short that no iteration with one was seen to succeed.
+   !> Load phase of a flight so short that no iteration with a shorter one was seen to succeed.
    real(wp), parameter :: shortest_flight = 1.0e-4_wp
    !> Impacts closer than this in load phase count as simultaneous.
    real(wp), parameter :: at_once = 1.0e-6_wp
@@ -34,15 +34,14 @@ contains
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Guesses to start from.
+      !> Number of guesses to start from.
       integer, intent(in) :: guesses
       !> Unknowns (x_i/D, theta_i) of motions (2N, capacity): those known beforehand, then those
-      !! found;
-      !! the search ends when it is full.
+      !! found; the search ends when it is full.
       real(wp), intent(inout) :: found(:, :)
-      !> In: motions known beforehand. Out: all.
+      !> In: number of motions known beforehand. Out: number of all motions.
       integer, intent(inout) :: n_found
-      !> Newton iterations that were started.
+      !> Number of Newton iterations that were started.
       integer, intent(out) :: tried
       !> Number of guesses of the sequence to leave out; neighbouring points take different ones.
       integer, intent(in) :: skip
@@ -77,7 +76,7 @@ contains
 
    !> Newton's method from a guess, repelled by known motions.
    pure subroutine iterate(family, c, known, unknowns, good)
-      !> All motions of the pattern.
+      !> The family of all motions of the pattern.
       type(family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
@@ -116,7 +115,7 @@ contains
       call set_orbit(family, unknowns, c, o)
       good = norm2(orbit_residual(o)) < exact_acceptance*max(1.0_wp, &
          maxval(abs(o%after(1:o%n))), maxval(abs(o%speed(1:o%n))))
-      ! two impacts on one wall at one instant solve the equations too
+      ! two impacts on one wall at one instant also solve the equations
       good = good .and. all(o%time(1:o%n)*o%r > at_once)
    end subroutine iterate
 
@@ -139,7 +138,7 @@ contains
    pure function spread_phases(i, n, golden) result(phases)
       !> Number of the guess, and phases.
       integer, intent(in) :: i, n
-      !> `golden_ratio` of n, which takes longer than the rest.
+      !> `golden_ratio` of n, which takes longer to compute than the rest.
       real(wp), intent(in) :: golden
       real(wp) :: phases(n)
       real(wp) :: item

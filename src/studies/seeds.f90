@@ -20,7 +20,7 @@ module vi_seeds
 
    !> Largest number of motions of a pattern at a point; load cycles simulated to find a release.
    integer, parameter :: capacity = 64, settling = 60
-   !> Most simulations at a point for motions with rest.
+   !> Largest number of simulations at a point for motions with rest.
    integer, parameter, public :: most_simulations = 6
 
    !> Largest difference in phase (rad) between the symbols of two successive periods.
@@ -33,8 +33,8 @@ module vi_seeds
       logical :: there(2) = .false.
       !> Whether one of them is in the second half of the simulation.
       logical :: late = .false.
-      !> The period up to the last release that nearly repeats the one before: its load cycles, 0 if
-      !! there is none among the lengths examined, and its symbols.
+      !> The period up to the last release that nearly repeats the previous one: its load cycles, 0
+      !! if there is none among the lengths examined, and its symbols.
       integer :: cycles = 0
       integer, allocatable :: symbols(:)
    end type release_type
@@ -49,14 +49,14 @@ contains
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> Guesses for Newton's method; a family with rest is searched from a few initial states
-      !! instead.
+      !> Number of guesses for Newton's method; a family with rest is searched from a few initial
+      !! states instead.
       integer, intent(in) :: guesses
-      !> Guesses of the sequence to leave out, at neighbouring points others each time.
+      !> Number of guesses of the sequence to leave out; neighbouring points take different ones.
       integer, intent(in) :: skip
       !> (unknowns, m) The motions.
       real(wp), allocatable, intent(out) :: found(:, :)
-      !> Those of simulations at this point, if they have been made.
+      !> The last releases of simulations at this point, if they have been made already.
       type(release_type), intent(in), optional :: releases(:)
       type(release_type) :: simulated(min(guesses, most_simulations))
       real(wp) :: whole(2*size(pattern%sides), capacity)
@@ -108,7 +108,7 @@ contains
       type(frame_type), intent(in) :: frame
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> One of each simulation.
+      !> The last releases of each simulation.
       type(release_type), intent(in) :: releases(:)
       !> (unknowns, m) The guesses whose symbols can be followed.
       real(wp), allocatable, intent(out) :: found(:, :)
@@ -126,13 +126,13 @@ contains
       found = list(:, :kept)
    end subroutine releases_at
 
-   !> The last releases of simulations from some initial states; they depend on no family.
+   !> The last releases of simulations from some initial states; they do not depend on the family.
    pure subroutine simulate_releases(c, releases, longest)
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       !> (simulations) Out: the last releases of each; none if it failed.
       type(release_type), intent(out) :: releases(:)
-      !> Symbols and load cycles of the longest period searched at the end; no search if absent.
+      !> Symbols and load cycles of the longest period sought at the end; none is sought if absent.
       integer, intent(in), optional :: longest(2)
       integer, parameter :: chunk = 4000
       type(forced_system_type) :: system
@@ -161,11 +161,11 @@ contains
       end do
    end subroutine simulate_releases
 
-   !> The period up to the last release that nearly repeats the one before it.
+   !> The period up to the last release that nearly repeats the previous one.
    pure subroutine read_end(events, longest, release)
       !> (n) Last events of a simulation, in the order of time.
       type(event_type), intent(in) :: events(:)
-      !> Most symbols and load cycles.
+      !> Largest number of symbols, and of load cycles.
       integer, intent(in) :: longest(2)
       !> In: with its releases. Out: `late`, `cycles` and `symbols` are set.
       type(release_type), intent(inout) :: release
@@ -176,7 +176,7 @@ contains
       call read_periods(events, longest(2), longest(1), about, periods)
       if (size(periods) == 0) return
       associate (period => periods(size(periods)))
-         ! a period without rest is not of the motion that the release belongs to
+         ! a period without rest does not belong to the motion of the release
          if (all(abs(period%reading%symbols) == 1)) return
          release%cycles = period%cycles
          release%symbols = period%reading%symbols

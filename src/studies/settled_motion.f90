@@ -3,7 +3,7 @@
 !! A simulation that repeats itself for two periods is no proof: near a fold, or between bursts of
 !! intermittent chaos, it does so for a long time. A state counts as settled only if Newton's
 !! method, started from its last period, leads to an admissible, stable motion near that period.
-!! That motion can also be asked for by itself, for a simulation that is already there.
+!! That motion can also be computed by itself, for a simulation that is given.
 module vi_settled_motion
    use vi_event_symbols, only: period_type, read_periods, total_phase
    use vi_forced_system, only: event_type, forced_system_type, initial_state, release_event, &
@@ -21,10 +21,10 @@ module vi_settled_motion
 
    public :: end_arrays, settle_on
 
-   !> Outcomes of a state: a confirmed motion; one that is confirmed but not stable (or not
-   !! admissible, or where that is unknown); a simulation that repeats itself, but Newton's method
-   !! leads to no motion near it; one that does not repeat itself; no impacts occur any more; the
-   !! simulation could not be completed, or had too many events.
+   !> Outcomes of a state: a confirmed motion; a motion that is confirmed but not stable (or not
+   !! admissible, or this is unknown); a simulation that repeats itself although Newton's method
+   !! finds no motion near it; one that does not repeat itself; one without any further impacts; one
+   !! that could not be completed, or had too many events.
    integer, parameter, public :: settled = 1, not_stable = 2, unconfirmed = 3, wandering = 4, &
       no_impacts = 5, unfinished = 6
    integer, parameter, public :: n_outcomes = 6
@@ -53,7 +53,7 @@ contains
       real(wp), intent(in) :: scale
       !> One of the outcomes above; 0 if the study was stopped.
       integer, intent(out) :: outcome
-      !> The admissible motions to which Newton's method led, the one settled on first.
+      !> The admissible motions that Newton's method found, the longest period first.
       type(found_type), intent(out) :: found(:)
       !> Number of motions in `found`.
       integer, intent(out) :: n_found
@@ -95,28 +95,28 @@ contains
       end do
    end subroutine settle_on
 
-   !> The shortest period with which a trajectory ends, and its exact motion, between arrays.
+   !> The shortest period at the end of a trajectory, and its exact motion, from and to arrays.
    pure subroutine end_arrays(system, of_simulation, values, labels, most_cycles, tolerance, &
       solve, cycles, n, symbols, first, apart, described)
       !> The forced system of the motion.
       type(forced_system_type), intent(in) :: system
-      !> Of the simulation: frequency ratio, load, clearance, and the time (1/omega) from which on
-      !! all its events are given.
+      !> Of the simulation: frequency ratio, load, clearance, and the time (1/omega) from which all
+      !! its events are given.
       real(wp), intent(in) :: of_simulation(4)
       !> (7, m), (2, m) Its events as in `store_events`.
       real(wp), intent(in) :: values(:, :)
       !> As in `values`.
       integer, intent(in) :: labels(:, :)
-      !> Longest period (load cycles), and largest difference of its phases from the period before
+      !> Longest period (load cycles), and largest difference of its phases from the previous period
       !! (rad).
       integer, intent(in) :: most_cycles
       !> As in `most_cycles`.
       real(wp), intent(in) :: tolerance
-      !> What else is wanted: nothing (0), the exact motion with which the trajectory ends (1), or
+      !> What else is wanted: nothing (0), the exact motion at the end of the trajectory (1), or
       !! that motion if it has the longest period, is stable and admissible and near (2).
       integer, intent(in) :: solve
       !> Load cycles of the period, 0 if there is none; its n symbols, the number of the first event
-      !! of each (m), and the difference from the period before (rad).
+      !! of each (m), and the difference from the previous period (rad).
       integer, intent(out) :: cycles, n, symbols(:), first(:)
       !> As in `cycles`.
       real(wp), intent(out) :: apart
@@ -145,11 +145,11 @@ contains
       end associate
    end subroutine end_arrays
 
-   !> The exact motion with which a simulation ends.
+   !> The exact motion at the end of a simulation.
    !!
-   !! Of the periods with which it ends the one that repeats itself best is taken whose motion is
+   !! The periods at its end are tried, the one that repeats itself best first, until a motion is
    !! near the simulation and does not repeat itself within that period. The system may differ from
-   !! the one simulated: if no motion is near then, nearness does not count.
+   !! the one simulated: if no motion is near, the first motion found is taken.
    pure subroutine motion_at_end(system, events, periods, factor, described)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -178,13 +178,13 @@ contains
       end do
       if (chosen%status /= stat%ok) then
          described%motion%status = motion%status
-         ! one whose period does not close to rounding is described all the same, as not consistent
+         ! a motion whose period does not close to rounding is still described, as not consistent
          if (allocated(motion%releases)) chosen = motion
       end if
       if (allocated(chosen%releases)) call describe_chosen(system, chosen, described)
    end subroutine motion_at_end
 
-   !> The exact motion with which a simulation ends, if it is an attractor of a known period.
+   !> The exact motion at the end of a simulation, if it is an attractor of a known period.
    pure subroutine attractor_at_end(system, events, periods, cycles, described)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -194,7 +194,7 @@ contains
       type(period_type), intent(in) :: periods(:)
       !> Load cycles of its period.
       integer, intent(in) :: cycles
-      !> The motion, or a status that there is no such motion.
+      !> The motion, or the status `stat%no_motion`.
       type(described_type), intent(out) :: described
       type(found_type) :: motion
       real(wp) :: scale
@@ -222,7 +222,7 @@ contains
       type(found_type) :: turned
 
       turned = motion
-      ! that of the simulation is the last one
+      ! the release of the simulation is the last one
       turned%releases = cshift(motion%releases, -1, dim=2)
       call describe_motion(system, turned, described)
    end subroutine describe_chosen
@@ -245,13 +245,13 @@ contains
       type(forced_system_type), intent(in) :: system
       !> (n) In the order of time.
       type(event_type), intent(in) :: events(:)
-      !> One of the periods with which they end.
+      !> One of the periods at their end.
       type(period_type), intent(in) :: period
       !> Clearance and load over those of the simulation.
       real(wp), intent(in) :: factor(2)
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
-      !> The motion to which Newton's method leads, or its status.
+      !> The motion that Newton's method finds, or its status.
       type(found_type), intent(out) :: motion
       !> Whether the motion is near the simulation.
       logical, intent(out) :: nearby

@@ -1,4 +1,4 @@
-!> Event by event simulation in closed form: no impact is missed, accumulations are completed.
+!> Event-by-event simulation in closed form: no impact is missed, and accumulations are completed.
 module vi_simulate
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_contact, only: contact_type, first_contact
@@ -24,16 +24,17 @@ contains
 
    !> Simulates from a state to a final time, or until the array of events is full.
    !!
-   !! If the array is full, a further call continues with the same bits as one long call.
+   !! If the array is full, a further call continues, with results identical to those of one long
+   !! call.
    pure subroutine simulate(system, state, last_cycle, last_phase, events, n, final, status)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> In: the initial state. Out: the state at which the last flight or rest began; a call that
-      !! starts from there continues with the same bits.
+      !! starts from there continues with identical results.
       type(state_type), intent(inout) :: state
       !> Whole load cycles at the end.
       integer(int64), intent(in) :: last_cycle
-      !> Load phase above them at the end (rad).
+      !> Load phase beyond them at the end (rad).
       real(wp), intent(in) :: last_phase
       !> Out: events 1 to n, in the order of time; the other elements keep their values.
       type(event_type), intent(inout) :: events(:)
@@ -69,10 +70,10 @@ contains
       final%phase = last_phase
    end subroutine simulate
 
-   !> Simulates like `simulate`, unless the events that are left run out or the study is stopped.
+   !> Simulates like `simulate`, unless the limit of events is reached or the study is stopped.
    !!
-   !! All long simulations go on by this procedure, with room for at most some thousand events: each
-   !! of them then has a limit, and stops within a load cycle.
+   !! All long simulations use this procedure, so that each of them has a limit of events, and
+   !! notices a stop whenever the room for events is used up.
    subroutine simulate_on(system, state, last_cycle, last_phase, events, n, final, left, status, &
       progress)
       !> The forced system.
@@ -81,7 +82,7 @@ contains
       type(state_type), intent(inout) :: state
       !> Whole load cycles at the end.
       integer(int64), intent(in) :: last_cycle
-      !> Load phase above them at the end (rad).
+      !> Load phase beyond them at the end (rad).
       real(wp), intent(in) :: last_phase
       !> Out: events 1 to n, as in `simulate`.
       type(event_type), intent(inout) :: events(:)
@@ -89,7 +90,8 @@ contains
       integer, intent(out) :: n
       !> As in `simulate`.
       type(state_type), intent(out) :: final
-      !> In: events that the simulation may still have, at least 0. Out: less those found.
+      !> In: number of events that the simulation may still have, at least 0. Out: minus those
+      !! found.
       integer, intent(inout) :: left
       !> As in `simulate`; instead of `stat%more_events`, `stat%event_limit` if no more events may
       !! occur, and `stat%not_computed` if the study was stopped.
@@ -105,7 +107,7 @@ contains
       if (is_stopped(progress)) status = stat%not_computed
    end subroutine simulate_on
 
-   !> Simulates some load cycles with any number of events, of which only the last ones are kept.
+   !> Simulates some load cycles with any number of events; only the last events are kept.
    subroutine simulate_cycles(system, state, cycles, left, events, n, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -145,7 +147,7 @@ contains
       type(state_type), intent(in) :: state
       !> Load cycles at the end.
       integer(int64), intent(in) :: last_cycle
-      !> Load phase above them (rad).
+      !> Load phase beyond them (rad).
       real(wp), intent(in) :: last_phase
 
       time_left = (two_pi*real(last_cycle - state%cycle, wp) + (last_phase - state%phase))/system%r
@@ -252,7 +254,7 @@ contains
 
    !> Velocities through an impact, from the momentum and the reversed approach speed: (11), (12).
    !!
-   !! The departure speed R v is kept as a number of its own: as the difference of two velocities it
+   !! The departure speed R v is kept as a separate number: as the difference of two velocities it
    !! would lose its relative accuracy when impacts accumulate.
    pure subroutine collide(osc, side, approach, x_dot, state, event)
       !> Oscillator.
@@ -283,9 +285,9 @@ contains
    !> Completes an accumulation of impacts, if what remains of it is short enough.
    !!
    !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
-   !! take T = 2u/(a (1 - R)), to first order. The centre of mass moves smoothly meanwhile. The next
-   !! order is relatively |j| T/a, j being the rate of a, so the time is wrong by |j| T^2/a at most:
-   !! that has to be below 1e-16.
+   !! take T = 2u/(a (1 - R)), to first order. Meanwhile the centre of mass moves smoothly. The
+   !! relative size of the next order is |j| T/a, where j is the rate of change of a, so the error
+   !! of the time is at most |j| T^2/a: that has to be below 1e-16.
    pure subroutine accumulate(system, state, s, c, remaining, event, found, over)
       !> The forced system.
       type(forced_system_type), intent(in) :: system

@@ -15,7 +15,7 @@ module vi_simulate_study
 
    public :: declare_simulate
 
-   !> Largest number of events of a result: 64 bytes each, and as many for its columns.
+   !> Largest number of events of a result: each takes 64 bytes, and more in the columns.
    real(wp), parameter :: most_kept = 5.0e7_wp
    !> Bytes that an event takes in the columns of the result, with room to make them.
    real(wp), parameter :: event_bytes = 120

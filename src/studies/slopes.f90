@@ -1,6 +1,7 @@
 !> The gradients of conditions on motions, without difference quotients.
 !!
-!! They are by u_i, theta_i, r and log D, in this order. Motions with rest are not handled here.
+!! The derivatives are with respect to u_i, theta_i, r and log D, in this order. Motions with rest
+!! are not handled here.
 module vi_slopes
    use vi_conditions, only: fails_jury, polish_touch
    use vi_family, only: add_distance_slope, repetition_distance
@@ -32,7 +33,7 @@ contains
       end select
    end function has_slope
 
-   !> The value of a condition and its gradient, as far as `has_slope`.
+   !> The value of a condition and its gradient, if `has_slope` is true for it.
    pure subroutine value_and_slope(frame, unknowns, c, o, condition, value, slope)
       !> The family, and its repetitions.
       type(frame_type), intent(in) :: frame
@@ -44,7 +45,7 @@ contains
       type(condition_type), intent(in) :: condition
       !> Its value.
       real(wp), intent(out) :: value
-      !> (2n + 2)
+      !> (2n + 2) Its gradient.
       real(wp), contiguous, intent(out) :: slope(:)
 
       slope = 0
@@ -94,7 +95,7 @@ contains
          if (.not. fails_jury(spectrum)) return
          if (value > 0) slope = -slope
          value = -abs(value)
-         ! a zero that the value only touches is none
+         ! a zero that the value only touches does not count
          if (abs(value) < 1.0e-6_wp*maxval(abs(slope))) slope = 0
       case (fold)
          do i = 1, size(frame%repetitions)
@@ -127,11 +128,11 @@ contains
       call by_speed(o, i, -o%side(i)*weight*o%of_before(2, i), slope)
    end subroutine approach_slope
 
-   !> Value and gradient of the gap at a stationary point; its derivative by the instant is zero.
+   !> Value and gradient of the gap at a stationary point, where its time derivative is zero.
    pure subroutine touch_slope(o, condition, value, slope)
       !> The orbit.
       type(orbit_type), intent(in) :: o
-      !> Flight, wall, and about which share of its duration.
+      !> Flight, wall, and approximate share of its duration.
       type(condition_type), intent(in) :: condition
       !> The gap over the clearance.
       real(wp), intent(out) :: value

@@ -13,8 +13,8 @@ contains
 
    !> Estimate of the greatest |x| that a motion with impacts has.
    !!
-   !! Where the free mass rests on a wall for long, the two masses move as one, and their resonance
-   !! is below that of the primary mass alone. Every second start is for the masses together.
+   !! Where the free mass rests on a wall for a long time, the two masses move as one, and their
+   !! resonance is below that of the primary mass alone. Every second start allows for this.
    pure real(wp) function reach_of(osc, r, load, clearance, i) result(reach)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
@@ -30,8 +30,8 @@ contains
       reach = 1.5_wp*max(min(load*reach, 3*clearance), 0.1_wp*clearance)
    end function reach_of
 
-   !> Number i >= 1 of initial states t, x, x', z, z' that fill a box about the motion without
-   !! impacts evenly (an additive recurrence).
+   !> Initial state number i >= 1: t, x, x', z, z'. The states evenly fill a box about the motion
+   !! without impacts (an additive recurrence).
    pure function state_start(osc, r, load, clearance, i) result(state)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
@@ -56,8 +56,8 @@ contains
       state(5) = 2*reach*max(1.0_wp, r)*(2*u(4) - 1)
    end function state_start
 
-   !> Number i >= 0 of releases (phase, v) on a wall, spread over the phase and the possible
-   !! velocities.
+   !> Release number i >= 0 on a wall: (phase, v). The releases are spread over the phase and the
+   !! possible velocities.
    !!
    !! At a release x'' = 0, and the contact force ends if the jerk f r cos(phase) - v has the sign
    !! of the wall.

@@ -135,7 +135,7 @@ contains
          call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent, correction)
          if (iterations > 0 .and. curve%frame%resting) then
             call survey(curve, to)
-            ! all are -1 at once: the period has other symbols there
+            ! all values are -1 at once: the period has other symbols there
             if (count(to%values <= -1) > size(curve%frame%rest%symbols)) iterations = 0
          end if
          if (iterations > 0) then
@@ -291,8 +291,8 @@ contains
       if (active < 2) return
       n = size(a)
       lengths = norm2(a(n - 1:))*norm2(b(n - 1:))
-      ! at a cusp of the projection the curve itself is smooth: where it hardly moves in the plane
-      ! its turn there counts for less
+      ! at a cusp of the projection the curve itself is smooth: where the curve hardly moves in the
+      ! plane, its turn in the plane counts less
       if (lengths > 1.0e-6_wp) turn = max(turn, min(1.0_wp, 10*sqrt(lengths))* &
          asin(min(1.0_wp, abs(a(n - 1)*b(n) - a(n)*b(n - 1))/lengths)))
    end function turn_of

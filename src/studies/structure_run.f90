@@ -1,4 +1,4 @@
-!> Event by event simulation of a linear structure with gaps.
+!> Event-by-event simulation of a linear structure with gaps.
 module vi_structure_run
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_channels, only: first_event, leaving_type, reached_type, row_derivatives
@@ -26,7 +26,7 @@ module vi_structure_run
       real(wp) :: period = 1
    end type run_type
 
-   !> A state: time as whole periods and the rest, so that its error does not grow.
+   !> A state: time as whole periods and the remainder, so that its error does not grow.
    type, public :: run_state_type
       integer(int64) :: cycle = 0
       !> In [0, period).
@@ -34,7 +34,7 @@ module vi_structure_run
       !> The regime, and its pairs.
       integer :: regime = 1
       real(wp), allocatable :: x(:), v(:)
-      !> How the flight begins, and the step level of the search before.
+      !> How the flight begins, and the step level of the previous search.
       type(leaving_type) :: leaving
       integer :: level = 8
    end type run_state_type
@@ -77,7 +77,7 @@ contains
       real(wp), intent(in) :: time, q(:), rate(:)
       !> The state.
       type(run_state_type), intent(out) :: state
-      !> `stat%ok`, or `stat%gap_closed` where a gap is less than closed.
+      !> `stat%ok`, or `stat%gap_closed` if a gap is negative.
       integer, intent(out) :: status
       real(wp) :: gap, speed, scale
       integer, allocatable :: closed(:)
@@ -102,7 +102,7 @@ contains
       call enter(run, closed, q, rate, state, status)
    end subroutine start_at
 
-   !> Puts a state into the regime of closed gaps, of which those are dropped that would pull.
+   !> Puts a state into the regime of closed gaps, without those gaps whose contact would pull.
    pure subroutine enter(run, closed, q, rate, state, status)
       !> In and out: the regime is added.
       type(run_type), intent(inout) :: run
@@ -143,7 +143,7 @@ contains
       end do
    end subroutine enter
 
-   !> The number of the regime of a set of closed gaps, which is made if it is new.
+   !> The number of the regime of a set of closed gaps; the regime is made if it is new.
    pure subroutine find_regime(run, set, number, status)
       !> In and out: with its regimes.
       type(run_type), intent(inout) :: run
@@ -176,7 +176,7 @@ contains
       type(run_type), intent(inout) :: run
       !> In: the start. Out: the end, or just after the last event if the list is full.
       type(run_state_type), intent(inout) :: state
-      !> Whole periods at the end, and the rest.
+      !> Whole periods at the end, and the remainder.
       integer(int64), intent(in) :: last_cycle
       !> As in `last_cycle`.
       real(wp), intent(in) :: last_elapsed
@@ -247,13 +247,13 @@ contains
       state%elapsed = max(0.0_wp, state%elapsed - real(cycles, wp)*run%period)
    end subroutine move
 
-   !> Goes through an impact.
+   !> Advances to an impact and through it.
    pure subroutine collide(run, state, reached, event, status)
       !> The run.
       type(run_type), intent(in) :: run
       !> In: at the start of the flight. Out: just after the impact.
       type(run_state_type), intent(inout) :: state
-      !> What is reached.
+      !> The limit that is reached.
       type(reached_type), intent(in) :: reached
       !> The impact.
       type(run_event_type), intent(inout) :: event
@@ -312,7 +312,7 @@ contains
    pure logical function closes_another(run, state, gap)
       !> The run.
       type(run_type), intent(in) :: run
-      !> Just before the impact.
+      !> The state just before the impact.
       type(run_state_type), intent(in) :: state
       !> The gap that closes.
       integer, intent(in) :: gap
@@ -336,9 +336,8 @@ contains
    !> Completes an accumulation of impacts, if what remains of it is short enough.
    !!
    !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
-   !! take T = 2u/(a (1 - R)), to first order. The structure notices them only through u itself:
-   !! rest
-   !! begins at once from the velocities without the part that closes the gap, with an error of
+   !! take T = 2u/(a (1 - R)), to first order. They affect the structure only through u itself: the
+   !! rest begins at once from the velocities without the part that closes the gap, with an error of
    !! order u^3.
    pure subroutine accumulate(run, state, remaining, event, stuck, status)
       !> In and out: the regime is added.
@@ -406,7 +405,7 @@ contains
       larger = [pack(set, set < one), one, pack(set, set > one)]
    end function merged
 
-   !> Takes from the velocities what closes or opens some gaps, as impulses there would.
+   !> Removes from the velocities the part that closes or opens some gaps, as impulses there would.
    pure subroutine stop_gaps(run, gaps, rate, status)
       !> The run.
       type(run_type), intent(in) :: run
@@ -420,7 +419,7 @@ contains
       real(wp) :: gram(size(gaps), size(gaps)), impulses(size(gaps)), ratio
       integer :: i, k
 
-      ! Gauss without interchanges: the matrix is positive definite
+      ! Gaussian elimination without interchanges: the matrix is positive definite
       directions = run%structure%directions(:, gaps)
       kicks = run%structure%mobility(:, gaps)
       gram = matmul(transpose(directions), kicks)
@@ -441,13 +440,13 @@ contains
       rate = rate - matmul(kicks, impulses)
    end subroutine stop_gaps
 
-   !> Goes through a release.
+   !> Advances to a release and through it.
    pure subroutine release(run, state, reached, event, status)
       !> In and out: the regime is added.
       type(run_type), intent(inout) :: run
       !> In: at rest. Out: just released.
       type(run_state_type), intent(inout) :: state
-      !> What is reached.
+      !> The limit that is reached.
       type(reached_type), intent(in) :: reached
       !> The release.
       type(run_event_type), intent(inout) :: event
@@ -478,7 +477,7 @@ contains
 
    !> Records an event.
    pure subroutine note(state, kind, gap, speed, impulse, event)
-      !> Just after it.
+      !> The state just after it.
       type(run_state_type), intent(in) :: state
       !> Kind and gap.
       integer, intent(in) :: kind, gap

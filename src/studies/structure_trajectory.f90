@@ -1,4 +1,4 @@
-!> Trajectories of structures between arrays.
+!> Trajectories of structures, from and to arrays.
 module vi_structure_trajectory
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
@@ -14,7 +14,7 @@ module vi_structure_trajectory
 
 contains
 
-   !> Simulates a structure from a state to an end of time, or until there are too many events.
+   !> Simulates a structure from a state to a final time, or until there are too many events.
    pure subroutine simulate_structure_arrays(structure, load, start, q, rate, last, table, labels, &
       n, end_state, end_time, status)
       !> The structure and its load.
@@ -96,7 +96,7 @@ contains
       !> (1 + 2n, segments) Time, coordinates and velocities at which segments begin: the start, and
       !! after each event.
       real(wp), intent(in) :: starts(:, :)
-      !> (2, segments) Kind and gap of the event; 0 of the start.
+      !> (2, segments) Kind and gap of the event; 0 for the start.
       integer, intent(in) :: labels(:, :)
       !> Times in ascending order, none before the first segment.
       real(wp), intent(in) :: times(:)

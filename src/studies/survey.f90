@@ -38,14 +38,15 @@ module vi_survey
    integer, parameter :: capacity = 4000, between_looks = 10000
    !> Impacts of two periods that repeat each other are nearer than this in phase.
    real(wp), parameter :: same_phase = 1.0e-3_wp
-   !> Load cycles of each of ten batches for a Lyapunov exponent, at first and at last.
+   !> Load cycles of each of ten batches for a Lyapunov exponent, in the first and in the last
+   !! check.
    integer, parameter :: short_batch = 20, long_batch = 200
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
    !> The motion on which a simulation settled. A stable periodic motion has its symbols in standard
-   !! order; one within the limits also its unknowns.
+   !! order; one within the limits also has its unknowns.
    type, public :: attractor_type
-      !> Whether it is one within the limits.
+      !> Whether it is a stable periodic motion within the limits.
       logical :: found = .false.
       !> As in vi_survey_outcome.
       integer :: outcome = not_settled
@@ -141,8 +142,8 @@ contains
       if (status == stat%event_limit) attractor%outcome = event_limit
    end subroutine settle_point
 
-   !> The motion on which a simulation from a given state is after some load cycles, if it repeats
-   !! itself by then.
+   !> The motion that a simulation from a given state has reached after some load cycles, if it
+   !! repeats itself by then.
    subroutine settle_from(osc, start, settling, limits, attractor, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
@@ -216,7 +217,7 @@ contains
             else if (size(symbols) > 0) then
                call name_it(osc, symbols, cycles, limits, attractor)
             end if
-            ! near a flip the shorter period nearly repeats itself too, but is not stable
+            ! near a flip the shorter period also nearly repeats itself, but is not stable
             if (shorter .or. size(symbols) > 0) return
          end associate
       end do
@@ -331,8 +332,8 @@ contains
    pure subroutine polish(osc, attractor, resting)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
-      !> In: the point, symbols, cycles and about the unknowns. Out: exact unknowns and `found`, if
-      !! it is confirmed.
+      !> In: the point, symbols, cycles and approximate unknowns. Out: exact unknowns and `found`,
+      !! if it is confirmed.
       type(attractor_type), intent(inout) :: attractor
       !> Whether the pattern has rests.
       logical, intent(in) :: resting
@@ -375,7 +376,7 @@ contains
       if (iterations == 0) return
       allocate (values(condition_count(surface%frame)), conditions(condition_count(surface%frame)))
       call all_conditions(surface%frame, point(:n), c, values, conditions)
-      ! one that repeats itself is stable all the same
+      ! a motion that repeats itself may still be stable
       if (.not. all(values > 0 .or. conditions%kind == repetition)) return
       if (resting) then
          attractor%unknowns(:2) = [point(1), sinh(point(2))]

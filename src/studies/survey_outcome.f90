@@ -13,7 +13,7 @@ module vi_survey_outcome
 
    !> A stable periodic motion within the limits of symbols and cycles; one beyond them; the free
    !! mass at rest and never touched; a positive Lyapunov exponent; none of these so far; a
-   !! simulation that repeats itself, but Newton's method confirms no stable motion; too many
+   !! simulation that repeats itself although Newton's method confirms no stable motion; too many
    !! events.
    integer, parameter, public :: periodic = 1, beyond = 2, no_impacts = 3, chaotic = 4, &
       not_settled = 5, not_confirmed = 6, event_limit = 7
@@ -23,7 +23,8 @@ module vi_survey_outcome
 
    !> Largest number of symbols of a pattern.
    integer, parameter :: most_symbols = 1000
-   !> Least largest exponent of chaos per load cycle, and over its standard error.
+   !> Chaos: least values of the largest exponent per load cycle, and of its ratio to its standard
+   !! error.
    real(wp), parameter :: least_chaos = 2.0e-3_wp, least_ratio = 4
 
 contains
@@ -59,7 +60,7 @@ contains
       is_free = abs(state%z) + most < 0.5_wp*system%clearance
    end function is_free
 
-   !> The symbols of the stable periodic motion on which a state is, by Newton's method on the map
+   !> The symbols of the stable periodic motion on which a state lies, by Newton's method on the map
    !! over the period.
    subroutine stable_period(system, state, cycles, symbols, shorter)
       !> The forced system.
@@ -70,8 +71,8 @@ contains
       integer, intent(in) :: cycles
       !> As in vi_symbols; empty if there is no such motion.
       integer, allocatable, intent(out) :: symbols(:)
-      !> Whether its period is only a part of these cycles; a simulation that approaches it slowly
-      !! can look like that.
+      !> Whether its period is only a part of these cycles; this can happen if the simulation
+      !! approaches the motion slowly.
       logical, intent(out) :: shorter
       type(known_type) :: known
       logical :: good
@@ -86,7 +87,7 @@ contains
       if (good) symbols = known%symbols
    end subroutine stable_period
 
-   !> Whether a motion repeats itself after a part of its period already.
+   !> Whether a motion already repeats itself after a part of its period.
    pure logical function is_shorter(system, known)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -117,7 +118,7 @@ contains
       type(state_type), intent(in) :: state
       !> Load cycles of each of ten batches, and largest number of events of all.
       integer, intent(in) :: cycles, max_events
-      !> Whether it is; false also if the simulation failed.
+      !> Whether the trajectory is chaotic; false also if the simulation failed.
       logical, intent(out) :: chaos
       !> As in `lyapunov_points`.
       integer, intent(out) :: status

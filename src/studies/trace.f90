@@ -27,7 +27,7 @@ contains
 
    !> Follows the boundary of a zone from a point where one condition is zero.
    subroutine trace_loop(curve, stride, point, condition, most, loop, progress, way)
-      !> With two active parameters.
+      !> The surface, with two active parameters.
       type(curve_type), intent(in) :: curve
       !> Limits on steps.
       type(stride_type), intent(in) :: stride
@@ -35,7 +35,7 @@ contains
       real(wp), intent(in) :: point(:)
       !> The condition that is zero there.
       type(condition_type), intent(in) :: condition
-      !> Most points.
+      !> Largest number of points.
       integer, intent(in) :: most
       !> The boundary; its arrays have room for `most` points.
       type(loop_type), intent(out) :: loop
@@ -64,7 +64,7 @@ contains
          if (.not. good) return
          call first_violation(curve, active, now, next, 64*stride%shortest, corner, which, met)
          if (which < 0 .and. .not. can_shorten(next, 64*stride%shortest)) return
-         ! a violation that could not be located: something else may come before it
+         ! a violation that could not be located: another one may come before it
          if (which < 0 .or. passes_two(before, now, next, active)) then
             now%step = 0.3_wp*next%came
             cycle
@@ -124,7 +124,7 @@ contains
 
    !> Whether a condition other than the active one may be zero twice within a step.
    pure logical function passes_two(before, now, next, active)
-      !> The values at the place before.
+      !> The values at the previous place.
       real(wp), intent(in) :: before(:)
       !> Start and end of the step.
       type(place_type), intent(in) :: now, next
@@ -194,7 +194,7 @@ contains
       closes = share > 0 .and. share <= reach*(1 + 1.0e-9_wp) .and. &
          norm2(offset - share*now%tangent) < 0.3_wp*share + 1.0e-7_wp
       if (.not. closes .or. share < same_place) return
-      ! the two sides of a narrow tongue are this near to each other too
+      ! the two sides of a narrow tongue are also this near to each other
       closes = dot_product(now%tangent, loop%tangents(:, 1)) > 0
       if (closes) closes = distance_from(curve, [active], now%point + share*now%tangent, &
          now%tangent, loop%points(:, 1)) < same_place
@@ -220,7 +220,7 @@ contains
       type(condition_type), intent(in) :: active
       !> Start and end of the step.
       type(place_type), intent(in) :: now, next
-      !> Length of a step that is not shortened any more.
+      !> Length at which a step is not shortened any more.
       real(wp), intent(in) :: shortest
       !> Out: the place of the violation, if `met`.
       type(place_type), intent(inout) :: corner
@@ -237,7 +237,7 @@ contains
       met = .false.
       least = huge(1.0_wp)
       do j = 1, size(next%values)
-         ! two conditions that a symmetry makes one differ by rounding
+         ! two conditions that a symmetry makes identical differ by rounding
          if (.not. next%values(j) < -merge(1.0e-9_wp, 0.0_wp, curve%frame%resting)) cycle
          if (same_condition(active, next%conditions(j))) cycle
          call locate(curve, [active], now, next, j, found, share, good)
@@ -286,7 +286,7 @@ contains
    pure real(wp) function uphill(curve, active, rising, place)
       !> The surface.
       type(curve_type), intent(in) :: curve
-      !> The condition that is zero along the curve, and the one in question.
+      !> The condition that is zero along the curve, and the condition that may increase.
       type(condition_type), intent(in) :: active, rising
       !> A place on the curve with its tangent.
       type(place_type), intent(in) :: place
@@ -305,7 +305,7 @@ contains
       if (values(2) > values(1)) uphill = -1
    end function uphill
 
-   !> Updates the instant of a grazing touch from the conditions of a place.
+   !> Updates the time of a grazing touch from the conditions at a place.
    pure subroutine refresh(place, active)
       !> The place.
       type(place_type), intent(in) :: place
@@ -327,7 +327,7 @@ contains
       type(place_type), intent(in) :: place
       !> The condition that is zero from there on.
       type(condition_type), intent(in) :: active
-      !> `ends`, `begins`, or 0 if it is no corner.
+      !> `ends`, `begins`, or 0 if it is not a corner.
       integer, intent(in) :: corner
 
       loop%n = loop%n + 1

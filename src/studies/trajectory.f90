@@ -22,7 +22,7 @@ module vi_trajectory
 
 contains
 
-   !> `simulate` between arrays.
+   !> As `simulate`, from and to arrays.
    !!
    !! A column of `table` is the record of an event: time, four words of `names`, phase, x, x'
    !! before and after, z' before and after.
@@ -34,10 +34,10 @@ contains
       real(wp), intent(inout) :: state(:)
       !> (3) as in `pack_state`. In and out like `state`.
       integer, intent(inout) :: contact(:)
-      !> The end: whole load cycles, and the load phase above them (rad).
+      !> The end: whole load cycles, and the load phase beyond them (rad).
       real(wp), intent(in) :: last_cycle, last_phase
       !> (4, right and left, kind) Four words that the records have for each wall and kind of event;
-      !! they are copied only.
+      !! they are only copied.
       real(wp), intent(in) :: names(4, 2, 3)
       !> (11, capacity) Out: columns 1 to n are the records; the others keep their values.
       real(wp), intent(inout), contiguous :: table(:, :)
@@ -85,8 +85,8 @@ contains
       real(wp), intent(in) :: duration, discard
       !> Largest number of events in the discarded cycles, and again in those that are kept.
       integer, intent(in) :: max_events
-      !> The state from which the kept cycles count, where its flight or rest began, and the same of
-      !! the end.
+      !> The state from which the kept cycles are counted, the state where its flight or rest began,
+      !! and the same two states for the end.
       type(state_type), intent(out) :: moments(4)
       !> The events of the cycles that are kept.
       type(event_type), allocatable, intent(out) :: events(:)
@@ -119,8 +119,8 @@ contains
    subroutine gather(system, state, final, cycles, max_events, keep, events, status, work, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> In: where the last flight or rest began, and the state from which the cycles count. Out:
-      !! the same at the end.
+      !> In: the state where the last flight or rest began, and the state from which the cycles are
+      !! counted. Out: the same at the end.
       type(state_type), intent(inout) :: state, final
       !> Load cycles to simulate.
       real(wp), intent(in) :: cycles
@@ -137,7 +137,7 @@ contains
       integer, intent(in) :: work
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      ! between two looks at the request to stop: events, and load cycles
+      ! largest numbers of events and of load cycles between two checks for a request to stop
       integer, parameter :: chunk = 4096
       integer(int64), parameter :: span = 100000_int64
       type(event_type), allocatable :: chunk_events(:)
@@ -181,7 +181,7 @@ contains
    pure subroutine append_events(new, events, n, good)
       !> The events to append.
       type(event_type), intent(in) :: new(:)
-      !> In and out: the list, of which elements 1 to n are used.
+      !> In and out: the list; its elements 1 to n are used.
       type(event_type), allocatable, intent(inout) :: events(:)
       !> In and out: number of elements used.
       integer, intent(inout) :: n
@@ -228,9 +228,9 @@ contains
       type(state_type), intent(in) :: state
       !> Load cycles to add, not necessarily whole.
       real(wp), intent(in) :: cycles
-      !> Whole load cycles then.
+      !> Whole load cycles at that time.
       integer(int64), intent(out) :: cycle
-      !> Load phase above them (rad), in [0, 2 pi).
+      !> Load phase beyond them (rad), in [0, 2 pi).
       real(wp), intent(out) :: phase
 
       cycle = state%cycle + int(cycles, int64)
@@ -391,9 +391,9 @@ contains
    pure subroutine pack_state(state, values, contact)
       !> The state.
       type(state_type), intent(in) :: state
-      !> (7)
+      !> (7) cycle to departure speed
       real(wp), intent(out) :: values(:)
-      !> (3)
+      !> (3) side, resting, released
       integer, intent(out) :: contact(:)
 
       values = [real(state%cycle, wp), state%phase, state%x, state%x_dot, state%z, state%z_dot, &

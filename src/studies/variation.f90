@@ -3,7 +3,7 @@
 !! The state of an event is (x, x', z', alpha) just after it, the free mass being on a wall and
 !! alpha the load phase. Everything between events is known in closed form, and so is its
 !! derivative; the instant of an event follows from the condition that ends the flight or the rest.
-!! "Change" always means the derivative by one of the quantities that are varied.
+!! "Change" always means the derivative with respect to one of the quantities that are varied.
 !!
 !! An accumulation of impacts is cut off after an impact with departure speed u: there both masses
 !! take the velocity of their common centre of mass, and move together from then on. The neglected
@@ -23,15 +23,15 @@ module vi_variation
    public :: contact_derivative, gap_change, release, through_contact, through_flight, &
       through_rest, through_stick
 
-   !> Most quantities that are varied.
+   !> Largest number of quantities that are varied.
    integer, parameter, public :: columns = 28
 
-   !> The changes of a state by its own four components.
+   !> The changes of a state with respect to its own four components.
    real(wp), parameter, public :: identity(4, 4) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
       0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
       1.0_wp], [4, 4])
 
-   !> The changes of a state and of two parameters, by each of the first n quantities.
+   !> The changes of a state and of two parameters with respect to each of the first n quantities.
    type, public :: variation_type
       integer :: n = 0
       !> Changes of x, x', z' and alpha.
@@ -53,7 +53,8 @@ module vi_variation
    !> The effect of an oscillation over a given time on small changes.
    type :: flow_type
       real(wp) :: time
-      !> Of x and x' at the end: by x and by x' at the start, the load phase, and r.
+      !> Derivatives of x and x' at the end with respect to x and x' at the start, the load phase at
+      !! the start, and r.
       real(wp) :: by_x(2), by_x_dot(2), by_phase(2), by_r(2)
       !> Velocity and acceleration at the end.
       real(wp) :: x_dot, x_ddot
@@ -85,7 +86,8 @@ contains
          change%clearance, before, regular)
    end subroutine through_contact
 
-   !> The derivative of the state just after an impact by that just after the previous event.
+   !> The derivative of the state just after an impact with respect to that just after the previous
+   !! event.
    pure subroutine contact_derivative(system, from, time, side, restitution, p, regular)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -108,7 +110,7 @@ contains
       call vary_contact(system, from, time, side, restitution, 4, p, none, none, unused, regular)
    end subroutine contact_derivative
 
-   !> A flight that ends with an impact on a wall, varied by the first n quantities.
+   !> A flight that ends with an impact on a wall, varied with respect to the first n quantities.
    pure subroutine vary_contact(system, from, time, side, restitution, n, state, r, clearance, &
       before, regular)
       !> The forced system.
@@ -142,7 +144,7 @@ contains
       k = shares(system%osc%mu, restitution)
       do i = 1, n
          call carry(flow, state(:, i), r(i), x, x_dot)
-         ! z - x is where the wall is
+         ! z - x changes like the position of the wall
          longer = (0.5_wp*side*clearance(i) - gap_by(from%side, time, state(:, i), clearance(i), &
             x))/rate
          call strike(system%r, flow, k, longer, x, x_dot, r(i), state(:, i), before(i))
@@ -181,17 +183,18 @@ contains
       end associate
    end subroutine through_flight
 
-   !> The coefficients of the impact law (11), (12): velocities after an impact by those before it.
+   !> The coefficients of the impact law (11), (12): velocities after an impact from those before
+   !! it.
    pure function shares(mu, restitution) result(k)
       !> Mass ratio m/M, and coefficient of restitution of the wall.
       real(wp), intent(in) :: mu, restitution
-      !> Of x' and z' to x', of x' and z' to z'.
+      !> Coefficients of x' and z' in the new x', then in the new z'.
       real(wp) :: k(4)
 
       k = [1 - mu*restitution, mu*(1 + restitution), 1 + restitution, mu - restitution]/(1 + mu)
    end function shares
 
-   !> The impact at the end of a flight, varied by one quantity.
+   !> The impact at the end of a flight, varied with respect to one quantity.
    pure subroutine strike(r, flow, k, longer, x, x_dot, by_r, state, before)
       !> Frequency ratio.
       real(wp), intent(in) :: r
@@ -271,7 +274,7 @@ contains
       real(wp) :: rate
 
       associate (state => change%state, n => change%n)
-         ! (1 + mu) x'' = f sin(alpha) - 2 xi x' - x, and its derivative by time
+         ! (1 + mu) x'' = f sin(alpha) - 2 xi x' - x, and its time derivative
          rate = system%load*system%r*cos(at%phase) - at%x_dot
          instant = 0
          regular = abs(rate) > 8*epsilon(rate)*(system%load*system%r + abs(at%x_dot))
@@ -306,7 +309,7 @@ contains
       end do
    end function gap_change
 
-   !> Change of z - x a given time after the beginning of a flight, by one quantity.
+   !> Change of z - x a given time after the beginning of a flight, with respect to one quantity.
    pure real(wp) function gap_by(side, time, state, clearance, x) result(y)
       !> The wall on which the flight begins.
       integer, intent(in) :: side
@@ -346,7 +349,7 @@ contains
       real(wp), intent(in) :: mass, xi
       !> Duration (1/omega).
       real(wp), intent(in) :: time
-      !> Whether r changes; if it does not, the derivatives by r are left at 0.
+      !> Whether r changes; if it does not, the derivatives with respect to r are left at 0.
       logical, intent(in) :: with_r
       type(flow_type) :: flow
       real(wp) :: shrink, s, c, first(0:2), last(0:2), free(2), growth, lag, elastic, viscous, by(2)
@@ -389,7 +392,7 @@ contains
       f(2) = -o%r**2*f(0)
    end function forced
 
-   !> Changes of x and x' at the end of an oscillation, by one quantity.
+   !> Changes of x and x' at the end of an oscillation, with respect to one quantity.
    pure subroutine carry(flow, state, r, x, x_dot)
       !> The oscillation over its time.
       type(flow_type), intent(in) :: flow

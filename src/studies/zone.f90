@@ -34,8 +34,8 @@ module vi_zone
       !> Unknowns of the family, and its place in the window.
       real(wp), allocatable :: unknowns(:)
       real(wp) :: at(2) = 0
-      !> Whether it belongs to the family and lies in the window, is stable and admissible too, and
-      !> could be brought to a node of the lattice.
+      !> Whether it belongs to the family and lies in the window; whether it is also stable and
+      !> admissible; whether it could be continued to a node of the lattice.
       logical :: there = .false., inside = .false., at_node = .false.
       !> Whether there are closed loops around it.
       logical :: enclosed = .false.
@@ -58,7 +58,7 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; a zone that was stopped has untraced borders.
       integer, intent(inout), optional :: progress(3)
-      !> Those of `simulate_nodes` for the same lattice; all patterns with rest can share them.
+      !> Results of `simulate_nodes` for the same lattice; all patterns with rest can share them.
       type(release_type), intent(in), optional :: releases(:, :, :)
       type(net_type) :: net
       type(seed_type) :: items(size(seeds, 2))
@@ -160,7 +160,7 @@ contains
       call join_loose_ends(zone)
    end subroutine trace_borders
 
-   !> Which seeds are enclosed by loops; a seed inside a zone may also lie on a loop.
+   !> Finds which seeds are enclosed by loops; a seed inside a zone may also lie on a loop.
    pure subroutine enclose(request, zone, seeds)
       !> The request; its window is used.
       type(zone_request_type), intent(in) :: request
@@ -197,11 +197,11 @@ contains
       end do
    end subroutine enclose
 
-   !> Searches motions at the nodes of the lattice and follows the surface on which they lie.
+   !> Searches for motions at the nodes of the lattice and follows the surface on which they lie.
    !!
-   !! The first pass takes every second node in each direction with all guesses, the second pass the
-   !! other nodes with few: near resonance motions may exist on a strip of the window that the first
-   !! pass misses.
+   !! The first pass takes every second node in each direction with all guesses; the second pass
+   !! takes the other nodes with few guesses, since near resonance motions may exist on a strip of
+   !! the window that the first pass misses.
    subroutine search_window(request, net, reported, progress, releases)
       !> The request.
       type(zone_request_type), intent(in) :: request
@@ -252,7 +252,7 @@ contains
    subroutine simulate_nodes(request, longest, threads, releases, places, progress)
       !> The request; its window and lattice are used.
       type(zone_request_type), intent(in) :: request
-      !> Symbols and load cycles of the longest period searched at the end of a simulation.
+      !> Symbols and load cycles of the longest period sought at the end of a simulation.
       integer, intent(in) :: longest(2)
       !> Number of OpenMP threads; each column of nodes is a task.
       integer, intent(in) :: threads
@@ -330,9 +330,9 @@ contains
       end associate
    end subroutine examine
 
-   !> Whether a motion repeats itself within its period, to some distance.
+   !> Whether a motion repeats itself within its period, up to some distance.
    pure logical function repeats(net, unknowns, distance)
-      !> The net; its family.
+      !> The net; its family is used.
       type(net_type), intent(in) :: net
       !> Unknowns of the motion, and the largest distance in (u, theta).
       real(wp), intent(in) :: unknowns(:), distance

@@ -21,8 +21,8 @@ module vi_zone_pieces
    character(*), parameter, public :: not_closed = &
       'not closed: a boundary could not be followed until it closes'
 
-   !> Columns of the results of zones and atlases. A family is what was searched at once: the
-   !! motions of a pattern, of an atlas the symmetric ones or the others.
+   !> Columns of the results of zones and atlases. A family is what one search covers: the motions
+   !! of a pattern or, in an atlas, either its symmetric motions or the others.
    type(column_type), parameter, public :: piece_columns(*) = [ &
       column_type('pieces', 'loop', wholes, &
       meaning='number of the closed boundary; 0 if it could not be closed'), &
@@ -56,7 +56,7 @@ module vi_zone_pieces
    type, public :: piece_type
       character(:), allocatable :: name, detail
       logical :: symmetric = .false.
-      !> The loop; 0 if that could not be closed.
+      !> Number of the loop; 0 if it could not be closed.
       integer :: loop = 0
       !> (2, m): r, D
       real(wp), allocatable :: vertices(:, :)
@@ -160,7 +160,7 @@ contains
       integer, intent(in) :: j
       !> The request.
       type(zone_request_type), intent(in) :: request
-      !> The rings before it.
+      !> In: with the previous rings. Out: with this ring.
       type(pieces_type), intent(inout) :: found
       type(ring_type), allocatable :: longer(:)
       integer :: n

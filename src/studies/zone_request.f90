@@ -1,4 +1,4 @@
-!> The surface of motions over a window of the plane (r, log D), on which zones are searched.
+!> The surface of motions over a window of the plane (r, log D), on which zones are sought.
 module vi_zone_request
    use vi_curve, only: curve_type
    use vi_family, only: new_family
@@ -21,10 +21,10 @@ module vi_zone_request
       type(pattern_type) :: pattern
       logical :: symmetric = .false.
       real(wp) :: r(2) = 0, clearance(2) = 0
-      !> Lattice lines each way (more in a large window), guesses at each node where motions are
-      !! searched.
+      !> Lattice lines in each direction (more in a large window), guesses at each node where
+      !! motions are sought.
       integer :: lines = 17, guesses = 12
-      !> Most points of a loop.
+      !> Largest number of points of a loop.
       integer :: points = 20000
    end type zone_request_type
 
@@ -47,7 +47,7 @@ contains
       is_neutral = (undamped .and. elastic) .or. (osc%mu <= 0 .and. (undamped .or. elastic))
    end function is_neutral
 
-   !> The family in the window, both parameters active.
+   !> The family in the window, with both parameters active.
    pure subroutine make_surface(request, surface, status)
       !> The request.
       type(zone_request_type), intent(in) :: request

@@ -168,7 +168,7 @@ contains
       if (.not. found%closed) call result%fail(not_closed)
    end subroutine run_zone
 
-   !> Number of numbers given as seeds.
+   !> How many numbers are given as seeds.
    pure integer function seed_numbers(study) result(n)
       !> The group.
       type(values_type), intent(in) :: study
@@ -216,7 +216,7 @@ contains
       call result%put('open_seeds', 'clearance', pack(seeds(2, :), is_open))
    end subroutine put_open_seeds
 
-   !> Says which seeds are no motions of the pattern, or lie outside the window.
+   !> Reports which seeds are not motions of the pattern, or lie outside the window.
    pure subroutine remark_unused_seeds(case, is_used, result)
       !> The case.
       type(case_type), intent(in) :: case
