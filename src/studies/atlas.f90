@@ -3,7 +3,7 @@
 !! Patterns are enumerated up to a number of impacts and cycles. Those with rest come from a survey
 !! by simulation, whose attractors also serve as seeds of the zones, and from the simulations at the
 !! nodes of the lattice with which the searches for zones with rest begin. If an attractor lies in
-!! no zone of its pattern, that pattern is searched once more on a finer lattice. The outcomes of
+!! no zone of its pattern, that pattern is searched again on a finer lattice. The outcomes of
 !! the other points of the survey are kept with the zones.
 module vi_atlas
    use vi_family, only: can_be_symmetric

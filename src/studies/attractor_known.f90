@@ -34,9 +34,9 @@ module vi_attractor_known
       integer, allocatable :: symbols(:)
       !> t, x, x', z, z' of a state on it.
       real(wp) :: state(5) = 0
-      !> Of a periodic one: its impacts, or its releases, with their neighbourhoods.
+      !> For a periodic one: its impacts, or its releases, with their neighbourhoods.
       type(target_type), allocatable :: targets(:)
-      !> Of a periodic one: greatest modulus of its multipliers; of others: largest exponent per
+      !> For a periodic one: greatest modulus of its multipliers; for others: largest exponent per
       !! load cycle.
       real(wp) :: largest = 0
    end type known_type

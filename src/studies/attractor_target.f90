@@ -13,7 +13,7 @@ module vi_attractor_target
 
    !> A stable periodic motion, and a neighbourhood from which states converge to it.
    type, public :: target_type
-      !> Of the event: a release, or an impact on the wall of this side.
+      !> The event: a release, or an impact on the wall of this side.
       logical :: release = .false.
       integer :: side = 0
       !> Load cycles and events of a period.

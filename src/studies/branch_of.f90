@@ -30,7 +30,7 @@ contains
 
    !> Follows a motion in both directions along a parameter.
    subroutine branch_of(motion, parameter, tied, bounds, longest, most, points, progress)
-      !> The motion at the start, exact.
+      !> The exact motion at the start.
       type(motion_type), intent(in) :: motion
       !> Place of the parameter in the core (`by_r` .. `by_left`).
       integer, intent(in) :: parameter

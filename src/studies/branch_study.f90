@@ -97,7 +97,7 @@ contains
 
    !> Declares the study.
    subroutine declare_branch(study)
-      !> Its declaration.
+      !> The declaration of the study.
       type(study_type), intent(out) :: study
 
       study%name = 'branch'
@@ -155,7 +155,7 @@ contains
       start%fault_line = line
    end subroutine blame
 
-   !> Checks the rules that involve several keys, and on the motion that the branch starts from.
+   !> Checks the rules that involve several keys, or the motion that the branch starts from.
    subroutine check_branch(case)
       !> The case, with `start`.
       type(case_type), intent(inout) :: case
@@ -226,7 +226,7 @@ contains
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> The result, started.
+      !> In: the result without tables. Out: with its tables and notes.
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)

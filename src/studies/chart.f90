@@ -133,7 +133,7 @@ contains
       if (is_stopped(progress)) where (status == stat%no_motion) status = stat%not_computed
    end subroutine exact_chart
 
-   !> Puts the motions found into slots, and computes them once more with their verdicts.
+   !> Puts the motions found into slots, and computes them again with their verdicts.
    subroutine finish_chart(setting, r, clearance, threads, unknowns, ranks, found, phases, &
       impacts, scalars, multipliers, verdicts, status, progress)
       !> Given data; its r and clearance are not read.

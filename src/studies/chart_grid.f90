@@ -92,7 +92,7 @@ contains
       integer, intent(in) :: threads
       !> The chart, with all slots.
       type(chart_type), intent(inout) :: chart
-      !> As in vi_progress.
+      !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       real(wp), allocatable :: scalars(:, :, :, :)
 
@@ -125,7 +125,7 @@ contains
       integer, intent(in) :: pair, kind, threads
       !> The chart, with all slots.
       type(chart_type), intent(inout) :: chart
-      !> As in vi_progress.
+      !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       real(wp), allocatable :: impacts(:, :, :, :, :), scalars(:, :, :, :)
       integer, allocatable :: found(:, :), rows(:), columns(:), points(:, :)

@@ -23,8 +23,8 @@ module vi_curve
    type, public :: correction_type
       !> Largest absolute component of each of the first two steps.
       real(wp) :: moved(2) = 0
-      !> The sign of the determinant of the equations, the last of which is the direction of travel.
-      !! It is constant along a curve, and changes only where curves cross.
+      !> The sign of the determinant of the equations, where the last one is the direction of
+      !! travel. It is constant along a curve, and changes only where curves cross.
       integer :: orientation = 0
    end type correction_type
 
@@ -327,8 +327,8 @@ contains
       end if
    end subroutine rest_slope
 
-   !> As `condition_slope`, from the orbit of the point; central differences where no closed form is
-   !! known.
+   !> As `condition_slope`, from the orbit of the point; central differences where no closed form
+   !! is known.
    pure subroutine orbit_slope(curve, condition, point, c, o, value, slope)
       !> The curve.
       type(curve_type), intent(in) :: curve

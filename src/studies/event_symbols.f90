@@ -22,7 +22,7 @@ module vi_event_symbols
    type, public :: period_type
       !> Load cycles, and the number of the event with which it ends.
       integer :: cycles = 0, last = 0
-      !> Its symbols, and the greatest difference in phase (rad) from the period before it.
+      !> Its symbols, and the greatest difference in phase (rad) from the previous period.
       type(symbol_sequence_type) :: reading
       real(wp) :: mismatch = huge(1.0_wp)
    end type period_type

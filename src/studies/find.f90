@@ -342,7 +342,7 @@ contains
       findings%gathered(findings%n) = motion
    end subroutine add
 
-   !> Computes each motion once more in its standard form, with its verdicts; motions that do not
+   !> Computes each motion again in its standard form, with its verdicts; motions that do not
    !! converge then, or are not admissible, are counted and left out.
    subroutine verify(request, findings)
       !> The request.

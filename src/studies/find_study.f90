@@ -70,7 +70,7 @@ contains
 
    !> Declares the study.
    subroutine declare_find(study)
-      !> Its declaration.
+      !> The declaration of the study.
       type(study_type), intent(out) :: study
 
       study%name = 'find'
@@ -111,9 +111,9 @@ contains
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> The result, started.
+      !> In: the result without tables. Out: with its tables and notes.
       type(result_type), intent(inout) :: result
-      !> As in vi_progress.
+      !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(find_request_type) :: request
       type(findings_type) :: findings

@@ -42,7 +42,7 @@ contains
       type(pattern_type), intent(in) :: pattern
       !> Largest relative residual that counts as consistent.
       real(wp), intent(in) :: acceptance
-      !> Whether the spectral radius of [P] is wanted too.
+      !> Whether the spectral radius of [P] is also wanted.
       logical, intent(in) :: with_radius
       !> Number of OpenMP threads, at least 1.
       integer, intent(in) :: threads

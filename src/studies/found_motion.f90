@@ -252,7 +252,7 @@ contains
       real(wp), intent(out) :: values(:, :)
       !> As in `n_events`.
       integer, intent(out) :: labels(:, :)
-      !> That of the motion, or `stat%more_events` if the capacity is too small.
+      !> Status of the motion, or `stat%more_events` if the capacity is too small.
       integer, intent(out) :: status
 
       n = 0

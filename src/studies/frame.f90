@@ -40,7 +40,7 @@ module vi_frame
       !> Whether a Neimark-Sacker point counts if another multiplier is already outside the unit
       !! circle: it does on a branch; for a zone only the boundary matters.
       logical :: every_crossing = .false.
-      !> Motions with rest: another family, with unknowns of its own.
+      !> Motions with rest: another family, with its own unknowns.
       logical :: resting = .false.
       type(rest_family_type) :: rest
    end type frame_type

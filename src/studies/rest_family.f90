@@ -198,8 +198,8 @@ contains
       do i = 1, m
          a(i, :) = period%equations(i)%by(:m)
       end do
-      ! the equations of the phases alone have the product of a(i, i) as their determinant, each an
-      ! approach speed over r
+      ! the equations of the phases alone are triangular: their determinant is the product of the
+      ! a(i, i), each an approach speed over r
       phases = 1
       do i = 3, m
          phases = phases*(period%approach(i - 2)%value/a(i, i))
@@ -601,10 +601,10 @@ contains
    !!
    !! With a = j s, where s is the time until a changes sign, the next impact follows after
    !! t = 3/2 s (1 - sqrt(1 - 8/3 w)), w = u/(j s**2) = u/(a s). The step from w to the next one has
-   !! a fixed point, tau = t/s with (3 - tau) (1 - tau)**2 = R (3 - 2 tau): below it the
-   !! accumulation is completed in time, above it it is not. A distance from the fixed point grows
-   !! by the factor L from impact to impact while s shrinks by the factor 1 - tau, so that (1 -
-   !! w/w_c) s**power with (1 - tau)**power = 1/L has the same value at each impact.
+   !! a fixed point, tau = t/s with (3 - tau) (1 - tau)**2 = R (3 - 2 tau). Below it the
+   !! accumulation is completed in time; above it, it is not. A distance from the fixed point grows
+   !! by the factor L from impact to impact while s shrinks by the factor 1 - tau, so that
+   !! (1 - w/w_c) s**power with (1 - tau)**power = 1/L has the same value at each impact.
    pure subroutine critical(restitution, limit, power)
       !> Coefficient of restitution of the wall.
       real(wp), intent(in) :: restitution

@@ -85,8 +85,8 @@ contains
       edges = left_of_edges(vertices, r, clearance)
       left = edges > 0
       if (abs(edges) > 0) return
-      ! a zone can be thinner than the polygon is accurate; a point of it is unlikely to be this
-      ! near a hole
+      ! a zone can be thinner than the accuracy of the polygon; a point this near to a hole is
+      ! unlikely
       around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. passes(ring, inside, r, clearance)
       left = (area(ring) > 0) .eqv. around(1)
    end function zone_on_left

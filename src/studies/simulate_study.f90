@@ -75,7 +75,7 @@ contains
 
    !> Declares the study.
    subroutine declare_simulate(study)
-      !> Its declaration.
+      !> The declaration of the study.
       type(study_type), intent(out) :: study
 
       study%name = 'simulate'
@@ -111,7 +111,7 @@ contains
       type(case_type), intent(in) :: case
       !> Number of OpenMP threads; the result does not depend on it.
       integer, intent(in) :: threads
-      !> The result, started.
+      !> In: the result without tables. Out: with its tables and notes.
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)

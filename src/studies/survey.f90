@@ -2,7 +2,7 @@
 !!
 !! A simulation that repeats itself after some cycles gives a guess; Newton's method makes the
 !! motion exact, and only a stable, admissible one within the limits is an attractor for an atlas.
-!! The outcome of the other points is reported too, see vi_survey_outcome.
+!! The outcome of the other points is also reported, see vi_survey_outcome.
 module vi_survey
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type
@@ -104,7 +104,7 @@ contains
    !> The motion on which one simulation settles.
    !!
    !! It is examined after the transient. A trajectory that is then neither periodic nor certainly
-   !! chaotic is examined once more, after a longer transient and for longer periods.
+   !! chaotic is examined again, after a longer transient and for longer periods.
    subroutine settle_point(osc, u, settling, limits, attractor, progress)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
